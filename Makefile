@@ -1,0 +1,44 @@
+# REMODEL planner: every command sets up what it needs. `make help` lists them.
+SHELL := /bin/bash
+.SHELLFLAGS := -euo pipefail -c
+.DEFAULT_GOAL := help
+.PHONY: help build demo test unit rostest lint clean
+
+# The workspace's own Python first, whatever else the shell has on its path; no other workspace.
+export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
+unexport PYTHONPATH PYTHONHOME ROS_PACKAGE_PATH CMAKE_PREFIX_PATH ROS_MASTER_URI VIRTUAL_ENV
+
+WIRES ?= 6
+SOURCED := set +u; . devel/setup.sh; set -u;
+RESULTS := build/test_results
+
+help: ## List the commands
+	@grep -hE '^[a-z]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 12
+
+.venv/.ready: tools/setup.sh tools/apt-packages.txt requirements.txt requirements-dev.txt
+	@tools/setup.sh
+
+build: .venv/.ready ## Set up the machine and build the workspace
+	@tools/build.sh
+
+demo: build ## Wire a real cabinet in the simulated cell (WIRES=6); report in out/demo/report.html
+	@$(SOURCED) tools/demo.sh $(WIRES)
+
+test: build ## Set up, then lint, unit tests and ROS tests; ends with a count
+	@rm -rf $(RESULTS)
+	@status=0; for part in lint unit rostest; do $(MAKE) --no-print-directory $$part || status=1; done; \
+	  tools/count_tests.py $(RESULTS) || status=1; exit $$status
+
+unit: build ## Tests that need no ROS master
+	@$(SOURCED) pytest --junit-xml=$(RESULTS)/unit.xml
+
+rostest: build ## Tests of running nodes, each on a roscore of its own
+	@$(SOURCED) catkin_make --no-color run_tests -j1 >build/rostest.log 2>&1 || { tail -n 40 build/rostest.log; exit 1; }
+	@$(SOURCED) catkin_test_results --all $(RESULTS) || { echo "log: build/rostest.log"; exit 1; }
+
+lint: .venv/.ready ## Style, types of the pure cores, and XML
+	@ruff format --check .
+	@ruff check .
+
+clean: ## Remove what was built; keeps .venv
+	@rm -rf build devel install out src/CMakeLists.txt

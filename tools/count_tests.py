@@ -1,0 +1,37 @@
+#!/usr/bin/env python3
+"""Print how many tests passed and failed, from the result files below a folder."""
+
+import sys
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+
+def count(folder: Path) -> tuple[int, int, int]:
+    """Return the number of passed, failed and skipped tests.
+
+    rostest writes each test twice, once per process and once summed up in `rostest-*.xml`;
+    only the summary is read, since it also knows tests that never reported.
+    """
+    passed = failed = skipped = 0
+    for path in sorted(folder.rglob("*.xml")):
+        if path.name.startswith("rosunit-"):
+            continue
+        for case in ElementTree.parse(path).getroot().iter("testcase"):
+            if case.find("failure") is not None or case.find("error") is not None:
+                failed += 1
+            elif case.find("skipped") is not None:
+                skipped += 1
+            else:
+                passed += 1
+    return passed, failed, skipped
+
+
+def main() -> int:
+    """Print the count and return the exit code: 0 only if there were tests and none failed."""
+    passed, failed, skipped = count(Path(sys.argv[1]))
+    print(f"{passed} passed, {failed} failed" + (f", {skipped} skipped" if skipped else ""))  # noqa: T201
+    return 0 if passed and not failed else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
