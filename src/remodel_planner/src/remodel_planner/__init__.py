@@ -1,0 +1,1 @@
+"""From production knowledge to tasks, charts and finished wires."""

@@ -1,0 +1,116 @@
+"""What design files leave unsaid: where elements are mounted, what wires are like.
+
+The values stand in config/catalogue.yaml; this is their form.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from fnmatch import fnmatchcase
+
+from remodel_planner.errors import CatalogueError
+
+
+class Place(Enum):
+    """Where an element of a drawing is mounted."""
+
+    PLATE = "plate"
+    FIELD = "field"
+    REFERENCE = "reference"
+    DRAWING = "drawing"
+
+
+# Link types that QElectroTech gives to devices with contacts or clamps of their own.
+_DEVICE_LINK_TYPES = frozenset({"master", "terminal"})
+
+
+@dataclass(frozen=True)
+class WireType:
+    """Properties of a wire of one section.
+
+    Attributes:
+        diameter_m: [m] over the insulation.
+        density_kg_m: [kg/m] per length.
+        stiffness_n_m2: [N m^2] EI.
+        ferrule_m: [m] length of the rigid end.
+    """
+
+    diameter_m: float
+    density_kg_m: float
+    stiffness_n_m2: float
+    ferrule_m: float
+
+
+@dataclass(frozen=True)
+class Catalogue:
+    """Rules and tables for what a design file leaves unsaid."""
+
+    placement: tuple[tuple[str, Place], ...]
+    colour_names: Mapping[str, str]
+    colour_values: Mapping[str, str]
+    default_colour: str
+    default_section: float
+    wires: Mapping[float, WireType]
+
+    def place(self, path: str, link_type: str) -> Place:
+        """Return where an element belongs, by its path in the collection and its link type."""
+        for pattern, place in self.placement:
+            if fnmatchcase(path, pattern):
+                return place
+        return Place.PLATE if link_type in _DEVICE_LINK_TYPES else Place.FIELD
+
+    def wire_type(self, section_mm2: float) -> WireType:
+        """Return the properties of a wire of that section.
+
+        Raises:
+            CatalogueError: if the catalogue has no such section.
+        """
+        if section_mm2 not in self.wires:
+            known = ", ".join(f"{section:g}" for section in sorted(self.wires))
+            raise CatalogueError(
+                f"the catalogue has no wire of {section_mm2:g} mm2; it has {known}: add a line to "
+                "`wires` in config/catalogue.yaml"
+            )
+        return self.wires[section_mm2]
+
+
+def catalogue_from(data: object) -> Catalogue:
+    """Build a catalogue from the parsed YAML file.
+
+    Raises:
+        CatalogueError: naming the first key that is missing or malformed.
+    """
+    where = "the file"
+    try:
+        assert_mapping(data)
+        where = "placement"
+        placement = tuple((rule["pattern"], Place(rule["place"])) for rule in data["placement"])
+        where = "wires"
+        wires = {
+            float(section): WireType(
+                float(row["diameter"]),
+                float(row["density"]),
+                float(row["stiffness"]),
+                float(row["ferrule"]),
+            )
+            for section, row in data["wires"].items()
+        }
+        where = "colours and defaults"
+        return Catalogue(
+            placement,
+            dict(data["colour_names"]),
+            dict(data["colour_values"]),
+            str(data["default_colour"]),
+            float(data["default_section"]),
+            wires,
+        )
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise CatalogueError(f"catalogue: {where}: {error!r}") from error
+
+
+def assert_mapping(data: object) -> None:
+    """Raise TypeError unless the data is a mapping."""
+    if not isinstance(data, Mapping):
+        raise TypeError(f"expected a mapping, found {type(data).__name__}")

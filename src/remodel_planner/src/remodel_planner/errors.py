@@ -1,0 +1,25 @@
+"""What can be wrong with an order before anything moves."""
+
+
+class PlannerError(Exception):
+    """Base of the errors that a user can mend; the text says where, what was found, what to do."""
+
+
+class DesignError(PlannerError):
+    """A design file cannot be read as an electrical project."""
+
+
+class CatalogueError(PlannerError):
+    """The catalogue of wires and mounting rules is malformed."""
+
+
+class LayoutError(PlannerError):
+    """The order's components do not fit on the panel."""
+
+
+class OrderError(PlannerError):
+    """The database has no such order, or has it already."""
+
+
+class CellError(PlannerError):
+    """The cell, the engine or the synthesizer does not answer, or refuses."""

@@ -1,0 +1,1 @@
+"""FlexBE states of the REMODEL abilities, one per module."""

@@ -1,0 +1,38 @@
+"""Bound how often a part of a behavior is tried."""
+
+from flexbe_core import EventState
+
+
+class CountAttemptsState(EventState):
+    """Count one more attempt and tell whether it is still allowed.
+
+    The synthesizer puts it before a state that has `ext:attempts`.
+
+    -- attempts  int  Number of attempts allowed, at least 1.
+
+    ># attempt   int  Attempts so far.
+    #> attempt   int  Attempts including this one.
+
+    <= counted        The attempt is allowed.
+    <= exhausted      All attempts have been made.
+
+    """
+
+    def __init__(self, attempts):
+        """Check the bound.
+
+        Raises:
+            ValueError: if attempts is not an integer of at least 1.
+        """
+        super().__init__(
+            outcomes=["counted", "exhausted"], input_keys=["attempt"], output_keys=["attempt"]
+        )
+        if not isinstance(attempts, int) or attempts < 1:
+            raise ValueError(f"attempts must be an integer of at least 1, found {attempts!r}")
+        self._attempts = attempts
+
+    def execute(self, userdata):
+        """Count, and return at once."""
+        attempt = userdata.attempt + 1
+        userdata.attempt = attempt
+        return "counted" if attempt <= self._attempts else "exhausted"

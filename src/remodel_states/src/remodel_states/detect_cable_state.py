@@ -1,0 +1,63 @@
+"""Find a wire and its loose ends."""
+
+from flexbe_core import EventState
+from remodel_msgs.msg import DetectCableAction, DetectCableGoal
+
+from remodel_states.ability_call import AbilityCall
+
+
+class DetectCableState(EventState):
+    """Find a wire and its loose ends by camera.
+
+    -- timeout_s  float  [s] ROS time that the ability gets.
+    -- topic  string  Action topic of the ability server.
+
+    ># cable_id  string  Wire of the loaded panel.
+
+    #> observation  remodel_msgs/CableObservation  Where the wire lies.
+    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode); untouched on success.
+    #> error_message  string  What failed and what to do; untouched on success.
+
+    <= detected  The wire was seen.
+    <= failed  The ability failed; error_code says why.
+    <= command_error  The goal was refused, or the server is not there.
+
+    """
+
+    def __init__(
+        self,
+        timeout_s=30.0,
+        topic="remodel_abilities/detectcable",
+    ):
+        """Connect to the ability server."""
+        super().__init__(
+            outcomes=["detected", "failed", "command_error"],
+            input_keys=["cable_id"],
+            output_keys=["observation", "error_code", "error_message"],
+        )
+        self._call = AbilityCall(self, DetectCableAction, topic, timeout_s, done="detected")
+
+    def on_enter(self, userdata):
+        """Send the goal."""
+        self._call.start(
+            DetectCableGoal(
+                cable_id=userdata.cable_id,
+            )
+        )
+
+    def execute(self, userdata):
+        """Return the outcome once the ability has ended."""
+        outcome = self._call.outcome()
+        if outcome is not None:
+            self._call.write_errors(userdata)
+        if outcome == "detected":
+            userdata.observation = self._call.result.observation
+        return outcome
+
+    def on_exit(self, userdata):
+        """Cancel what still runs."""
+        self._call.finish()
+
+    def on_stop(self):
+        """Cancel what still runs, on an engine that skips on_exit on preempt."""
+        self._call.finish()

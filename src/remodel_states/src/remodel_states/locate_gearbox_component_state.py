@@ -1,0 +1,69 @@
+"""Find a component and one of its terminals."""
+
+from flexbe_core import EventState
+from remodel_msgs.msg import LocateGearboxComponentAction, LocateGearboxComponentGoal
+
+from remodel_states.ability_call import AbilityCall
+
+
+class LocateGearboxComponentState(EventState):
+    """Find a component on the panel, and one of its terminals, by camera.
+
+    -- timeout_s  float  [s] ROS time that the ability gets.
+    -- topic  string  Action topic of the ability server.
+
+    ># component_id  string  Component of the loaded panel.
+    ># terminal_id  string  Terminal of that component.
+
+    #> component_pose  geometry_msgs/PoseStamped  Where the component is.
+    #> socket_pose  geometry_msgs/PoseStamped  Mouth of the terminal, x axis into it.
+    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode); untouched on success.
+    #> error_message  string  What failed and what to do; untouched on success.
+
+    <= located  The component was seen.
+    <= failed  The ability failed; error_code says why.
+    <= command_error  The goal was refused, or the server is not there.
+
+    """
+
+    def __init__(
+        self,
+        timeout_s=30.0,
+        topic="remodel_abilities/locategearboxcomponent",
+    ):
+        """Connect to the ability server."""
+        super().__init__(
+            outcomes=["located", "failed", "command_error"],
+            input_keys=["component_id", "terminal_id"],
+            output_keys=["component_pose", "socket_pose", "error_code", "error_message"],
+        )
+        self._call = AbilityCall(
+            self, LocateGearboxComponentAction, topic, timeout_s, done="located"
+        )
+
+    def on_enter(self, userdata):
+        """Send the goal."""
+        self._call.start(
+            LocateGearboxComponentGoal(
+                component_id=userdata.component_id,
+                terminal_id=userdata.terminal_id,
+            )
+        )
+
+    def execute(self, userdata):
+        """Return the outcome once the ability has ended."""
+        outcome = self._call.outcome()
+        if outcome is not None:
+            self._call.write_errors(userdata)
+        if outcome == "located":
+            userdata.component_pose = self._call.result.component_pose
+            userdata.socket_pose = self._call.result.socket_pose
+        return outcome
+
+    def on_exit(self, userdata):
+        """Cancel what still runs."""
+        self._call.finish()
+
+    def on_stop(self):
+        """Cancel what still runs, on an engine that skips on_exit on preempt."""
+        self._call.finish()

@@ -1,0 +1,69 @@
+"""Lay a held wire down."""
+
+from flexbe_core import EventState
+from remodel_msgs.msg import PlaceCableAction, PlaceCableGoal
+
+from remodel_states.ability_call import AbilityCall
+from remodel_states.panel_pose import panel_pose
+
+
+class PlaceCableState(EventState):
+    """Lay the held end of a wire down and let go.
+
+    -- target  list  [x, y, z, yaw] of the tool centre at release, in the panel frame [m, rad].
+    -- robot_name  string  Arm that does it.
+    -- timeout_s  float  [s] ROS time that the ability gets.
+    -- topic  string  Action topic of the ability server.
+
+    ># cable_id  string  Wire of the loaded panel.
+
+    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode); untouched on success.
+    #> error_message  string  What failed and what to do; untouched on success.
+
+    <= placed  The wire lies there and the gripper is empty.
+    <= failed  The ability failed; error_code says why.
+    <= command_error  The goal was refused, or the server is not there.
+
+    """
+
+    def __init__(
+        self,
+        target,
+        robot_name="robot_1",
+        timeout_s=30.0,
+        topic="remodel_abilities/placecable",
+    ):
+        """Connect to the ability server."""
+        super().__init__(
+            outcomes=["placed", "failed", "command_error"],
+            input_keys=["cable_id"],
+            output_keys=["error_code", "error_message"],
+        )
+        self._target = target
+        self._robot_name = robot_name
+        self._call = AbilityCall(self, PlaceCableAction, topic, timeout_s, done="placed")
+
+    def on_enter(self, userdata):
+        """Send the goal."""
+        self._call.start(
+            PlaceCableGoal(
+                robot_name=self._robot_name,
+                cable_id=userdata.cable_id,
+                target_pose=panel_pose(self._target),
+            )
+        )
+
+    def execute(self, userdata):
+        """Return the outcome once the ability has ended."""
+        outcome = self._call.outcome()
+        if outcome is not None:
+            self._call.write_errors(userdata)
+        return outcome
+
+    def on_exit(self, userdata):
+        """Cancel what still runs."""
+        self._call.finish()
+
+    def on_stop(self):
+        """Cancel what still runs, on an engine that skips on_exit on preempt."""
+        self._call.finish()

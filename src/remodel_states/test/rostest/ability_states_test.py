@@ -1,0 +1,198 @@
+#!/usr/bin/env python3
+"""Every ability state, alone, against fake servers."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+import unittest
+
+import rospy
+import rostest
+from flexbe_core.core import UserData
+from geometry_msgs.msg import PoseStamped
+from remodel_msgs.msg import AbilityRecord, ErrorCode
+
+from remodel_states.count_attempts_state import CountAttemptsState
+from remodel_states.detect_cable_state import DetectCableState
+from remodel_states.extract_cable_state import ExtractCableState
+from remodel_states.fix_cable_state import FixCableState
+from remodel_states.insert_cable_state import InsertCableState
+from remodel_states.locate_gearbox_component_state import LocateGearboxComponentState
+from remodel_states.pick_cable_state import PickCableState
+from remodel_states.place_cable_state import PlaceCableState
+from remodel_states.place_connector_state import PlaceConnectorState
+from remodel_states.place_pin_state import PlacePinState
+from remodel_states.route_wire_state import RouteWireState
+from remodel_states.testing import Answer, FakeAbility
+
+POSE = [0.1, 0.2, 0.3, 1.5]
+STATES = {
+    "DetectCable": (DetectCableState, {}, "detected"),
+    "ExtractCable": (ExtractCableState, {}, "extracted"),
+    "FixCable": (FixCableState, {}, "fixed"),
+    "InsertCable": (InsertCableState, {}, "inserted"),
+    "LocateGearboxComponent": (LocateGearboxComponentState, {}, "located"),
+    "PickCable": (PickCableState, {}, "picked"),
+    "PlaceCable": (PlaceCableState, {"target": POSE}, "placed"),
+    "PlaceConnector": (PlaceConnectorState, {"connector_id": "P1"}, "placed"),
+    "PlacePin": (PlacePinState, {}, "PlacePin finished normally"),
+    "RouteWire": (RouteWireState, {"path": [POSE, POSE]}, "routed"),
+}
+
+
+def userdata():
+    """Return userdata with every input that an ability state may read."""
+    data = UserData()
+    for key in ("cable_id", "cable_end", "component_id", "terminal_id", "placepin_id"):
+        data[key] = key
+    data["socket_pose"] = PoseStamped()
+    return data
+
+
+def run(state, data, limit_s=10.0):
+    """Run a lone state to its outcome, as flexbe_testing does."""
+    state.on_start()
+    limit = time.monotonic() + limit_s
+    outcome = None
+    while outcome is None and time.monotonic() < limit:
+        outcome = state.execute(data)
+        if outcome is None:
+            state.sleep()
+    return outcome
+
+
+def wait_until(condition, limit_s=5.0):
+    limit = time.monotonic() + limit_s
+    while not condition() and time.monotonic() < limit:
+        time.sleep(0.01)
+    return condition()
+
+
+class AbilityStatesTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.fakes = {ability: FakeAbility(ability) for ability in STATES}
+        cls.records = []
+        rospy.Subscriber("remodel/ability_records", AbilityRecord, cls.records.append)
+
+    def state(self, ability, **parameters):
+        state_class, defaults, _ = STATES[ability]
+        return state_class(**{**defaults, **parameters})
+
+    def test_each_ability_succeeds_with_its_outcome(self):
+        for ability, (_, _, done) in STATES.items():
+            with self.subTest(ability):
+                self.fakes[ability].script(Answer())
+                self.assertEqual(run(self.state(ability), userdata()), done)
+                goal = self.fakes[ability].goals[0]
+                self.assertTrue(goal.id)
+                self.assertGreater(goal.timeout, 0)
+
+    def test_each_ability_failure_tells_its_code(self):
+        for ability in STATES:
+            with self.subTest(ability):
+                self.fakes[ability].script(Answer(ErrorCode.NOT_SEATED))
+                data = userdata()
+                self.assertEqual(run(self.state(ability), data), "failed")
+                self.assertEqual(data["error_code"], ErrorCode.NOT_SEATED)
+                self.assertIn("304", data["error_message"])
+
+    def test_each_refused_goal_is_a_command_error(self):
+        for ability in STATES:
+            with self.subTest(ability):
+                self.fakes[ability].script(Answer(refuse=True))
+                data = userdata()
+                self.assertEqual(run(self.state(ability), data), "command_error")
+                self.assertEqual(data["error_code"], ErrorCode.INVALID_GOAL)
+
+    def test_success_leaves_the_last_failure_in_userdata(self):
+        fake = self.fakes["InsertCable"]
+        fake.script(Answer(ErrorCode.INSERTION_JAMMED), Answer())
+        data = userdata()
+        state = self.state("InsertCable")
+        self.assertEqual(run(state, data), "failed")
+        self.assertEqual(run(state, data), "inserted")
+        self.assertEqual(data["error_code"], ErrorCode.INSERTION_JAMMED)
+        self.assertNotEqual(fake.goals[0].id, fake.goals[1].id)
+
+    def test_a_server_that_never_answers_is_given_up_and_cancelled(self):
+        self.fakes["FixCable"].script(Answer(hang=True))
+        data = userdata()
+        self.assertEqual(run(self.state("FixCable", timeout_s=0.3), data), "failed")
+        self.assertEqual(data["error_code"], ErrorCode.TIMEOUT)
+        self.assertTrue(wait_until(lambda: self.fakes["FixCable"].cancelled))
+
+    def test_leaving_a_running_state_cancels_its_goal_once(self):
+        fake = self.fakes["RouteWire"]
+        fake.script(Answer(hang=True))
+        state = self.state("RouteWire")
+        data = userdata()
+        state.on_enter(data)
+        self.assertTrue(wait_until(lambda: fake.goals))
+        state.on_exit(data)
+        state.on_stop()
+        self.assertTrue(wait_until(lambda: fake.cancelled))
+        goal_id = fake.goals[0].id
+        self.assertEqual(fake.cancelled, [goal_id])
+        self.assertTrue(wait_until(lambda: any(r.goal_id == goal_id for r in self.records)))
+        records = [record for record in self.records if record.goal_id == goal_id]
+        self.assertEqual([r.error_code for r in records], [ErrorCode.PREEMPTED])
+
+    def test_a_server_that_dies_is_noticed_long_before_the_timeout(self):
+        script = (
+            "import rospy; rospy.init_node('victim');"
+            "from remodel_states.testing import Answer, FakeAbility;"
+            "FakeAbility('PickCable', [Answer(hang=True)], 'victim/pickcable'); rospy.spin()"
+        )
+        victim = subprocess.Popen([sys.executable, "-c", script])
+        try:
+            state = self.state("PickCable", topic="victim/pickcable", timeout_s=60.0)
+            timer = threading.Timer(2.0, os.kill, (victim.pid, signal.SIGKILL))
+            timer.start()
+            started = time.monotonic()
+            data = userdata()
+            self.assertEqual(run(state, data, 20.0), "command_error")
+            self.assertEqual(data["error_code"], ErrorCode.SERVER_LOST)
+            self.assertLess(time.monotonic() - started, 10.0)
+        finally:
+            victim.kill()
+            victim.wait()
+
+    def test_no_server_is_a_command_error_at_once(self):
+        state = self.state("DetectCable", topic="nobody/serves/this")
+        data = userdata()
+        self.assertEqual(run(state, data, 5.0), "command_error")
+        self.assertEqual(data["error_code"], ErrorCode.SERVER_LOST)
+
+    def test_a_slow_pin_is_told_from_a_normal_one(self):
+        self.fakes["PlacePin"].script(Answer(elapsed_s=31.0))
+        data = userdata()
+        outcome = run(self.state("PlacePin", max_time=30.0), data)
+        self.assertEqual(outcome, "PlacePin takes longer than normal")
+        self.assertEqual(data["elapsed_time"], 31.0)
+
+    def test_attempts_are_counted_up_to_the_bound(self):
+        state = CountAttemptsState(attempts=2)
+        data = UserData()
+        data["attempt"] = 0
+        outcomes = [state.execute(data) for _ in range(3)]
+        self.assertEqual(outcomes, ["counted", "counted", "exhausted"])
+
+    def test_nonsense_parameters_are_refused(self):
+        for make in (
+            lambda: CountAttemptsState(attempts=0),
+            lambda: CountAttemptsState(attempts="three"),
+            lambda: self.state("PickCable", timeout_s=0.0),
+            lambda: self.state("PickCable", timeout_s=float("nan")),
+            lambda: self.state("RouteWire", path=[[0.0, 1.0]]).on_enter(userdata()),
+        ):
+            with self.assertRaises(ValueError):
+                make()
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_ability_states")
+    rostest.rosrun("remodel_states", "test_ability_states", AbilityStatesTest)
