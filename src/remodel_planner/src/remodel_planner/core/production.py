@@ -9,7 +9,7 @@ one terminal of each.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 
@@ -73,12 +73,20 @@ class Wire:
 
 @dataclass(frozen=True)
 class Order:
-    """What is to be wired: components and wires, in the design's order."""
+    """What is to be wired: components and wires, in the design's order.
+
+    Attributes:
+        title: of the design.
+        source: the design's file name.
+        notes: what the import guessed and left out, a line each.
+    """
 
     name: str
     title: str
+    source: str
     components: tuple[Component, ...]
     wires: tuple[Wire, ...]
+    notes: tuple[str, ...] = ()
 
     def first(self, count: int) -> Order:
         """Return the order cut down to its first wires and the components that they need."""
@@ -90,5 +98,5 @@ class Order:
                 t for t in component.terminals if TerminalRef(component.name, t.name) in ends
             )
             if used:
-                components.append(Component(component.name, component.kind, used))
-        return Order(self.name, self.title, tuple(components), wires)
+                components.append(replace(component, terminals=used))
+        return replace(self, components=tuple(components), wires=wires)

@@ -64,6 +64,12 @@ class Account:
     guesses: tuple[str, ...]
     left_out: tuple[LeftOut, ...]
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Guesses and what was left out, a line each."""
+        omissions = (f"{item.source}: left out, {item.reason}" for item in self.left_out)
+        return (*self.guesses, *omissions)
+
 
 @dataclass(frozen=True)
 class _Point:
@@ -82,19 +88,20 @@ class _Conductor:
     section: str
 
 
-def import_qet(text: bytes, name: str, catalogue: Catalogue) -> tuple[Order, Account]:
+def import_qet(text: bytes, name: str, source: str, catalogue: Catalogue) -> tuple[Order, Account]:
     """Read a project.
 
     Args:
         text: content of the `.qet` file.
         name: of the order to make.
+        source: name of the file, for the record.
         catalogue: rules for what the file leaves unsaid.
 
     Raises:
         DesignError: if the text is no QElectroTech project or has no wire to place.
     """
     project = _parse(text)
-    return _Reader(project, name, catalogue).order()
+    return _Reader(project, catalogue).order(name, source)
 
 
 def _parse(text: bytes) -> etree._Element:
@@ -114,9 +121,8 @@ def _parse(text: bytes) -> etree._Element:
 class _Reader:
     """One pass over one project; every method fills what the next one needs."""
 
-    def __init__(self, project: etree._Element, name: str, catalogue: Catalogue) -> None:
+    def __init__(self, project: etree._Element, catalogue: Catalogue) -> None:
         self._project = project
-        self._name = name
         self._catalogue = catalogue
         self._guesses: list[str] = []
         self._left_out: list[LeftOut] = []
@@ -128,7 +134,7 @@ class _Reader:
             self._elements[uuid] = element
             self._places[uuid] = self._place(element)
 
-    def order(self) -> tuple[Order, Account]:
+    def order(self, name: str, source: str) -> tuple[Order, Account]:
         conductors = [
             conductor
             for folio, diagram in enumerate(self._project.iterfind("diagram"), start=1)
@@ -140,11 +146,12 @@ class _Reader:
                 f"none of its {len(conductors)} conductors joins two devices in the cabinet; "
                 f"{_reasons(self._left_out)}"
             )
-        order = self._build(wires)
+        components, placed = self._build(wires)
         account = Account(
             len(conductors), joined, wires_joined, tuple(self._guesses), tuple(self._left_out)
         )
-        return order, account
+        title = self._project.get("title", "")
+        return Order(name, title, source, components, placed, account.notes), account
 
     def _place(self, element: etree._Element) -> Place:
         path = element.get("type", "")
@@ -279,7 +286,9 @@ class _Reader:
         ]
         return wires, len(inside)
 
-    def _build(self, conductors: list[_Conductor]) -> Order:
+    def _build(
+        self, conductors: list[_Conductor]
+    ) -> tuple[tuple[Component, ...], tuple[Wire, ...]]:
         uses = Counter(end for conductor in conductors for end in conductor.ends)
         names = self._component_names()
         taken: Counter[_Point] = Counter()
@@ -308,7 +317,7 @@ class _Reader:
             for uuid in self._elements
             if uuid in terminals
         )
-        return Order(self._name, self._project.get("title", ""), components, tuple(wires))
+        return components, tuple(wires)
 
     def _component_names(self) -> dict[str, str]:
         """Give every element on the plate a name: its label, else its article, made unique."""

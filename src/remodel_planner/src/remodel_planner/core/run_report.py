@@ -79,16 +79,13 @@ class Report:
         planned: number of wires that were to be placed.
         wall_s: [s] wall time from the first task's start to the last one's end.
         overview: pictures of the whole cell.
-        notes: what the import guessed and left out, a line each.
     """
 
     order: Order
-    source: str
     planned: int
     wall_s: float
     stories: tuple[WireStory, ...]
     overview: tuple[Picture, ...]
-    notes: tuple[str, ...]
 
     @property
     def placed(self) -> int:
@@ -169,7 +166,7 @@ def report_data(report: Report) -> Mapping[str, object]:
     """Return the report as plain data for JSON, without pictures and drawings."""
     return {
         "order": report.order.name,
-        "source": report.source,
+        "source": report.order.source,
         "planned": report.planned,
         "placed": report.placed,
         "first_pass": report.first_pass,
@@ -178,7 +175,7 @@ def report_data(report: Report) -> Mapping[str, object]:
         "wall_s": round(report.wall_s, 1),
         "cell_s": round(report.cell_s, 1),
         "wires": [_story_data(story) for story in report.stories],
-        "notes": list(report.notes),
+        "notes": list(report.order.notes),
     }
 
 

@@ -1,7 +1,8 @@
 """The production knowledge database: orders, what they are made of, and what was done.
 
     orders ─ components ─ terminals          what is to be built (importers write it)
-           └ wires (two terminals each)
+           ├ wires (two terminals each)
+           └ notes
     runs ─ executions ─ ability_records      what was done (the supervisor writes it)
              └ of a wire, by a behavior
 
@@ -45,10 +46,12 @@ class OrderRow(Base):
     id = Column(Integer, primary_key=True)
     name = Column(String, nullable=False, unique=True)
     title = Column(String, nullable=False, doc="of the design")
+    source = Column(String, nullable=False, doc="the design's file name")
     components = relationship(
         "ComponentRow", order_by="ComponentRow.id", cascade="all, delete-orphan"
     )
     wires = relationship("WireRow", order_by="WireRow.id", cascade="all, delete-orphan")
+    notes = relationship("NoteRow", order_by="NoteRow.id", cascade="all, delete-orphan")
     runs = relationship("RunRow", order_by="RunRow.id", cascade="all, delete-orphan")
 
 
@@ -91,6 +94,15 @@ class WireRow(Base):
     source = Column(String, nullable=False, doc="place in the design file")
     a_terminal = relationship("TerminalRow", foreign_keys=[a_terminal_id])
     b_terminal = relationship("TerminalRow", foreign_keys=[b_terminal_id])
+
+
+class NoteRow(Base):
+    """What the import of an order guessed or left out."""
+
+    __tablename__ = "notes"
+    id = Column(Integer, primary_key=True)
+    order_id = Column(ForeignKey("orders.id"), nullable=False)
+    text = Column(String, nullable=False)
 
 
 class RunRow(Base):
@@ -256,7 +268,14 @@ def _order_row(order: Order) -> OrderRow:
         )
         for wire in order.wires
     ]
-    return OrderRow(name=order.name, title=order.title, components=components, wires=wires)
+    return OrderRow(
+        name=order.name,
+        title=order.title,
+        source=order.source,
+        components=components,
+        wires=wires,
+        notes=[NoteRow(text=text) for text in order.notes],
+    )
 
 
 def _order(row: OrderRow) -> Order:
@@ -279,7 +298,8 @@ def _order(row: OrderRow) -> Order:
         )
         for wire in row.wires
     )
-    return Order(row.name, row.title, components, wires)
+    notes = tuple(note.text for note in row.notes)
+    return Order(row.name, row.title, row.source, components, wires, notes)
 
 
 def _terminal_ref(row: TerminalRow) -> TerminalRef:

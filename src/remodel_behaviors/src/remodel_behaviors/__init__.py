@@ -1,0 +1,1 @@
+"""Behaviors synthesized from the charts in charts/."""

@@ -1,0 +1,99 @@
+"""`rosrun remodel_planner run_order ORDER`: place an order's wires, and report."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+import rospy
+from tqdm import tqdm
+
+from remodel_planner.commands.database_option import add_database_option
+from remodel_planner.core.panel_layout import PanelRules, lay_out
+from remodel_planner.core.run import Execution
+from remodel_planner.core.run_report import Report, failure_line
+from remodel_planner.edge.catalogue_file import read_catalogue
+from remodel_planner.edge.package_files import catalogue_file
+from remodel_planner.edge.production_database import ProductionDatabase
+from remodel_planner.edge.report_files import write_report
+from remodel_planner.errors import PlannerError
+from remodel_planner.ros.storyteller import Storyteller
+from remodel_planner.ros.use_case_supervisor import UseCaseSupervisor, WireRun
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Place the wires, print one line a wire, write the report, and return the exit code."""
+    parser = argparse.ArgumentParser(
+        prog="run_order",
+        description="Place the wires of an order in the cell, one after another, and report.",
+        epilog="Exit code: 0 all wires placed, 1 not all, 2 wrong usage, 3 the cell, the engine or "
+        "the synthesizer is not there or refuses.",
+    )
+    parser.add_argument("order", help="name of the order in the production database")
+    parser.add_argument("--wires", type=int, default=6, help="how many, from the first (default 6)")
+    parser.add_argument(
+        "--output", type=Path, default=Path("out/run"), help="folder of charts and report"
+    )
+    add_database_option(parser)
+    options = parser.parse_args(rospy.myargv()[1:] if arguments is None else arguments)
+    if options.wires < 1:
+        parser.error(f"--wires must be at least 1, found {options.wires}")
+    rospy.init_node("use_case_supervisor")
+    try:
+        report = _run(options)
+    except PlannerError as error:
+        print(f"run_order: {error}", file=sys.stderr)
+        return 3
+    page = write_report(report, options.output)
+    _sum_up(report, page)
+    return 0 if report.complete else 1
+
+
+def _run(options: argparse.Namespace) -> Report:
+    database = ProductionDatabase(options.database)
+    order = database.order(options.order).first(options.wires)
+    rules = PanelRules()
+    layout = lay_out(order, read_catalogue(catalogue_file()), rules)
+    charts = options.output.resolve() / "charts"
+    charts.mkdir(parents=True, exist_ok=True)
+    supervisor = UseCaseSupervisor(database, charts)
+    teller = Storyteller()
+    stories = []
+    print(f"order {order.name}: {len(order.wires)} wires, {len(order.components)} components")
+    started = time.monotonic()
+    with tqdm(total=len(order.wires), unit="wire", file=sys.stdout, leave=False) as bar:
+        for wire_run in supervisor.run(database.start_run(order), layout, rules):
+            bar.write(_line(wire_run))
+            bar.update()
+            stories.append(teller.story(wire_run))
+    wall_s = time.monotonic() - started
+    overview = teller.overview(supervisor.overview())
+    database.close()
+    return Report(order, len(order.wires), wall_s, tuple(stories), overview)
+
+
+def _line(wire_run: WireRun) -> str:
+    wire, execution = wire_run.cut.wire, wire_run.execution
+    result = "placed" if execution.placed else f"NOT placed ({execution.outcome})"
+    head = (
+        f"{wire.name:>4}  {wire.a!s:>12} to {wire.b!s:<14} {wire.colour} "
+        f"{wire.section_mm2:g} mm2  {result}, {_insertions(execution)}, "
+        f"{execution.ended_s - execution.started_s:.1f} s"
+    )
+    return "\n".join([head, *(f"        {failure_line(f)}" for f in execution.failures)])
+
+
+def _insertions(execution: Execution) -> str:
+    count = execution.attempts("InsertCable")
+    return f"{count} insertion" + ("" if count == 1 else "s")
+
+
+def _sum_up(report: Report, page: Path) -> None:
+    print(
+        f"{report.placed} of {report.planned} wires placed, {report.first_pass} without a failed "
+        f"operation; {report.failures} failed operations; {report.cell_s:.0f} s in the cell, "
+        f"{report.wall_s:.0f} s on the clock"
+    )
+    print(f"report: {page}")

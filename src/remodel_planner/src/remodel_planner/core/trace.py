@@ -1,0 +1,75 @@
+"""Follow a run through its chart: which states were taken, by which events.
+
+The abilities' records say how each ability state ended; the chart says where that leads. Bounds on
+attempts and the outcomes of nested behaviors follow from both, so they need no record.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from flexbe_synthesizer.core.model import Behavior, Chart
+
+from remodel_planner.core.run import Operation
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A run through one chart.
+
+    Attributes:
+        chart: that was run.
+        path: of its container in the behavior; empty for the behavior itself.
+        steps: (state id, event) in the order taken.
+        outcome: in which it ended; None if it was stopped, or the records end before.
+        children: traces of nested behaviors, in the order taken.
+    """
+
+    chart: Chart
+    path: str
+    steps: tuple[tuple[str, str], ...]
+    outcome: str | None
+    children: tuple[Trace, ...]
+
+
+def trace(chart: Chart, operations: tuple[Operation, ...], charts: Mapping[str, Chart]) -> Trace:
+    """Return the run that the operations of a behavior made through its chart.
+
+    Args:
+        chart: of the behavior.
+        operations: of all its ability states, in order.
+        charts: of the behaviors nested in it, by type.
+    """
+    return _follow(chart, "", iter(operations), charts)
+
+
+def _follow(
+    chart: Chart, path: str, operations: Iterator[Operation], charts: Mapping[str, Chart]
+) -> Trace:
+    nodes = {node.id: node for node in chart.nodes}
+    visits: Counter[str] = Counter()
+    steps: list[tuple[str, str]] = []
+    children: list[Trace] = []
+    current = chart.initial
+    while current in nodes:
+        node = nodes[current]
+        visits[current] += 1
+        event: str | None
+        if node.attempts is not None and visits[current] > node.attempts:
+            event = "exhausted"
+        elif isinstance(node, Behavior):
+            child = _follow(charts[node.type], f"{path}/{node.id}", operations, charts)
+            children.append(child)
+            event = child.outcome
+        else:
+            operation = next(operations, None)
+            ran = operation is not None and operation.state_path == f"{path}/{node.id}"
+            event = operation.outcome if operation is not None and ran else None
+        targets = {transition.event: transition.target for transition in node.transitions}
+        if not event or event not in targets:
+            return Trace(chart, path, tuple(steps), None, tuple(children))
+        steps.append((current, event))
+        current = targets[event]
+    return Trace(chart, path, tuple(steps), current, tuple(children))

@@ -1,0 +1,26 @@
+"""Where this package's data files are, in a source, devel or install space."""
+
+from pathlib import Path
+
+import rospkg
+
+_PACKAGE = "remodel_planner"
+
+
+def catalogue_file() -> Path:
+    """Return the path of the catalogue."""
+    return _folder() / "config" / "catalogue.yaml"
+
+
+def report_template() -> Path:
+    """Return the path of the report's template."""
+    return _folder() / "templates" / "report.html.j2"
+
+
+def behavior_charts() -> Path:
+    """Return the folder of the charts that remodel_behaviors ships."""
+    return Path(rospkg.RosPack().get_path("remodel_behaviors")) / "charts"
+
+
+def _folder() -> Path:
+    return Path(rospkg.RosPack().get_path(_PACKAGE))

@@ -1,0 +1,18 @@
+"""Write a run's report."""
+
+import json
+from pathlib import Path
+
+from remodel_planner.core.run_report import Report, render_html, report_data
+from remodel_planner.edge.package_files import report_template
+
+
+def write_report(report: Report, folder: Path) -> Path:
+    """Write report.html and report.json into a folder and return the page's path."""
+    folder.mkdir(parents=True, exist_ok=True)
+    page = folder / "report.html"
+    template = report_template().read_text(encoding="utf-8")
+    page.write_text(render_html(template, report), encoding="utf-8")
+    data = json.dumps(report_data(report), indent=2, ensure_ascii=False)
+    (folder / "report.json").write_text(data + "\n", encoding="utf-8")
+    return page

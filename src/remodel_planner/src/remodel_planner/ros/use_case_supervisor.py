@@ -1,0 +1,91 @@
+"""The use case supervisor: takes an order wire by wire through chart, behavior, cell and record."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from flexbe_synthesizer.core.codec import write_chart
+from flexbe_synthesizer.core.model import Chart
+from sensor_msgs.msg import Image
+
+from remodel_planner.core.panel_layout import CutWire, PanelLayout, PanelRules
+from remodel_planner.core.run import Execution
+from remodel_planner.core.wire_chart import wire_chart
+from remodel_planner.core.wire_sequence import sequence
+from remodel_planner.edge.production_database import ProductionDatabase, Run
+from remodel_planner.ros.behavior_synthesizer import BehaviorSynthesizer
+from remodel_planner.ros.cell import Cell
+from remodel_planner.ros.panel_message import panel_message
+from remodel_planner.ros.task_supervisor import Sight, TaskSupervisor
+
+
+@dataclass(frozen=True)
+class WireRun:
+    """One wire's task, done: its chart, what happened, and what was seen."""
+
+    cut: CutWire
+    chart: Chart
+    execution: Execution
+    sights: tuple[Sight, ...]
+    after: Image
+
+
+class UseCaseSupervisor:
+    """Runs the tasks of one order, one after another."""
+
+    def __init__(self, database: ProductionDatabase, chart_folder: Path) -> None:
+        """Connect to cell, synthesizer and engine.
+
+        Args:
+            database: that keeps the records.
+            chart_folder: where the task charts are written; one that the synthesizer may read.
+
+        Raises:
+            CellError: if one of them is not there in time.
+        """
+        self._database = database
+        self._chart_folder = chart_folder
+        self._cell = Cell()
+        self._synthesizer = BehaviorSynthesizer()
+        self._tasks = TaskSupervisor()
+
+    def run(self, run: Run, layout: PanelLayout, rules: PanelRules) -> Iterator[WireRun]:
+        """Build the panel, and place its wires one by one.
+
+        A task that fails leaves its wire where it is; the next one goes on.
+
+        Yields:
+            Each wire's run when it is done and recorded.
+
+        Raises:
+            CellError: if the cell, the synthesizer or the engine refuses or falls silent.
+        """
+        self._cell.load(panel_message(layout, rules))
+        for cut in sequence(layout.wires):
+            yield self._place(run, cut, layout)
+
+    def overview(self) -> Image:
+        """Return a picture of the whole cell."""
+        return self._cell.picture("scene")
+
+    def _place(self, run: Run, cut: CutWire, layout: PanelLayout) -> WireRun:
+        wire = cut.wire.name
+        chart = wire_chart(cut, layout)
+        chart_file = self._chart_folder / f"place_wire_{wire.lower()}.xml"
+        chart_file.write_text(write_chart(chart), encoding="utf-8")
+        self._synthesizer.synthesize(str(chart_file), chart.name)
+        self._cell.feed(wire, cut.channel)
+        task = self._tasks.run(chart.name)
+        execution = Execution(
+            wire,
+            chart.name,
+            task.outcome,
+            self._cell.placed(wire),
+            task.started_s,
+            task.ended_s,
+            task.operations,
+        )
+        self._database.add_execution(run, execution)
+        return WireRun(cut, chart, execution, task.sights, self._cell.picture("overhead"))

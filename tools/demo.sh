@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# Import a real cabinet's design, and wire it in the simulated cell. Usage: demo.sh WIRES
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+wires=$1
+design=/usr/share/qelectrotech/examples/tableau_domestique.qet
+out=$PWD/out/demo
+rm -rf "$out"
+mkdir -p "$out/charts"
+
+# A ROS master of its own, so that another one on this machine is not disturbed.
+port=$(python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])')
+export ROS_MASTER_URI=http://127.0.0.1:$port ROS_IP=127.0.0.1 ROS_LOG_DIR=$out/log
+export REMODEL_DATABASE=sqlite:///$out/production.sqlite
+export ROS_PACKAGE_PATH=$out/remodel_order_behaviors:$ROS_PACKAGE_PATH
+
+rosrun remodel_planner import "$design" --order demo
+
+roslaunch -p "$port" remodel_planner order.launch output:="$out" >"$out/nodes.log" 2>&1 &
+nodes=$!
+stop_nodes() {
+  kill -INT "$nodes" 2>/dev/null || true
+  wait "$nodes" 2>/dev/null || true
+}
+trap stop_nodes EXIT
+
+echo "cell, synthesizer and engine are starting (log: out/demo/nodes.log)"
+rosrun remodel_planner run_order demo --wires "$wires" --output "$out"
