@@ -45,7 +45,7 @@ class PlacePinState(EventState):
         connector_space=0.02,
         centered=False,
         rotate=False,
-        show_in_TF=False,  # noqa: N803 - the deliverable's name
+        show_in_TF=False,
         timeout_s=60.0,
         topic="remodel_abilities/placepin",
     ):

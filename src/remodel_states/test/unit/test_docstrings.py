@@ -1,0 +1,53 @@
+"""What a state's docstring tells the FlexBE App is what its code does."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+FILES = sorted((Path(__file__).parents[2] / "src" / "remodel_states").glob("*_state.py"))
+
+
+def state_class(file):
+    classes = [n for n in ast.parse(file.read_text()).body if isinstance(n, ast.ClassDef)]
+    assert len(classes) == 1, f"{file.name}: the App reads one state a file"
+    return classes[0]
+
+
+def documented(text, mark):
+    """Return the names after a mark; an outcome's name ends before two blanks."""
+    pattern = rf"^\s*{mark} (.+?)(?:  |$)"
+    return [match.strip() for match in re.findall(pattern, text, re.MULTILINE)]
+
+
+def declared(node):
+    """Return the keyword lists given to super().__init__."""
+    for call in ast.walk(node):
+        function = getattr(call, "func", None)
+        if isinstance(function, ast.Attribute) and function.attr == "__init__":
+            return {keyword.arg: ast.literal_eval(keyword.value) for keyword in call.keywords}
+    raise AssertionError("no call of super().__init__")
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_docstring_and_code_agree(file):
+    node = state_class(file)
+    text = ast.get_docstring(node)
+    keywords = declared(node)
+    init = next(n for n in node.body if getattr(n, "name", "") == "__init__")
+    parameters = [argument.arg for argument in init.args.args[1:]]
+    assert documented(text, "--") == parameters
+    assert documented(text, ">#") == keywords["input_keys"]
+    assert documented(text, "#>") == keywords["output_keys"]
+    assert documented(text, "<=") == keywords["outcomes"]
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_the_app_can_read_the_class(file):
+    node = state_class(file)
+    assert [base.id for base in node.bases] == ["EventState"]
+    assert node.name == "".join(word.capitalize() for word in file.stem.split("_"))
+    signature = re.search(r"def __init__\((.*?)\):", file.read_text(), re.DOTALL)[1]
+    assert ")" not in signature
+    assert ":" not in signature, "the App takes an annotation for part of the name"
