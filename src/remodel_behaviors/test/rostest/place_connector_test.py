@@ -1,0 +1,178 @@
+#!/usr/bin/env python3
+"""Figure 3 of the deliverable, on the engine, in the physical cell."""
+
+import threading
+import time
+import unittest
+
+import actionlib
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+from flexbe_msgs.msg import BehaviorExecutionAction, BehaviorExecutionGoal
+from flexbe_msgs.srv import GetUserdata
+from remodel_msgs.msg import AbilityRecord, ErrorCode, InsertCableActionFeedback
+from remodel_msgs.srv import GetGroundTruth, InjectFault
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Empty
+from std_srvs.srv import Trigger
+
+WALL_LIMIT_S = 90.0
+COMPONENT, TERMINAL, WIRE = "X1", "1", "W1"
+
+
+class PlaceConnectorTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.client = actionlib.SimpleActionClient(
+            "flexbe/execute_behavior", BehaviorExecutionAction
+        )
+        cls.reset = rospy.ServiceProxy("cell/reset", Trigger)
+        cls.inject = rospy.ServiceProxy("cell/inject_fault", InjectFault)
+        cls.truth = rospy.ServiceProxy("cell/ground_truth", GetGroundTruth)
+        cls.reset.wait_for_service()
+        cls.preempt = rospy.Publisher("/flexbe/commands/preempt", Empty, queue_size=1)
+        assert cls.client.wait_for_server(rospy.Duration(60))
+
+    def setUp(self):
+        self.records = []
+        self.on_record = None
+        self.subscriber = rospy.Subscriber("remodel/ability_records", AbilityRecord, self._record)
+        self.assertTrue(self.reset().success)
+
+    def tearDown(self):
+        self.subscriber.unregister()
+
+    def _record(self, record):
+        self.records.append(record)
+        if self.on_record:
+            self.on_record(record)
+
+    def start(self):
+        self.done = threading.Event()
+        self.client.send_goal(
+            BehaviorExecutionGoal(behavior_name="Place Connector"),
+            done_cb=lambda *_: self.done.set(),
+        )
+
+    def finish(self):
+        self.assertTrue(self.done.wait(WALL_LIMIT_S), "the behavior did not end")
+        return self.client.get_result().outcome
+
+    def abilities(self):
+        return [(record.ability, record.outcome) for record in self.records]
+
+    def a_is_placed(self):
+        (truth,) = [truth for truth in self.truth().wires if truth.wire_id == WIRE]
+        return truth.a_at == f"{COMPONENT}/{TERMINAL}" and truth.a_fixed
+
+    def test_clean(self):
+        self.start()
+        self.assertEqual(self.finish(), "finished")
+        self.assertEqual(
+            self.abilities(),
+            [
+                ("LocateGearboxComponent", "located"),
+                ("InsertCable", "inserted"),
+                ("FixCable", "fixed"),
+            ],
+        )
+        self.assertTrue(self.a_is_placed())
+
+    def test_component_moved_after_it_was_located(self):
+        def move_once(record):
+            if record.ability == "LocateGearboxComponent":
+                self.on_record = None
+                response = self.inject("component_moved", COMPONENT, [0.0, 0.007, 0.0])
+                self.assertTrue(response.success, response.message)
+
+        self.on_record = move_once
+        self.start()
+        self.assertEqual(self.finish(), "finished")
+        self.assertEqual(
+            self.abilities(),
+            [
+                ("LocateGearboxComponent", "located"),
+                ("InsertCable", "failed"),
+                ("ExtractCable", "extracted"),
+                ("LocateGearboxComponent", "located"),
+                ("InsertCable", "inserted"),
+                ("FixCable", "fixed"),
+            ],
+        )
+        self.assertIn(
+            self.records[1].error_code,
+            (
+                ErrorCode.INSERTION_MISALIGNED,
+                ErrorCode.INSERTION_JAMMED,
+                ErrorCode.INSERTION_NO_CONTACT,
+            ),
+        )
+        self.assertTrue(self.a_is_placed())
+
+    def test_blocked_socket_runs_out_of_attempts_and_says_why(self):
+        response = self.inject("socket_blocked", f"{COMPONENT}/{TERMINAL}", [])
+        self.assertTrue(response.success, response.message)
+        userdata = rospy.ServiceProxy("flexbe/get_userdata", GetUserdata)
+        seen = {}
+
+        def look(record):
+            if record.ability == "ExtractCable":
+                for key in ("error_code", "error_message"):
+                    for info in userdata(key).userdata:
+                        seen[key] = info.data
+
+        self.on_record = look
+        self.start()
+        self.assertEqual(self.finish(), "failed")
+        attempt = [
+            ("LocateGearboxComponent", "located"),
+            ("InsertCable", "failed"),
+            ("ExtractCable", "extracted"),
+        ]
+        self.assertEqual(self.abilities(), 3 * attempt)
+        failures = [record for record in self.records if record.ability == "InsertCable"]
+        for record in failures:
+            self.assertIn(
+                record.error_code, (ErrorCode.INSERTION_JAMMED, ErrorCode.INSERTION_MISALIGNED)
+            )
+            self.assertTrue(record.error_message)
+        self.assertEqual(seen["error_code"], str(failures[0].error_code))
+        self.assertEqual(seen["error_message"], failures[0].error_message)
+        self.assertFalse(self.a_is_placed())
+
+    def test_preempt_in_the_middle_of_an_insertion_stops_within_half_a_second(self):
+        inserting = threading.Event()
+        rospy.Subscriber(
+            "remodel_abilities/insertcable/feedback",
+            InsertCableActionFeedback,
+            lambda message: message.feedback.completed_percentage > 30.0 and inserting.set(),
+        )
+        joints = []
+        rospy.Subscriber("joint_states", JointState, joints.append)
+        self.start()
+        self.assertTrue(inserting.wait(WALL_LIMIT_S))
+        asked = time.monotonic()
+        self.preempt.publish(Empty())
+        self.assertTrue(self.done.wait(5.0))
+        self.assertLess(time.monotonic() - asked, 0.5)
+        self.assertEqual(self.client.get_state(), GoalStatus.PREEMPTED)
+        self.assertEqual(self.client.get_result().outcome, "preempted")
+        self.assertEqual(self.records[-1].ability, "InsertCable")
+        self.assertEqual(self.records[-1].error_code, ErrorCode.PREEMPTED)
+        # The arm stands still: two joint states later than the stop are equal.
+        before = len(joints)
+        limit = time.monotonic() + 5.0
+        while len(joints) < before + 10 and time.monotonic() < limit:
+            time.sleep(0.01)
+        self.assertGreaterEqual(len(joints), before + 10)
+        moved = max(
+            abs(a - b)
+            for a, b in zip(joints[before + 4].position, joints[-1].position, strict=True)
+        )
+        self.assertLess(moved, 1e-4)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_place_connector")
+    rostest.rosrun("remodel_behaviors", "test_place_connector", PlaceConnectorTest)
