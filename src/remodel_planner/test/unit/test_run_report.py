@@ -1,0 +1,75 @@
+"""The report says what happened, and nothing it was told can break its page."""
+
+from pathlib import Path
+
+from lxml import html
+
+from remodel_planner.core.production import Component, Order, TerminalRef, Wire
+from remodel_planner.core.run import Execution, Operation
+from remodel_planner.core.run_report import (
+    Drawing,
+    Picture,
+    Report,
+    WireStory,
+    render_html,
+    report_data,
+    timeline,
+)
+
+TEMPLATE = (Path(__file__).parents[2] / "templates" / "report.html.j2").read_text()
+GOOD = Operation("/Connect a/InsertCable", "InsertCable", "inserted", 0, "seated", 12.0, 2.0)
+BAD = Operation("/Connect a/InsertCable", "InsertCable", "failed", 301, "jammed <here>", 9.0, 3.0)
+
+
+def story(name, *operations, placed=True):
+    wire = Wire(name, TerminalRef("Q1", "B1"), TerminalRef("Q2", "T1"), "BU", 1.5, "line 7")
+    outcome = "finished" if placed else "failed"
+    execution = Execution(name, f"Place {name}", outcome, placed, 5.0, 15.0, operations)
+    return WireStory(
+        wire,
+        0.3,
+        execution,
+        (Drawing("chart", "<svg id='drawing'/>"),),
+        (Picture("overhead", "data:image/jpeg;base64,"),),
+    )
+
+
+def report(*stories, planned=None):
+    order = Order("house", "A <house>", "house.qet", (Component("Q1", "", ()),), (), ("a guess",))
+    return Report(order, planned or len(stories), 12.3, stories, ())
+
+
+def test_a_wire_that_failed_once_is_placed_but_not_at_first_pass():
+    both = report(story("W1", GOOD), story("W2", BAD, GOOD))
+    assert (both.placed, both.first_pass, both.failures) == (2, 1, 1)
+    assert both.complete
+
+
+def test_a_wire_that_was_never_run_makes_the_report_incomplete():
+    assert not report(story("W1", GOOD), planned=2).complete
+    assert not report(story("W1", BAD, placed=False)).complete
+
+
+def test_the_page_tells_each_wire_and_its_failures():
+    page = render_html(TEMPLATE, report(story("W1", GOOD), story("W2", BAD, GOOD)))
+    tree = html.fromstring(page)
+    assert len(tree.xpath("//details[@id='W1' or @id='W2']")) == 2
+    assert len(tree.xpath("//*[@id='drawing']")) == 2
+    assert "error 301" in tree.text_content()
+    assert "A <house>" in tree.text_content()
+    assert not tree.xpath("//house | //here")
+
+
+def test_the_data_says_the_same():
+    data = report_data(report(story("W2", BAD, GOOD, placed=False)))
+    assert data["complete"] is False
+    (wire,) = data["wires"]
+    assert wire["insertions"] == 2
+    assert wire["failures"] == ["InsertCable, error 301: jammed <here>"]
+    assert data["notes"] == ["a guess"]
+
+
+def test_bars_lie_where_the_operations_were():
+    first, second = timeline((story("W2", BAD, GOOD),))["W2"]
+    assert (first.x, first.width, first.failed) == (10.0, 30.0, True)
+    assert (second.x, second.width, second.failed) == (50.0, 20.0, False)
