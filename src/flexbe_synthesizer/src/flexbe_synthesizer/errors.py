@@ -1,0 +1,17 @@
+"""What can stop a synthesis besides mistakes in a chart."""
+
+
+class SynthesisError(RuntimeError):
+    """Base of the errors below; the message is meant for the user."""
+
+
+class ChartFileError(SynthesisError):
+    """A chart's file cannot be read, or must not be."""
+
+
+class OutputError(SynthesisError):
+    """A behavior cannot be written where it belongs."""
+
+
+class DrawingError(SynthesisError):
+    """A drawing cannot be made."""
