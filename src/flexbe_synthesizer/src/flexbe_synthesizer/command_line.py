@@ -18,7 +18,7 @@ from flexbe_synthesizer.edge.output_package import (
     output_package,
 )
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
-from flexbe_synthesizer.errors import SynthesisError
+from flexbe_synthesizer.errors import OutputError, SynthesisError
 from flexbe_synthesizer.synthesis import CheckedFiles, check_files, write_behaviors
 
 FINE, CHART_ERRORS, USAGE = 0, 1, 2
@@ -70,7 +70,14 @@ def _run(
 
     @cache
     def package_of(path: str) -> OutputPackage:
-        return output_package(output) if output else enclosing_package(Path(path))
+        if output is not None:
+            return output_package(output)
+        try:
+            return enclosing_package(Path(path))
+        except OutputError:
+            if not is_check:
+                raise
+            return OutputPackage("unwritten", Path(path).parent, missing={})
 
     files = check_files(charts, library, package_of)
     for problem in files.problems:

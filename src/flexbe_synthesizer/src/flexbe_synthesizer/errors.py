@@ -6,7 +6,11 @@ class SynthesisError(RuntimeError):
 
 
 class ChartFileError(SynthesisError):
-    """A chart's file cannot be read, or must not be."""
+    """A chart's file cannot be read."""
+
+
+class ChartRefusedError(ChartFileError):
+    """A chart's path leads out of the folders that charts may be in."""
 
 
 class OutputError(SynthesisError):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from flexbe_synthesizer.core.check import CheckedChart
@@ -14,7 +14,7 @@ from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.machine import Machine
 from flexbe_synthesizer.core.manifest import write_manifest
 from flexbe_synthesizer.core.manual_sections import ManualSectionError, read_manual_sections
-from flexbe_synthesizer.core.problem import Problem
+from flexbe_synthesizer.core.problem import Code, Problem
 from flexbe_synthesizer.core.render_python import render_python
 from flexbe_synthesizer.edge.atomic_write import write_all
 from flexbe_synthesizer.edge.chart_files import read_charts
@@ -62,6 +62,20 @@ def check_files(
     order = {path: index for index, path in enumerate(checked)}
     problems.sort(key=lambda p: (order.get(p.position.file, -1), *p.position[1:]))
     return CheckedFiles(checked, packages, tuple(dict.fromkeys(problems)))
+
+
+def started_at(files: CheckedFiles, library: Library, initial: str) -> CheckedChart:
+    """Return the first chart as if another of its states were the initial one.
+
+    States that only the path before it leads to are then no mistake.
+    """
+    checked = list(files.charts.values())
+    first = checked[0].resolved.chart
+    charts = [replace(first, initial=initial), *(one.resolved.chart for one in checked[1:])]
+    units = [Unit(chart, files.packages[chart.file].name) for chart in charts]
+    restarted = check_units(units, library)[first.file]
+    problems = tuple(p for p in restarted.problems if p.code is not Code.UNREACHABLE_STATE)
+    return replace(restarted, problems=problems)
 
 
 def write_behaviors(files: CheckedFiles) -> tuple[Path, ...]:

@@ -167,22 +167,17 @@ def _check_outputs(resolved: ResolvedChart, flow: DataFlow, wiring: Wiring) -> I
     for key, home in flow.outputs.items():
         by_home.setdefault(home, []).append(key)
     is_known = all(entry.signature is not None for entry in resolved.nodes)
-    connected = wiring.connected_outputs()
     for output in resolved.chart.outputs:
-        if is_known and output.name and output.name not in (*connected, *by_home):
+        if (
+            is_known
+            and output.name
+            and output.name not in wiring.connected_outputs | by_home.keys()
+        ):
             message = f"nothing feeds output '{output.name}' of the chart; no state has an output "
             message += 'of that name. Add <connection output_state_id="..." output="..." '
             message += f'input_state_id="{resolved.chart.name}" input="{output.name}"/>.'
             yield Problem(output.position(), Code.UNFED_OUTPUT, message)
-        for key in by_home.get(output.name, ()):
-            entry = resolved.by_id[key.node]
-            port = next(p for p in ports(entry)[1] if p.name == key.name)
-            connection = wiring.into_machine.get(key)
-            position = output.position() if connection is None else connection.position()
-            target = f"output '{output.name}' of the chart"
-            yield from _check_flow(
-                f"output '{key.name}' of '{key.node}'", port, target, output, position
-            )
+        yield from _check_feeds(output, by_home.get(output.name, ()), resolved, wiring)
     yield from _check_pass_through(resolved, wiring)
     for key, connection in wiring.into_machine.items():
         if key in flow.outputs and flow.outputs[key] != connection.input:
@@ -190,6 +185,22 @@ def _check_outputs(resolved: ResolvedChart, flow: DataFlow, wiring: Wiring) -> I
             message += f"'{flow.outputs[key]}', and cannot feed output '{connection.input}' too; "
             message += "put a state between that copies it."
             yield Problem(connection.position(), Code.CONFLICTING_OUTPUT, message)
+
+
+def _check_feeds(
+    output: Output, feeding: Sequence[Key], resolved: ResolvedChart, wiring: Wiring
+) -> Iterator[Problem]:
+    """Yield a problem for the first state that feeds a machine output with another type."""
+    for key in feeding:
+        port = next(p for p in ports(resolved.by_id[key.node])[1] if p.name == key.name)
+        connection = wiring.into_machine.get(key)
+        position = output.position() if connection is None else connection.position()
+        source = f"output '{key.name}' of '{key.node}'"
+        target = f"output '{output.name}' of the chart"
+        problems = tuple(_check_flow(source, port, target, output, position))
+        yield from problems
+        if problems:
+            return
 
 
 def _check_pass_through(resolved: ResolvedChart, wiring: Wiring) -> Iterator[Problem]:

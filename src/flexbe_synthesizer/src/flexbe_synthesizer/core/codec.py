@@ -192,9 +192,8 @@ class _ChartReader:
 
     def _transition(self, element: XmlElement) -> Transition:
         fields = self._fields(element, _NODE_CHILDREN["transition"])
-        autonomy = self._convert(
-            fields, "autonomy", Autonomy, f"one of {names.quoted(a.value for a in Autonomy)}"
-        )
+        levels = f"one of {names.quoted(level.value for level in Autonomy)}"
+        autonomy = self._convert(fields, "autonomy", Autonomy, levels, Autonomy.OFF)
         return Transition(
             fields.text("event"), fields.text("target"), autonomy, source=fields.source
         )
@@ -211,8 +210,10 @@ class _ChartReader:
 
     def _node(self, element: XmlElement) -> State | Behavior:
         fields = self._fields(element, _STATEMACHINE.children[element.name])
-        attempts = self._convert(fields, "attempts", _at_least_one, "an integer from 1")
-        timeout_s = self._convert(fields, "timeout_s", _positive, "a number of seconds above 0")
+        attempts = self._convert(fields, "attempts", _at_least_one, "an integer from 1", 1)
+        timeout_s = self._convert(
+            fields, "timeout_s", _positive, "a number of seconds above 0", 1.0
+        )
         parts = (
             fields.text("id"),
             fields.text("type"),
@@ -228,9 +229,17 @@ class _ChartReader:
         return State(*parts, topic=fields.get("topic"), source=fields.source)
 
     def _convert(
-        self, fields: _Fields, name: str, convert: Callable[[str], _Value], allowed: str
+        self,
+        fields: _Fields,
+        name: str,
+        convert: Callable[[str], _Value],
+        allowed: str,
+        instead: _Value,
     ) -> _Value | None:
-        """Return an extension attribute's value; report it and return None if it is not allowed."""
+        """Return an extension attribute's value, None if it is absent.
+
+        One that is not allowed is reported and replaced, so that the rest is checked as if mended.
+        """
         text = fields.extensions.get(name)
         if text is None:
             return None
@@ -239,7 +248,7 @@ class _ChartReader:
         except ValueError:
             message = f"{name}='{text}' is not allowed; give {allowed}."
             self.report(fields.source.attributes[name], Code.INVALID_VALUE, message)
-            return None
+            return instead
 
     def _fields(self, element: XmlElement, shape: Shape) -> _Fields:
         """Return the element's parts, and report those that its shape does not have."""

@@ -43,27 +43,34 @@ class DataFlow:
 
 
 class Wiring:
-    """The connections of a chart, sorted by what they feed; the first of several counts."""
+    """The connections of a chart by what they feed.
+
+    The first of several counts. A misspelt input stands for the one that was meant, so that one
+    mistake is not reported a second time as an input that nothing feeds.
+    """
 
     def __init__(self, resolved: ResolvedChart) -> None:
-        """Sort the connections whose ends exist."""
+        """Sort the connections."""
         self._chart = resolved.chart
         self.into_state: dict[Key, Connection] = {}
         self.into_machine: dict[Key, Connection] = {}
         self.passed_through: set[str] = set()
+        self.connected_outputs: set[str] = set()
         for connection in resolved.chart.connections:
             source = Key(connection.output_state_id, connection.output)
             if connection.input_state_id != self._chart.name:
-                target = Key(connection.input_state_id, connection.input)
+                entry = resolved.by_id.get(connection.input_state_id)
+                offered = [port.name for port in ports(entry)[0]] if entry else []
+                name = connection.input
+                meant = name if name in offered else names.misspelt(name, offered) or name
+                target = Key(connection.input_state_id, meant)
                 self.into_state.setdefault(target, connection)
-            elif connection.output_state_id != self._chart.name:
+                continue
+            self.connected_outputs.add(connection.input)
+            if connection.output_state_id != self._chart.name:
                 self.into_machine.setdefault(source, connection)
             elif connection.output == connection.input:
                 self.passed_through.add(connection.input)
-
-    def connected_outputs(self) -> set[str]:
-        """Return the machine outputs that connections feed."""
-        return {c.input for c in self.into_machine.values()} | self.passed_through
 
 
 def ports(entry: ResolvedNode) -> tuple[tuple[Port, ...], tuple[Port, ...]]:
@@ -106,7 +113,7 @@ class _Binding:
         self.input_ports = {Key(i, p.name): p for i, entry in entries for p in ports(entry)[0]}
         self.output_ports = {Key(i, p.name): p for i, entry in entries for p in ports(entry)[1]}
         machine_outputs = {port.name for port in resolved.chart.outputs}
-        self._fed_by_name = machine_outputs - wiring.connected_outputs()
+        self._fed_by_name = machine_outputs - wiring.connected_outputs
         self._taken = self._machine_inputs | machine_outputs
         self._homes: dict[Key, str] = {}
 

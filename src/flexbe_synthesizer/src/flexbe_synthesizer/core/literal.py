@@ -93,9 +93,9 @@ def format_literal(value: Literal) -> str:
     if isinstance(value, str):
         is_plain = value.isprintable() and value != "" and parse_literal(value) == value
         return value if is_plain or value == "" else json.dumps(value)
-    if isinstance(value, dict) and not all(isinstance(key, str) for key in _keys_within(value)):
-        return python_literal(value)
-    return json.dumps(value)
+    if all(isinstance(key, str) for key in _keys_within(value)):
+        return json.dumps(value)
+    return python_literal(value)  # JSON has no integers as keys
 
 
 def _keys_within(value: Literal) -> list[object]:

@@ -64,6 +64,7 @@ class ResolvedChart:
     Attributes:
         counter: class of the state that counts attempts, if the chart counts any.
         timer: class of the state that times others, if the chart times any.
+        by_id: the nodes in document order, of two with one id the first.
     """
 
     chart: Chart
@@ -114,12 +115,16 @@ def resolve_chart(
     nodes = tuple(_resolve_node(chart, node, library, charts, problems) for node in chart.nodes)
     counted = next((n.node for n in nodes if n.node.attempts is not None), None)
     timed = next((n.node for n in nodes if n.is_timed), None)
+    by_id: dict[str, ResolvedNode] = {}
+    for entry in nodes:
+        if entry.node.id:
+            by_id.setdefault(entry.node.id, entry)
     resolved = ResolvedChart(
         chart,
         nodes,
         _support(library, _COUNTER, counted, "attempts", problems) if counted else None,
         _support(library, _TIMER, timed, "timeout_s", problems) if timed else None,
-        {n.node.id: n for n in reversed(nodes) if n.node.id},
+        by_id,
     )
     problems.extend(_check_imports(resolved))
     return resolved, tuple(problems)

@@ -36,8 +36,10 @@ def documented_type(text: str) -> str | None:
 
 
 def fits(given: str | None, wanted: str | None) -> bool:
-    """Tell whether a value of one type can be used as another; None is any type."""
-    return given is None or wanted is None or given == wanted or (given, wanted) == ("int", "float")
+    """Tell whether a value of one type can be used as another; what is no type fits all."""
+    if not is_type(given or "") or not is_type(wanted or ""):
+        return True
+    return given == wanted or (given, wanted) == ("int", "float")
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from flexbe_synthesizer.core.codec import read_chart
 from flexbe_synthesizer.core.model import Chart
 from flexbe_synthesizer.core.problem import Code, Problem
 from flexbe_synthesizer.core.resolve import included_path
-from flexbe_synthesizer.errors import ChartFileError
+from flexbe_synthesizer.errors import ChartFileError, ChartRefusedError
 
 LARGEST_FILE = 16 * 2**20  # of a chart [bytes]; ten thousand states take about 4 MiB
 
@@ -84,10 +84,10 @@ def confined_to(folders: Iterable[Path]) -> Callable[[str], Path]:
         try:
             real = Path(path).resolve()
         except (OSError, ValueError, RuntimeError) as error:  # a NUL, or links in a circle
-            raise ChartFileError(f"{path!r} is no path: {error}") from error
+            raise ChartRefusedError(f"{path!r} is no path: {error}") from error
         if not any(real.is_relative_to(home) for home in homes):
             allowed = ", ".join(map(str, homes)) or "none"
-            raise ChartFileError(f"{path} lies outside the chart folders; allowed: {allowed}")
+            raise ChartRefusedError(f"{path} lies outside the chart folders; allowed: {allowed}")
         return real
 
     return locate
@@ -97,7 +97,7 @@ def find_chart(name: str, folders: Iterable[Path]) -> str:
     """Return the path of a chart that is named relative to one of the folders, or absolutely.
 
     Raises:
-        ChartFileError: if no folder has it, or the name leads out of them.
+        ChartFileError: if no folder has it; ChartRefusedError if the name leads out of them.
     """
     homes = tuple(folders)
     locate = confined_to(homes)
