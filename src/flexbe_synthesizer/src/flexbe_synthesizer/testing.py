@@ -86,7 +86,10 @@ def _create_complaints(text: str) -> Iterator[str]:
     if returned is None:
         yield "create does not return a variable, or ends early for the App: ' def ' stands in it"
         return
-    yield from _textual_complaints(section)
+    textual = list(_textual_complaints(section))
+    yield from textual
+    if textual:
+        return
     body = _create_body(text)
     containers = {
         node.targets[0].id: _container(node.value)

@@ -1,3 +1,4 @@
+import dataclasses
 import string
 
 import pytest
@@ -53,11 +54,11 @@ CHARTS = st.builds(
 
 
 @given(CHARTS)
-@settings(max_examples=200)
+@settings(max_examples=100, deadline=None, derandomize=True)
 def test_a_chart_that_is_written_is_read_as_the_same_chart(chart):
     text = write_chart(chart)
     again = parse_chart(text)
-    assert repr(again).replace(repr(again.file), "''") == repr(chart)  # tells 1 from True and 1.0
+    assert repr(dataclasses.replace(again, file="")) == repr(chart)  # tells 1 from True and 1.0
     assert write_chart(again) == text
 
 

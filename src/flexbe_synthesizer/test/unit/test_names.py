@@ -2,7 +2,7 @@ import keyword
 
 import pytest
 from flexbe_synthesizer.core import names
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 
@@ -40,6 +40,7 @@ def test_snake_case_is_what_one_would_write(name, snake):
 
 
 @given(st.text(min_size=1))
+@settings(deadline=None, derandomize=True)
 def test_snake_case_is_always_an_identifier_when_joined(name):
     key = names.snake_case(name) + "_x"
     assert key.isidentifier()
@@ -59,6 +60,7 @@ def test_a_message_names_what_comes_near_and_shortens_long_lists():
     )
     assert names.allowed("x", []) == "allowed: none."
     assert names.misspelt("insrt", ["Insert", "Fix"]) == "Insert"
+    assert names.misspelt("Fxi", ["Fix", "Insert"]) == "Fix"
     assert names.misspelt("RemoveCableState", ["ExtractCableState"]) is None
 
 

@@ -276,10 +276,6 @@ CASES = [
             END,
             f"{flow('Insert', 'force', 'Task', 'a')}\n◊{flow('Insert', 'force', 'Task', 'b')}{END}",
         ),
-        (
-            CODE + '<output name="a"/><output name="b"/>',
-            CODE + '\n<output name="a"/><output name="b"/>',
-        ),
     ),
     (
         Code.UNBOUND_INPUT,

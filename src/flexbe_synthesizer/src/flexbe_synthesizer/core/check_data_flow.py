@@ -11,25 +11,25 @@ that does not write the value.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 
-from flexbe_synthesizer.core.data_flow import DataFlow, Key, Wiring
+from flexbe_synthesizer.core.data_flow import DataFlow, Wiring
 from flexbe_synthesizer.core.graph import Edge, Graph, shortest_path
 from flexbe_synthesizer.core.model import Connection
 from flexbe_synthesizer.core.problem import Code, Position, Problem
-from flexbe_synthesizer.core.resolve import ResolvedChart, ResolvedNode, label
+from flexbe_synthesizer.core.resolve import ResolvedChart, label
 
 
 def check_data_flow(resolved: ResolvedChart, flow: DataFlow, graph: Graph) -> Iterator[Problem]:
     """Yield a problem for each read of a value that may be missing or another state's."""
     if graph.initial not in resolved.by_id:
         return
-    writes = _writes(flow)
-    bits = {home: 1 << index for index, home in enumerate(dict.fromkeys(flow.outputs.values()))}
+    values = _Values(graph, flow)
+    bits = {home: 1 << index for index, home in enumerate(values.writers)}
     given = {port.name for port in resolved.chart.inputs}
     written = _written_before(
         graph,
-        {node: sum(bits[home] for home in homes) for node, homes in writes.items()},
+        {node: sum(bits[home] for home in homes) for node, homes in values.homes.items()},
         sum(bits.get(home, 0) for home in given),
     )
     connections = Wiring(resolved).into_state
@@ -39,18 +39,30 @@ def check_data_flow(resolved: ResolvedChart, flow: DataFlow, graph: Graph) -> It
         entry = resolved.by_id[key.node]
         connection = connections.get(key)
         position = entry.node.position() if connection is None else connection.position()
+        what = f"input '{key.name}' of {label(entry.node)}"
         if not written[key.node] & bits[home]:
-            yield from _check_written(key, home, position, entry, graph, writes)
+            yield _missing(what, key.node, home, position, values)
         elif connection is not None:
-            yield from _check_writer(key, home, connection, entry, graph, writes)
+            yield from _find_overwriting(what, key.node, home, connection, values, written)
 
 
-def _writes(flow: DataFlow) -> Mapping[str, frozenset[str]]:
-    """Return the homes that each state writes."""
-    writes: dict[str, set[str]] = {}
-    for key, home in flow.outputs.items():
-        writes.setdefault(key.node, set()).add(home)
-    return {node: frozenset(homes) for node, homes in writes.items()}
+class _Values:
+    """Who writes which home, and the paths between."""
+
+    def __init__(self, graph: Graph, flow: DataFlow) -> None:
+        self.graph = graph
+        self.homes: dict[str, set[str]] = {}
+        self.writers: dict[str, list[str]] = {}
+        for key, home in flow.outputs.items():
+            self.homes.setdefault(key.node, set()).add(home)
+            self.writers.setdefault(home, []).append(key.node)
+
+    def edges_not_writing(self, home: str) -> dict[str, tuple[Edge, ...]]:
+        """Return the edges from each state that are taken without writing the home."""
+        silent = dict(self.graph.leaving)
+        for node in self.writers[home]:
+            silent[node] = tuple(e for e in silent.get(node, ()) if not e.executed)
+        return silent
 
 
 def _written_before(graph: Graph, writes: Mapping[str, int], given: int) -> Mapping[str, int]:
@@ -94,34 +106,20 @@ def _writes_when_left(name: str, graph: Graph) -> bool:
     )
 
 
-def _check_written(
-    key: Key,
-    home: str,
-    position: Position,
-    entry: ResolvedNode,
-    graph: Graph,
-    writes: Mapping[str, frozenset[str]],
-) -> Iterator[Problem]:
-    """Report a value that is read before it is written, with the path."""
-    if key.node == graph.initial:
-        path = f"{key.node} is the initial state"
-    else:
-        path = _path_text(_unwritten_path(graph, key.node, home, writes))
-    writers = " or ".join(f"'{node}'" for node, homes in writes.items() if home in homes)
-    message = f"input '{key.name}' of {label(entry.node)} is read before {writers} has written it: "
-    message += f"{path}. Lead that path through {writers}, or feed the input from elsewhere."
-    yield Problem(position, Code.READ_BEFORE_WRITE, message)
+def _missing(what: str, reader: str, home: str, position: Position, values: _Values) -> Problem:
+    """Return the problem of a value that is read before it is written, with the path."""
+    path = f"{reader} is the initial state"
+    if reader != values.graph.initial:
+        path = _path_text(_unwritten_path(reader, home, values))
+    writers = " or ".join(f"'{node}'" for node in dict.fromkeys(values.writers[home]))
+    message = f"{what} is read before {writers} has written it: {path}. Lead that path through "
+    message += f"{writers}, or feed the input from elsewhere."
+    return Problem(position, Code.READ_BEFORE_WRITE, message)
 
 
-def _unwritten_path(
-    graph: Graph, goal: str, home: str, writes: Mapping[str, frozenset[str]]
-) -> tuple[Edge, ...]:
+def _unwritten_path(reader: str, home: str, values: _Values) -> tuple[Edge, ...]:
     """Return a shortest path to a state on which the home is not written."""
-
-    def is_silent(edge: Edge) -> bool:
-        return not edge.executed or home not in writes.get(edge.source, ())
-
-    silent = {name: tuple(filter(is_silent, edges)) for name, edges in graph.leaving.items()}
+    silent = values.edges_not_writing(home)
     lasting = {
         name: tuple(edge for edge in edges if not edge.is_exhausted)
         for name, edges in silent.items()
@@ -135,40 +133,31 @@ def _unwritten_path(
         name: tuple(edge for edge in edges if loop_before(edge) is not None)
         for name, edges in silent.items()
     }
-    path = (
-        shortest_path(graph.initial, goal, proven)
-        or shortest_path(graph.initial, goal, silent)
-        or ()
-    )
+    initial = values.graph.initial
+    path = shortest_path(initial, reader, proven) or shortest_path(initial, reader, silent) or ()
     return tuple(step for edge in path for step in (*(loop_before(edge) or ()), edge))
 
 
-def _check_writer(
-    key: Key,
+def _find_overwriting(
+    what: str,
+    reader: str,
     home: str,
     connection: Connection,
-    entry: ResolvedNode,
-    graph: Graph,
-    writes: Mapping[str, frozenset[str]],
+    values: _Values,
+    reached: Container[str],
 ) -> Iterator[Problem]:
-    """Report a value that another state may have written over, with the path."""
+    """Yield a problem if another state may have written over a value, with the path."""
     meant = connection.output_state_id
-    others = [
-        node for node, homes in writes.items() if home in homes and node not in (meant, key.node)
-    ]
-    leaving = {
-        name: edges if home not in writes.get(name, ()) else ()
-        for name, edges in graph.leaving.items()
-    }
-    for other in others:
-        start = {**leaving, other: tuple(e for e in graph.leaving.get(other, ()) if e.executed)}
-        path = shortest_path(other, key.node, start)
+    for other in values.writers[home]:
+        if other in (meant, reader) or other not in reached:
+            continue
+        leaving = values.edges_not_writing(home)
+        leaving[other] = tuple(e for e in values.graph.leaving.get(other, ()) if e.executed)
+        path = shortest_path(other, reader, leaving)
         if path is not None:
-            message = f"input '{key.name}' of {label(entry.node)} is to come from '{meant}', but "
-            message += (
-                f"'{other}' writes the same value, '{home}', on the way: {_path_text(path)}. "
-            )
-            message += "Let them feed different outputs of the chart."
+            message = f"{what} is to come from '{meant}', but '{other}' writes the same value, "
+            message += f"'{home}', on the way: {_path_text(path)}. Let them feed different "
+            message += "outputs of the chart."
             yield Problem(connection.position(), Code.OVERWRITTEN_VALUE, message)
             return
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.problem import Code, Problem
@@ -24,9 +24,10 @@ def check_transitions(resolved: ResolvedChart) -> Iterator[Problem]:
         hint = names.allowed(chart.initial, resolved.by_id)
         message = f"the initial state '{chart.initial}' does not exist; {hint}"
         yield Problem(chart.position("initial"), Code.UNKNOWN_INITIAL, message)
+    known = dict.fromkeys((*resolved.by_id, *(outcome.name for outcome in chart.outcomes)))
     for entry in resolved.nodes:
         yield from _check_events(entry)
-        yield from _check_targets(entry, resolved)
+        yield from _check_targets(entry, known)
     targets = {t.target for node in chart.nodes for t in node.transitions}
     for outcome in chart.outcomes:
         if outcome.name and outcome.name not in targets:
@@ -72,9 +73,8 @@ def _hint(entry: ResolvedNode, event: str) -> str:
     return hint
 
 
-def _check_targets(entry: ResolvedNode, resolved: ResolvedChart) -> Iterator[Problem]:
-    outcomes = [outcome.name for outcome in resolved.chart.outcomes]
-    known = [*resolved.by_id, *outcomes]
+def _check_targets(entry: ResolvedNode, known: Collection[str]) -> Iterator[Problem]:
+    """Yield a problem for each transition to what is not known."""
     for transition in entry.node.transitions:
         if transition.target and transition.target not in known:
             hint = names.allowed(transition.target, known)

@@ -70,7 +70,8 @@ def nearest(found: str, known: Iterable[str]) -> tuple[str, ...]:
 
 def misspelt(found: str, known: Iterable[str]) -> str | None:
     """Return the known name that the one found is a misspelling of, None if that is not clear."""
-    return next(iter(_close(found, known, cutoff=0.8)), None)
+    cutoff = 0.8 if len(found) > 5 else 0.6  # one slip is a large part of a short name
+    return next(iter(_close(found, known, cutoff)), None)
 
 
 def _close(found: str, known: Iterable[str], cutoff: float) -> tuple[str, ...]:
