@@ -317,7 +317,7 @@ CASES = [
     ),
     (
         Code.TYPE_CONFLICT,
-        "the default of input 'component_id' is 5 (int); its type is string",
+        "is 5 (int); its type is string. To give it as text, write \"'5'\".",
         (COMPONENT, COMPONENT.replace("/>", ' ◊ext:default="5"/>')),
     ),
     (

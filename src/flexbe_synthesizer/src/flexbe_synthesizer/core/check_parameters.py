@@ -24,7 +24,7 @@ def check_parameters(resolved: ResolvedChart) -> Iterator[Problem]:
     for port in resolved.chart.inputs:
         if not fits(type_of(port.default), port.type):
             message = f"the default of input '{port.name}' is {_shown(port.default)}; its type is "
-            message += f"{port.type}."
+            message += f"{port.type}.{_as_text(port.default, port.type)}"
             yield Problem(port.position("default"), Code.TYPE_CONFLICT, message)
 
 
@@ -42,9 +42,7 @@ def _check_values(entry: ResolvedNode, signature: Signature) -> Iterator[Problem
             yield _source_problem(parameter.name, signature, position)
         elif parameter is not None and not fits(type_of(value), parameter.type):
             message = f"parameter '{name}' of {signature.title} is {parameter.type}; found "
-            message += f"{_shown(value)}."
-            if parameter.type == "string":
-                message += f" To give it as text, write \"'{format_literal(value)}'\"."
+            message += f"{_shown(value)}.{_as_text(value, parameter.type)}"
             yield Problem(_position(entry.node, name, "value"), Code.PARAMETER_TYPE, message)
     yield from _check_name_lists(entry, signature)
     if isinstance(entry.node, Behavior):
@@ -129,6 +127,13 @@ def _position(node: Node, parameter: str, attribute: str = "name") -> Position:
     if isinstance(node, State) and parameter in ("topic", "timeout_s"):
         return node.position(parameter)
     return node.position()
+
+
+def _as_text(value: Literal, wanted: str | None) -> str:
+    """Return how to write a value that is to be a string, for the end of a message."""
+    return (
+        f" To give it as text, write \"'{format_literal(value)}'\"." if wanted == "string" else ""
+    )
 
 
 def _shown(value: Literal) -> str:

@@ -29,13 +29,19 @@ _FAILURE_WORDS = re.compile(
 
 @dataclass(frozen=True)
 class _Arrow:
-    """All events that lead from one node to another and are drawn alike."""
+    """All events that lead from one node to another and are drawn alike.
+
+    Attributes:
+        is_forward: it is no failure and leads to what stands later in the chart, or to an end.
+        steps: numbers of the steps of the run that took it, from 1.
+    """
 
     source: str
     target: str
     is_failure: bool
+    is_forward: bool
     events: tuple[str, ...]
-    steps: tuple[int, ...]  # numbers of the steps of the run that took it, from 1
+    steps: tuple[int, ...]
 
 
 def chart_to_dot(chart: Chart, path_taken: Sequence[tuple[str, str]] = ()) -> str:
@@ -129,9 +135,11 @@ def _arrows(chart: Chart, path_taken: Sequence[tuple[str, str]]) -> Iterable[_Ar
             is_taken = (node.id, transition.event) in steps
             key = (node.id, transition.target, _is_failure(transition.event), is_taken)
             groups.setdefault(key, []).append(transition.event)
+    order = {node.id: index for index, node in enumerate(chart.nodes)}
     for (source, target, is_failure, _is_taken), events in groups.items():
+        is_forward = not is_failure and order.get(target, len(order)) > order[source]
         taken = sorted(number for event in events for number in steps.get((source, event), ()))
-        yield _Arrow(source, target, is_failure, tuple(events), tuple(taken))
+        yield _Arrow(source, target, is_failure, is_forward, tuple(events), tuple(taken))
 
 
 def _edge(arrow: _Arrow, has_path: bool) -> str:
@@ -149,6 +157,7 @@ def _edge(arrow: _Arrow, has_path: bool) -> str:
         "color": f'"{color}"',
         "style": style,
         "penwidth": str(width),
+        "weight": "6" if arrow.is_forward else "1",  # keeps the way to success straight
     }
     listed = ", ".join(f"{name}={value}" for name, value in attributes.items())
     return f"  {_id(arrow.source)} -> {_id(arrow.target)} [{listed}];"
