@@ -14,7 +14,7 @@ from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.machine import Machine
 from flexbe_synthesizer.core.manifest import write_manifest
 from flexbe_synthesizer.core.manual_sections import ManualSectionError, read_manual_sections
-from flexbe_synthesizer.core.problem import Code, Problem
+from flexbe_synthesizer.core.problem import ChartError, Code, Problem, errors_in
 from flexbe_synthesizer.core.render_python import render_python
 from flexbe_synthesizer.edge.atomic_write import write_all
 from flexbe_synthesizer.edge.chart_files import read_charts
@@ -58,7 +58,10 @@ def check_files(
     packages = {chart.file: package_of(chart.file) for chart in files.charts}
     units = [Unit(chart, packages[chart.file].name) for chart in files.charts]
     checked = check_units(units, library)
-    problems = [*files.problems, *(p for one in checked.values() for p in one.problems)]
+    problems = list(files.problems)
+    told = {(problem.position, problem.code) for problem in problems}
+    for one in checked.values():
+        problems += (p for p in one.problems if (p.position, p.code) not in told)
     order = {path: index for index, path in enumerate(checked)}
     problems.sort(key=lambda p: (order.get(p.position.file, -1), *p.position[1:]))
     return CheckedFiles(checked, packages, tuple(dict.fromkeys(problems)))
@@ -85,6 +88,9 @@ def write_behaviors(files: CheckedFiles) -> tuple[Path, ...]:
         ChartError: if a chart has errors.
         OutputError: if a file cannot be written; then none is.
     """
+    errors = errors_in(files.problems)
+    if errors:
+        raise ChartError(errors)
     texts: dict[Path, str] = {}
     for path, checked in files.charts.items():
         package = files.packages[path]

@@ -107,6 +107,22 @@ def test_errors_of_a_chart_that_is_named_count_too(run, charts):
     assert err.endswith("1 error; nothing was written\n")
 
 
+def test_a_named_chart_that_is_missing_or_broken_is_told_where_it_is_named(run, charts):
+    inner = charts / "place_connector.xml"
+    inner.unlink()
+    code, _, err = run(charts / "wire_task.xml")
+    assert code == 1
+    (line, count) = err.splitlines()
+    assert line.startswith(f"{charts}/wire_task.xml:23:24: [unknown-behavior]")
+    assert line.endswith("cannot be read: No such file or directory.")
+    assert count == "1 error; nothing was written"
+    inner.write_text("<statemachine>")
+    code, _, err = run(charts / "wire_task.xml")
+    assert code == 1
+    assert f"{inner}:1:15: [not-xml]" in err
+    assert f"{charts}/wire_task.xml:23:24: [unknown-behavior]" in err
+
+
 def test_a_missing_file_and_wrong_usage_are_code_two(run, charts):
     code, out, err = run(charts / "none.xml")
     assert (code, out) == (2, "")

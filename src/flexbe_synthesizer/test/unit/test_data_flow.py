@@ -30,6 +30,7 @@ LIBRARY = Library(
         state_class("Write", outputs=["v"]),
         state_class("Read", inputs=["v"]),
         state_class("Pass"),
+        state_class("Late", outputs=["v"], outcomes=("a", "timed_out", "exhausted")),
         state_class("Change", inputs=["v"], outputs=["v"]),
         state_class("CountAttemptsState", ["attempt"], ["attempt"], ("counted", "exhausted")),
         StateClass(
@@ -159,6 +160,16 @@ def test_a_state_that_a_timer_ends_has_written_nothing():
     result = checked([late, nodes[1]], [("W", "v", "R", "v")])
     assert codes(result) == [Code.READ_BEFORE_WRITE]
     assert "W -timed_out-> R" in result.problems[0].message
+
+
+def test_an_event_that_the_extension_and_the_class_both_have_is_one_and_proves_nothing():
+    transitions = tuple(Transition(event, "R") for event in ("a", "timed_out", "exhausted"))
+    reader = state("R", "Read")
+    flows = [("L", "v", "R", "v")]
+    assert codes(checked([State("L", "Late", transitions), reader], flows)) == []
+    for limits in ({"timeout_s": 2.0}, {"attempts": 2}):
+        result = checked([State("L", "Late", transitions, **limits), reader], flows)
+        assert codes(result) == [Code.READ_BEFORE_WRITE]
 
 
 IDS = ("N0", "N1", "N2", "N3", "N4")

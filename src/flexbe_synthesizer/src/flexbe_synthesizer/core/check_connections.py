@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.data_flow import DataFlow, Key, Wiring, ports
@@ -26,37 +26,39 @@ def check_connections(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Probl
 def _check_ends(connection: Connection, resolved: ResolvedChart) -> Iterator[Problem]:
     """Yield the problems with the two ends of a connection."""
     chart = resolved.chart
-    is_through = connection.output_state_id == connection.input_state_id == chart.name
-    if is_through and connection.output and connection.output != connection.input:
+    giver, taker = connection.output_state_id, connection.input_state_id
+    if giver == taker == chart.name and connection.output and connection.output != connection.input:
         message = f"FlexBE cannot copy input '{connection.output}' of the chart to its output "
         message += f"'{connection.input}'; give both one name, or put a state between that copies."
         yield Problem(connection.position("input"), Code.UNKNOWN_INPUT, message)
         return
-    outputs: Sequence[Input | Output | Port] | None = chart.inputs
-    if connection.output_state_id != chart.name:
-        yield from _check_state(connection.output_state_id, "output_state_id", connection, resolved)
-        outputs = _offered(resolved.by_id.get(connection.output_state_id), 1)
-    inputs: Sequence[Input | Output | Port] | None = chart.outputs
-    if connection.input_state_id != chart.name:
-        yield from _check_state(connection.input_state_id, "input_state_id", connection, resolved)
-        inputs = _offered(resolved.by_id.get(connection.input_state_id), 0)
-    for name, offered, attribute, owner, code in (
-        (connection.output, outputs, "output", connection.output_state_id, Code.UNKNOWN_OUTPUT),
-        (connection.input, inputs, "input", connection.input_state_id, Code.UNKNOWN_INPUT),
-    ):
-        if name and offered is not None and name not in {port.name for port in offered}:
-            is_chart = owner == chart.name
-            has = {"output": "input", "input": "output"}[attribute] if is_chart else attribute
-            hint = names.allowed(name, [port.name for port in offered])
-            message = f"'{owner}' has no {has} '{name}'; {hint}"
-            yield Problem(connection.position(attribute), code, message)
+    if giver == chart.name:
+        known = [port.name for port in chart.inputs]
+        yield from _check_end(connection, "output", "the chart has no input", known)
+    else:
+        yield from _check_state(giver, "output_state_id", connection, resolved)
+        if (entry := resolved.by_id.get(giver)) is not None and entry.signature is not None:
+            known = [port.name for port in ports(entry)[1]]
+            yield from _check_end(connection, "output", f"'{giver}' has no output", known)
+    if taker == chart.name:
+        known = [port.name for port in chart.outputs]
+        yield from _check_end(connection, "input", "the chart has no output", known)
+    else:
+        yield from _check_state(taker, "input_state_id", connection, resolved)
+        if (entry := resolved.by_id.get(taker)) is not None and entry.signature is not None:
+            known = [port.name for port in ports(entry)[0]]
+            yield from _check_end(connection, "input", f"'{taker}' has no input", known)
 
 
-def _offered(entry: ResolvedNode | None, direction: int) -> tuple[Port, ...] | None:
-    """Return inputs (0) or outputs (1) of a node, None if they are not known."""
-    if entry is None or entry.signature is None:
-        return None
-    return ports(entry)[direction]
+def _check_end(
+    connection: Connection, attribute: str, lack: str, known: Sequence[str]
+) -> Iterator[Problem]:
+    """Yield a problem if the input or output that a connection names is not known."""
+    name = connection.output if attribute == "output" else connection.input
+    if name and name not in known:
+        code = Code.UNKNOWN_OUTPUT if attribute == "output" else Code.UNKNOWN_INPUT
+        message = f"{lack} '{name}'; {names.allowed(name, known)}"
+        yield Problem(connection.position(attribute), code, message)
 
 
 def _check_state(
@@ -99,29 +101,20 @@ def _check_inputs(resolved: ResolvedChart, flow: DataFlow, wiring: Wiring) -> It
         for port in ports(entry)[0]:
             key = Key(name, port.name)
             connection = wiring.into_state.get(key)
-            if connection is None and key not in flow.inputs and key not in flow.defaulted:
-                yield _unbound(entry, port, resolved, outputs)
-            elif connection is None or connection.output_state_id == resolved.chart.name:
-                source_name = connection.output if connection else port.name
-                source = machine_inputs.get(source_name)
-                found = "" if source is None else f"input '{source.name}' of the chart"
-                yield from _check_flow(
-                    found,
-                    source,
-                    f"input '{port.name}' of '{name}'",
-                    port,
-                    _place(connection, entry, port),
-                )
+            if connection is None and key not in flow.inputs:
+                if key not in flow.defaulted:
+                    yield _unbound(entry, port, outputs)
+                continue
+            given: Input | Port | None
+            if connection is None or connection.output_state_id == resolved.chart.name:
+                given = machine_inputs.get(connection.output if connection else port.name)
+                source = f"input '{given.name}' of the chart" if given else ""
             else:
                 producer = Key(connection.output_state_id, connection.output)
-                found = f"output '{producer.name}' of '{producer.node}'"
-                yield from _check_flow(
-                    found,
-                    outputs.get(producer),
-                    f"input '{port.name}' of '{name}'",
-                    port,
-                    connection.position(),
-                )
+                given = outputs.get(producer)
+                source = f"output '{producer.name}' of '{producer.node}'"
+            place = _place(connection, entry, port)
+            yield from _check_flow(source, given, f"input '{port.name}' of '{name}'", port, place)
 
 
 def _place(connection: Connection | None, entry: ResolvedNode, port: Port) -> Position:
@@ -132,9 +125,7 @@ def _place(connection: Connection | None, entry: ResolvedNode, port: Port) -> Po
     return entry.node.position() if declared is None else declared.position()
 
 
-def _unbound(
-    entry: ResolvedNode, port: Port, resolved: ResolvedChart, outputs: dict[Key, Port]
-) -> Problem:
+def _unbound(entry: ResolvedNode, port: Port, outputs: Mapping[Key, Port]) -> Problem:
     """Return the problem of an input that nothing feeds, with the connections that would."""
     message = f"nothing feeds input '{port.name}' of {label(entry.node)}; "
     fitting = [key for key, other in outputs.items() if fits(other.type, port.type)]
@@ -168,11 +159,8 @@ def _check_outputs(resolved: ResolvedChart, flow: DataFlow, wiring: Wiring) -> I
         by_home.setdefault(home, []).append(key)
     is_known = all(entry.signature is not None for entry in resolved.nodes)
     for output in resolved.chart.outputs:
-        if (
-            is_known
-            and output.name
-            and output.name not in wiring.connected_outputs | by_home.keys()
-        ):
+        is_fed = output.name in wiring.connected_outputs or output.name in by_home
+        if is_known and output.name and not is_fed:
             message = f"nothing feeds output '{output.name}' of the chart; no state has an output "
             message += 'of that name. Add <connection output_state_id="..." output="..." '
             message += f'input_state_id="{resolved.chart.name}" input="{output.name}"/>.'

@@ -1,7 +1,5 @@
 """The one reader and writer of the chart language.
 
-`_STATEMACHINE` is its grammar: which element may hold what. It follows chapter 6 of Deliverable
-5.1; what chapter 6 lacks stands in the namespace `EXTENSION`, so that a plain chart stays valid.
 Reading reports everything that does not fit the grammar and goes on with the rest; a required
 attribute that is missing reads as the empty string, which the checks pass over.
 """
@@ -10,12 +8,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TypeVar
 
 from lxml import etree
 
 from flexbe_synthesizer.core import names
+from flexbe_synthesizer.core.grammar import (
+    EXTENSION,
+    NODE_CHILDREN,
+    OUTCOME,
+    PORT,
+    STATEMACHINE,
+    Shape,
+    homes,
+)
 from flexbe_synthesizer.core.literal import format_literal, parse_literal
 from flexbe_synthesizer.core.model import (
     Autonomy,
@@ -33,49 +40,7 @@ from flexbe_synthesizer.core.model import (
 from flexbe_synthesizer.core.problem import ChartError, Code, Position, Problem, errors_in
 from flexbe_synthesizer.core.xml_reader import XmlElement, read_xml
 
-EXTENSION = "urn:remodel:statechart:ext:1"
 _SCHEMA_INSTANCE = "http://www.w3.org/2001/XMLSchema-instance"  # an editor's pointer to a schema
-
-
-@dataclass(frozen=True)
-class Shape:
-    """What an element may hold: attributes, attributes of the extension, and elements."""
-
-    required: tuple[str, ...] = ()
-    optional: tuple[str, ...] = ()
-    extensions: tuple[str, ...] = ()
-    children: Mapping[str, Shape] = field(default_factory=dict)
-
-    @property
-    def attributes(self) -> tuple[str, ...]:
-        """Return the names of the attributes that chapter 6 gives the element."""
-        return self.required + self.optional
-
-
-_PORT = Shape(("name",), ("type",))
-_OUTCOME = Shape(("name",))
-_NODE_CHILDREN = {
-    "input": _PORT,
-    "output": _PORT,
-    "param": Shape(("name", "value")),
-    "transition": Shape(("event", "target"), (), ("autonomy",)),
-}
-_STATEMACHINE = Shape(
-    ("name", "initial"),
-    children={
-        "datamodel": Shape(
-            children={
-                "outcome": _OUTCOME,
-                "outcomes": Shape(children={"outcome": _OUTCOME}),
-                "input": Shape(("name",), ("type",), ("default",)),
-                "output": _PORT,
-            }
-        ),
-        "state": Shape(("id", "type"), ("topic",), ("attempts", "timeout_s"), _NODE_CHILDREN),
-        "behavior": Shape(("id", "type"), (), ("attempts", "timeout_s"), _NODE_CHILDREN),
-        "connection": Shape(("output_state_id", "output", "input_state_id", "input")),
-    },
-)
 _MAY_BE_EMPTY = ("value",)
 _Value = TypeVar("_Value")
 
@@ -126,12 +91,12 @@ class _ChartReader:
         self.problems.append(Problem(position, code, message))
 
     def chart(self, root: XmlElement, description: str) -> Chart:
-        root_fields = self._fields(root, _STATEMACHINE)
+        root_fields = self._fields(root, STATEMACHINE)
         models = root_fields.children("datamodel")
         self._expect_parts(root, root_fields)
-        data = [self._fields(model, _STATEMACHINE.children["datamodel"]) for model in models]
+        data = [self._fields(model, STATEMACHINE.children["datamodel"]) for model in models]
         wrappers = [
-            self._fields(wrapper, _STATEMACHINE.children["datamodel"].children["outcomes"])
+            self._fields(wrapper, STATEMACHINE.children["datamodel"].children["outcomes"])
             for model in data
             for wrapper in model.children("outcomes")
         ]
@@ -169,29 +134,29 @@ class _ChartReader:
             self.report(root.position, Code.MISSING_ELEMENT, message)
 
     def _outcome(self, element: XmlElement) -> Outcome:
-        fields = self._fields(element, _OUTCOME)
+        fields = self._fields(element, OUTCOME)
         return Outcome(fields.text("name"), source=fields.source)
 
     def _machine_input(self, element: XmlElement) -> Input:
-        shape = _STATEMACHINE.children["datamodel"].children["input"]
+        shape = STATEMACHINE.children["datamodel"].children["input"]
         fields = self._fields(element, shape)
         default = parse_literal(fields.extensions.get("default", "null"))
         return Input(fields.text("name"), fields.get("type"), default, source=fields.source)
 
     def _input(self, element: XmlElement) -> Input:
-        fields = self._fields(element, _PORT)
+        fields = self._fields(element, PORT)
         return Input(fields.text("name"), fields.get("type"), source=fields.source)
 
     def _output(self, element: XmlElement) -> Output:
-        fields = self._fields(element, _PORT)
+        fields = self._fields(element, PORT)
         return Output(fields.text("name"), fields.get("type"), source=fields.source)
 
     def _param(self, element: XmlElement) -> Param:
-        fields = self._fields(element, _NODE_CHILDREN["param"])
+        fields = self._fields(element, NODE_CHILDREN["param"])
         return Param(fields.text("name"), parse_literal(fields.text("value")), source=fields.source)
 
     def _transition(self, element: XmlElement) -> Transition:
-        fields = self._fields(element, _NODE_CHILDREN["transition"])
+        fields = self._fields(element, NODE_CHILDREN["transition"])
         levels = f"one of {names.quoted(level.value for level in Autonomy)}"
         autonomy = self._convert(fields, "autonomy", Autonomy, levels, Autonomy.OFF)
         return Transition(
@@ -199,7 +164,7 @@ class _ChartReader:
         )
 
     def _connection(self, element: XmlElement) -> Connection:
-        fields = self._fields(element, _STATEMACHINE.children["connection"])
+        fields = self._fields(element, STATEMACHINE.children["connection"])
         return Connection(
             fields.text("output_state_id"),
             fields.text("output"),
@@ -209,7 +174,7 @@ class _ChartReader:
         )
 
     def _node(self, element: XmlElement) -> State | Behavior:
-        fields = self._fields(element, _STATEMACHINE.children[element.name])
+        fields = self._fields(element, STATEMACHINE.children[element.name])
         attempts = self._convert(fields, "attempts", _at_least_one, "an integer from 1", 1)
         timeout_s = self._convert(
             fields, "timeout_s", _positive, "a number of seconds above 0", 1.0
@@ -312,10 +277,10 @@ class _ChartReader:
             message = f"{_shown(child)}; the elements of a chart have no namespace: drop the xmlns."
             self.report(child.position, Code.UNKNOWN_ELEMENT, message)
         elif child.name not in shape.children:
-            homes = _homes(child.name, "statemachine", _STATEMACHINE)
-            if homes:
+            places = homes(child.name)
+            if places:
                 message = f"<{child.name}> does not belong in <{element.name}>, but in "
-                message += " or ".join(f"<{home}>" for home in homes) + "."
+                message += " or ".join(f"<{home}>" for home in places) + "."
                 self.report(child.position, Code.MISPLACED_ELEMENT, message)
             else:
                 hint = names.allowed(child.name, shape.children)
@@ -351,13 +316,6 @@ def _has_outcome(model: XmlElement) -> bool:
     wrappers = [child for child in model.children if _is_plain(child, ("outcomes",))]
     within = (*model.children, *(child for wrapper in wrappers for child in wrapper.children))
     return any(_is_plain(child, ("outcome",)) for child in within)
-
-
-def _homes(name: str, parent: str, shape: Shape) -> tuple[str, ...]:
-    """Return the elements that may hold an element of that name."""
-    here = (parent,) if name in shape.children else ()
-    below = [home for tag, child in shape.children.items() for home in _homes(name, tag, child)]
-    return tuple(dict.fromkeys((*here, *below)))
 
 
 def _at_least_one(text: str) -> int:

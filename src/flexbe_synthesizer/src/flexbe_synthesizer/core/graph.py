@@ -13,17 +13,18 @@ from flexbe_synthesizer.core.resolve import EXHAUSTED, ResolvedChart
 
 @dataclass(frozen=True)
 class Edge:
-    """A transition; `executed` tells whether its source ran to an outcome of its own."""
+    """A transition.
+
+    Attributes:
+        executed: the source certainly ran to an outcome of its own.
+        is_exhausted: it is taken only on a later entry, instead of running the source again.
+    """
 
     source: str
     event: str
     target: str
     executed: bool = True
-
-    @property
-    def is_exhausted(self) -> bool:
-        """Tell whether it is taken on entry, instead of running the state again."""
-        return self.event == EXHAUSTED and not self.executed
+    is_exhausted: bool = False
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,10 @@ def chart_graph(resolved: ResolvedChart) -> Graph:
             entry.node.id,
             transition.event,
             meant(transition.target, known),
-            not entry.is_left_unexecuted(transition.event),
+            executed=transition.event not in entry.added_events,
+            is_exhausted=transition.event == EXHAUSTED
+            and entry.node.attempts is not None
+            and not entry.has_own(EXHAUSTED),
         )
         for entry in resolved.by_id.values()
         for transition in entry.node.transitions

@@ -44,17 +44,20 @@ class ResolvedNode:
     is_timed: bool = False
 
     @property
+    def added_events(self) -> tuple[str, ...]:
+        """Return the events that the extension adds, even if the class has them already."""
+        return (TIMED_OUT,) * self.is_timed + (EXHAUSTED,) * (self.node.attempts is not None)
+
+    @property
     def events(self) -> tuple[str, ...] | None:
         """Return the events that need a transition, None if its outcomes are not known."""
         if self.signature is None or self.signature.outcomes is None:
             return None
-        added = [TIMED_OUT] * self.is_timed + [EXHAUSTED] * (self.node.attempts is not None)
-        return tuple(dict.fromkeys((*self.signature.outcomes, *added)))
+        return tuple(dict.fromkeys((*self.signature.outcomes, *self.added_events)))
 
-    def is_left_unexecuted(self, event: str) -> bool:
-        """Tell whether the event means that it did not run to an outcome of its own."""
-        outcomes = self.signature.outcomes if self.signature else None
-        return event in (EXHAUSTED, TIMED_OUT) and event not in (outcomes or ())
+    def has_own(self, event: str) -> bool:
+        """Tell whether the event is an outcome of its class."""
+        return self.signature is not None and event in (self.signature.outcomes or ())
 
 
 @dataclass(frozen=True)
@@ -143,8 +146,11 @@ def _resolve_node(
         return _resolve_state(node, library, problems)
     path = included_path(chart, node)
     if path is not None:
-        found = charts.get(path)  # why a chart is not there is reported by who reads the files
-        return ResolvedNode(node) if found is None else _with_behavior(node, found)
+        if path in charts:
+            return _with_behavior(node, charts[path])
+        message = f"the chart '{node.type}' could not be read."
+        problems.append(Problem(node.position("type"), Code.UNKNOWN_BEHAVIOR, message))
+        return ResolvedNode(node)
     candidates = library.find_behaviors(node.type)
     behavior = _only(node, candidates, problems)
     if not candidates:
@@ -216,13 +222,12 @@ def _support(
 
 def _check_imports(resolved: ResolvedChart) -> Iterator[Problem]:
     """Report behaviors that cannot be used side by side, since their classes have one name."""
-    own = names.behavior_class(resolved.chart.name)
-    modules: dict[str, str] = {}
+    chart = resolved.chart
+    users = {names.behavior_class(chart.name): chart.name}
     for entry in resolved.nodes:
         if isinstance(entry.declaration, BehaviorClass):
-            class_name, module = entry.declaration.class_name, entry.declaration.module
-            other = modules.setdefault(class_name, module)
-            if other != module or class_name == own:
+            class_name, name = entry.declaration.class_name, entry.declaration.name
+            if users.setdefault(class_name, name) != name:
                 message = f"behavior '{entry.node.type}' and another behavior in or around this "
                 message += f"chart both have the class {class_name}; rename one of them."
                 position = entry.node.position("type")
