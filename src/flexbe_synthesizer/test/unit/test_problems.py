@@ -101,6 +101,7 @@ CASES = [
     (Code.MISPLACED_ELEMENT, "in <datamodel> or", (DATA, '◊<outcome name="a"/>' + DATA)),
     (Code.MISPLACED_ELEMENT, "in <state> or", (DATA, '◊<param name="a" value=""/>' + DATA)),
     (Code.DUPLICATE_ELEMENT, "of line 3", ("</datamodel>", "</datamodel>◊<datamodel/>")),
+    (Code.DUPLICATE_ELEMENT, "second <outcomes>", (GONE, GONE + "<outcomes/>◊<outcomes/>")),
     (Code.UNEXPECTED_TEXT, "inside <statemachine>", ("</datamodel>", "</datamodel> \n ◊a")),
     (Code.UNKNOWN_ATTRIBUTE, "Did you mean 'topic'?", ("topic", "◊topics")),
     (Code.UNKNOWN_ATTRIBUTE, "write ext:attempts", (" topic", ' ◊attempts="2" topic')),

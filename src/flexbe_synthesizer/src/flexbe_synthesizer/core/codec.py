@@ -119,10 +119,12 @@ class _ChartReader:
     def _expect_parts(self, root: XmlElement, root_fields: _Fields) -> None:
         """Report a chart that lacks its parts: a datamodel, an outcome, a state or behavior."""
         models = root_fields.children("datamodel")
-        for model in models[1:]:
-            line = models[0].position.line
-            message = f"a second <datamodel>; put what is in it into the one of line {line}."
-            self.report(model.position, Code.DUPLICATE_ELEMENT, message)
+        wrappers = [[w for w in m.children if _is_plain(w, ("outcomes",))] for m in models]
+        for first, *others in filter(None, (models, *wrappers)):
+            for other in others:
+                message = f"a second <{other.name}>; put what is in it into the one of line "
+                message += f"{first.position.line}."
+                self.report(other.position, Code.DUPLICATE_ELEMENT, message)
         if not models:
             message = "no <datamodel>; a chart needs one, with its outcomes."
             self.report(root.position, Code.MISSING_ELEMENT, message)
