@@ -1,0 +1,1 @@
+"""State charts in XML, checked and written as FlexBE behaviors."""

@@ -1,0 +1,1 @@
+"""The compiler itself: values in, values out; no ROS, clock, thread or disk."""

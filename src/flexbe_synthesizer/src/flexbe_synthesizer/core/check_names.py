@@ -1,0 +1,114 @@
+"""Check that every name can be carried by FlexBE, stands once, and means one thing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from flexbe_synthesizer.core import names
+from flexbe_synthesizer.core.expand import added_labels
+from flexbe_synthesizer.core.model import Behavior, Element, Input, Output, State
+from flexbe_synthesizer.core.problem import Code, Position, Problem
+from flexbe_synthesizer.core.resolve import ResolvedChart, kind, label
+from flexbe_synthesizer.core.signature import TYPES, is_type
+
+
+def check_names(resolved: ResolvedChart) -> Iterator[Problem]:
+    """Yield the problems with names of the chart, its data, its states and their parts."""
+    chart = resolved.chart
+    yield from _check_name("the chart", chart.name, chart.position("name"))
+    yield from _check_outcomes(resolved)
+    for ports in (chart.inputs, chart.outputs):
+        yield from _check_ports("the chart", ports)
+        for port in ports:
+            if port.name and not names.is_key(port.name):
+                message = f"'{port.name}' cannot name userdata; give a Python identifier that does "
+                message += "not start with '_'."
+                yield Problem(port.position("name"), Code.INVALID_NAME, message)
+    yield from _check_ids(resolved)
+    for node in chart.nodes:
+        yield from _check_ports(label(node), node.inputs)
+        yield from _check_ports(label(node), node.outputs)
+        yield from _check_params(node)
+
+
+def _check_name(of: str, name: str, position: Position) -> Iterator[Problem]:
+    if name and not names.is_name(name):
+        message = f"the name '{name}' of {of} cannot be used; allowed: {names.NAME_RULE}."
+        yield Problem(position, Code.INVALID_NAME, message)
+
+
+def _check_outcomes(resolved: ResolvedChart) -> Iterator[Problem]:
+    outcomes = resolved.chart.outcomes
+    for outcome in outcomes:
+        position = outcome.position("name")
+        yield from _check_name("an outcome", outcome.name, position)
+        if outcome.name == names.PREEMPTED:
+            message = "'preempted' is reserved: FlexBE adds it to every behavior; delete it here."
+            yield Problem(position, Code.RESERVED_NAME, message)
+    yield from _check_duplicates("the chart", outcomes, [o.name for o in outcomes])
+
+
+def _check_duplicates(
+    of: str, elements: Sequence[Element], found: Sequence[str]
+) -> Iterator[Problem]:
+    """Yield a problem for each name that stood before."""
+    first: dict[str, int] = {}
+    for index, (element, name) in enumerate(zip(elements, found, strict=True)):
+        other = first.setdefault(name, index)
+        if other != index and name:
+            what = type(element).__name__.lower()
+            line = elements[other].position("name").line
+            message = f"{of} has a second {what} '{name}', the first is in line {line}; delete one."
+            yield Problem(element.position("name"), Code.DUPLICATE_NAME, message)
+
+
+def _check_ports(of: str, ports: Sequence[Input | Output]) -> Iterator[Problem]:
+    yield from _check_duplicates(of, ports, [port.name for port in ports])
+    for port in ports:
+        if port.type and not is_type(port.type):
+            hint = names.allowed(port.type, TYPES)
+            message = f"type '{port.type}' is unknown; a ROS message (package/Message), or {hint}"
+            yield Problem(port.position("type"), Code.UNKNOWN_TYPE, message)
+
+
+def _check_ids(resolved: ResolvedChart) -> Iterator[Problem]:
+    chart = resolved.chart
+    outcomes = {outcome.name for outcome in chart.outcomes}
+    added = {other: entry.node.id for entry in resolved.nodes for other in added_labels(entry)}
+    first: dict[str, int] = {}
+    for index, node in enumerate(chart.nodes):
+        position = node.position("id")
+        yield from _check_name(f"a {kind(node)}", node.id, position)
+        other = first.setdefault(node.id, index)
+        if node.id and other != index:
+            line = chart.nodes[other].position("id").line
+            message = f"the id '{node.id}' is taken by line {line}; give each its own."
+            yield Problem(position, Code.DUPLICATE_ID, message)
+        for taken_by in _meanings(node.id, chart.name, outcomes, added):
+            message = f"'{node.id}' is also {taken_by}; rename the {kind(node)}."
+            yield Problem(position, Code.RESERVED_NAME, message)
+
+
+def _meanings(
+    name: str, chart_name: str, outcomes: Iterable[str], added: dict[str, str]
+) -> Iterator[str]:
+    """Yield what else an id means."""
+    if name and name == chart_name:
+        yield "the chart's name, which stands for the chart in connections"
+    if name in outcomes:
+        yield "an outcome of the chart, and a transition could mean either"
+    if name == names.PREEMPTED:
+        yield "an outcome that FlexBE adds to every behavior"
+    if name in added:
+        yield f"the name of a state that the extension adds for '{added[name]}'"
+
+
+def _check_params(node: State | Behavior) -> Iterator[Problem]:
+    yield from _check_duplicates(label(node), node.params, [param.name for param in node.params])
+    given = {"timeout_s"} if node.timeout_s is not None else set()
+    if isinstance(node, State) and node.topic is not None:
+        given.add("topic")
+    for param in node.params:
+        if param.name in given:
+            message = f"{param.name} stands as an attribute of {label(node)} too; delete one."
+            yield Problem(param.position("name"), Code.DUPLICATE_NAME, message)

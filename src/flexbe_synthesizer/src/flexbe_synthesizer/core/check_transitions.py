@@ -1,0 +1,82 @@
+"""Check that each event of each state has exactly one transition, to something that exists."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+
+from flexbe_synthesizer.core import names
+from flexbe_synthesizer.core.problem import Code, Problem
+from flexbe_synthesizer.core.resolve import (
+    EXHAUSTED,
+    TIMED_OUT,
+    ResolvedChart,
+    ResolvedNode,
+    label,
+)
+
+_ADDED_BY = {EXHAUSTED: "attempts", TIMED_OUT: "timeout_s"}
+
+
+def check_transitions(resolved: ResolvedChart) -> Iterator[Problem]:
+    """Yield the problems with the initial state and the transitions."""
+    chart = resolved.chart
+    if chart.initial and chart.initial not in resolved.by_id:
+        hint = names.allowed(chart.initial, resolved.by_id)
+        message = f"the initial state '{chart.initial}' does not exist; {hint}"
+        yield Problem(chart.position("initial"), Code.UNKNOWN_INITIAL, message)
+    known = dict.fromkeys((*resolved.by_id, *(outcome.name for outcome in chart.outcomes)))
+    for entry in resolved.nodes:
+        yield from _check_events(entry)
+        yield from _check_targets(entry, known)
+    targets = {t.target for node in chart.nodes for t in node.transitions}
+    for outcome in chart.outcomes:
+        if outcome.name and outcome.name not in targets:
+            message = f"no transition leads to the outcome '{outcome.name}'; delete it, or lead a "
+            message += "transition to it."
+            yield Problem(outcome.position("name"), Code.UNUSED_OUTCOME, message)
+
+
+def _check_events(entry: ResolvedNode) -> Iterator[Problem]:
+    """Yield the problems with the events of one state or behavior."""
+    first: dict[str, int] = {}
+    meant: set[str] = set()  # by misspelt events, whose mending also mends what is missing
+    events = entry.events
+    transitions = entry.node.transitions
+    for index, transition in enumerate(transitions):
+        position = transition.position("event")
+        other = first.setdefault(transition.event, index)
+        if not transition.event:
+            continue
+        if transition.event == names.PREEMPTED:
+            message = "'preempted' is reserved: FlexBE leads it to the end itself; delete this."
+            yield Problem(position, Code.RESERVED_NAME, message)
+        elif events is not None and transition.event not in events:
+            meant.add(names.misspelt(transition.event, events) or "")
+            message = f"{label(entry.node)} has no outcome '{transition.event}'; "
+            yield Problem(position, Code.UNKNOWN_EVENT, message + _hint(entry, transition.event))
+        elif other != index:
+            line = transitions[other].position("event").line
+            message = f"'{transition.event}' of {label(entry.node)} has a transition in line {line}"
+            yield Problem(position, Code.DUPLICATE_TRANSITION, message + " already; delete one.")
+    for event in events or ():
+        if event not in first and event not in meant:
+            cause = f", which ext:{_ADDED_BY[event]} adds," if event in _ADDED_BY else ""
+            message = f"outcome '{event}' of {label(entry.node)}{cause} leads nowhere; add "
+            message += f'<transition event="{event}" target="..."/>.'
+            yield Problem(entry.node.position(), Code.MISSING_TRANSITION, message)
+
+
+def _hint(entry: ResolvedNode, event: str) -> str:
+    hint = names.allowed(event, entry.events or ())
+    if event == EXHAUSTED and entry.node.attempts is None:
+        hint += " For 'exhausted', limit the attempts with ext:attempts."
+    return hint
+
+
+def _check_targets(entry: ResolvedNode, known: Collection[str]) -> Iterator[Problem]:
+    """Yield a problem for each transition to what is not known."""
+    for transition in entry.node.transitions:
+        if transition.target and transition.target not in known:
+            hint = names.allowed(transition.target, known)
+            message = f"'{transition.target}' is neither a state, a behavior nor an outcome; {hint}"
+            yield Problem(transition.position("target"), Code.UNKNOWN_TARGET, message)

@@ -1,0 +1,122 @@
+"""Compile charts together: each is checked with the others in view, then made a behavior."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from flexbe_synthesizer.core import names
+from flexbe_synthesizer.core.check import CheckedChart, check_chart
+from flexbe_synthesizer.core.expand import expand
+from flexbe_synthesizer.core.library import Library
+from flexbe_synthesizer.core.machine import BehaviorUse, Machine, walk
+from flexbe_synthesizer.core.manifest import Manifest
+from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.problem import ChartError, Code, Problem, errors_in
+from flexbe_synthesizer.core.signature import BehaviorClass, chart_behavior
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A chart and the ROS package that its behavior goes to."""
+
+    chart: Chart
+    package: str
+
+
+def check_units(units: Sequence[Unit], library: Library) -> Mapping[str, CheckedChart]:
+    """Return each chart checked, by path; a behavior may be named though it is only a chart yet."""
+    behaviors = {unit.chart.file: chart_behavior(unit.chart, unit.package) for unit in units}
+    whole = library.with_behaviors(behaviors.values())
+    checked = {unit.chart.file: check_chart(unit.chart, whole, behaviors) for unit in units}
+    doubled = tuple(_find_doubles(units))
+    known = {behavior.name: behavior.contains for behavior in whole.behaviors} | {
+        one.resolved.chart.name: _contained(one) for one in checked.values()
+    }
+    return {
+        path: replace(
+            one,
+            problems=(
+                *one.problems,
+                *_find_cycles(one, known),
+                *(problem for problem in doubled if problem.position.file == path),
+            ),
+        )
+        for path, one in checked.items()
+    }
+
+
+def _contained(checked: CheckedChart) -> tuple[str, ...]:
+    """Return the display names of the behaviors in a chart."""
+    declarations = (entry.declaration for entry in checked.resolved.nodes)
+    return tuple(d.name for d in declarations if isinstance(d, BehaviorClass))
+
+
+def _find_cycles(checked: CheckedChart, known: Mapping[str, Iterable[str]]) -> Iterator[Problem]:
+    """Yield a problem for each behavior in a chart that contains the chart again."""
+    chart = checked.resolved.chart
+    for entry in checked.resolved.nodes:
+        if isinstance(entry.declaration, BehaviorClass):
+            trail = _trail(entry.declaration.name, chart.name, known)
+            if trail:
+                message = f"the chart would contain itself: {' > '.join((chart.name, *trail))}; "
+                message += "a behavior cannot be built out of itself."
+                yield Problem(entry.node.position("type"), Code.CHART_CYCLE, message)
+
+
+def _trail(start: str, goal: str, known: Mapping[str, Iterable[str]]) -> tuple[str, ...]:
+    """Return behaviors that contain each other from start to goal, empty if there is no such."""
+    came: dict[str, str | None] = {start: None}
+    waiting = [start]
+    for name in waiting:
+        if name == goal:
+            trail: list[str] = []
+            step: str | None = name
+            while step is not None:
+                trail.append(step)
+                step = came[step]
+            return tuple(reversed(trail))
+        for inner in known.get(name, ()):
+            if inner not in came:
+                came[inner] = name
+                waiting.append(inner)
+    return ()
+
+
+def _find_doubles(units: Sequence[Unit]) -> Iterator[Problem]:
+    """Yield a problem for each chart that would be written over another."""
+    first: dict[tuple[str, str], Chart] = {}
+    for unit in units:
+        chart = unit.chart
+        if not chart.name:
+            continue
+        other = first.setdefault((unit.package, names.behavior_file(chart.name)), chart)
+        if other.file != chart.file:
+            message = f"'{chart.name}' becomes the same file as '{other.name}' of {other.file}; "
+            message += "rename one of them."
+            yield Problem(chart.position("name"), Code.DUPLICATE_BEHAVIOR, message)
+
+
+def compile_chart(checked: CheckedChart, package: str) -> Machine:
+    """Return the behavior that a checked chart becomes.
+
+    Raises:
+        ChartError: if it has errors.
+    """
+    errors = errors_in(checked.problems)
+    if errors:
+        raise ChartError(errors)
+    return expand(checked.resolved, checked.flow, package)
+
+
+def manifest_of(machine: Machine) -> Manifest:
+    """Return the manifest of a behavior."""
+    contents = (child.content for _path, child in walk(machine.root))
+    contained = {c.behavior.name for c in contents if isinstance(c, BehaviorUse)}
+    return Manifest(
+        machine.name,
+        machine.package,
+        names.behavior_module(machine.name),
+        names.behavior_class(machine.name),
+        tuple(sorted(contained)),
+    )

@@ -1,0 +1,149 @@
+"""The chart as a graph: what leads where, which values are written on the way."""
+
+from __future__ import annotations
+
+from collections import defaultdict, deque
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from flexbe_synthesizer.core import names
+from flexbe_synthesizer.core.resolve import EXHAUSTED, ResolvedChart
+
+
+@dataclass(frozen=True)
+class Edge:
+    """A transition.
+
+    Attributes:
+        executed: the source certainly ran to an outcome of its own.
+        is_exhausted: it is taken only on a later entry, instead of running the source again.
+    """
+
+    source: str
+    event: str
+    target: str
+    executed: bool = True
+    is_exhausted: bool = False
+
+
+@dataclass(frozen=True)
+class Graph:
+    """States and behaviors by id, and the edges from them; targets may be outcomes."""
+
+    initial: str
+    ids: tuple[str, ...]
+    edges: tuple[Edge, ...]
+
+    @cached_property
+    def leaving(self) -> Mapping[str, tuple[Edge, ...]]:
+        """Return the edges from each state."""
+        return _grouped(self.edges, lambda edge: edge.source)
+
+    @cached_property
+    def entering(self) -> Mapping[str, tuple[Edge, ...]]:
+        """Return the edges to each state or outcome."""
+        return _grouped(self.edges, lambda edge: edge.target)
+
+    @cached_property
+    def loops(self) -> Mapping[str, int]:
+        """Return a number per state, equal for states that can reach each other (Kosaraju)."""
+        order: list[str] = []
+        seen: set[str] = set()
+        for start in self.ids:
+            order.extend(_postorder(start, self.leaving, seen))
+        component: dict[str, int] = {}
+        for number, start in enumerate(reversed(order)):
+            waiting = [start]
+            while waiting:
+                name = waiting.pop()
+                if name not in component:
+                    component[name] = number
+                    waiting.extend(edge.source for edge in self.entering.get(name, ()))
+        return component
+
+
+def chart_graph(resolved: ResolvedChart) -> Graph:
+    """Return the graph of a chart.
+
+    A misspelt target or initial state stands for the name that was meant, so that one mistake is
+    not reported a second time as an unreachable state.
+    """
+    ids = tuple(resolved.by_id)
+    known = {*ids, *(outcome.name for outcome in resolved.chart.outcomes)}
+
+    def meant(name: str, among: Collection[str]) -> str:
+        return name if name in among else names.misspelt(name, sorted(among)) or name
+
+    edges = tuple(
+        Edge(
+            entry.node.id,
+            transition.event,
+            meant(transition.target, known),
+            executed=transition.event not in entry.added_events,
+            is_exhausted=transition.event == EXHAUSTED
+            and entry.node.attempts is not None
+            and not entry.has_own(EXHAUSTED),
+        )
+        for entry in resolved.by_id.values()
+        for transition in entry.node.transitions
+    )
+    initial = meant(resolved.chart.initial, ids)
+    return Graph(initial, tuple(sorted(ids, key=lambda name: name != initial)), edges)
+
+
+def reachable(starts: Iterable[str], successors: Callable[[str], Iterable[str]]) -> set[str]:
+    """Return what can be reached from the starts, they included."""
+    found = set(starts)
+    waiting = list(found)
+    while waiting:
+        for name in successors(waiting.pop()):
+            if name not in found:
+                found.add(name)
+                waiting.append(name)
+    return found
+
+
+def shortest_path(
+    start: str, goal: str, leaving: Mapping[str, Iterable[Edge]]
+) -> tuple[Edge, ...] | None:
+    """Return the fewest edges, at least one, that lead from start to goal; None if none do."""
+    came: dict[str, Edge] = {}
+    waiting = deque([start])
+    while waiting and goal not in came:
+        for edge in leaving.get(waiting.popleft(), ()):
+            if edge.target not in came:
+                came[edge.target] = edge
+                waiting.append(edge.target)
+    if goal not in came:
+        return None
+    path = [came[goal]]
+    while path[-1].source != start:
+        path.append(came[path[-1].source])
+    return tuple(reversed(path))
+
+
+def _grouped(edges: Iterable[Edge], key: Callable[[Edge], str]) -> Mapping[str, tuple[Edge, ...]]:
+    groups: dict[str, list[Edge]] = defaultdict(list)
+    for edge in edges:
+        groups[key(edge)].append(edge)
+    return {name: tuple(group) for name, group in groups.items()}
+
+
+def _postorder(start: str, leaving: Mapping[str, tuple[Edge, ...]], seen: set[str]) -> list[str]:
+    """Return the states first seen from start, each after all that it leads to."""
+    if start in seen:
+        return []
+    order: list[str] = []
+    seen.add(start)
+    trail = [(start, iter(leaving.get(start, ())))]
+    while trail:
+        name, edges = trail[-1]
+        target = next((e.target for e in edges if e.target in leaving and e.target not in seen), "")
+        if target:
+            seen.add(target)
+            trail.append((target, iter(leaving[target])))
+        else:
+            order.append(name)
+            trail.pop()
+    return order

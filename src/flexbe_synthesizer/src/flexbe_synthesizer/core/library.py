@@ -1,0 +1,47 @@
+"""The state classes and behaviors that charts can name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from flexbe_synthesizer.core.signature import BehaviorClass, StateClass, Unreadable
+
+
+@dataclass(frozen=True)
+class Library:
+    """What was found on the ROS package path, the unusable with the reason."""
+
+    states: tuple[StateClass, ...] = ()
+    behaviors: tuple[BehaviorClass, ...] = ()
+    unreadable_states: tuple[Unreadable, ...] = ()
+    unreadable_behaviors: tuple[Unreadable, ...] = ()
+
+    def find_states(self, name: str) -> tuple[StateClass | Unreadable, ...]:
+        """Return the state classes that `Class`, `package__Class` or `package/Class` means."""
+        known: tuple[StateClass | Unreadable, ...] = (*self.states, *self.unreadable_states)
+        spellings = ("{0.name}", "{0.package}__{0.name}", "{0.package}/{0.name}")
+        return tuple(s for s in known if name in (spelling.format(s) for spelling in spellings))
+
+    def find_behaviors(self, name: str) -> tuple[BehaviorClass | Unreadable, ...]:
+        """Return the behaviors of that display name, else those of that class."""
+        known: tuple[BehaviorClass | Unreadable, ...] = (
+            *self.behaviors,
+            *self.unreadable_behaviors,
+        )
+        return tuple(b for b in known if b.name == name) or tuple(
+            b for b in known if b.class_name == name
+        )
+
+    def with_behaviors(self, behaviors: Iterable[BehaviorClass]) -> Library:
+        """Return the library with these behaviors in place of those of the same module."""
+        new = tuple(behaviors)
+        modules = {behavior.module for behavior in new}
+        names = {(behavior.package, behavior.name) for behavior in new}
+        return replace(
+            self,
+            behaviors=(*(b for b in self.behaviors if b.module not in modules), *new),
+            unreadable_behaviors=tuple(
+                b for b in self.unreadable_behaviors if (b.package, b.name) not in names
+            ),
+        )

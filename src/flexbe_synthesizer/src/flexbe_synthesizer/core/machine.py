@@ -1,0 +1,107 @@
+"""A FlexBE behavior as values: what a checked chart is expanded to, and all output is made from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import Enum
+from typing import NamedTuple
+
+from flexbe_synthesizer.core.literal import Literal
+from flexbe_synthesizer.core.model import Autonomy
+from flexbe_synthesizer.core.signature import BehaviorClass, StateClass
+
+
+class Kind(Enum):
+    """How a container runs what is in it."""
+
+    STATE_MACHINE = "OperatableStateMachine"
+    CONCURRENCY = "ConcurrencyContainer"
+
+
+class Exit(NamedTuple):
+    """Where an outcome of a child leads; `autonomy` None means the default of its kind."""
+
+    outcome: str
+    target: str
+    autonomy: Autonomy | None = None
+
+
+class Condition(NamedTuple):
+    """An outcome of a concurrency container, and the child's outcome that causes it."""
+
+    outcome: str
+    child: str
+    child_outcome: str
+
+
+class Pair(NamedTuple):
+    """A name and what belongs to it: a parameter and its value, a key and its default."""
+
+    name: str
+    value: Literal
+
+
+@dataclass(frozen=True)
+class StateUse:
+    """A state as the content of a child; `alias` is the name that it is imported under."""
+
+    state: StateClass
+    alias: str
+    arguments: tuple[Pair, ...]
+
+
+@dataclass(frozen=True)
+class BehaviorUse:
+    """A behavior as the content of a child; `defaulted` inputs keep the behavior's own default."""
+
+    behavior: BehaviorClass
+    parameters: tuple[Pair, ...]
+    defaulted: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Container:
+    """A state machine or concurrency container; its first child is the initial one.
+
+    Attributes:
+        userdata: default userdata, in order.
+        conditions: of a concurrency container only.
+    """
+
+    kind: Kind
+    outcomes: tuple[str, ...]
+    input_keys: tuple[str, ...]
+    output_keys: tuple[str, ...]
+    children: tuple[Child, ...]
+    userdata: tuple[Pair, ...] = ()
+    conditions: tuple[Condition, ...] = ()
+
+
+@dataclass(frozen=True)
+class Child:
+    """A labelled element of a container; `remapping` maps own keys to the container's."""
+
+    label: str
+    content: StateUse | BehaviorUse | Container
+    exits: tuple[Exit, ...]
+    remapping: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A whole behavior: its names and its root container."""
+
+    name: str
+    package: str
+    description: str
+    root: Container
+
+
+def walk(container: Container, path: str = "") -> Iterator[tuple[str, Child]]:
+    """Yield every child below a container with its path, such as `/Insert/run`."""
+    for child in container.children:
+        own_path = f"{path}/{child.label}"
+        yield own_path, child
+        if isinstance(child.content, Container):
+            yield from walk(child.content, own_path)

@@ -1,0 +1,165 @@
+"""A state chart as values: what chapter 6 of Deliverable 5.1 can say, and our extensions of it.
+
+Charts come from `codec.parse_chart` or are built in code; in code, `source` stays out. Two charts
+are equal if they say the same, wherever they stand.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+
+from flexbe_synthesizer.core.literal import Literal, freeze
+from flexbe_synthesizer.core.problem import Position
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where an element and its attributes stand in a file."""
+
+    element: Position
+    attributes: Mapping[str, Position] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Element:
+    """Anything that has an element of its own in the file."""
+
+    source: Source | None = field(default=None, compare=False, repr=False)
+
+    def position(self, attribute: str = "") -> Position:
+        """Return where the attribute stands, else the element; 0:0 for charts built in code."""
+        if self.source is None:
+            return Position("<chart>", 0, 0)
+        return self.source.attributes.get(attribute, self.source.element)
+
+
+class Autonomy(Enum):
+    """How much autonomy a transition needs before the engine takes it unasked."""
+
+    OFF = "off"
+    LOW = "low"
+    HIGH = "high"
+    FULL = "full"
+
+
+@dataclass(frozen=True)
+class Outcome(Element):
+    """One way in which the chart ends."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class Input(Element):
+    """A value that the chart, or a state in it, reads; only the chart's own have a default."""
+
+    name: str
+    type: str | None = None
+    default: Literal = None
+
+    def __post_init__(self) -> None:
+        """Freeze the default."""
+        object.__setattr__(self, "default", freeze(self.default))
+
+
+@dataclass(frozen=True)
+class Output(Element):
+    """A value that the chart, or a state in it, writes."""
+
+    name: str
+    type: str | None = None
+
+
+@dataclass(frozen=True)
+class Param(Element):
+    """A constructor argument of a state, or a parameter of a behavior."""
+
+    name: str
+    value: Literal
+
+    def __post_init__(self) -> None:
+        """Freeze the value."""
+        object.__setattr__(self, "value", freeze(self.value))
+
+
+@dataclass(frozen=True)
+class Transition(Element):
+    """Where an outcome of a state leads: to a state, a behavior or an outcome of the chart."""
+
+    event: str
+    target: str
+    autonomy: Autonomy | None = None
+
+
+@dataclass(frozen=True)
+class Connection(Element):
+    """A data flow; the chart's own name as a state id means its inputs or outputs."""
+
+    output_state_id: str
+    output: str
+    input_state_id: str
+    input: str
+
+
+@dataclass(frozen=True)
+class Node(Element):
+    """What states and behaviors have in common.
+
+    Attributes:
+        attempts: how often it may be entered in one run; adds the event `exhausted`.
+        timeout_s: how long one visit may take [s].
+    """
+
+    id: str
+    type: str
+    transitions: tuple[Transition, ...] = ()
+    inputs: tuple[Input, ...] = ()
+    outputs: tuple[Output, ...] = ()
+    params: tuple[Param, ...] = ()
+    attempts: int | None = None
+    timeout_s: float | None = None
+
+
+@dataclass(frozen=True)
+class State(Node):
+    """A state; `topic` is the name of the action that it calls, in place of its class's own."""
+
+    topic: str | None = None
+
+
+@dataclass(frozen=True)
+class Behavior(Node):
+    """A behavior inside the chart: a display name, a class, or the path of another chart."""
+
+
+@dataclass(frozen=True)
+class Chart(Element):
+    """A state chart.
+
+    Attributes:
+        name: display name of the behavior that it becomes.
+        initial: id of the first state.
+        nodes: states and behaviors, in document order.
+        description: what it does, for people; the comment at the head of the file.
+        file: path that it was read from, empty if it was built in code.
+    """
+
+    name: str
+    initial: str
+    outcomes: tuple[Outcome, ...] = ()
+    nodes: tuple[State | Behavior, ...] = ()
+    inputs: tuple[Input, ...] = ()
+    outputs: tuple[Output, ...] = ()
+    connections: tuple[Connection, ...] = ()
+    description: str = ""
+    file: str = field(default="", compare=False)
+
+    def __post_init__(self) -> None:
+        """Bring the description into the form that an XML comment can hold."""
+        lines = inspect.cleandoc("\n".join(self.description.splitlines())).splitlines()
+        tidy = "\n".join(line.rstrip() for line in lines).strip()
+        object.__setattr__(self, "description", re.sub(r"-(?=-)", "- ", tidy))

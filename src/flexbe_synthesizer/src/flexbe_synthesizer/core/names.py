@@ -1,0 +1,98 @@
+"""Names: what they may look like, what becomes of them in FlexBE, and which one was meant."""
+
+from __future__ import annotations
+
+import difflib
+import keyword
+import re
+from collections.abc import Collection, Iterable
+
+NAME_RULE = (
+    "letters, digits, '_', '-', '.' and single blanks, starting with a letter; "
+    "the words 'def' and 'class' cannot stand alone in it"
+)
+PREEMPTED = "preempted"  # FlexBE adds this outcome to every state and container itself
+_NAME = re.compile(r"[^\W\d_](?:[\w.-]| (?=[\w.-]))*\Z")
+_CODE_WORD = re.compile(r"(?:^|\s)(?:def|class)(?:\s|$)")  # the FlexBE App splits code at these
+_UNREADABLE = re.compile(r"""['"\\()\[\]{},#=\n\r]""")
+_LISTED = 12  # names shown in a message before it says how many more there are
+
+
+def is_name(text: str) -> bool:
+    """Tell whether FlexBE can carry the text as the name of a state, outcome or behavior."""
+    return bool(_NAME.match(text)) and not _CODE_WORD.search(text)
+
+
+def is_readable_outcome(text: str) -> bool:
+    """Tell whether the FlexBE App can read the text as an outcome of a state class."""
+    return bool(text) and not _UNREADABLE.search(text)
+
+
+def is_key(text: str) -> bool:
+    """Tell whether the text can name userdata: a Python identifier that is not private."""
+    return text.isidentifier() and not keyword.iskeyword(text) and not text.startswith("_")
+
+
+def behavior_class(name: str) -> str:
+    """Return the class that the FlexBE App gives to a behavior."""
+    return re.sub(r"\W", "", name, flags=re.ASCII) + "SM"
+
+
+def behavior_file(name: str) -> str:
+    """Return the file name, without suffix, that the FlexBE App gives to a behavior's manifest."""
+    return re.sub(r"\W", "_", name.lower(), flags=re.ASCII)
+
+
+def behavior_module(name: str) -> str:
+    """Return the module that the FlexBE App gives to a behavior."""
+    return behavior_file(name) + "_sm"
+
+
+def snake_case(name: str) -> str:
+    """Return the name as a part of a Python identifier: `LocateGearbox 2` -> `locate_gearbox_2`."""
+    parted = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name)
+    snake = re.sub(r"\W+", "_", parted.lower(), flags=re.ASCII).strip("_")
+    return snake if snake[:1].isalpha() else f"state_{snake}".rstrip("_")
+
+
+def take_unused(wanted: str, taken: Collection[str]) -> str:
+    """Return the wanted name, numbered from 2 if it is taken."""
+    name, number = wanted, 2
+    while name in taken:
+        name, number = f"{wanted}_{number}", number + 1
+    return name
+
+
+def nearest(found: str, known: Iterable[str]) -> tuple[str, ...]:
+    """Return the known names that come nearest to the one found, best first; at most three."""
+    return _close(found, known, cutoff=0.6)
+
+
+def misspelt(found: str, known: Iterable[str]) -> str | None:
+    """Return the known name that the one found is a misspelling of, None if that is not clear."""
+    cutoff = 0.8 if len(found) > 5 else 0.6  # one slip is a large part of a short name
+    return next(iter(_close(found, known, cutoff)), None)
+
+
+def _close(found: str, known: Iterable[str], cutoff: float) -> tuple[str, ...]:
+    by_lower = {name.lower(): name for name in known}
+    matches = difflib.get_close_matches(found.lower(), by_lower, cutoff=cutoff)
+    return tuple(by_lower[name] for name in matches)
+
+
+def quoted(names: Iterable[str]) -> str:
+    """Return the names as `'a', 'b'`, in order, shortened where there are many."""
+    listed = [f"'{name}'" for name in names]
+    if not listed:
+        return "none"
+    if len(listed) <= _LISTED:
+        return ", ".join(listed)
+    return ", ".join(listed[:_LISTED]) + f" and {len(listed) - _LISTED} more"
+
+
+def allowed(found: str, known: Iterable[str]) -> str:
+    """Return the end of a message: the nearest names if any come near, and those allowed."""
+    known = tuple(known)
+    near = nearest(found, known)
+    meant = f" Did you mean {' or '.join(f'{name!r}' for name in near)}?" if near else ""
+    return f"allowed: {quoted(known)}.{meant}"

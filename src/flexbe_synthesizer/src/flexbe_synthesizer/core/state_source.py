@@ -1,0 +1,143 @@
+"""Read a state class from the text of its file, as the FlexBE App does; nothing is imported.
+
+A file counts if a class in it has the base list `(EventState)`. Its constructor calls
+`super().__init__` with `outcomes`, `input_keys`, `output_keys` (and `io_keys`), each a list of
+strings or the name of a constructor argument. The docstring gives the types, one mark a line:
+`-- name type text` argument, `># name type text` input, `#> name type text` output.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator, Mapping
+
+from flexbe_synthesizer.core import names
+from flexbe_synthesizer.core.signature import (
+    FromParameter,
+    Parameter,
+    Port,
+    StateClass,
+    Unreadable,
+    documented_type,
+)
+
+_MARK = re.compile(r"^\s*(--|>#|#>)\s+(\S+)[ \t]+(\S+)", re.MULTILINE)
+
+
+class _UnreadableError(ValueError):
+    """The class is outside what can be read from text."""
+
+
+def read_state_class(text: str, package: str, module: str) -> StateClass | Unreadable | None:
+    """Return the first state class of a file, why it cannot be used, or None if it has none.
+
+    Raises:
+        SyntaxError: if the text is not Python.
+    """
+    classes = (node for node in ast.parse(text).body if isinstance(node, ast.ClassDef))
+    found = next((c for c in classes if [*map(ast.unparse, c.bases)] == ["EventState"]), None)
+    if found is None:
+        return None
+    try:
+        return _read_class(found, package, module)
+    except _UnreadableError as error:
+        return Unreadable(found.name, package, str(error))
+
+
+def _read_class(found: ast.ClassDef, package: str, module: str) -> StateClass:
+    constructor = _constructor(found)
+    documented = {
+        (mark, name): documented_type(kind)
+        for mark, name, kind in _MARK.findall(ast.get_docstring(found) or "")
+    }
+    parameters = tuple(_parameters(constructor, documented))
+    known = {parameter.name for parameter in parameters}
+    lists = {
+        keyword.arg: _name_list(keyword.arg, keyword.value, known)
+        for keyword in _super_call(constructor).keywords
+        if keyword.arg in ("outcomes", "input_keys", "output_keys", "io_keys")
+    }
+    outcomes = lists.get("outcomes", ())
+    if not outcomes:
+        raise _UnreadableError("its constructor declares no outcomes")
+    for outcome in () if isinstance(outcomes, FromParameter) else outcomes:
+        if not names.is_readable_outcome(outcome):
+            raise _UnreadableError(f"the FlexBE App cannot read its outcome {outcome!r}")
+    return StateClass(
+        name=found.name,
+        package=package,
+        module=module,
+        parameters=parameters,
+        outcomes=outcomes,
+        inputs=_ports(lists.get("input_keys", ()), lists.get("io_keys", ()), ">#", documented),
+        outputs=_ports(lists.get("output_keys", ()), lists.get("io_keys", ()), "#>", documented),
+    )
+
+
+def _constructor(found: ast.ClassDef) -> ast.FunctionDef:
+    for node in found.body:
+        if isinstance(node, ast.FunctionDef) and node.name == "__init__":
+            return node
+    raise _UnreadableError("it has no __init__ that declares its outcomes")
+
+
+def _parameters(
+    constructor: ast.FunctionDef, documented: Mapping[tuple[str, str], str | None]
+) -> Iterator[Parameter]:
+    """Yield the constructor's arguments after self."""
+    given = constructor.args
+    positional = [*given.posonlyargs, *given.args][1:]
+    first_default = len(positional) - len(given.defaults)
+    required = [index < first_default for index in range(len(positional))]
+    required += [default is None for default in given.kw_defaults]
+    for argument, is_required in zip([*positional, *given.kwonlyargs], required, strict=True):
+        annotation = documented_type(ast.unparse(argument.annotation or ast.Constant("")))
+        kind = documented.get(("--", argument.arg)) or annotation
+        yield Parameter(argument.arg, kind, is_required)
+
+
+def _super_call(constructor: ast.FunctionDef) -> ast.Call:
+    for node in ast.walk(constructor):
+        if (
+            isinstance(node, ast.Call)
+            and isinstance(node.func, ast.Attribute)
+            and node.func.attr == "__init__"
+            and isinstance(node.func.value, ast.Call)
+            and isinstance(node.func.value.func, ast.Name)
+            and node.func.value.func.id == "super"
+        ):
+            return node
+    raise _UnreadableError("its constructor does not call super().__init__(outcomes=[...])")
+
+
+def _name_list(
+    keyword: str, value: ast.expr, parameters: set[str]
+) -> tuple[str, ...] | FromParameter:
+    if isinstance(value, ast.Name) and value.id in parameters:
+        return FromParameter(value.id)
+    if isinstance(value, ast.List):
+        items = [item.value for item in value.elts if isinstance(item, ast.Constant)]
+        texts = [item for item in items if isinstance(item, str)]
+        if len(texts) == len(value.elts):
+            return tuple(dict.fromkeys(texts))
+    raise _UnreadableError(
+        f"its {keyword} are {ast.unparse(value)}; only a list of strings or a constructor argument "
+        "can be read without running it"
+    )
+
+
+def _ports(
+    keys: tuple[str, ...] | FromParameter,
+    both: tuple[str, ...] | FromParameter,
+    mark: str,
+    documented: Mapping[tuple[str, str], str | None],
+) -> tuple[Port, ...] | FromParameter:
+    """Return the keys of one direction, with those of both directions after them."""
+    if isinstance(keys, FromParameter) and not both:
+        return keys
+    if isinstance(both, FromParameter) and not keys:
+        return both
+    if isinstance(keys, FromParameter) or isinstance(both, FromParameter):
+        raise _UnreadableError("its io_keys stand beside keys taken from an argument")
+    return tuple(Port(key, documented.get((mark, key))) for key in dict.fromkeys((*keys, *both)))

@@ -1,0 +1,271 @@
+"""Read XML into elements that know their line and column.
+
+The standard library's expat is used, since lxml knows no columns and no places of attributes.
+Namespaces are resolved here rather than by expat, so that an undeclared prefix, or an attribute
+that stands twice, is one problem among others and does not hide the rest of the file. Document
+types are refused, and with them entity bombs, external entities and default attributes.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from xml.parsers import expat
+
+from flexbe_synthesizer.core.problem import ChartError, Code, Position, Problem
+
+XML_NAMESPACE = "http://www.w3.org/XML/1998/namespace"
+_MOST_DUPLICATES = 100  # each costs a pass over the file; this many are enough to begin with
+_ENCODINGS = {"utf-8", "us-ascii", "ascii", "iso-8859-1", "latin-1", "windows-1252"}
+_DECLARATION = re.compile(rb"""<\?xml\s[^>]*?encoding\s*=\s*["']([\w.:-]+)""")
+_TAG_NAME = re.compile(rb"<[^\s/>]+")
+_ATTRIBUTE = re.compile(rb"""([^\s=/>]+)\s*=\s*("[^"]*"|'[^']*')""")
+
+
+@dataclass(frozen=True)
+class XmlAttribute:
+    """An attribute and where its name stands; `namespace` is empty for one without prefix."""
+
+    namespace: str
+    name: str
+    value: str
+    position: Position
+
+
+@dataclass(frozen=True)
+class XmlElement:
+    """An element, what is in it, and where it stands.
+
+    Attributes:
+        comment: the first comment in it before any child element.
+        text: where the first text stands that is not blank.
+    """
+
+    namespace: str
+    name: str
+    position: Position
+    attributes: tuple[XmlAttribute, ...]
+    children: tuple[XmlElement, ...]
+    comment: str | None
+    text: Position | None
+
+
+@dataclass(frozen=True)
+class Document:
+    """The root element, the comment right before it, and what was wrong without being fatal."""
+
+    root: XmlElement
+    comment: str | None
+    problems: tuple[Problem, ...]
+
+
+def read_xml(source: str | bytes, file: str) -> Document:
+    """Return the document that the source holds.
+
+    Raises:
+        ChartError: if the source is not well-formed XML in a known encoding, or has a DOCTYPE.
+    """
+    data = _as_utf8(source, file) if isinstance(source, bytes) else _encode(source)
+    duplicates: list[Problem] = []
+    while len(duplicates) < _MOST_DUPLICATES:
+        try:
+            document = _Reading(data, file).document()
+        except _DuplicateAttributeError as found:
+            duplicates.append(found.problem)
+            data = found.mended
+        except ChartError as error:
+            raise ChartError((*duplicates, *error.problems)) from error
+        else:
+            return Document(document.root, document.comment, (*duplicates, *document.problems))
+    raise ChartError(duplicates)
+
+
+def _encode(text: str) -> bytes:
+    """Return the text in UTF-8; half characters stay in it for expat to find."""
+    return text.encode("utf-8", "surrogatepass")
+
+
+def _as_utf8(data: bytes, file: str) -> bytes:
+    """Return the text in UTF-8, whatever its byte order mark or declaration says it is in."""
+    encoding = "utf-8-sig"
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        encoding = "utf-16"
+    elif declared := _DECLARATION.match(data):
+        encoding = declared[1].decode().lower()
+        if encoding not in _ENCODINGS:
+            message = f"the encoding {encoding!r} is not read here; save the file as UTF-8."
+            raise ChartError([Problem(Position(file, 1, 1), Code.NOT_XML, message)])
+    try:
+        return data.decode(encoding).encode()
+    except UnicodeDecodeError as error:
+        before = data[: error.start]
+        line = before.count(b"\n") + 1
+        column = len(before[before.rfind(b"\n") + 1 :].decode(encoding, "replace")) + 1
+        expected = encoding.removesuffix("-sig")
+        message = f"byte {data[error.start]:#04x} is not {expected}; save the file as UTF-8."
+        raise ChartError([Problem(Position(file, line, column), Code.NOT_XML, message)]) from error
+
+
+class _DuplicateAttributeError(Exception):
+    """An attribute stands twice; `mended` is the source with the second one blanked out."""
+
+    def __init__(self, problem: Problem, mended: bytes) -> None:
+        super().__init__(str(problem))
+        self.problem = problem
+        self.mended = mended
+
+
+@dataclass
+class _Open:
+    """An element whose end has not been read yet."""
+
+    name: str
+    position: Position
+    prefixes: dict[str, str]
+    attributes: list[XmlAttribute] = field(default_factory=list)
+    children: list[XmlElement] = field(default_factory=list)
+    comment: str | None = None
+    text: Position | None = None
+
+
+class _Reading:
+    """One pass of expat over a source in UTF-8."""
+
+    def __init__(self, data: bytes, file: str) -> None:
+        self._data = data
+        self._file = file
+        self._problems: list[Problem] = []
+        self._open: list[_Open] = []
+        self._root: XmlElement | None = None
+        self._comment: str | None = None
+        self._parser = expat.ParserCreate(encoding="utf-8")
+        self._parser.ordered_attributes = True
+        self._parser.StartElementHandler = self._start
+        self._parser.EndElementHandler = self._end
+        self._parser.CommentHandler = self._take_comment
+        self._parser.CharacterDataHandler = self._take_text
+        self._parser.StartDoctypeDeclHandler = self._refuse_doctype
+
+    def document(self) -> Document:
+        try:
+            self._parser.Parse(self._data, True)
+        except expat.ExpatError as error:
+            raise self._explain(error) from error
+        if self._root is None:
+            raise AssertionError("expat accepted a document without an element")
+        return Document(self._root, self._comment, tuple(self._problems))
+
+    def _here(self) -> Position:
+        line, column = self._parser.CurrentLineNumber, self._parser.CurrentColumnNumber
+        return Position(self._file, line, column + 1)
+
+    def _start(self, name: str, pairs: list[str]) -> None:
+        here = self._here()
+        places = dict(self._attribute_places(here))
+        values = dict(zip(pairs[::2], pairs[1::2], strict=True))
+        prefixes = {"xml": XML_NAMESPACE} if not self._open else self._open[-1].prefixes
+        prefixes = prefixes | {
+            raw.partition(":")[2]: value
+            for raw, value in values.items()
+            if raw == "xmlns" or raw.startswith("xmlns:")
+        }
+        element = _Open(name, here, prefixes)
+        self._open.append(element)
+        for raw, value in values.items():
+            if raw == "xmlns" or raw.startswith("xmlns:"):
+                continue
+            prefix, _, local = raw.rpartition(":")
+            namespace = self._resolve(prefix, places[raw]) if prefix else ""
+            if namespace is not None:
+                element.attributes.append(XmlAttribute(namespace, local, value, places[raw]))
+
+    def _resolve(self, prefix: str, position: Position) -> str | None:
+        """Return the namespace of a prefix; report it and return None if nothing declares it."""
+        namespace = self._open[-1].prefixes.get(prefix)
+        if namespace is None:
+            message = (
+                f"the prefix '{prefix}' is not declared; write "
+                f'xmlns:{prefix}="..." in the root element.'
+            )
+            self._problems.append(Problem(position, Code.UNBOUND_PREFIX, message))
+        return namespace
+
+    def _attribute_places(self, here: Position) -> Iterator[tuple[str, Position]]:
+        """Yield name and position of each attribute of the tag that expat stands at."""
+        start = self._parser.CurrentByteIndex
+        name = _TAG_NAME.match(self._data, start)
+        at = name.end() if name else start
+        while (found := _ATTRIBUTE.match(self._data, self._skip_blanks(at))) is not None:
+            before = self._data[start : found.start()].decode()
+            lines = before.count("\n")
+            column = len(before) - before.rfind("\n") if lines else here.column + len(before)
+            yield found[1].decode(), Position(self._file, here.line + lines, column)
+            at = found.end()
+
+    def _skip_blanks(self, at: int) -> int:
+        while self._data[at : at + 1].isspace():
+            at += 1
+        return at
+
+    def _end(self, _name: str) -> None:
+        done = self._open.pop()
+        prefix, _, local = done.name.rpartition(":")
+        namespace = done.prefixes.get(prefix)
+        if namespace is None and prefix:
+            message = f"the prefix '{prefix}' of <{done.name}> is not declared."
+            self._problems.append(Problem(done.position, Code.UNBOUND_PREFIX, message))
+        element = XmlElement(
+            namespace or "",
+            local,
+            done.position,
+            tuple(done.attributes),
+            tuple(done.children),
+            done.comment,
+            done.text,
+        )
+        if self._open:
+            self._open[-1].children.append(element)
+        else:
+            self._root = element
+
+    def _take_comment(self, text: str) -> None:
+        if not self._open:
+            if self._root is None:
+                self._comment = text
+        elif self._open[-1].comment is None and not self._open[-1].children:
+            self._open[-1].comment = text
+
+    def _take_text(self, text: str) -> None:
+        if self._open[-1].text is None and text.strip():
+            file, line, column = self._here()
+            blanks = len(text) - len(text.lstrip())
+            self._open[-1].text = Position(file, line, column + blanks)
+
+    def _refuse_doctype(self, *_declaration: object) -> None:
+        message = "a chart has no document type and no entities; delete the <!DOCTYPE ...>."
+        start = self._data.rfind(b"<!DOCTYPE", 0, self._parser.CurrentByteIndex + 1)
+        before = self._data[: max(start, 0)].decode()
+        line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
+        raise ChartError([Problem(Position(self._file, line, column), Code.DOCTYPE, message)])
+
+    def _explain(self, error: expat.ExpatError) -> Exception:
+        """Return what to raise for a fault that expat found."""
+        position = Position(self._file, error.lineno, error.offset + 1)
+        at = self._parser.ErrorByteIndex
+        if error.code == expat.errors.codes[expat.errors.XML_ERROR_DUPLICATE_ATTRIBUTE]:
+            found = _ATTRIBUTE.match(self._data, at)
+            if found is not None:
+                name = found[1].decode()
+                message = f"the attribute '{name}' stands twice in this element; delete one."
+                blanked = re.sub(rb"[^\r\n]", b" ", found[0])
+                mended = self._data[:at] + blanked + self._data[found.end() :]
+                problem = Problem(position, Code.DUPLICATE_ATTRIBUTE, message)
+                return _DuplicateAttributeError(problem, mended)
+        message = f"not well-formed XML: {expat.ErrorString(error.code)}."
+        if not self._data.strip():
+            message = "the file is empty; a chart is one <statemachine> element."
+        elif self._open:
+            innermost = self._open[-1]
+            message += f" <{innermost.name}> of line {innermost.position.line} is open here."
+        return ChartError([Problem(position, Code.NOT_XML, message)])

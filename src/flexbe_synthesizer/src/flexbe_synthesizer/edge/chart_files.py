@@ -1,0 +1,111 @@
+"""Read chart files, and the charts that they name in turn."""
+
+from __future__ import annotations
+
+import os
+import stat
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from flexbe_synthesizer.core.codec import read_chart
+from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.problem import Code, Problem
+from flexbe_synthesizer.core.resolve import included_path
+from flexbe_synthesizer.errors import ChartFileError, ChartRefusedError
+
+LARGEST_FILE = 16 * 2**20  # of a chart [bytes]; ten thousand states take about 4 MiB
+
+
+@dataclass(frozen=True)
+class ChartFiles:
+    """Charts by path, those asked for first, and what is wrong with the form of their files."""
+
+    charts: tuple[Chart, ...]
+    problems: tuple[Problem, ...]
+
+
+def read_charts(paths: Iterable[str], locate: Callable[[str], Path] = Path) -> ChartFiles:
+    """Return the charts of the paths and of all charts that they name.
+
+    Args:
+        paths: what to read; a path is also the name of the file in messages.
+        locate: returns the file to read for a path, or raises ChartFileError to refuse it.
+
+    Raises:
+        ChartFileError: if one of the paths cannot be read. A chart named by another one that
+            cannot be read is a problem of that other chart.
+    """
+    charts: dict[str, Chart] = {}
+    problems: list[Problem] = []
+    waiting = list(dict.fromkeys(os.path.normpath(path) for path in paths))
+    sources = {path: _read_bytes(locate(path)) for path in waiting}
+    seen = set(waiting)
+    while waiting:
+        path = waiting.pop(0)
+        chart, found = read_chart(sources.pop(path), path)
+        problems.extend(found)
+        if chart is None:
+            continue
+        charts[path] = chart
+        for node in chart.nodes:
+            included = included_path(chart, node)
+            if included is None or included in seen:
+                continue
+            try:
+                sources[included] = _read_bytes(locate(included))
+            except ChartFileError as error:
+                message = f"the chart '{node.type}' cannot be used: {error}."
+                problems.append(Problem(node.position("type"), Code.UNKNOWN_BEHAVIOR, message))
+            else:
+                seen.add(included)
+                waiting.append(included)
+    return ChartFiles(tuple(charts.values()), tuple(problems))
+
+
+def _read_bytes(path: Path) -> bytes:
+    try:
+        status = path.stat()
+        if not stat.S_ISREG(status.st_mode):
+            raise ChartFileError(f"{path} is no regular file")
+        if status.st_size > LARGEST_FILE:
+            raise ChartFileError(f"{path} is larger than {LARGEST_FILE >> 20} MiB")
+        return path.read_bytes()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise ChartFileError(f"{path} cannot be read: {reason}") from error
+
+
+def confined_to(folders: Iterable[Path]) -> Callable[[str], Path]:
+    """Return a `locate` that refuses whatever leads out of the folders, by links too."""
+    homes = tuple(folder.resolve() for folder in folders)
+
+    def locate(path: str) -> Path:
+        try:
+            real = Path(path).resolve()
+        except (OSError, ValueError, RuntimeError) as error:  # a NUL, or links in a circle
+            raise ChartRefusedError(f"{path!r} is no path: {error}") from error
+        if not any(real.is_relative_to(home) for home in homes):
+            allowed = ", ".join(map(str, homes)) or "none"
+            raise ChartRefusedError(f"{path} lies outside the chart folders; allowed: {allowed}")
+        return real
+
+    return locate
+
+
+def find_chart(name: str, folders: Iterable[Path]) -> str:
+    """Return the path of a chart that is named relative to one of the folders, or absolutely.
+
+    Raises:
+        ChartFileError: if no folder has it; ChartRefusedError if the name leads out of them.
+    """
+    homes = tuple(folders)
+    locate = confined_to(homes)
+    if os.path.isabs(name):
+        return str(locate(name))
+    for home in homes:
+        path = locate(os.path.join(home, name))
+        if path.is_file():
+            return str(path)
+    searched = ", ".join(map(str, homes)) or "none"
+    raise ChartFileError(f"there is no chart '{name}' in the chart folders; searched: {searched}")

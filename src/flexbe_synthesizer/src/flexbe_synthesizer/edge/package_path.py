@@ -1,0 +1,152 @@
+"""Find the packages on the ROS package path, and the state classes and behaviors in them.
+
+Only text is read. What cannot be read costs a warning and nothing else: a broken package somewhere
+on the path is no reason not to use the others.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree
+
+from flexbe_synthesizer.core.behavior_source import read_behavior_class
+from flexbe_synthesizer.core.library import Library
+from flexbe_synthesizer.core.manifest import Manifest, read_manifest
+from flexbe_synthesizer.core.signature import BehaviorClass, StateClass, Unreadable
+from flexbe_synthesizer.core.state_source import read_state_class
+
+
+@dataclass(frozen=True)
+class Package:
+    """A ROS package, and which of FlexBE's exports its package.xml has."""
+
+    name: str
+    folder: Path
+    has_states: bool = False
+    has_behaviors: bool = False
+
+    @property
+    def module_folder(self) -> Path:
+        """Return the folder of its Python package: in the sources, else where it is installed."""
+        source = self.folder / "src" / self.name
+        if source.is_dir():
+            return source
+        spec = importlib.util.find_spec(self.name)  # of a top-level name: nothing is imported
+        locations = spec.submodule_search_locations if spec else None
+        return Path(locations[0]) if locations else source
+
+
+def read_package(folder: Path) -> Package:
+    """Return the package of a folder that has a package.xml.
+
+    Raises:
+        ValueError: if the package.xml cannot be read or names no package.
+        OSError: if it is not there.
+    """
+    try:
+        root = ElementTree.parse(folder / "package.xml").getroot()
+    except ElementTree.ParseError as error:
+        raise ValueError(f"{folder / 'package.xml'} is not well-formed: {error}") from error
+    name = (root.findtext("name") or "").strip()
+    if not name:
+        raise ValueError(f"{folder / 'package.xml'} names no package")
+    exports = {child.tag for export in root.iter("export") for child in export}
+    return Package(name, folder, "flexbe_states" in exports, "flexbe_behaviors" in exports)
+
+
+def find_packages(package_path: str) -> tuple[tuple[Package, ...], tuple[str, ...]]:
+    """Return the packages below the folders of a ROS_PACKAGE_PATH, and warnings.
+
+    A folder with a package.xml is not searched further, nor one with a CATKIN_IGNORE. Of two
+    packages of one name the first on the path counts.
+    """
+    packages: dict[str, Package] = {}
+    warnings: list[str] = []
+    for folder in _package_folders(package_path):
+        try:
+            package = read_package(folder)
+        except (ValueError, OSError) as error:
+            warnings.append(f"{error}; the package is left out")
+        else:
+            packages.setdefault(package.name, package)
+    return tuple(packages.values()), tuple(warnings)
+
+
+def _package_folders(package_path: str) -> Iterator[Path]:
+    for top in filter(None, package_path.split(os.pathsep)):
+        for folder, inner, files in os.walk(top, followlinks=True):
+            if "package.xml" in files and "CATKIN_IGNORE" not in files:
+                yield Path(folder)
+            if "package.xml" in files or "CATKIN_IGNORE" in files:
+                inner.clear()
+            inner[:] = sorted(name for name in inner if not name.startswith("."))
+
+
+def read_library(packages: Sequence[Package]) -> tuple[Library, tuple[str, ...]]:
+    """Return what charts can name of the packages, and warnings."""
+    warnings: list[str] = []
+    states = tuple(_read_states((p for p in packages if p.has_states), warnings))
+    behaviors = tuple(_read_behaviors((p for p in packages if p.has_behaviors), warnings))
+    library = Library(
+        states=tuple(s for s in states if isinstance(s, StateClass)),
+        behaviors=tuple(b for b in behaviors if isinstance(b, BehaviorClass)),
+        unreadable_states=tuple(s for s in states if isinstance(s, Unreadable)),
+        unreadable_behaviors=tuple(b for b in behaviors if isinstance(b, Unreadable)),
+    )
+    return library, tuple(warnings)
+
+
+def _read_states(
+    packages: Iterable[Package], warnings: list[str]
+) -> Iterator[StateClass | Unreadable]:
+    """Yield the state class of each file of the packages that has one."""
+    for package in packages:
+        top = package.module_folder
+        for path in sorted(top.rglob("*.py")):
+            if path.name == "__init__.py":
+                continue
+            module = ".".join((package.name, *path.relative_to(top).with_suffix("").parts))
+            try:
+                text = path.read_text(encoding="utf-8")
+                state = read_state_class(text, package.name, module) if _may_hold(text) else None
+            except (OSError, SyntaxError, ValueError, RecursionError) as error:
+                warnings.append(f"{path} cannot be read: {error}; its state is left out")
+            else:
+                if state is not None:
+                    yield state
+
+
+def _may_hold(text: str) -> bool:
+    """Tell whether a file can hold a state class at all; parsing it is slow."""
+    return "(EventState)" in text
+
+
+def _read_behaviors(
+    packages: Iterable[Package], warnings: list[str]
+) -> Iterator[BehaviorClass | Unreadable]:
+    """Yield the behavior of each manifest of the packages."""
+    for package in packages:
+        for path in sorted(package.folder.rglob("*.xml")):
+            if path.name.startswith("#"):
+                continue
+            try:
+                manifest = read_manifest(path.read_bytes(), str(path))
+            except OSError as error:
+                warnings.append(f"{path} cannot be read: {error}")
+                continue
+            if manifest is not None and manifest.package == package.name:
+                yield _read_behavior(package, manifest)
+
+
+def _read_behavior(package: Package, manifest: Manifest) -> BehaviorClass | Unreadable:
+    path = package.module_folder.joinpath(*manifest.module.split(".")).with_suffix(".py")
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, ValueError) as error:
+        reason = f"its file cannot be read: {error}"
+        return Unreadable(manifest.name, manifest.package, reason, manifest.class_name)
+    return read_behavior_class(text, manifest)

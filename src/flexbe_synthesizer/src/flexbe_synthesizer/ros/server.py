@@ -1,0 +1,115 @@
+"""The synthesis action server: requests in a queue, served one after another by one thread."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from dataclasses import asdict
+
+import actionlib
+import rospy
+from actionlib_msgs.msg import GoalStatus
+from flexbe_msgs.msg import (
+    BehaviorSynthesisAction,
+    BehaviorSynthesisFeedback,
+    BehaviorSynthesisResult,
+    OutcomeCondition,
+    StateInstantiation,
+    SynthesisErrorCodes,
+)
+
+from flexbe_synthesizer.core.instantiate import Instantiation
+from flexbe_synthesizer.request import Answer, ErrorCode, Request, RequestError, Settings, fulfil
+
+ACTION = "flexbe/synthesize"
+_MOST_WAITING = 64  # requests; who has more outstanding has lost count of them
+
+
+class SynthesisServer:
+    """Serves `flexbe_msgs/BehaviorSynthesis` on the relative name `flexbe/synthesize`."""
+
+    def __init__(self, settings: Settings) -> None:
+        """Start serving."""
+        self._settings = settings
+        self._waiting: queue.Queue[actionlib.ServerGoalHandle] = queue.Queue(_MOST_WAITING)
+        self._worker = threading.Thread(target=self._work, name="synthesis", daemon=True)
+        self._server = actionlib.ActionServer(
+            ACTION, BehaviorSynthesisAction, self._take_goal, self._take_cancel, auto_start=False
+        )
+        self._worker.start()
+        self._server.start()
+
+    def _take_goal(self, handle: actionlib.ServerGoalHandle) -> None:
+        try:
+            self._waiting.put_nowait(handle)
+        except queue.Full:
+            text = f"{_MOST_WAITING} requests are waiting already; send this one again later"
+            handle.set_rejected(_failure(ErrorCode.QUEUE_FULL), text)
+
+    def _take_cancel(self, handle: actionlib.ServerGoalHandle) -> None:
+        """End a request that still waits; one that is served sees it at its next step."""
+        if handle.get_goal_status().status == GoalStatus.RECALLING:
+            handle.set_canceled(_failure(ErrorCode.CANCELLED), "cancelled before it was served")
+
+    def _work(self) -> None:
+        while not rospy.is_shutdown():
+            try:
+                handle = self._waiting.get(timeout=1.0)
+            except queue.Empty:
+                continue
+            if handle.get_goal_status().status == GoalStatus.PENDING:
+                self._serve(handle)
+
+    def _serve(self, handle: actionlib.ServerGoalHandle) -> None:
+        """Fulfil one request and tell how it ended."""
+        handle.set_accepted()
+        asked = handle.get_goal().request
+        rospy.loginfo("synthesizing %s for '%s'", asked.goal, asked.name)
+
+        def report(status: str, progress: float) -> None:
+            if handle.get_goal_status().status == GoalStatus.PREEMPTING:
+                raise RequestError(ErrorCode.CANCELLED, f"cancelled before {status}")
+            handle.publish_feedback(BehaviorSynthesisFeedback(status, progress))
+
+        request = Request(asked.goal, asked.initial_condition, tuple(asked.sm_outcomes))
+        try:
+            answer = fulfil(request, self._settings, report)
+        except RequestError as error:
+            self._fail(handle, error.code, str(error))
+        except Exception as error:  # noqa: BLE001 - one request must not end the others
+            rospy.logerr("synthesis failed", exc_info=True)
+            self._fail(handle, ErrorCode.INTERNAL, f"internal error: {error!r}; see the log")
+        else:
+            _succeed(handle, answer)
+
+    def _fail(self, handle: actionlib.ServerGoalHandle, code: ErrorCode, text: str) -> None:
+        handle.publish_feedback(BehaviorSynthesisFeedback(text, 1.0))
+        if code is ErrorCode.CANCELLED:
+            rospy.loginfo("synthesis: %s", text)
+            handle.set_canceled(_failure(code), text)
+        else:
+            rospy.logerr("synthesis failed, %s (%d): %s", code.name, code, text)
+            handle.set_aborted(_failure(code), text)
+
+
+def _succeed(handle: actionlib.ServerGoalHandle, answer: Answer) -> None:
+    for warning in answer.warnings:
+        rospy.logwarn("%s", warning)
+    text = f"{len(answer.states)} states, wrote {', '.join(map(str, answer.written)) or 'nothing'}"
+    handle.publish_feedback(BehaviorSynthesisFeedback(text, 1.0))
+    rospy.loginfo("synthesis: %s", text)
+    states = [_message(state) for state in answer.states]
+    result = BehaviorSynthesisResult(SynthesisErrorCodes(ErrorCode.SUCCESS), states)
+    handle.set_succeeded(result, text)
+
+
+def _failure(code: ErrorCode) -> BehaviorSynthesisResult:
+    return BehaviorSynthesisResult(SynthesisErrorCodes(code), [])
+
+
+def _message(state: Instantiation) -> StateInstantiation:
+    fields = asdict(state)
+    fields["cond_transition"] = [
+        OutcomeCondition([name], [outcome]) for name, outcome in state.cond_transition
+    ]
+    return StateInstantiation(**fields)

@@ -1,0 +1,128 @@
+"""The whole way from chart files to behavior files, as the command line and the server go it."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from flexbe_synthesizer.core.check import CheckedChart
+from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, manifest_of
+from flexbe_synthesizer.core.layout import lay_out
+from flexbe_synthesizer.core.library import Library
+from flexbe_synthesizer.core.machine import Machine
+from flexbe_synthesizer.core.manifest import write_manifest
+from flexbe_synthesizer.core.manual_sections import ManualSectionError, read_manual_sections
+from flexbe_synthesizer.core.problem import ChartError, Code, Problem, errors_in
+from flexbe_synthesizer.core.render_python import render_python
+from flexbe_synthesizer.edge.atomic_write import write_all
+from flexbe_synthesizer.edge.chart_files import read_charts
+from flexbe_synthesizer.edge.output_package import OutputPackage
+from flexbe_synthesizer.errors import OutputError
+
+
+@dataclass(frozen=True)
+class CheckedFiles:
+    """Charts that were read and checked together.
+
+    Attributes:
+        charts: by path, those asked for first, then those that they name.
+        packages: where the behavior of each chart goes, by path.
+        problems: everything wrong, in the order of files and lines.
+    """
+
+    charts: Mapping[str, CheckedChart]
+    packages: Mapping[str, OutputPackage]
+    problems: tuple[Problem, ...]
+
+
+def check_files(
+    paths: Sequence[str],
+    library: Library,
+    package_of: Callable[[str], OutputPackage],
+    locate: Callable[[str], Path] = Path,
+) -> CheckedFiles:
+    """Read the charts, and those that they name, and check all.
+
+    Args:
+        paths: files of the charts.
+        library: what is on the ROS package path.
+        package_of: returns the package that the behavior of a chart goes to.
+        locate: returns the file to read for a path, or refuses it.
+
+    Raises:
+        SynthesisError: if a file cannot be read, or belongs to no package.
+    """
+    files = read_charts(paths, locate)
+    packages = {chart.file: package_of(chart.file) for chart in files.charts}
+    units = [Unit(chart, packages[chart.file].name) for chart in files.charts]
+    checked = check_units(units, library)
+    problems = list(files.problems)
+    told = {(problem.position, problem.code) for problem in problems}
+    for one in checked.values():
+        problems += (p for p in one.problems if (p.position, p.code) not in told)
+    order = {path: index for index, path in enumerate(checked)}
+    problems.sort(key=lambda p: (order.get(p.position.file, -1), *p.position[1:]))
+    return CheckedFiles(checked, packages, tuple(dict.fromkeys(problems)))
+
+
+def started_at(files: CheckedFiles, library: Library, initial: str) -> CheckedChart:
+    """Return the first chart as if another of its states were the initial one.
+
+    States that only the path before it leads to are then no mistake.
+    """
+    checked = list(files.charts.values())
+    first = checked[0].resolved.chart
+    charts = [replace(first, initial=initial), *(one.resolved.chart for one in checked[1:])]
+    units = [Unit(chart, files.packages[chart.file].name) for chart in charts]
+    restarted = check_units(units, library)[first.file]
+    problems = tuple(p for p in restarted.problems if p.code is not Code.UNREACHABLE_STATE)
+    return replace(restarted, problems=problems)
+
+
+def write_behaviors(files: CheckedFiles) -> tuple[Path, ...]:
+    """Write the behavior and manifest of each chart; return the files that changed.
+
+    Raises:
+        ChartError: if a chart has errors.
+        OutputError: if a file cannot be written; then none is.
+    """
+    errors = errors_in(files.problems)
+    if errors:
+        raise ChartError(errors)
+    texts: dict[Path, str] = {}
+    for path, checked in files.charts.items():
+        package = files.packages[path]
+        machine = compile_chart(checked, package.name)
+        texts.update(package.missing)
+        texts[package.code_path(machine.name)] = render_behavior(
+            machine, package.code_path(machine.name)
+        )
+        manifest = write_manifest(manifest_of(machine), machine.description)
+        texts[package.manifest_path(machine.name)] = manifest
+    return write_all(texts)
+
+
+def render_behavior(machine: Machine, path: Path) -> str:
+    """Return the text of a behavior's file, with the manual sections of the one that is there.
+
+    Raises:
+        OutputError: if the manual sections cannot be kept.
+    """
+    manual: Mapping[str, str] = {}
+    try:
+        if path.exists():
+            manual = read_manual_sections(path.read_bytes().decode())
+        text = render_python(machine, lay_out(machine.root), manual)
+        ast.parse(text)
+    except ManualSectionError as error:
+        raise OutputError(f"{path} cannot be written again: {error}") from error
+    except SyntaxError as error:
+        raise OutputError(
+            f"{path} cannot be written again: its manual sections do not fit, line {error.lineno} "
+            f"of the result is no Python ({error.msg}); indent them by four blanks a level"
+        ) from error
+    except (OSError, ValueError) as error:
+        raise OutputError(f"{path} cannot be read: {error}") from error
+    return text

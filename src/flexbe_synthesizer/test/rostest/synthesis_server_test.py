@@ -1,0 +1,154 @@
+#!/usr/bin/env python3
+import threading
+import unittest
+from pathlib import Path
+
+import actionlib
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+from flexbe_msgs.msg import (
+    BehaviorSynthesisAction,
+    BehaviorSynthesisGoal,
+    StateInstantiation,
+    SynthesisErrorCodes,
+    SynthesisRequest,
+)
+from flexbe_synthesizer.core.codec import write_chart
+from flexbe_synthesizer.core.model import Behavior, Chart, Input, Outcome, Transition
+from flexbe_synthesizer.request import ErrorCode
+
+LIMIT = rospy.Duration(20)
+
+
+class SynthesisServerTest(unittest.TestCase):
+    def setUp(self):
+        self.client = self.new_client()
+
+    def new_client(self):
+        client = actionlib.ActionClient("flexbe/synthesize", BehaviorSynthesisAction)
+        self.assertTrue(client.wait_for_server(LIMIT))
+        return client
+
+    def send(self, goal, initial="start", outcomes=(), client=None):
+        """Send a request; return its handle, an event for its end, and its feedback."""
+        done, feedback = threading.Event(), []
+
+        def on_transition(handle):
+            if handle.get_comm_state() == actionlib.CommState.DONE:
+                done.set()
+
+        request = SynthesisRequest("/Task", "", goal, initial, list(outcomes))
+        handle = (client or self.client).send_goal(
+            BehaviorSynthesisGoal(request),
+            on_transition,
+            lambda _handle, message: feedback.append(message),
+        )
+        return handle, done, feedback
+
+    def ask(self, *arguments):
+        handle, done, feedback = self.send(*arguments)
+        self.assertTrue(done.wait(LIMIT.to_sec()))
+        return handle, feedback
+
+    def refuse(self, code, *arguments):
+        handle, feedback = self.ask(*arguments)
+        self.assertEqual(handle.get_goal_status(), GoalStatus.ABORTED)
+        self.assertEqual(handle.get_result().error_code.value, code)
+        self.assertEqual(handle.get_result().states, [])
+        text = handle.get_goal_status_text()
+        self.assertEqual(feedback[-1].status, text)
+        return text
+
+    def test_a_chart_becomes_states_and_files(self):
+        handle, feedback = self.ask("place_connector.xml", "start", ["finished", "failed"])
+        self.assertEqual(handle.get_goal_status(), GoalStatus.SUCCEEDED)
+        result = handle.get_result()
+        self.assertEqual(result.error_code.value, SynthesisErrorCodes.SUCCESS)
+        by_path = {state.state_path: state for state in result.states}
+        self.assertEqual(by_path["/"].state_class, StateInstantiation.CLASS_STATEMACHINE)
+        fix = by_path["/Fix"]
+        self.assertEqual(fix.state_class, StateInstantiation.CLASS_CONCURRENCY)
+        self.assertEqual(fix.cond_transition[2].state_name, ["timer"])
+        self.assertEqual(fix.cond_transition[2].state_outcome, ["done"])
+        output = Path(rospy.get_param("synthesis_server/output"))
+        self.assertTrue((output / "manifest" / "place_connector.xml").is_file())
+        code = output / "src" / output.name / "place_connector_sm.py"
+        compile(code.read_text(), str(code), "exec")
+        self.assertEqual([f.progress for f in feedback], sorted(f.progress for f in feedback))
+
+    def test_each_way_to_fail_has_its_code_and_its_reason(self):
+        text = self.refuse(ErrorCode.CHART_INVALID, "ten_mistakes.xml")
+        self.assertEqual(len(text.splitlines()), 10)
+        self.assertIn("no chart 'none.xml'", self.refuse(ErrorCode.CHART_NOT_FOUND, "none.xml"))
+        self.assertIn("outside", self.refuse(ErrorCode.CHART_REFUSED, "../../package.xml"))
+        self.assertIn("outside", self.refuse(ErrorCode.CHART_REFUSED, "/etc/passwd"))
+        self.assertIn("'Lokate'", self.refuse(ErrorCode.INITIAL_UNKNOWN, "plain.xml", "Lokate"))
+        text = self.refuse(ErrorCode.OUTCOMES_DIFFER, "plain.xml", "", ["finished"])
+        self.assertIn("'PlacePin finished normally'", text)
+
+    def test_a_file_in_the_way_is_told_and_the_server_lives_on(self):
+        output = Path(rospy.get_param("synthesis_server/output"))
+        blocked = output / "src" / output.name / "plain_chart_sm.py"
+        blocked.parent.mkdir(parents=True, exist_ok=True)
+        blocked.write_text("by hand\n")
+        self.assertIn("written by hand", self.refuse(ErrorCode.OUTPUT_FAILED, "plain.xml"))
+        self.assertEqual(blocked.read_text(), "by hand\n")
+        blocked.unlink()
+        self.assertEqual(self.ask("plain.xml")[0].get_goal_status(), GoalStatus.SUCCEEDED)
+
+    def test_requests_are_served_one_after_another(self):
+        clients = [self.client, self.new_client()]
+        sent = [self.send("wire_task.xml", client=clients[i % 2]) for i in range(6)]
+        for _, done, _ in sent:
+            self.assertTrue(done.wait(LIMIT.to_sec()))
+        self.assertEqual({h.get_goal_status() for h, _, _ in sent}, {GoalStatus.SUCCEEDED})
+        lists = [handle.get_result().states for handle, _, _ in sent]
+        self.assertTrue(all(states == lists[0] for states in lists))
+
+    def test_a_request_can_be_cancelled_while_it_is_served_and_while_it_waits(self):
+        folder = Path(rospy.get_param("synthesis_server/chart_folders").rpartition(":")[2])
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "long.xml").write_text(write_chart(long_chart(3000)))
+        served, served_done, feedback = self.send("long.xml")
+        waiting, waiting_done, _ = self.send("plain.xml")
+        self.wait_for(lambda: feedback)
+        self.wait_for(lambda: waiting.get_comm_state() == actionlib.CommState.PENDING)
+        waiting.cancel()
+        served.cancel()
+        for handle, done, end in (
+            (waiting, waiting_done, GoalStatus.RECALLED),
+            (served, served_done, GoalStatus.PREEMPTED),
+        ):
+            self.assertTrue(done.wait(LIMIT.to_sec()))
+            self.assertEqual(handle.get_goal_status(), end)
+            self.assertEqual(handle.get_result().error_code.value, ErrorCode.CANCELLED)
+        output = Path(rospy.get_param("synthesis_server/output"))
+        self.assertFalse((output / "manifest" / "long.xml").exists())
+
+    def wait_for(self, condition):
+        end = rospy.Time.now() + LIMIT
+        while not condition() and rospy.Time.now() < end:
+            rospy.sleep(0.005)
+        self.assertTrue(condition())
+
+
+def long_chart(count):
+    """Return a chart that takes seconds to check."""
+    nodes = tuple(
+        Behavior(
+            f"B{i}",
+            "Clean Up",
+            (
+                Transition("cleaned", f"B{i + 1}" if i < count - 1 else "done"),
+                Transition("failed", "done"),
+            ),
+        )
+        for i in range(count)
+    )
+    return Chart("Long", "B0", (Outcome("done"),), nodes, (Input("cable_id"),))
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_synthesis_server")
+    rostest.rosrun("flexbe_synthesizer", "test_synthesis_server", SynthesisServerTest)

@@ -1,0 +1,57 @@
+import os
+from pathlib import Path
+
+import pytest
+from flexbe_synthesizer.core.check import check_chart
+from flexbe_synthesizer.core.codec import parse_chart, read_chart
+from flexbe_synthesizer.core.compile import compile_chart
+from flexbe_synthesizer.core.signature import chart_behavior
+from flexbe_synthesizer.edge.package_path import find_packages, read_library
+
+GOLDEN = Path(__file__).parents[1] / "golden"
+
+
+@pytest.fixture(scope="session")
+def golden():
+    return GOLDEN
+
+
+@pytest.fixture(scope="session")
+def package_path():
+    return str(GOLDEN / "packages")
+
+
+@pytest.fixture(scope="session")
+def library(package_path):
+    packages, path_warnings = find_packages(package_path)
+    library, warnings = read_library(packages)
+    assert (path_warnings, warnings) == ((), ())
+    return library
+
+
+@pytest.fixture(scope="session")
+def check(library):
+    """Return a function: chart text -> (checked chart, all problems, of its form too)."""
+
+    def check(text, file="chart.xml", charts=None):
+        chart, problems = read_chart(text, file)
+        if chart is None:
+            return None, problems
+        checked = check_chart(chart, library, charts or {})
+        return checked, (*problems, *checked.problems)
+
+    return check
+
+
+@pytest.fixture(scope="session")
+def machine(library):
+    """Return a function: name of a golden chart -> the behavior that it becomes."""
+
+    def machine(name):
+        charts = GOLDEN / "charts"
+        inner = parse_chart((charts / "place_connector.xml").read_text(), "place_connector.xml")
+        known = {"place_connector.xml": chart_behavior(inner, "golden_behaviors")}
+        chart = parse_chart((charts / name).read_text(), os.path.basename(name))
+        return compile_chart(check_chart(chart, library, known), "golden_behaviors")
+
+    return machine

@@ -1,0 +1,141 @@
+import dataclasses
+import string
+
+import pytest
+from flexbe_synthesizer.core.codec import parse_chart, write_chart
+from flexbe_synthesizer.core.model import (
+    Autonomy,
+    Behavior,
+    Chart,
+    Connection,
+    Input,
+    Outcome,
+    Output,
+    Param,
+    State,
+    Transition,
+)
+from flexbe_synthesizer.core.problem import ChartError
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+WORDS = st.text(string.ascii_letters + "äß_é -<>&'\"\t\n", min_size=1, max_size=8)
+TEXTS = st.text(st.characters(codec="utf-8", exclude_categories=["Cc", "Cs", "Cn", "Co"]))
+TYPES = st.none() | st.sampled_from(["int", "string", "geometry_msgs/Pose"])
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers(-9999, 9999) | st.floats(-9, 9) | st.text(),
+    lambda inner: st.lists(inner) | st.dictionaries(st.text() | st.integers(0, 9), inner),
+    max_leaves=6,
+)
+NODE_PARTS = {
+    "id": WORDS,
+    "type": WORDS,
+    "transitions": st.lists(
+        st.builds(Transition, WORDS, WORDS, st.none() | st.sampled_from(Autonomy)), max_size=3
+    ).map(tuple),
+    "inputs": st.lists(st.builds(Input, WORDS, TYPES), max_size=2).map(tuple),
+    "outputs": st.lists(st.builds(Output, WORDS, TYPES), max_size=2).map(tuple),
+    "params": st.lists(st.builds(Param, WORDS, VALUES), max_size=2).map(tuple),
+    "attempts": st.none() | st.integers(1, 10**6),
+    "timeout_s": st.none() | st.floats(0.001, 1e9),
+}
+NODES = st.builds(State, topic=st.none() | WORDS, **NODE_PARTS) | st.builds(Behavior, **NODE_PARTS)
+CHARTS = st.builds(
+    Chart,
+    name=WORDS,
+    initial=WORDS,
+    outcomes=st.lists(st.builds(Outcome, WORDS), min_size=1, max_size=3).map(tuple),
+    nodes=st.lists(NODES, min_size=1, max_size=4).map(tuple),
+    inputs=st.lists(st.builds(Input, WORDS, TYPES, VALUES), max_size=2).map(tuple),
+    outputs=st.lists(st.builds(Output, WORDS, TYPES), max_size=2).map(tuple),
+    connections=st.lists(st.builds(Connection, WORDS, WORDS, WORDS, WORDS), max_size=3).map(tuple),
+    description=TEXTS,
+)
+
+
+@given(CHARTS)
+@settings(max_examples=100, deadline=None, derandomize=True)
+def test_a_chart_that_is_written_is_read_as_the_same_chart(chart):
+    text = write_chart(chart)
+    again = parse_chart(text)
+    assert repr(dataclasses.replace(again, file="")) == repr(chart)  # tells 1 from True and 1.0
+    assert write_chart(again) == text
+
+
+def test_every_golden_chart_comes_back_the_same(golden):
+    charts = sorted((golden / "charts").glob("*.xml"))
+    assert len(charts) >= 3
+    for path in charts:
+        chart = parse_chart(path.read_bytes(), path.name)
+        assert parse_chart(write_chart(chart), path.name) == chart
+
+
+def test_a_written_chart_looks_as_one_would_write_it():
+    chart = Chart(
+        name="Wait Twice",
+        initial="First",
+        outcomes=(Outcome("done"),),
+        nodes=(
+            State("First", "WaitState", (Transition("done", "done"),), params=(Param("s", "5"),)),
+        ),
+        inputs=(Input("x", "int", 3),),
+        description="Waits\nand ends.",
+    )
+    assert write_chart(chart) == (
+        '<?xml version="1.0" encoding="UTF-8"?>\n'
+        '<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="Wait Twice" '
+        'initial="First">\n'
+        "  <!-- Waits\n       and ends. -->\n"
+        "  <datamodel>\n"
+        '    <outcome name="done"/>\n'
+        '    <input name="x" type="int" ext:default="3"/>\n'
+        "  </datamodel>\n"
+        '  <state id="First" type="WaitState">\n'
+        '    <param name="s" value="&quot;5&quot;"/>\n'
+        '    <transition event="done" target="done"/>\n'
+        "  </state>\n"
+        "</statemachine>\n"
+    )
+
+
+def test_outcomes_are_read_bare_and_wrapped_in_the_order_of_the_file():
+    chart = parse_chart(
+        '<statemachine name="A" initial="a"><datamodel><outcome name="x"/><outcomes>'
+        '<outcome name="y"/></outcomes><outcome name="z"/></datamodel>'
+        '<state id="a" type="T"/></statemachine>'
+    )
+    assert [outcome.name for outcome in chart.outcomes] == ["x", "y", "z"]
+
+
+def test_the_description_is_the_comment_in_the_root_or_else_the_one_before_it():
+    head, tail = (
+        '<statemachine name="A" initial="a">',
+        ('<datamodel><outcome name="x"/></datamodel><state id="a" type="T"/></statemachine>'),
+    )
+    both = parse_chart(f"<!-- licence --><!--before-->{head}<!-- in -->{tail}<!-- late -->")
+    assert both.description == "in"
+    assert parse_chart(f"<!-- licence --><!--before-->{head}{tail}").description == "before"
+    inner = tail.replace("<state", "<!-- not this --><state")
+    assert parse_chart(head + inner).description == ""
+
+
+def test_a_double_hyphen_in_a_description_is_parted_since_no_comment_can_hold_it():
+    chart = Chart("A", "a", (Outcome("x"),), (State("a", "T"),), description="a---b --")
+    assert chart.description == "a- - -b - -"
+    assert parse_chart(write_chart(chart)) == chart
+
+
+def test_a_pointer_to_a_schema_is_no_mistake():
+    parse_chart(
+        '<statemachine xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" '
+        'xsi:noNamespaceSchemaLocation="remodel_statechart.xsd" name="A" initial="a">'
+        '<datamodel><outcome name="x"/></datamodel><state id="a" type="T"/></statemachine>'
+    )
+
+
+def test_a_text_without_the_form_of_a_chart_raises_all_its_problems():
+    with pytest.raises(ChartError) as caught:
+        parse_chart("<statemachine nam='A'/>", "c.xml")
+    lines = str(caught.value).splitlines()
+    assert len(lines) == 5
+    assert all(line.startswith("c.xml:1:") for line in lines)

@@ -1,0 +1,204 @@
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from flexbe_synthesizer.command_line import main
+
+COMMAND = Path(__file__).parents[2] / "nodes" / "synthesize"
+
+
+@pytest.fixture
+def charts(tmp_path, golden):
+    """Return a folder with the golden charts, inside a new package `cell`."""
+    folder = tmp_path / "cell" / "charts"
+    shutil.copytree(golden / "charts", folder)
+    (tmp_path / "cell" / "package.xml").write_text(
+        "<package><name>cell</name><export><flexbe_behaviors/></export></package>"
+    )
+    return folder
+
+
+@pytest.fixture
+def run(package_path, capsys):
+    """Return a function: arguments -> (exit code, what was printed, what went to stderr)."""
+
+    def run(*arguments):
+        code = main([str(argument) for argument in arguments], package_path)
+        printed = capsys.readouterr()
+        return code, printed.out, printed.err
+
+    return run
+
+
+def tree(folder):
+    return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+
+
+def test_a_chart_is_written_to_the_package_that_it_lies_in(run, charts):
+    code, out, err = run(charts / "place_connector.xml")
+    package = charts.parent
+    assert (code, err) == (0, "")
+    assert out.splitlines() == [
+        f"wrote: {package}/src/cell/__init__.py",
+        f"wrote: {package}/src/cell/place_connector_sm.py",
+        f"wrote: {package}/manifest/place_connector.xml",
+    ]
+    assert run(charts / "place_connector.xml")[:2] == (
+        0,
+        "unchanged: every behavior is as its chart says\n",
+    )
+
+
+def test_a_chart_that_another_one_names_is_written_too(run, charts, tmp_path):
+    code, out, _ = run(charts / "wire_task.xml", "--output", tmp_path / "out")
+    assert code == 0
+    assert {line.rpartition("/")[2] for line in out.splitlines()} == {
+        "package.xml",
+        "__init__.py",
+        "wire_task_sm.py",
+        "wire_task.xml",
+        "place_connector_sm.py",
+        "place_connector.xml",
+    }
+    code_text = (tmp_path / "out" / "src" / "out" / "wire_task_sm.py").read_text()
+    assert "from out.place_connector_sm import PlaceConnectorSM" in code_text
+
+
+def test_what_is_written_does_not_depend_on_where_the_command_runs(run, charts, tmp_path):
+    run(*sorted(charts.glob("*.xml")), "--output", tmp_path / "a" / "out")
+    os.chdir(charts)
+    run("wire_task.xml", "./plain.xml", "--output", tmp_path / "b" / "out")
+    assert tree(tmp_path / "a") == tree(tmp_path / "b")
+
+
+def test_check_writes_nothing_and_needs_no_package(run, charts, tmp_path):
+    before = tree(tmp_path)
+    code, out, err = run(*sorted(charts.glob("*.xml")), "--check")
+    assert (code, out, err) == (0, "3 charts checked, no errors\n", "")
+    assert tree(tmp_path) == before
+    lone = tmp_path / "lone.xml"
+    shutil.copy(charts / "plain.xml", lone)
+    assert run(lone, "--check")[0] == 0
+    code, _, err = run(lone)
+    assert code == 2
+    assert "lies in no ROS package; say with --output where to write" in err
+
+
+def test_errors_are_printed_with_their_places_and_nothing_is_written(run, charts, golden):
+    shutil.copy(golden / "wrong" / "ten_mistakes.xml", charts)
+    before = tree(charts.parent)
+    code, out, err = run(charts / "ten_mistakes.xml", charts / "plain.xml")
+    assert (code, out) == (1, "")
+    lines = err.splitlines()
+    assert lines[-1] == "10 errors; nothing was written"
+    assert len([line for line in lines if line.startswith(f"{charts}/ten_mistakes.xml:")]) >= 10
+    assert tree(charts.parent) == before
+
+
+def test_errors_of_a_chart_that_is_named_count_too(run, charts):
+    inner = charts / "place_connector.xml"
+    inner.write_text(inner.read_text().replace('target="Fix"', 'target="Fxi"'))
+    code, _, err = run(charts / "wire_task.xml")
+    assert code == 1
+    assert f"{inner}:20:34: [unknown-target]" in err
+    assert err.endswith("1 error; nothing was written\n")
+
+
+def test_a_named_chart_that_is_missing_or_broken_is_told_where_it_is_named(run, charts):
+    inner = charts / "place_connector.xml"
+    inner.unlink()
+    code, _, err = run(charts / "wire_task.xml")
+    assert code == 1
+    (line, count) = err.splitlines()
+    assert line.startswith(f"{charts}/wire_task.xml:23:24: [unknown-behavior]")
+    assert line.endswith("cannot be read: No such file or directory.")
+    assert count == "1 error; nothing was written"
+    inner.write_text("<statemachine>")
+    code, _, err = run(charts / "wire_task.xml")
+    assert code == 1
+    assert f"{inner}:1:15: [not-xml]" in err
+    assert f"{charts}/wire_task.xml:23:24: [unknown-behavior]" in err
+
+
+def test_a_missing_file_and_wrong_usage_are_code_two(run, charts):
+    code, out, err = run(charts / "none.xml")
+    assert (code, out) == (2, "")
+    assert err == f"synthesize: {charts}/none.xml cannot be read: No such file or directory\n"
+    for arguments in (
+        (charts / "plain.xml", "--draw", "a.jpg"),
+        (charts / "plain.xml", charts / "wire_task.xml", "--draw", "a.svg"),
+        (charts / "plain.xml", "--output", charts.parent / "No Package"),
+    ):
+        assert run(*arguments)[0] == 2
+    for arguments in ((), ("--unknown", "a.xml")):
+        with pytest.raises(SystemExit) as caught:
+            run(*arguments)
+        assert caught.value.code == 2
+
+
+def test_a_chart_is_drawn_beside_writing_or_checking_it(run, charts, tmp_path):
+    drawing = tmp_path / "drawn" / "a.svg"
+    before = tree(charts.parent)
+    code, out, _ = run(charts / "plain.xml", "--check", "--draw", drawing)
+    assert (code, out) == (0, f"drawn: {drawing}\n1 chart checked, no errors\n")
+    assert "</svg>" in drawing.read_text()
+    assert tree(charts.parent) == before
+
+
+def test_manual_sections_survive_and_what_cannot_be_kept_is_not_overwritten(run, charts):
+    run(charts / "plain.xml")
+    code_path = charts.parent / "src" / "cell" / "plain_chart_sm.py"
+    mine = code_path.read_text().replace(
+        "# [MANUAL_INIT]\n", "# [MANUAL_INIT]\n        self.mine = 1\n"
+    )
+    code_path.write_text(mine)
+    assert run(charts / "plain.xml")[1] == "unchanged: every behavior is as its chart says\n"
+    chart = charts / "plain.xml"
+    chart.write_text(chart.read_text().replace("own words", "words"))
+    assert run(chart)[0] == 0
+    assert "self.mine = 1" in code_path.read_text()
+    for text, reason in (
+        ("class Mine: pass\n", "written by hand"),
+        (mine.replace("# [/MANUAL_FUNC]", ""), "do not stand once each"),
+        (mine.replace("        self.mine", "\tself.mine"), "indent them by four blanks"),
+    ):
+        code_path.write_text(text)
+        before = tree(charts.parent)
+        code, _, err = run(chart)
+        assert code == 2
+        assert reason in err
+        assert tree(charts.parent) == before
+
+
+def test_a_package_that_exports_no_behaviors_is_warned_about(run, charts):
+    package_xml = charts.parent / "package.xml"
+    package_xml.write_text("<package><name>cell</name></package>")
+    code, _, err = run(charts / "plain.xml")
+    assert code == 0
+    assert "exports no <flexbe_behaviors/>" in err
+
+
+def test_a_broken_package_on_the_path_is_a_warning(charts, package_path, capsys, tmp_path):
+    (tmp_path / "bad").mkdir()
+    (tmp_path / "bad" / "package.xml").write_text("<package>")
+    code = main([str(charts / "plain.xml"), "--check"], f"{tmp_path / 'bad'}:{package_path}")
+    assert code == 0
+    assert "package.xml is not well-formed" in capsys.readouterr().err
+
+
+def test_the_command_itself_passes_the_exit_code_on(charts, package_path):
+    environment = {**os.environ, "ROS_PACKAGE_PATH": package_path}
+
+    def exit_code(*arguments):
+        command = [sys.executable, str(COMMAND), *map(str, arguments)]
+        done = subprocess.run(command, env=environment, capture_output=True, timeout=60)
+        return done.returncode
+
+    assert exit_code(charts / "plain.xml", "--check") == 0
+    assert exit_code(charts / "none.xml") == 2
+    bad = charts / "bad.xml"
+    bad.write_text("<statemachine>")
+    assert exit_code(bad) == 1

@@ -1,0 +1,266 @@
+"""Homes of values, and reads before writes held against a reference that walks all paths."""
+
+from flexbe_synthesizer.core.check import check_chart
+from flexbe_synthesizer.core.data_flow import Key
+from flexbe_synthesizer.core.library import Library
+from flexbe_synthesizer.core.model import (
+    Chart,
+    Connection,
+    Input,
+    Outcome,
+    Output,
+    State,
+    Transition,
+)
+from flexbe_synthesizer.core.problem import Code
+from flexbe_synthesizer.core.signature import Parameter, Port, StateClass
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+
+def state_class(name, inputs=(), outputs=(), outcomes=("a", "b")):
+    ports = (tuple(map(Port, inputs)), tuple(map(Port, outputs)))
+    parameters = (Parameter("attempts", "int"),) if name == "CountAttemptsState" else ()
+    package = "remodel_states" if parameters else "p"
+    return StateClass(name, package, f"{package}.{name.lower()}", parameters, outcomes, *ports)
+
+
+LIBRARY = Library(
+    states=(
+        state_class("Write", outputs=["v"]),
+        state_class("Read", inputs=["v"]),
+        state_class("Pass"),
+        state_class("Late", outputs=["v"], outcomes=("a", "timed_out", "exhausted")),
+        state_class("Change", inputs=["v"], outputs=["v"]),
+        state_class("CountAttemptsState", ["attempt"], ["attempt"], ("counted", "exhausted")),
+        StateClass(
+            "WaitState",
+            "flexbe_states",
+            "flexbe_states.w",
+            (Parameter("wait_time"),),
+            ("done",),
+            (),
+            (),
+        ),
+    )
+)
+
+
+def chart(nodes, connections=(), inputs=(), outputs=()):
+    return Chart(
+        "Task",
+        nodes[0].id,
+        (Outcome("end"),),
+        tuple(nodes),
+        tuple(map(Input, inputs)),
+        tuple(map(Output, outputs)),
+        tuple(Connection(*c) for c in connections),
+    )
+
+
+def state(node_id, kind, a="end", b="end", exhausted="end", **limits):
+    transitions = [Transition("a", a), Transition("b", b)]
+    if "attempts" in limits:
+        transitions.append(Transition("exhausted", exhausted))
+    if "timeout_s" in limits:
+        transitions.append(Transition("timed_out", "end"))
+    return State(node_id, kind, tuple(transitions), **limits)
+
+
+def checked(*arguments, **parts):
+    return check_chart(chart(*arguments, **parts), LIBRARY, {})
+
+
+def codes(result):
+    return [problem.code for problem in result.problems]
+
+
+def test_a_value_that_stays_inside_is_named_by_who_writes_it():
+    nodes = [state("LookAt", "Write", "Use"), state("Use", "Read")]
+    result = checked(nodes, [("LookAt", "v", "Use", "v")])
+    assert codes(result) == [Code.READ_BEFORE_WRITE] * 0
+    assert result.flow.outputs == {Key("LookAt", "v"): "look_at_v"}
+    assert result.flow.inputs == {Key("Use", "v"): "look_at_v"}
+
+
+def test_homes_never_collide():
+    nodes = [state("A b", "Write", "A-b"), state("A-b", "Write", "C"), state("C", "Read")]
+    result = checked(nodes, [("A b", "v", "C", "v")], inputs=["a_b_v_2"])
+    assert set(result.flow.outputs.values()) == {"a_b_v", "a_b_v_3"}
+
+
+def test_a_machine_input_feeds_by_its_name_unless_a_connection_says_otherwise():
+    nodes = [state("A", "Write", "B"), state("B", "Read", "C"), state("C", "Read", "D")]
+    nodes.append(state("D", "Read"))
+    result = checked(nodes, [("A", "v", "B", "v"), ("Task", "w", "D", "v")], inputs=["v", "w"])
+    assert [result.flow.inputs[Key(n, "v")] for n in "BCD"] == ["a_v", "v", "w"]
+
+
+def test_a_machine_output_is_fed_by_name_unless_a_connection_says_otherwise():
+    nodes = [state("A", "Write", "B"), state("B", "Write")]
+    result = checked(nodes, outputs=["v"])
+    assert set(result.flow.outputs.values()) == {"v"}
+    result = checked(nodes, [("B", "v", "Task", "v")], outputs=["v"])
+    assert result.flow.outputs == {Key("A", "v"): "a_v", Key("B", "v"): "v"}
+
+
+def test_a_value_that_is_read_and_written_stays_where_it_is_read():
+    nodes = [state("A", "Write", "B"), state("B", "Change", "B")]
+    result = checked(nodes, [("A", "v", "B", "v")])
+    assert result.flow.outputs == {Key("A", "v"): "a_v", Key("B", "v"): "a_v"}
+    assert codes(result) == []
+
+
+def test_an_input_and_an_output_of_the_chart_with_one_name_are_one_value():
+    result = checked([state("A", "Change", "A")], inputs=["v"], outputs=["v"])
+    assert codes(result) == []
+    assert result.flow.outputs == result.flow.inputs == {Key("A", "v"): "v"}
+
+
+def test_an_input_can_go_straight_to_an_output_of_its_name():
+    result = checked([state("A", "Pass")], [("Task", "v", "Task", "v")], ["v"], ["v"])
+    assert codes(result) == []
+
+
+def test_a_value_that_is_read_and_written_cannot_have_a_second_home():
+    nodes = [state("A", "Write", "B"), state("B", "Change")]
+    result = checked(nodes, [("A", "v", "B", "v"), ("B", "v", "Task", "w")], outputs=["w"])
+    assert codes(result) == [Code.CONFLICTING_OUTPUT]
+
+
+def test_states_that_change_each_others_values_in_a_circle_are_bound_all_the_same():
+    nodes = [state("A", "Change", "B"), state("B", "Change", "A")]
+    result = checked(nodes, [("A", "v", "B", "v"), ("B", "v", "A", "v")])
+    assert Code.READ_BEFORE_WRITE in codes(result)
+    assert len(set(result.flow.outputs.values())) == 1
+
+
+def test_what_a_state_before_its_last_attempt_has_written_can_be_read_when_it_is_exhausted():
+    nodes = [
+        state("A", "Pass", "W", exhausted="R", attempts=2),
+        state("W", "Write", "A"),
+        state("R", "Read"),
+    ]
+    assert codes(checked(nodes, [("W", "v", "R", "v")])) == []
+    nodes[0] = state("A", "Pass", "W", "A", exhausted="R", attempts=2)
+    result = checked(nodes, [("W", "v", "R", "v")])
+    assert codes(result) == [Code.READ_BEFORE_WRITE]
+    assert "A -b-> A -exhausted-> R" in result.problems[0].message
+
+
+def test_a_state_that_a_timer_ends_has_written_nothing():
+    nodes = [state("W", "Write", "R", "R", timeout_s=2.0), state("R", "Read")]
+    assert codes(checked(nodes, [("W", "v", "R", "v")])) == []
+    late = State(
+        "W",
+        "Write",
+        (Transition("a", "R"), Transition("b", "R"), Transition("timed_out", "R")),
+        timeout_s=2.0,
+    )
+    result = checked([late, nodes[1]], [("W", "v", "R", "v")])
+    assert codes(result) == [Code.READ_BEFORE_WRITE]
+    assert "W -timed_out-> R" in result.problems[0].message
+
+
+def test_an_event_that_the_extension_and_the_class_both_have_is_one_and_proves_nothing():
+    transitions = tuple(Transition(event, "R") for event in ("a", "timed_out", "exhausted"))
+    reader = state("R", "Read")
+    flows = [("L", "v", "R", "v")]
+    assert codes(checked([State("L", "Late", transitions), reader], flows)) == []
+    for limits in ({"timeout_s": 2.0}, {"attempts": 2}):
+        result = checked([State("L", "Late", transitions, **limits), reader], flows)
+        assert codes(result) == [Code.READ_BEFORE_WRITE]
+
+
+IDS = ("N0", "N1", "N2", "N3", "N4")
+
+
+@st.composite
+def charts(draw):
+    """Draw a chart of five states, some counted, in which each reader reads one writer."""
+    kinds = draw(st.lists(st.sampled_from(["Write", "Read", "Pass"]), min_size=5, max_size=5))
+    targets = st.sampled_from((*IDS, "end"))
+    nodes = []
+    for node_id, kind in zip(IDS, kinds, strict=True):
+        limits = {"attempts": draw(st.integers(1, 2))} if draw(st.booleans()) else {}
+        nodes.append(state(node_id, kind, draw(targets), draw(targets), draw(targets), **limits))
+    writers = [n.id for n in nodes if n.type == "Write"]
+    readers = [n.id for n in nodes if n.type == "Read"]
+    connections = [(draw(st.sampled_from(writers)), "v", r, "v") for r in readers if writers]
+    return chart(nodes, connections)
+
+
+def walk(drawn):
+    """Yield (state, who wrote the values so far, in order) for each way to each state."""
+    by_id = {node.id: node for node in drawn.nodes}
+    seen = set()
+    waiting = [(drawn.initial, (), frozenset())]
+    while waiting:
+        step = waiting.pop()
+        if step in seen or step[0] not in by_id:
+            continue
+        seen.add(step)
+        node_id, written, visits = step
+        node = by_id[node_id]
+        targets = {t.event: t.target for t in node.transitions}
+        count = dict(visits).get(node_id, 0) + 1
+        if node.attempts is not None and count > node.attempts:
+            waiting.append((targets["exhausted"], written, visits))
+            continue
+        yield node_id, written
+        if node.attempts is not None:
+            visits = frozenset({**dict(visits), node_id: count}.items())
+        if node.type == "Write":
+            written = (*(other for other in written if other != node_id), node_id)
+        waiting += [(targets["a"], written, visits), (targets["b"], written, visits)]
+
+
+def sources(drawn):
+    return {c.input_state_id: c.output_state_id for c in drawn.connections}
+
+
+def reported(problems, code):
+    """Return the states that problems of one code are about."""
+    about = (
+        p.message.partition("state '")[2].partition("'")[0] for p in problems if p.code is code
+    )
+    return set(about)
+
+
+def uncounted(drawn, outputs=()):
+    """Return the chart without limits of attempts."""
+    nodes = tuple(
+        State(n.id, n.type, tuple(t for t in n.transitions if t.event != "exhausted"))
+        for n in drawn.nodes
+    )
+    return chart(nodes, [(w, "v", r, "v") for r, w in sources(drawn).items()], outputs=outputs)
+
+
+@given(charts())
+@settings(max_examples=150, deadline=None, derandomize=True)
+def test_every_read_that_some_path_makes_too_early_is_found(drawn):
+    source = sources(drawn)
+    early = {n for n, written in walk(drawn) if n in source and source[n] not in written}
+    problems = check_chart(drawn, LIBRARY, {}).problems
+    assert early <= reported(problems, Code.READ_BEFORE_WRITE)
+
+
+@given(charts().map(uncounted))
+@settings(max_examples=150, deadline=None, derandomize=True)
+def test_without_counted_states_nothing_else_is_reported(drawn):
+    source = sources(drawn)
+    early = {n for n, written in walk(drawn) if n in source and source[n] not in written}
+    problems = check_chart(drawn, LIBRARY, {}).problems
+    assert early == reported(problems, Code.READ_BEFORE_WRITE)
+
+
+@given(charts().map(lambda drawn: uncounted(drawn, outputs=["v"])))
+@settings(max_examples=150, deadline=None, derandomize=True)
+def test_a_read_of_another_states_value_is_found_and_nothing_else(drawn):
+    source = sources(drawn)
+    steps = [(n, written) for n, written in walk(drawn) if n in source]
+    early = {n for n, written in steps if not written}
+    foreign = {n for n, written in steps if written and written[-1] != source[n]}
+    problems = check_chart(drawn, LIBRARY, {}).problems
+    assert early == reported(problems, Code.READ_BEFORE_WRITE)
+    assert foreign - early == reported(problems, Code.OVERWRITTEN_VALUE)

@@ -1,0 +1,70 @@
+import keyword
+
+import pytest
+from flexbe_synthesizer.core import names
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+
+@pytest.mark.parametrize("name", ["Insert", "PlacePin takes longer than normal", "a-1.b_c", "Über"])
+def test_names_that_flexbe_can_carry(name):
+    assert names.is_name(name)
+
+
+@pytest.mark.parametrize(
+    "name", ["", "1st", " a", "a ", "a  b", "a/b", "a'b", "a\nb", "a def b", "def x", "a{}", "_a"]
+)
+def test_names_that_flexbe_cannot_carry(name):
+    assert not names.is_name(name)
+
+
+def test_a_behavior_gets_the_names_that_the_app_would_give_it():
+    assert names.behavior_class("Example Behavior") == "ExampleBehaviorSM"
+    assert names.behavior_module("Example Behavior") == "example_behavior_sm"
+    assert names.behavior_file("Wire-Task 2.1") == "wire_task_2_1"
+    assert names.behavior_class("my_first_behavior") == "my_first_behaviorSM"
+
+
+@pytest.mark.parametrize(
+    ("name", "snake"),
+    [
+        ("LocateGearbox 2", "locate_gearbox_2"),
+        ("HTTPServer", "http_server"),
+        ("a-b", "a_b"),
+        ("Ä1", "state_1"),
+        ("é", "state"),
+    ],
+)
+def test_snake_case_is_what_one_would_write(name, snake):
+    assert names.snake_case(name) == snake
+
+
+@given(st.text(min_size=1))
+@settings(deadline=None, derandomize=True)
+def test_snake_case_is_always_an_identifier_when_joined(name):
+    key = names.snake_case(name) + "_x"
+    assert key.isidentifier()
+    assert not keyword.iskeyword(key)
+
+
+def test_a_taken_name_is_numbered():
+    assert names.take_unused("a", ()) == "a"
+    assert names.take_unused("a", {"a", "a_2"}) == "a_3"
+
+
+def test_a_message_names_what_comes_near_and_shortens_long_lists():
+    known = [f"State{n:02}" for n in range(20)]
+    assert "and 8 more" in names.allowed("x", known)
+    assert names.allowed("insrt", ["Insert", "Fix"]) == (
+        "allowed: 'Insert', 'Fix'. Did you mean 'Insert'?"
+    )
+    assert names.allowed("x", []) == "allowed: none."
+    assert names.misspelt("insrt", ["Insert", "Fix"]) == "Insert"
+    assert names.misspelt("Fxi", ["Fix", "Insert"]) == "Fix"
+    assert names.misspelt("RemoveCableState", ["ExtractCableState"]) is None
+
+
+def test_keys_are_identifiers_that_userdata_can_hold():
+    assert names.is_key("pose_2")
+    for key in ("2pose", "a b", "class", "_private", ""):
+        assert not names.is_key(key)

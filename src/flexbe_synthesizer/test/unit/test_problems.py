@@ -1,0 +1,495 @@
+"""One test per code: the mistake alone, at its line and column, and a message that helps."""
+
+import dataclasses
+
+import pytest
+from flexbe_synthesizer.core.codec import parse_chart
+from flexbe_synthesizer.core.compile import Unit, check_units
+from flexbe_synthesizer.core.problem import Code, Severity, errors_in
+from flexbe_synthesizer.core.signature import Unreadable
+
+GOOD = """\
+<?xml version="1.0"?>
+<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="Task" initial="Locate">
+  <datamodel>
+    <outcome name="finished"/>
+    <outcome name="gone"/>
+    <input name="component_id" type="string"/>
+    <input name="cable_id"/>
+    <output name="error_code" type="int"/>
+  </datamodel>
+  <state id="Locate" type="LocateComponentState" topic="locate" ext:attempts="3">
+    <param name="view" value="side"/>
+    <transition event="located" target="Insert"/>
+    <transition event="failed" target="Locate"/>
+    <transition event="exhausted" target="gone"/>
+  </state>
+  <state id="Insert" type="InsertCableState">
+    <param name="force_limit_n" value="20"/>
+    <transition event="inserted" target="Clean"/>
+    <transition event="failed" target="Extract"/>
+  </state>
+  <state id="Extract" type="ExtractCableState" ext:timeout_s="2.5">
+    <transition event="extracted" target="Locate"/>
+    <transition event="failed" target="gone"/>
+  </state>
+  <behavior id="Clean" type="Clean Up">
+    <transition event="cleaned" target="finished"/>
+    <transition event="failed" target="gone"/>
+  </behavior>
+  <connection output_state_id="Locate" output="pose" input_state_id="Insert" input="pose"/>
+</statemachine>
+"""
+END = "</statemachine>"
+VIEW = '<param name="view" value="side"/>'
+FORCE = '    <param name="force_limit_n" value="20"/>\n'
+TO_INSERT = '<transition event="located" target="Insert"/>'
+TO_CLEAN = '<transition event="inserted" target="Clean"/>'
+TO_EXTRACT = '<transition event="failed" target="Extract"/>'
+EXTRACTED = '<transition event="extracted" target="Locate"/>'
+CLEANED = '<transition event="cleaned" target="finished"/>'
+CLEAN = '<behavior id="Clean" type="Clean Up">'
+DATA = "<datamodel>"
+FINISHED = '<outcome name="finished"/>'
+GONE = '<outcome name="gone"/>'
+COMPONENT = '<input name="component_id" type="string"/>'
+CABLE = '<input name="cable_id"/>'
+CODE = '<output name="error_code" type="int"/>'
+POSE = '<connection output_state_id="Locate" output="pose" input_state_id="Insert" input="pose"/>'
+FIX = """<state id="Fix" type="FixCableState">
+    <transition event="fixed" target="finished"/>
+    <transition event="failed" target="gone"/>
+  </state>
+"""
+POSE_TO_FIX = POSE.replace("Insert", "Fix")
+SAY = """<state id="Say" type="ReportState">
+    <param name="text" value="x"/>
+    <transition event="told" target="finished"/>
+  </state>
+"""
+CHOOSE = """<state id="Choose" type="ChooseState">
+    <param name="outcomes" ◊value="[1]"/>
+    <transition event="a" target="finished"/>
+  </state>
+"""
+PAUSE = """<state id="Pause" ◊type="PauseState">
+    <transition event="done" target="finished"/>
+  </state>
+"""
+COUNT = """<state id="Count" type="CountState">
+    <transition event="done" target="finished"/>
+  </state>
+"""
+
+
+def flow(source, output, target, key):
+    return (
+        f'<connection output_state_id="{source}" output="{output}" '
+        f'input_state_id="{target}" input="{key}"/>'
+    )
+
+
+# Code, part of the message, and the changes to the good chart; ◊ stands before the place.
+CASES = [
+    (Code.NOT_XML, "<datamodel> of line 3 is open", ("</datamodel>", "</◊datamode>")),
+    (Code.DOCTYPE, "delete the <!DOCTYPE", ("<statem", "◊<!DOCTYPE x []><statem")),
+    (Code.DUPLICATE_ATTRIBUTE, "'topic' stands twice", (" ext:att", ' ◊topic="b" ext:att')),
+    (Code.UNBOUND_PREFIX, "xmlns:e=", (" topic", ' ◊e:attempts="2" topic')),
+    (Code.UNKNOWN_ELEMENT, "Did you mean 'state'?", (DATA, "◊<sate/>" + DATA)),
+    (Code.UNKNOWN_ELEMENT, "no namespace", (DATA, '◊<x:s xmlns:x="urn:x"/>' + DATA)),
+    (Code.UNKNOWN_ELEMENT, "outermost element is <statemachine>", (GOOD, "◊<scxml/>")),
+    (Code.MISPLACED_ELEMENT, "in <datamodel> or", (DATA, '◊<outcome name="a"/>' + DATA)),
+    (Code.MISPLACED_ELEMENT, "in <state> or", (DATA, '◊<param name="a" value=""/>' + DATA)),
+    (Code.DUPLICATE_ELEMENT, "of line 3", ("</datamodel>", "</datamodel>◊<datamodel/>")),
+    (Code.DUPLICATE_ELEMENT, "second <outcomes>", (GONE, GONE + "<outcomes/>◊<outcomes/>")),
+    (Code.UNEXPECTED_TEXT, "inside <statemachine>", ("</datamodel>", "</datamodel> \n ◊a")),
+    (Code.UNKNOWN_ATTRIBUTE, "Did you mean 'topic'?", ("topic", "◊topics")),
+    (Code.UNKNOWN_ATTRIBUTE, "write ext:attempts", (" topic", ' ◊attempts="2" topic')),
+    (Code.MISSING_ATTRIBUTE, "no attribute name", (VIEW, '◊<param value="side"/>')),
+    (Code.MISSING_ATTRIBUTE, "type of <behavior> is empty", ('type="Clean Up"', '◊type=""')),
+    (Code.UNKNOWN_EXTENSION, "ext:attempts, ext:time", (" topic", ' ◊ext:retry="1" topic')),
+    (Code.UNKNOWN_EXTENSION, "no element <box>", (DATA, "◊<ext:box/>" + DATA)),
+    (Code.UNKNOWN_EXTENSION, "has: none", (' name="view"', ' ◊ext:default="1" name="view"')),
+    (Code.INVALID_VALUE, "an integer from 1", ('ext:attempts="3"', '◊ext:attempts="0"')),
+    (Code.INVALID_VALUE, "an integer from 1", ('ext:attempts="3"', '◊ext:attempts="two"')),
+    (Code.INVALID_VALUE, "above 0", ('ext:timeout_s="2.5"', '◊ext:timeout_s="-1"')),
+    (Code.INVALID_VALUE, "'off', 'low'", ('"Extract"/>', '"Extract" ◊ext:autonomy="max"/>')),
+    (Code.INVALID_NAME, "starting with a letter", ('name="Task"', '◊name="Task/1"')),
+    (Code.INVALID_NAME, "'a,b' of an outcome", (FINISHED, FINISHED + '<outcome ◊name="a,b"/>')),
+    (Code.INVALID_NAME, "Python identifier", (CABLE, CABLE + '<input ◊name="my key"/>')),
+    (
+        Code.INVALID_NAME,
+        "'def' and 'class'",
+        ('id="Clean"', '◊id="Clean def x"'),
+        ('"Clean"/>', '"Clean def x"/>'),
+    ),
+    (Code.RESERVED_NAME, "adds it", (FINISHED, FINISHED + '<outcome ◊name="preempted"/>')),
+    (
+        Code.RESERVED_NAME,
+        "delete this",
+        (TO_EXTRACT, f'{TO_EXTRACT}<transition ◊event="preempted" target="gone"/>'),
+    ),
+    (
+        Code.RESERVED_NAME,
+        "stands for the chart in connections",
+        ('id="Clean"', '◊id="Task"'),
+        ('"Clean"/>', '"Task"/>'),
+    ),
+    (
+        Code.RESERVED_NAME,
+        "also an outcome of the chart",
+        ('id="Clean"', '◊id="gone"'),
+        ('"Clean"/>', '"gone"/>'),
+    ),
+    (
+        Code.RESERVED_NAME,
+        "a state that the extension adds for 'Locate'",
+        ('id="Clean"', '◊id="Locate_attempts"'),
+        ('"Clean"/>', '"Locate_attempts"/>'),
+    ),
+    (Code.UNKNOWN_TYPE, "ROS message (package/Message)", ('type="int"', '◊type="number"')),
+    (Code.DUPLICATE_ID, "by line 25", (END, FIX.replace('id="Fix"', '◊id="Clean"') + END)),
+    (Code.DUPLICATE_NAME, "second param", (VIEW, VIEW + VIEW.replace("name", "◊name"))),
+    (Code.DUPLICATE_NAME, "attribute of state", (VIEW, '<param ◊name="topic" value="a"/>')),
+    (Code.DUPLICATE_NAME, "second input", (CABLE, CABLE + CABLE.replace("name", "◊name"))),
+    (Code.DUPLICATE_NAME, "in line 4", (FINISHED, FINISHED + FINISHED.replace("name", "◊name"))),
+    (Code.UNKNOWN_CLASS, "mean 'InsertCableState'", ('type="Insert', '◊type="Insrt')),
+    (Code.UNKNOWN_CLASS, "no state class", ('type="Insert', '◊type="other_states/Insert')),
+    (
+        Code.AMBIGUOUS_CLASS,
+        "'cell_states/PauseState', 'other_states/PauseState'; write package/Class",
+        (END, PAUSE + END),
+        (
+            '"finished"/>\n    <transition event="failed"',
+            '"Pause"/>\n    <transition event="failed"',
+        ),
+    ),
+    (
+        Code.UNREADABLE_CLASS,
+        "its outcomes are",
+        (END, PAUSE.replace("PauseState", "ComputedState") + END),
+        (CLEANED, CLEANED.replace("finished", "Pause")),
+    ),
+    (Code.UNKNOWN_BEHAVIOR, "Did you mean 'Clean Up'?", ('type="Clean Up"', '◊type="CleanUp"')),
+    (Code.UNKNOWN_PARAMETER, "Did you mean 'view'?", ('name="view"', '◊name="viw"')),
+    (
+        Code.UNKNOWN_PARAMETER,
+        "has no parameter 'topic'",
+        ('type="ExtractCableState"', 'type="ExtractCableState" ◊topic="a"'),
+    ),
+    (
+        Code.MISSING_PARAMETER,
+        '(float); add <param name="force_limit_n" value="..."/> to state',
+        ('<state id="Insert"', '◊<state id="Insert"'),
+        (FORCE, ""),
+    ),
+    (Code.PARAMETER_TYPE, "is float; found much (string)", ('value="20"', '◊value="much"')),
+    (Code.PARAMETER_TYPE, "write \"'5'\"", ('value="side"', '◊value="5"')),
+    (
+        Code.PARAMETER_TYPE,
+        "dictionary",
+        (CLEAN, CLEAN + '<param name="places" ◊value="[{}]"/>'),
+    ),
+    (
+        Code.PARAMETER_TYPE,
+        "needed a list of names",
+        (END, CHOOSE + END),
+        (CLEANED, CLEANED.replace("finished", "Choose")),
+    ),
+    (
+        Code.PARAMETER_SOURCE,
+        "takes Python source",
+        (END, PAUSE.replace("PauseState", "CalculateState") + END),
+        (CLEANED, CLEANED.replace("finished", "Pause")),
+    ),
+    (Code.UNKNOWN_INITIAL, "Did you mean 'Locate'?", ('initial="L', '◊initial="l')),
+    (Code.UNKNOWN_EVENT, "Did you mean 'inserted'", ('event="inserted"', '◊event="insertd"')),
+    (
+        Code.UNKNOWN_EVENT,
+        "limit the attempts with ext:attempts",
+        (TO_EXTRACT, TO_EXTRACT + '<transition ◊event="exhausted" target="gone"/>'),
+    ),
+    (
+        Code.MISSING_TRANSITION,
+        'add <transition event="cleaned" target="..."/>',
+        (CLEAN, "◊" + CLEAN),
+        (CLEANED, ""),
+        (TO_EXTRACT, TO_EXTRACT.replace("Extract", "finished")),
+        (EXTRACTED, EXTRACTED),
+        ('"failed" target="Locate"', '"failed" target="Extract"'),
+    ),
+    (
+        Code.MISSING_TRANSITION,
+        "which ext:attempts adds, leads nowhere",
+        ('<state id="Locate"', '◊<state id="Locate"'),
+        ('<transition event="exhausted" target="gone"/>', ""),
+    ),
+    (
+        Code.DUPLICATE_TRANSITION,
+        "in line 19 already",
+        (TO_EXTRACT, TO_EXTRACT + '<transition ◊event="failed" target="gone"/>'),
+    ),
+    (Code.UNKNOWN_TARGET, "Did you mean 'Clean'", ('target="Clean"', '◊target="Claen"')),
+    (
+        Code.UNREACHABLE_STATE,
+        "no path from the initial state 'Locate' leads to state 'Fix'",
+        (END, f"◊{FIX}{POSE_TO_FIX}{END}"),
+    ),
+    (
+        Code.NO_WAY_OUT,
+        "it leads only to 'Count'",
+        (
+            END,
+            "◊" + COUNT.replace("finished", "Count") + flow("Task", "n", "Count", "number") + END,
+        ),
+        (CABLE, CABLE + '<input name="n"/>'),
+        ('"failed" target="gone"/>\n  </behavior>', '"failed" target="Count"/>\n  </behavior>'),
+    ),
+    (
+        Code.UNKNOWN_STATE,
+        "Did you mean 'Locate'",
+        ("output_state_id=", "◊output_state_id="),
+        ('id="Locate" output=', 'id="Lokate" output='),
+    ),
+    (Code.UNKNOWN_OUTPUT, "'Locate' has no output", ('output="pose"', '◊output="position"')),
+    (Code.UNKNOWN_INPUT, "Did you mean 'pose'", ('input="pose"', '◊input="poses"')),
+    (
+        Code.UNKNOWN_INPUT,
+        "cannot copy input 'cable_id' of the chart to its output 'error_code'",
+        (END, flow("Task", "cable_id", "Task", "error_code").replace(" input=", " ◊input=") + END),
+    ),
+    (
+        Code.UNKNOWN_OUTPUT,
+        "no output 'torque'",
+        (TO_CLEAN, '<output ◊name="torque"/>' + TO_CLEAN),
+    ),
+    (
+        Code.UNKNOWN_INPUT,
+        "Did you mean 'cable_id'",
+        (TO_CLEAN, '<input ◊name="cabel_id"/>' + TO_CLEAN),
+    ),
+    (Code.DUPLICATE_CONNECTION, "in line 29 already", (END, f"◊{POSE}{END}")),
+    (
+        Code.CONFLICTING_OUTPUT,
+        "feeds the chart's output 'a' in line 30 already",
+        (CODE, CODE + '<output name="a"/><output name="b"/>'),
+        (
+            END,
+            f"{flow('Insert', 'force', 'Task', 'a')}\n◊{flow('Insert', 'force', 'Task', 'b')}{END}",
+        ),
+    ),
+    (
+        Code.UNBOUND_INPUT,
+        'add <connection output_state_id="Locate" output="pose" input_state_id="Insert" input=',
+        ('<state id="Insert"', '◊<state id="Insert"'),
+        (POSE, ""),
+    ),
+    (Code.UNFED_OUTPUT, "no state has an output", (CODE, CODE + '\n    ◊<output name="torque"/>')),
+    (
+        Code.READ_BEFORE_WRITE,
+        "before 'Insert' has written it: Locate -failed-> Locate -exhausted-> Say",
+        ('"exhausted" target="gone"', '"exhausted" target="Say"'),
+        (END, f"{SAY}◊{flow('Insert', 'force', 'Say', 'value')}{END}"),
+    ),
+    (
+        Code.OVERWRITTEN_VALUE,
+        "'Clean' writes the same value, 'rest', on the way: Clean -cleaned-> Say",
+        (CODE, CODE + '<output name="rest"/>'),
+        (CLEANED, CLEANED.replace("finished", "Say")),
+        (END, flow("Insert", "force", "Task", "rest") + END),
+        (END, flow("Clean", "left_over", "Task", "rest") + END),
+        (END, f"{SAY}◊{flow('Insert', 'force', 'Say', 'value')}{END}"),
+    ),
+    (
+        Code.TYPE_CONFLICT,
+        "output 'error_code' of 'Locate' is int, output 'error_code' of the chart is string",
+        (CODE, "◊" + CODE.replace("int", "string")),
+    ),
+    (
+        Code.TYPE_CONFLICT,
+        "input 'component_id' of the chart is int, input 'component_id' of 'Locate' is string",
+        (COMPONENT, COMPONENT.replace("string", "int")),
+        ('<state id="Locate"', '◊<state id="Locate"'),
+    ),
+    (
+        Code.TYPE_CONFLICT,
+        "output 'force' of 'Insert' is float, input 'cable_id' of 'Extract' is string",
+        (END, f"◊{flow('Insert', 'force', 'Extract', 'cable_id')}{END}"),
+    ),
+    (
+        Code.TYPE_CONFLICT,
+        "is 5 (int); its type is string. To give it as text, write \"'5'\".",
+        (COMPONENT, COMPONENT.replace("/>", ' ◊ext:default="5"/>')),
+    ),
+    (
+        Code.TYPE_CONFLICT,
+        "input 'cable_id' of state class ExtractCableState is string; found list",
+        (EXTRACTED, '<input name="cable_id" ◊type="list"/>' + EXTRACTED),
+    ),
+    (Code.UNUSED_INPUT, "no state reads input", (CABLE, CABLE + '\n    ◊<input name="spare"/>')),
+    (Code.UNUSED_OUTCOME, "to the outcome 'lost'", (GONE, GONE + '<outcome ◊name="lost"/>')),
+]
+# Codes that need more than one chart, or a chart that lacks nearly all; tested below.
+OTHERS = {
+    Code.MISSING_ELEMENT,
+    Code.AMBIGUOUS_BEHAVIOR,
+    Code.UNREADABLE_BEHAVIOR,
+    Code.DUPLICATE_BEHAVIOR,
+    Code.CHART_CYCLE,
+}
+
+
+def edited(*changes):
+    """Return the good chart with texts replaced, and the line and column of the mark."""
+    text = GOOD
+    for old, new in changes:
+        assert old in text, old
+        text = text.replace(old, new, 1)
+    before = text.partition("◊")[0]
+    return text.replace("◊", ""), (before.count("\n") + 1, len(before) - before.rfind("\n"))
+
+
+def lines_of(problems):
+    return "\n".join(map(str, problems))
+
+
+def test_a_good_chart_has_no_problem(check):
+    assert check(GOOD)[1] == ()
+
+
+@pytest.mark.parametrize(
+    ("code", "part", "changes"),
+    [(code, part, changes) for code, part, *changes in CASES],
+    ids=[f"{code.slug}-{number}" for number, (code, *_) in enumerate(CASES)],
+)
+def test_a_mistake_is_reported_alone_and_in_its_place(check, code, part, changes):
+    text, place = edited(*changes)
+    problems = check(text)[1]
+    if code.severity is Severity.ERROR:
+        problems = errors_in(problems)
+    assert [(p.code, p.position[1:]) for p in problems] == [(code, place)], lines_of(problems)
+    mark = "warning: " if code.severity is Severity.WARNING else ""
+    assert str(problems[0]).startswith(f"chart.xml:{place[0]}:{place[1]}: {mark}[{code.slug}] ")
+    assert part in problems[0].message
+
+
+def test_every_code_has_its_test():
+    assert {code for code, *_ in CASES} | OTHERS == set(Code)
+
+
+def test_a_chart_that_lacks_its_parts_is_told_which(check):
+    assert lines_of(check('<statemachine name="A" initial="B"/>')[1]).splitlines()[:2] == [
+        "chart.xml:1:1: [missing-element] no <datamodel>; a chart needs one, with its outcomes.",
+        "chart.xml:1:1: [missing-element] neither a <state> nor a <behavior>; a chart needs at "
+        "least one.",
+    ]
+    text = '<statemachine name="A" initial="B">\n <datamodel><outcomes/></datamodel></statemachine>'
+    assert 'chart.xml:2:2: [missing-element] no <outcome name="..."/>' in lines_of(check(text)[1])
+
+
+@pytest.fixture
+def check_all(library):
+    """Return a function: {path: text} -> all problems of charts in one package."""
+
+    def check_all(texts, known=library):
+        units = [Unit(parse_chart(text, path), "cell_behaviors") for path, text in texts.items()]
+        checked = check_units(units, known)
+        return [problem for one in checked.values() for problem in one.problems]
+
+    return check_all
+
+
+def task(name, inner):
+    """Return a chart that only runs another behavior."""
+    return (
+        f'<statemachine name="{name}" initial="Run"><datamodel><outcome name="done"/></datamodel>\n'
+        f'<behavior id="Run" type="{inner}"><transition event="done" target="done"/></behavior>'
+        "</statemachine>"
+    )
+
+
+def places(problems, code):
+    return [p.position for p in problems if p.code is code]
+
+
+def test_charts_that_contain_each_other_are_told_the_circle(check_all):
+    problems = check_all({"d/a.xml": task("A", "e/b.xml"), "d/e/b.xml": task("B", "../a.xml")})
+    assert places(problems, Code.CHART_CYCLE) == [("d/a.xml", 2, 20), ("d/e/b.xml", 2, 20)]
+    assert "A > B > A" in problems[0].message
+    problems = check_all({"a.xml": task("A", "a.xml")})
+    assert places(problems, Code.CHART_CYCLE) == [("a.xml", 2, 20)]
+
+
+def test_a_chart_contained_in_a_behavior_that_is_there_already_is_told_the_circle(
+    check_all, library
+):
+    clean_up = dataclasses.replace(library.behaviors[0], contains=("A",), outcomes=("done",))
+    known = dataclasses.replace(library, behaviors=(clean_up,))
+    problems = check_all({"a.xml": task("A", "Clean Up")}, known)
+    assert "A > Clean Up > A" in lines_of(problems)
+
+
+def test_charts_can_name_each_other_by_display_name(check_all):
+    inner = (
+        task("Inner", "Clean Up")
+        .replace('event="done"', 'event="cleaned"')
+        .replace("</behavior>", '<transition event="failed" target="done"/></behavior>')
+        .replace("</datamodel>", '<input name="cable_id"/></datamodel>')
+    )
+    outer = task("Outer", "Inner").replace("</datamodel>", '<input name="cable_id"/></datamodel>')
+    assert check_all({"a.xml": outer, "b.xml": inner}) == []
+
+
+def test_two_charts_that_become_one_file_are_told(check_all):
+    wait = GOOD.replace('name="Task"', 'name="task"')
+    problems = check_all({"a.xml": GOOD, "b.xml": wait})
+    assert places(problems, Code.DUPLICATE_BEHAVIOR) == [("b.xml", 2, 56)]
+
+
+def test_two_behaviors_of_one_class_cannot_be_used_side_by_side(check_all, library):
+    other = dataclasses.replace(library.behaviors[0], name="Clean", module="other.clean_up_sm")
+    known = dataclasses.replace(library, behaviors=(*library.behaviors, other))
+    second = CLEAN.replace('id="Clean" type="Clean Up"', 'id="Last" type="Clean"')
+    text, _ = edited(
+        (END, f"{second}{CLEANED}<transition event='failed' target='gone'/></behavior>{END}"),
+        (CLEANED, CLEANED.replace("finished", "Last")),
+    )
+    problems = check_all({"a.xml": text}, known)
+    assert places(problems, Code.DUPLICATE_BEHAVIOR) == [("a.xml", 30, 21)]
+
+
+def test_a_behavior_of_two_packages_must_be_told_apart(check_all, library):
+    other = dataclasses.replace(library.behaviors[0], package="other", module="other.clean_up_sm")
+    known = dataclasses.replace(library, behaviors=(*library.behaviors, other))
+    problems = check_all({"a.xml": GOOD}, known)
+    assert places(problems, Code.AMBIGUOUS_BEHAVIOR) == [("a.xml", 25, 24)]
+    assert "'cell_behaviors/Clean Up', 'other/Clean Up'" in problems[0].message
+
+
+def test_a_behavior_that_cannot_be_read_is_told_why(library, check_all):
+    broken = Unreadable("Clean Up", "cell_behaviors", "its class lacks create", "CleanUpSM")
+    known = dataclasses.replace(library, behaviors=(), unreadable_behaviors=(broken,))
+    problems = check_all({"a.xml": GOOD}, known)
+    assert places(problems, Code.UNREADABLE_BEHAVIOR) == [("a.xml", 25, 24)]
+    assert "its class lacks create" in problems[0].message
+
+
+def test_an_extension_without_the_state_that_it_needs_says_which(library, check_all):
+    known = dataclasses.replace(
+        library, states=tuple(s for s in library.states if s.name != "CountAttemptsState")
+    )
+    problems = check_all({"a.xml": GOOD}, known)
+    assert places(problems, Code.UNKNOWN_CLASS) == [("a.xml", 10, 65)]
+    assert "CountAttemptsState of package remodel_states" in problems[0].message
+
+
+def test_ten_mistakes_are_reported_in_one_go_each_in_its_line(check, golden):
+    text = (golden / "wrong" / "ten_mistakes.xml").read_text()
+    expected = {
+        (number, line.partition("mistake: ")[2].split()[0])
+        for number, line in enumerate(text.splitlines(), start=1)
+        if "mistake: " in line
+    }
+    found = {(p.position.line, p.code.slug) for p in errors_in(check(text)[1])}
+    assert len(expected) == 10
+    assert found == expected

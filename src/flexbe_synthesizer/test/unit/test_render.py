@@ -1,0 +1,178 @@
+"""Golden charts become golden behaviors, byte for byte, that the FlexBE App can read."""
+
+import ast
+import dataclasses
+
+import pytest
+from flexbe_synthesizer.core.codec import parse_chart
+from flexbe_synthesizer.core.compile import compile_chart, manifest_of
+from flexbe_synthesizer.core.layout import lay_out
+from flexbe_synthesizer.core.literal import freeze
+from flexbe_synthesizer.core.machine import Container, walk
+from flexbe_synthesizer.core.manifest import write_manifest
+from flexbe_synthesizer.core.manual_sections import ManualSectionError, read_manual_sections
+from flexbe_synthesizer.core.problem import ChartError
+from flexbe_synthesizer.core.render_python import render_python
+from flexbe_synthesizer.testing import app_complaints
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+CHARTS = ["plain.xml", "place_connector.xml", "wire_task.xml"]
+
+
+def rendered(machine, manual=None):
+    return render_python(machine, lay_out(machine.root), manual or {})
+
+
+@pytest.mark.parametrize("chart", CHARTS)
+def test_a_golden_chart_becomes_the_golden_behavior(chart, machine, golden):
+    found = machine(chart)
+    code = golden / "behaviors" / chart.replace(".xml", "_sm.py")
+    manifest = golden / "behaviors" / chart
+    assert rendered(found) == code.read_text()
+    assert write_manifest(manifest_of(found), found.description) == manifest.read_text()
+
+
+@pytest.mark.parametrize("chart", CHARTS)
+def test_the_app_can_read_a_golden_behavior(chart, golden):
+    text = (golden / "behaviors" / chart.replace(".xml", "_sm.py")).read_text()
+    assert app_complaints(text) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "complaint"),
+    [
+        ("'Locate',", "'Locate' ,", None),
+        ("class PlaceConnectorSM(Behavior)", "class PlaceConnectorSM(Behavior, X)", "one class"),
+        ("'''\nCreated", "'''\nIt's created", "date and author"),
+        ("Place a connector", "It's a connector", "docstring"),
+        ("self.name = 'Place", "self.name = 'Place\\'s", "self.name"),
+        ("# Behavior comments:", "# a def b\n        # Behavior comments:", "__init__ ends early"),
+        ("# [/MANUAL_INIT]", "", "MANUAL_INIT"),
+        ("import LocateComponentState", "import (LocateComponentState)", "not read"),
+        ("return _state_machine", "return (_state_machine)", "does not return"),
+        ("input_keys=['component_id', 'cable_id']", "input_keys=list(x)", "not read"),
+        ("])\n", "])  # no\n", "not read"),
+        ("            # x:30 y:40\n", "            # x:30.5 y:40\n", "no position"),
+        ("        _state_machine.userdata.cable_id", "        x = 1; _.y", "private variable"),
+        ("_state_machine.userdata.cable_id = None\n", "\n", "no default userdata"),
+        ("{'inserted': 'Fix'", "{'inserted': 'Fixx'", "leads to 'Fixx'"),
+        ("autonomy={'inserted': Autonomy.Off, ", "autonomy={", "autonomy"),
+        ("'pose': 'locate_pose', 'error", "'pose': 'locate pose', 'error", "no identifier"),
+        ("('failed', [('run', 'failed')])", "('fixed', [('run', 'failed')])", "its condition"),
+        ("('failed', [('run', 'failed')])", "('failed', [('run', 'fixed')])", "two conditions"),
+    ],
+)
+def test_what_the_app_cannot_read_is_told(old, new, complaint, golden):
+    text = (golden / "behaviors" / "place_connector_sm.py").read_text()
+    assert old in text
+    found = "\n".join(app_complaints(text.replace(old, new, 1)))
+    assert complaint in found if complaint else found == ""
+
+
+def test_the_same_chart_gives_the_same_bytes(machine):
+    assert rendered(machine("wire_task.xml")) == rendered(machine("wire_task.xml"))
+
+
+@given(st.text(), st.text())
+@settings(deadline=None, derandomize=True)
+def test_no_description_or_value_can_break_out_of_its_place(machine, description, value):
+    found = machine("place_connector.xml")
+    hostile = dataclasses.replace(
+        found,
+        description=description or "x",
+        root=dataclasses.replace(
+            found.root,
+            userdata=tuple(pair._replace(value=freeze(value)) for pair in found.root.userdata),
+        ),
+    )
+    text = rendered(hostile)
+    assert app_complaints(text) == []
+    assigned = [n for n in ast.walk(ast.parse(text)) if isinstance(n, ast.Assign)]
+    found_values = [n.value.value for n in assigned if "userdata" in ast.unparse(n.targets[0])]
+    assert found_values == [value] * len(found.root.userdata)
+
+
+@pytest.mark.parametrize(
+    "description",
+    [
+        "It's '''quoted''' and \\ slashed\\",
+        "class X(Behavior): pass",
+        "a def create(self): b",
+        "# [MANUAL_INIT] x # [/MANUAL_FUNC]",
+        "{{ manual.INIT }} {% raw %}",
+    ],
+)
+def test_a_description_that_looks_like_code_is_made_harmless(machine, description):
+    found = dataclasses.replace(machine("place_connector.xml"), description=description)
+    text = rendered(found)
+    assert app_complaints(text) == []
+    classes = [n for n in ast.walk(ast.parse(text)) if isinstance(n, ast.ClassDef)]
+    assert [c.name for c in classes] == ["PlaceConnectorSM"]
+
+
+def test_manual_sections_are_kept_to_the_byte(machine):
+    found = machine("plain.xml")
+    manual = {
+        "IMPORT": "\nimport math  # [keep] def this:\n",
+        "INIT": "\n        self.x = 1\n\n        ",
+        "CREATE": "\n        return_ = {'a': (1)}\n        ",
+        "FUNC": "\n    def mine(self):\n        return self.x\n    ",
+    }
+    text = rendered(found, manual)
+    assert read_manual_sections(text) == manual
+    assert rendered(found, read_manual_sections(text)) == text
+    assert app_complaints(text) == []
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "class A: pass",
+        "# [MANUAL_INIT]\n",
+        "# [/MANUAL_INIT]\n# [MANUAL_INIT]",
+        "# [MANUAL_INIT]# [/MANUAL_INIT]# [MANUAL_INIT]# [/MANUAL_INIT]",
+        "# [MANUAL_INIT]# [/MANUAL_INIT]# [/MANUAL_INIT]",
+    ],
+)
+def test_sections_that_cannot_be_kept_are_refused(text):
+    with pytest.raises(ManualSectionError):
+        read_manual_sections(text)
+
+
+def test_a_chart_with_errors_becomes_nothing(check):
+    text = (
+        '<statemachine name="A" initial="S"><datamodel><outcome name="done"/></datamodel>'
+        '<state id="S" type="NoSuchState"/></statemachine>'
+    )
+    with pytest.raises(ChartError, match="unknown-class"):
+        compile_chart(check(text)[0], "p")
+
+
+@pytest.mark.parametrize("chart", CHARTS)
+def test_nothing_overlaps_on_the_canvas(chart, machine):
+    root = machine(chart).root
+    layout = lay_out(root)
+    containers = {"": root} | {p: c.content for p, c in walk(root)}
+    for path, container in containers.items():
+        if not isinstance(container, Container):
+            continue
+        boxes = [
+            (*layout.children[f"{path}/{c.label}"], width_of(c)) for c in container.children
+        ] + [(*point, 80) for point in layout.outcomes[path].values()]
+        for index, (x, y, width) in enumerate(boxes):
+            assert x >= 0 <= y
+            for other_x, other_y, other_width in boxes[:index]:
+                apart_x = x >= other_x + other_width or other_x >= x + width
+                assert apart_x or abs(y - other_y) >= 60
+
+
+def width_of(child):
+    """Return the width that a box has in the App, about: its longer line at 8 pixels a letter."""
+    name = getattr(getattr(child.content, "state", None), "name", child.label)
+    return max(len(child.label), len(name)) * 8 + 20
+
+
+def test_the_golden_charts_say_what_their_names_say(golden):
+    assert {p.name for p in (golden / "charts").glob("*.xml")} == set(CHARTS)
+    assert parse_chart((golden / "charts" / "plain.xml").read_bytes()).name == "plain_chart"

@@ -1,0 +1,123 @@
+"""One request to the synthesis server, without ROS around it."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+from flexbe_synthesizer.request import ErrorCode, Request, RequestError, Settings, fulfil
+
+
+@pytest.fixture
+def settings(tmp_path, golden, package_path):
+    shutil.copytree(golden / "charts", tmp_path / "charts")
+    shutil.copy(golden / "wrong" / "ten_mistakes.xml", tmp_path / "charts")
+    return Settings((tmp_path / "charts",), tmp_path / "behaviors", package_path)
+
+
+@pytest.fixture
+def ask(settings):
+    def ask(goal, initial="", outcomes=(), report=lambda _status, _progress: None, **changes):
+        changed = Settings(**{**vars(settings), **changes})
+        return fulfil(Request(goal, initial, tuple(outcomes)), changed, report)
+
+    return ask
+
+
+def refusal(ask, *arguments, **changes):
+    with pytest.raises(RequestError) as caught:
+        ask(*arguments, **changes)
+    return caught.value.code, str(caught.value)
+
+
+def test_a_chart_is_written_and_its_states_are_returned(ask, settings):
+    steps = []
+    answer = ask("wire_task.xml", report=lambda status, progress: steps.append((progress, status)))
+    assert [s.state_path for s in answer.states][:2] == ["/", "/Set place_attempts"]
+    assert answer.states[0].initial_state_name == "Set place_attempts"
+    assert {p.name for p in answer.written} == {
+        "package.xml",
+        "__init__.py",
+        "wire_task_sm.py",
+        "wire_task.xml",
+        "place_connector_sm.py",
+        "place_connector.xml",
+    }
+    assert [progress for progress, _ in steps] == sorted(progress for progress, _ in steps)
+    assert ask(str(settings.chart_folders[0] / "wire_task.xml")).written == ()
+
+
+def test_start_and_nothing_mean_where_the_chart_starts(ask):
+    for initial in ("", " ", "start", "Locate"):
+        assert ask("plain.xml", initial).states[0].initial_state_name == "Locate"
+
+
+def test_another_initial_state_changes_the_states_and_not_the_behavior(ask, settings):
+    first = ask("place_connector.xml")
+    answer = ask("place_connector.xml", "Extract")
+    assert answer.states[0].initial_state_name.startswith("Set ")
+    (last_preset,) = [s for s in answer.states if s.state_path == "/Set locate_attempts"]
+    assert last_preset.transitions == ("Extract",)
+    assert first.written != ()
+    assert answer.written == ()
+
+
+def test_an_initial_state_that_reads_what_nobody_wrote_is_refused(ask, settings):
+    code, text = refusal(ask, "place_connector.xml", "Fix")
+    assert code is ErrorCode.CHART_INVALID
+    assert "started at 'Fix'" in text
+    assert "[read-before-write]" in text
+    assert not settings.output.exists()
+
+
+def test_an_initial_state_that_is_not_there_is_refused(ask):
+    code, text = refusal(ask, "plain.xml", "Lokate")
+    assert code is ErrorCode.INITIAL_UNKNOWN
+    assert "Did you mean 'Locate'?" in text
+
+
+def test_the_outcomes_must_be_those_of_the_chart_in_any_order(ask, settings):
+    assert ask("place_connector.xml", outcomes=["failed", "finished"]).states
+    code, text = refusal(ask, "plain.xml", "", ["finished", "failed"])
+    assert code is ErrorCode.OUTCOMES_DIFFER
+    assert "has 'PlacePin finished normally', 'failed'" in text
+
+
+def test_a_chart_with_errors_is_refused_with_all_of_them(ask, settings):
+    code, text = refusal(ask, "ten_mistakes.xml")
+    assert code is ErrorCode.CHART_INVALID
+    assert len(text.splitlines()) == 10
+    assert not settings.output.exists()
+
+
+def test_what_is_not_there_and_what_is_outside_are_told_apart(ask, tmp_path):
+    assert refusal(ask, "none.xml")[0] is ErrorCode.CHART_NOT_FOUND
+    assert refusal(ask, "")[0] is ErrorCode.CHART_NOT_FOUND
+    assert refusal(ask, "../none.xml")[0] is ErrorCode.CHART_REFUSED
+    assert refusal(ask, "/etc/passwd")[0] is ErrorCode.CHART_REFUSED
+
+
+def test_a_package_that_cannot_be_written_to_is_told(ask, tmp_path):
+    (tmp_path / "file").write_text("")
+    code, text = refusal(ask, "plain.xml", output=tmp_path / "file" / "package")
+    assert code is ErrorCode.OUTPUT_FAILED
+    assert "nothing was written" in text
+
+
+def test_without_the_state_that_writes_counts_attempts_cannot_be_listed(
+    ask, tmp_path, package_path
+):
+    packages = shutil.copytree(package_path, tmp_path / "packages")
+    (Path(packages) / "flexbe_states/src/flexbe_states/user_data_state.py").unlink()
+    code, text = refusal(ask, "place_connector.xml", ros_package_path=str(packages))
+    assert code is ErrorCode.CHART_INVALID
+    assert "UserDataState" in text
+    assert ask("plain.xml", ros_package_path=str(packages)).states
+
+
+def test_whoever_is_told_of_a_step_can_end_the_request(ask, settings):
+    def stop(status, _progress):
+        if "writing" in status:
+            raise RequestError(ErrorCode.CANCELLED, "enough")
+
+    assert refusal(ask, "plain.xml", report=stop)[0] is ErrorCode.CANCELLED
+    assert not settings.output.exists()

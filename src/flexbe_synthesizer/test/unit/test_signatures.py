@@ -1,0 +1,212 @@
+"""What is read of state classes, behaviors and manifests, from text alone."""
+
+import textwrap
+
+import pytest
+from flexbe_synthesizer.core.behavior_source import read_behavior_class
+from flexbe_synthesizer.core.manifest import Manifest, read_manifest, write_manifest
+from flexbe_synthesizer.core.signature import (
+    FromParameter,
+    Parameter,
+    Port,
+    StateClass,
+    Unreadable,
+    documented_type,
+    fits,
+    is_type,
+)
+from flexbe_synthesizer.core.state_source import read_state_class
+
+MANIFEST = Manifest("Clean", "pkg", "clean_sm", "CleanSM")
+
+
+def state(text):
+    return read_state_class(textwrap.dedent(text), "pkg", "pkg.some_state")
+
+
+def test_a_state_class_is_read_with_types_from_its_docstring():
+    found = state(
+        """
+        class Helper: pass
+        class SomeState(EventState):
+            '''Do it.
+
+            -- speed_m_s  float64  how fast,
+                          in metres
+            -- names      string[] which
+            -- count
+            ># pose       geometry_msgs/Pose  where
+            #> seen       boolean  whether
+            <= done       done it
+            '''
+            def __init__(self, speed_m_s, names, count=3, *, flag: bool, other="x"):
+                '''Set up.'''
+                super(SomeState, self).__init__(outcomes=['done', 'not done'],
+                    input_keys=['pose'], output_keys=['seen'], io_keys=['both'])
+        class OtherState(EventState): pass
+        """
+    )
+    assert found == StateClass(
+        "SomeState",
+        "pkg",
+        "pkg.some_state",
+        (
+            Parameter("speed_m_s", "float"),
+            Parameter("names", "list"),
+            Parameter("count", None, required=False),
+            Parameter("flag", "bool"),
+            Parameter("other", None, required=False),
+        ),
+        ("done", "not done"),
+        (Port("pose", "geometry_msgs/Pose"), Port("both")),
+        (Port("seen", "bool"), Port("both")),
+    )
+
+
+def test_lists_can_come_from_a_constructor_argument():
+    found = state(
+        """
+        class S(EventState):
+            def __init__(self, outcomes, keys=()):
+                super().__init__(outcomes=outcomes, input_keys=keys)
+        """
+    )
+    assert (found.outcomes, found.inputs) == (FromParameter("outcomes"), FromParameter("keys"))
+
+
+@pytest.mark.parametrize(
+    ("body", "reason"),
+    [
+        ("pass", "no __init__"),
+        ("def __init__(self): pass", "does not call super"),
+        ("def __init__(self): super().__init__()", "no outcomes"),
+        ("def __init__(self): super().__init__(outcomes=[])", "no outcomes"),
+        ("def __init__(self): super().__init__(outcomes=X)", "outcomes are X"),
+        ("def __init__(self): super().__init__(outcomes=['a', b])", "outcomes are"),
+        ("def __init__(self): super().__init__(outcomes=['a'] + ['b'])", "outcomes are"),
+        ("def __init__(self): super().__init__(outcomes=['a(b)'])", "cannot read"),
+        (
+            "def __init__(self, k): super().__init__(outcomes=['a'], input_keys=k, io_keys=['b'])",
+            "beside keys",
+        ),
+    ],
+)
+def test_a_state_class_that_text_does_not_tell_is_kept_with_the_reason(body, reason):
+    found = state(f"class S(EventState):\n    {body}\n")
+    assert isinstance(found, Unreadable)
+    assert reason in found.reason
+
+
+def test_only_a_class_that_extends_event_state_and_nothing_else_is_a_state():
+    assert state("class S(EventState, Mixin): pass") is None
+    assert state("class S(core.EventState): pass") is None
+    assert state("x = 1") is None
+    with pytest.raises(SyntaxError):
+        state("class S(EventState:")
+
+
+def test_reading_a_state_runs_nothing(tmp_path):
+    touched = tmp_path / "touched"
+    state(
+        f"""
+        open({str(touched)!r}, "w")
+        class S(EventState):
+            def __init__(self, x=open({str(touched)!r}, "w")):
+                super().__init__(outcomes=["done"])
+        """
+    )
+    assert not touched.exists()
+
+
+def behavior(create, init="self.name = 'Clean'"):
+    text = f"class CleanSM(Behavior):\n def __init__(self):\n  {init}\n def create(self):\n"
+    text += textwrap.indent(textwrap.dedent(create).strip(), "  ")
+    return read_behavior_class(text, MANIFEST)
+
+
+def test_a_behavior_is_read_as_the_app_writes_it():
+    found = behavior(
+        """
+        sm = OperatableStateMachine(outcomes=['done'], input_keys=['a', 'b'], output_keys=['c'])
+        sm.userdata.a = None
+        sm.userdata.b = 5
+        return sm
+        """,
+        init="self.add_parameter('speed', 1)",
+    )
+    assert found.outcomes == ("done",)
+    assert found.inputs == (Port("a"), Port("b", optional=True))
+    assert found.outputs == (Port("c"),)
+    assert found.parameters == (Parameter("speed", None, required=False),)
+    assert (found.module, found.class_name) == ("pkg.clean_sm", "CleanSM")
+
+
+@pytest.mark.parametrize(
+    ("create", "reason"),
+    [
+        ("pass", "does not end by returning"),
+        ("return None", "does not end by returning"),
+        ("return sm", "does not assign a container to sm"),
+        ("sm = make()\nreturn sm", "does not assign a container"),
+        ("sm = OperatableStateMachine(outcomes=x)\nreturn sm", "malformed"),
+        ("sm = (", "never closed"),
+    ],
+)
+def test_a_behavior_that_text_does_not_tell_is_kept_with_the_reason(create, reason):
+    found = behavior(create)
+    assert isinstance(found, Unreadable)
+    assert reason in found.reason
+
+
+def test_a_behavior_file_without_its_class_is_kept_with_the_reason():
+    assert "no class CleanSM" in read_behavior_class("x = 1", MANIFEST).reason
+    assert "lacks" in read_behavior_class("class CleanSM(Behavior): pass", MANIFEST).reason
+
+
+def test_a_manifest_is_read_as_it_is_written():
+    manifest = Manifest('A "b" & <c>', "pkg", "deep.a_sm", "ASM", ("Clean & Up", "Other"))
+    text = write_manifest(manifest, "<do> & 'say'")
+    assert read_manifest(text, "a.xml") == manifest
+    assert not text.endswith("\n")
+
+
+def test_a_manifest_of_the_app_is_read(golden):
+    path = golden / "packages" / "cell_behaviors" / "manifest" / "clean_up.xml"
+    manifest = read_manifest(path.read_bytes(), "clean_up.xml")
+    assert [(p.name, p.kind) for p in manifest.parameters] == [
+        ("speed", "numeric"),
+        ("places", "yaml"),
+    ]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "<package/>",
+        "<behavior/>",
+        "<behavior>",
+        '<behavior name="a"><executable package_path="one"/></behavior>',
+        '<behavior name="a"><executable class="A"/></behavior>',
+    ],
+)
+def test_other_xml_is_no_manifest(text):
+    assert read_manifest(text, "x.xml") is None
+
+
+def test_types_are_those_of_the_language():
+    for name in ("bool", "int", "float", "string", "list", "dict", "geometry_msgs/PoseStamped"):
+        assert is_type(name)
+    for name in ("str", "Int", "Pose", "geometry_msgs/", "a/b", ""):
+        assert not is_type(name)
+    assert documented_type("uint8") == "int"
+    assert documented_type("`str`") == "string"
+    assert documented_type("Pose[]") == "list"
+    assert documented_type("PoseStamped") is None
+
+
+def test_an_integer_fits_where_a_float_is_wanted_and_not_the_other_way():
+    assert fits("int", "float")
+    assert not fits("float", "int")
+    assert not fits("string", "int")
+    assert fits(None, "int")
+    assert fits("int", None)

@@ -1,0 +1,105 @@
+import pytest
+from flexbe_synthesizer.core.problem import ChartError, Code
+from flexbe_synthesizer.core.xml_reader import read_xml
+
+
+def problem_of(source):
+    with pytest.raises(ChartError) as caught:
+        read_xml(source, "f.xml")
+    (problem,) = caught.value.problems
+    return problem.code, problem.position[1:], problem.message
+
+
+def test_elements_attributes_and_text_know_where_they_stand():
+    document = read_xml('<a  x="1"\n   y = \'2\'>\n\t<é z="&#10;"/> te\n xt</a>', "f.xml")
+    root = document.root
+    assert [(a.name, a.value, a.position[1:]) for a in root.attributes] == [
+        ("x", "1", (1, 5)),
+        ("y", "2", (2, 4)),
+    ]
+    child = root.children[0]
+    assert (child.name, child.position[1:]) == ("é", (3, 2))
+    assert (child.attributes[0].value, child.attributes[0].position[1:]) == ("\n", (3, 5))
+    assert root.text[1:] == (3, 17)
+
+
+def test_a_greater_than_sign_and_quotes_in_values_do_not_shift_the_places():
+    root = read_xml("<a x='>\"=' y=\"'/>\" z=''/>", "f.xml").root
+    places = [(a.name, a.value, a.position.column) for a in root.attributes]
+    assert places == [("x", '>"=', 4), ("y", "'/>", 12), ("z", "", 20)]
+
+
+def test_columns_count_characters_not_bytes():
+    root = read_xml('<a é="é" b="2"/>', "f.xml").root
+    assert [a.position.column for a in root.attributes] == [4, 10]
+
+
+def test_prefixes_are_resolved_where_they_are_declared():
+    root = read_xml('<a xmlns:p="urn:x" p:k="1"><b p:k="2" xmlns:p="urn:y"/></a>', "f").root
+    assert root.attributes[0].namespace == "urn:x"
+    assert root.children[0].attributes[0].namespace == "urn:y"
+
+
+def test_an_undeclared_prefix_is_a_problem_that_hides_nothing_else():
+    document = read_xml('<a>\n<b p:k="1" l="2"/></a>', "f.xml")
+    (problem,) = document.problems
+    assert (problem.code, problem.position[1:]) == (Code.UNBOUND_PREFIX, (2, 4))
+    assert [a.name for a in document.root.children[0].attributes] == ["l"]
+
+
+def test_an_attribute_that_stands_twice_is_a_problem_that_hides_nothing_else():
+    document = read_xml('<a x="1"\n x="2"><b y="1" y="2" y="3"/></a>', "f.xml")
+    places = [(p.code, p.position[1:]) for p in document.problems]
+    twice = Code.DUPLICATE_ATTRIBUTE
+    assert places == [(twice, (2, 2)), (twice, (2, 17)), (twice, (2, 23))]
+    assert [a.value for a in document.root.attributes] == ["1"]
+
+
+def test_a_flood_of_doubled_attributes_ends():
+    with pytest.raises(ChartError) as caught:
+        read_xml("<a " + 'x="1" ' * 5000 + "/>", "f.xml")
+    assert len(caught.value.problems) == 100
+
+
+def test_what_is_not_well_formed_says_where_and_what_is_open():
+    code, place, message = problem_of("<a>\n  <b>\n</a>")
+    assert (code, place) == (Code.NOT_XML, (3, 3))
+    assert "<b> of line 2 is open" in message
+    assert "empty" in problem_of("  \n")[2]
+    assert problem_of("<a/><b/>")[:2] == (Code.NOT_XML, (1, 5))
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        '<!DOCTYPE a [<!ENTITY x "y">]><a>&x;</a>',
+        '<!DOCTYPE a SYSTEM "file:///etc/passwd"><a/>',
+        '<!DOCTYPE a [<!ENTITY % p SYSTEM "http://localhost/x"> %p;]><a/>',
+        "<!DOCTYPE a><a/>",
+    ],
+)
+def test_document_types_are_refused_and_with_them_all_entities(source):
+    assert problem_of(" \n" + source if "&" not in source else source)[0] is Code.DOCTYPE
+
+
+def test_the_place_of_a_document_type_is_its_beginning():
+    assert problem_of('<!-- é -->\n  <!DOCTYPE a [<!ENTITY x "y">]><a/>')[1] == (2, 3)
+
+
+def test_encodings_are_read_or_refused_with_a_reason():
+    text = '<?xml version="1.0" encoding="{}"?><a x="é"/>'
+    for encoding in ("utf-8", "iso-8859-1", "windows-1252"):
+        root = read_xml(text.format(encoding).encode(encoding), "f").root
+        assert root.attributes[0].value == "é"
+    assert read_xml("﻿<a x='é'/>".encode(), "f").root.attributes[0].value == "é"
+    assert read_xml("<a x='é'/>".encode("utf-16"), "f").root.attributes[0].value == "é"
+    assert "'koi8-r'" in problem_of(text.format("koi8-r").encode("utf-8"))[2]
+    code, place, message = problem_of(b"<a>\n\xc3\xa9 \xe9</a>")
+    assert (code, place) == (Code.NOT_XML, (2, 3))
+    assert "0xe9 is not utf-8" in message
+
+
+def test_half_characters_and_deep_nesting_are_no_trouble():
+    assert problem_of("<a>\ud800</a>")[0] is Code.NOT_XML
+    deep = read_xml("<a>" * 50_000 + "</a>" * 50_000, "f").root
+    assert deep.children[0].name == "a"
