@@ -2,6 +2,7 @@ import os
 from pathlib import Path
 
 import pytest
+
 from flexbe_synthesizer.core.check import check_chart
 from flexbe_synthesizer.core.codec import parse_chart, read_chart
 from flexbe_synthesizer.core.compile import compile_chart

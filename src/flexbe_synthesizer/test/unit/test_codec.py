@@ -2,6 +2,9 @@ import dataclasses
 import string
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from flexbe_synthesizer.core.codec import parse_chart, write_chart
 from flexbe_synthesizer.core.model import (
     Autonomy,
@@ -16,8 +19,6 @@ from flexbe_synthesizer.core.model import (
     Transition,
 )
 from flexbe_synthesizer.core.problem import ChartError
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 WORDS = st.text(string.ascii_letters + "äß_é -<>&'\"\t\n", min_size=1, max_size=8)
 TEXTS = st.text(st.characters(codec="utf-8", exclude_categories=["Cc", "Cs", "Cn", "Co"]))

@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from flexbe_synthesizer.command_line import main
 
 COMMAND = Path(__file__).parents[2] / "nodes" / "synthesize"

@@ -1,5 +1,8 @@
 """Homes of values, and reads before writes held against a reference that walks all paths."""
 
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from flexbe_synthesizer.core.check import check_chart
 from flexbe_synthesizer.core.data_flow import Key
 from flexbe_synthesizer.core.library import Library
@@ -14,8 +17,6 @@ from flexbe_synthesizer.core.model import (
 )
 from flexbe_synthesizer.core.problem import Code
 from flexbe_synthesizer.core.signature import Parameter, Port, StateClass
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 
 def state_class(name, inputs=(), outputs=(), outcomes=("a", "b")):

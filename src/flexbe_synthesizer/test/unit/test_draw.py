@@ -2,6 +2,7 @@ import re
 import shutil
 
 import pytest
+
 from flexbe_synthesizer.core.codec import parse_chart
 from flexbe_synthesizer.core.draw import chart_to_dot
 from flexbe_synthesizer.core.model import Behavior, Chart, Outcome, State, Transition

@@ -4,6 +4,7 @@ import os
 import shutil
 
 import pytest
+
 from flexbe_synthesizer.edge import chart_files
 from flexbe_synthesizer.edge.atomic_write import write_all
 from flexbe_synthesizer.edge.chart_files import confined_to, find_chart, read_charts

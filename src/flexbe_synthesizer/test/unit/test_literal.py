@@ -1,6 +1,9 @@
 import ast
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from flexbe_synthesizer.core.literal import (
     format_literal,
     freeze,
@@ -9,8 +12,6 @@ from flexbe_synthesizer.core.literal import (
     quote,
     type_of,
 )
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 SCALARS = (
     st.none()

@@ -3,14 +3,15 @@
 import re
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from flexbe_synthesizer.core.codec import read_chart
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart
 from flexbe_synthesizer.core.layout import lay_out
 from flexbe_synthesizer.core.problem import errors_in
 from flexbe_synthesizer.core.render_python import render_python
 from flexbe_synthesizer.testing import app_complaints
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 NASTY = (
     "",

@@ -1,9 +1,10 @@
 import keyword
 
 import pytest
-from flexbe_synthesizer.core import names
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from flexbe_synthesizer.core import names
 
 
 @pytest.mark.parametrize("name", ["Insert", "PlacePin takes longer than normal", "a-1.b_c", "Über"])

@@ -4,6 +4,9 @@ import ast
 import dataclasses
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from flexbe_synthesizer.core.codec import parse_chart
 from flexbe_synthesizer.core.compile import compile_chart, manifest_of
 from flexbe_synthesizer.core.layout import lay_out
@@ -14,8 +17,6 @@ from flexbe_synthesizer.core.manual_sections import ManualSectionError, read_man
 from flexbe_synthesizer.core.problem import ChartError
 from flexbe_synthesizer.core.render_python import render_python
 from flexbe_synthesizer.testing import app_complaints
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 CHARTS = ["plain.xml", "place_connector.xml", "wire_task.xml"]
 

@@ -4,6 +4,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+
 from flexbe_synthesizer.request import ErrorCode, Request, RequestError, Settings, fulfil
 
 

@@ -3,6 +3,7 @@
 import textwrap
 
 import pytest
+
 from flexbe_synthesizer.core.behavior_source import read_behavior_class
 from flexbe_synthesizer.core.manifest import Manifest, read_manifest, write_manifest
 from flexbe_synthesizer.core.signature import (

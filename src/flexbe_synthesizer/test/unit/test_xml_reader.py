@@ -1,4 +1,5 @@
 import pytest
+
 from flexbe_synthesizer.core.problem import ChartError, Code
 from flexbe_synthesizer.core.xml_reader import read_xml
 

@@ -3,7 +3,6 @@
 from pathlib import Path
 
 from flexbe_synthesizer.core.codec import parse_chart, write_chart
-
 from remodel_planner.core.panel_layout import PanelRules, lay_out
 from remodel_planner.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
 from remodel_planner.core.wire_chart import behavior_name, wire_chart

@@ -11,7 +11,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from flexbe_synthesizer.core.model import Behavior, Chart
-
 from remodel_planner.core.run import Operation
 
 

@@ -20,7 +20,6 @@ from flexbe_synthesizer.core.model import (
     State,
     Transition,
 )
-
 from remodel_planner.core.panel_layout import CutWire, PanelLayout
 
 CONNECT = "Place Connector"

@@ -6,11 +6,11 @@ import base64
 
 import cv2
 import numpy as np
+from sensor_msgs.msg import Image
+
 from flexbe_synthesizer.core.codec import parse_chart
 from flexbe_synthesizer.core.draw import chart_to_dot
 from flexbe_synthesizer.edge.graphviz import render_dot
-from sensor_msgs.msg import Image
-
 from remodel_planner.core.run import Operation
 from remodel_planner.core.run_report import Drawing, Picture, WireStory
 from remodel_planner.core.trace import Trace, trace

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from flexbe_synthesizer.core.codec import write_chart
-from flexbe_synthesizer.core.model import Chart
 from sensor_msgs.msg import Image
 
+from flexbe_synthesizer.core.codec import write_chart
+from flexbe_synthesizer.core.model import Chart
 from remodel_planner.core.panel_layout import CutWire, PanelLayout, PanelRules
 from remodel_planner.core.run import Execution
 from remodel_planner.core.wire_chart import wire_chart
