@@ -1,0 +1,109 @@
+#!/usr/bin/env python3
+# -*- coding: utf-8 -*-
+###########################################################
+#        Generated from a state chart: do not edit        #
+#                                                         #
+#  Change the chart and synthesize it again.              #
+#  Only the code between [MANUAL] tags is kept then.      #
+###########################################################
+
+from flexbe_core import Behavior, Autonomy, OperatableStateMachine, ConcurrencyContainer, PriorityContainer, Logger
+from remodel_states.count_attempts_state import CountAttemptsState
+from remodel_states.extract_cable_state import ExtractCableState
+from remodel_states.fix_cable_state import FixCableState
+from remodel_states.insert_cable_state import InsertCableState
+from remodel_states.locate_gearbox_component_state import LocateGearboxComponentState
+# Imports of your own belong between these tags.
+# [MANUAL_IMPORT]
+
+# [/MANUAL_IMPORT]
+
+
+'''
+Created on undated
+@author: REMODEL planner developers
+'''
+class PlaceConnectorSM(Behavior):
+    '''
+    Places one end of a wire in a terminal: Figure 3 of Deliverable 5.1. A failed insertion or fixing pulls the end
+    out and looks for the component again, at most three times.
+    '''
+
+
+    def __init__(self):
+        super(PlaceConnectorSM, self).__init__()
+        self.name = 'Place Connector'
+
+        # parameters of this behavior
+
+        # references to used behaviors
+
+        # Initialization of your own belongs between these tags.
+        # [MANUAL_INIT]
+
+        # [/MANUAL_INIT]
+
+        # Behavior comments:
+
+
+
+    def create(self):
+        # x:1230 y:40, x:1230 y:140
+        _state_machine = OperatableStateMachine(outcomes=['finished', 'failed'], input_keys=['cable_id', 'cable_end', 'component_id', 'terminal_id'], output_keys=['error_code', 'error_message'])
+        _state_machine.userdata.cable_id = 'W1'
+        _state_machine.userdata.cable_end = 'a'
+        _state_machine.userdata.component_id = 'X1'
+        _state_machine.userdata.terminal_id = '1'
+        _state_machine.userdata.error_code = None
+        _state_machine.userdata.error_message = None
+        _state_machine.userdata.locate_gearbox_component_attempts = 0
+
+        # Creation code of your own belongs between these tags.
+        # [MANUAL_CREATE]
+
+        # [/MANUAL_CREATE]
+
+        with _state_machine:
+            # x:30 y:40
+            OperatableStateMachine.add('LocateGearboxComponent_attempts',
+                                        CountAttemptsState(attempts=3),
+                                        transitions={'counted': 'LocateGearboxComponent', 'exhausted': 'failed'},
+                                        autonomy={'counted': Autonomy.Off, 'exhausted': Autonomy.Off},
+                                        remapping={'attempt': 'locate_gearbox_component_attempts'})
+
+            # x:980 y:40
+            OperatableStateMachine.add('FixCable',
+                                        FixCableState(timeout_s=20.0),
+                                        transitions={'fixed': 'finished', 'failed': 'ExtractCable', 'command_error': 'failed'},
+                                        autonomy={'fixed': Autonomy.Off, 'failed': Autonomy.Off, 'command_error': Autonomy.Off},
+                                        remapping={'cable_id': 'cable_id', 'component_id': 'component_id', 'terminal_id': 'terminal_id', 'error_code': 'error_code', 'error_message': 'error_message'})
+
+            # x:730 y:40
+            OperatableStateMachine.add('InsertCable',
+                                        InsertCableState(timeout_s=60.0),
+                                        transitions={'inserted': 'FixCable', 'failed': 'ExtractCable', 'command_error': 'failed'},
+                                        autonomy={'inserted': Autonomy.Off, 'failed': Autonomy.Off, 'command_error': Autonomy.Off},
+                                        remapping={'cable_id': 'cable_id', 'cable_end': 'cable_end', 'component_id': 'component_id', 'terminal_id': 'terminal_id', 'socket_pose': 'locate_gearbox_component_socket_pose', 'depth': 'insert_cable_depth', 'error_code': 'error_code', 'error_message': 'error_message'})
+
+            # x:380 y:40
+            OperatableStateMachine.add('LocateGearboxComponent',
+                                        LocateGearboxComponentState(timeout_s=30.0),
+                                        transitions={'located': 'InsertCable', 'failed': 'LocateGearboxComponent_attempts', 'command_error': 'failed'},
+                                        autonomy={'located': Autonomy.Off, 'failed': Autonomy.Off, 'command_error': Autonomy.Off},
+                                        remapping={'component_id': 'component_id', 'terminal_id': 'terminal_id', 'component_pose': 'locate_gearbox_component_component_pose', 'socket_pose': 'locate_gearbox_component_socket_pose', 'error_code': 'error_code', 'error_message': 'error_message'})
+
+            # x:980 y:140
+            OperatableStateMachine.add('ExtractCable',
+                                        ExtractCableState(timeout_s=30.0),
+                                        transitions={'extracted': 'LocateGearboxComponent_attempts', 'failed': 'failed', 'command_error': 'failed'},
+                                        autonomy={'extracted': Autonomy.Off, 'failed': Autonomy.Off, 'command_error': Autonomy.Off},
+                                        remapping={'cable_id': 'cable_id', 'component_id': 'component_id', 'terminal_id': 'terminal_id', 'socket_pose': 'locate_gearbox_component_socket_pose', 'error_code': 'error_code', 'error_message': 'error_message'})
+
+
+        return _state_machine
+
+
+    # Functions of your own belong between these tags.
+    # [MANUAL_FUNC]
+
+    # [/MANUAL_FUNC]
