@@ -1,11 +1,14 @@
 """The chart of a wire's task."""
 
+import math
 from pathlib import Path
+
+import pytest
 
 from flexbe_synthesizer.core.codec import parse_chart, write_chart
 from remodel_planner.core.panel_layout import PanelRules, lay_out
 from remodel_planner.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
-from remodel_planner.core.wire_chart import behavior_name, wire_chart
+from remodel_planner.core.wire_chart import BEYOND_M, behavior_name, wire_chart
 from remodel_planner.edge.catalogue_file import read_catalogue
 
 CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
@@ -35,14 +38,14 @@ def test_the_chart_carries_the_wire_in_its_inputs():
     defaults = {port.name: port.default for port in CHART.inputs}
     assert CHART.name == behavior_name("W1")
     assert defaults["cable_id"] == "W1"
-    assert (defaults["a_component"], defaults["a_terminal"]) == ("Q1", "B1")
-    assert (defaults["b_component"], defaults["b_terminal"]) == ("Q2", "T1")
+    ends = {(defaults[f"{end}_component"], defaults[f"{end}_terminal"]) for end in "ab"}
+    assert ends == {("Q1", "B1"), ("Q2", "T1")}
 
 
 def test_the_end_is_routed_along_the_channel_to_its_terminal():
     (route,) = [node for node in CHART.nodes if node.id == "Route b"]
     ((x, y, z, yaw),) = route.params[0].value
     assert x == LAYOUT.channels[0].x
-    assert y == LAYOUT.wires[0].b_mouth[1]
+    assert abs(y - LAYOUT.wires[0].second_y) == pytest.approx(BEYOND_M)
     assert z > 0
-    assert abs(yaw - LAYOUT.wires[0].b_insertion_yaw) < 1e-4
+    assert abs(math.sin(yaw)) == pytest.approx(1.0)

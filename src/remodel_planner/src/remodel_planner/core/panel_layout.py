@@ -27,29 +27,35 @@ from remodel_planner.errors import LayoutError
 
 @dataclass(frozen=True)
 class PanelRules:
-    """What the cell can reach and handle; lengths in [m]."""
+    """What the cell can reach and handle; lengths in [m].
+
+    The numbers are the middle of what remodel_sim allows (its README, layout rules).
+    """
 
     rows: int = 3
-    row_pitch: float = 0.19
+    row_pitch: float = 0.16
     width: float = 0.60
     component_depth: float = 0.05
     component_height: float = 0.042
-    terminal_pitch: float = 0.018
+    terminal_pitch: float = 0.016
     component_margin: float = 0.012
     component_gap: float = 0.006
     mouth_height: float = 0.022
     marker_size: float = 0.026
-    bore_clearance: float = 0.0010
-    bore_depth: float = 0.014
-    chamfer: float = 0.002
-    retention_force: float = 20.0  # [N] the smallest pull that IEC 60999-1 asks of 0.75 mm2
-    wire_slack: float = 0.16
-    shortest_wire: float = 0.30
+    bore_clearance: float = 0.0008
+    bore_beyond_ferrule: float = 0.002
+    chamfer: float = 0.0015
+    retention_force: float = 40.0  # [N]
+    # A wire is longer than the way along the channel by the first, never shorter than the second.
+    # Its loose end is in reach only up to `reach_y` along the channel.
+    wire_slack: float = 0.26
+    shortest_wire: float = 0.40
+    reach_y: float = 0.52
 
 
 @dataclass(frozen=True)
 class PlacedTerminal:
-    """A terminal in its component's frame: mouth [m] and direction of insertion [rad]."""
+    """A terminal in its component's frame: mouth [m], direction of insertion [rad], bore [m]."""
 
     name: str
     x: float
@@ -57,6 +63,7 @@ class PlacedTerminal:
     z: float
     insertion_yaw: float
     bore: float
+    depth: float
 
 
 @dataclass(frozen=True)
@@ -86,14 +93,26 @@ class PlacedChannel:
 
 @dataclass(frozen=True)
 class CutWire:
-    """A wire with its length [m], the channel it lies in, and the place of its end b."""
+    """A wire cut to length.
+
+    Attributes:
+        first: the terminal that its first end is placed in, the wire's `a` or `b`: the one from
+            which the loose end stays in reach.
+        second: the other.
+        length: [m] from tip to tip.
+        channel: in which it lies.
+        first_y: [m] of the first terminal's mouth, panel frame.
+        second_y: [m] of the second's.
+    """
 
     wire: Wire
     type: WireType
+    first: TerminalRef
+    second: TerminalRef
     length: float
     channel: str
-    b_mouth: tuple[float, float]
-    b_insertion_yaw: float
+    first_y: float
+    second_y: float
 
 
 @dataclass(frozen=True)
@@ -116,14 +135,14 @@ def lay_out(order: Order, catalogue: Catalogue, rules: PanelRules) -> PanelLayou
         CatalogueError: if a wire's section is not in the catalogue.
     """
     rows = _rows(order, rules)
-    diameters = {
-        end: catalogue.wire_type(wire.section_mm2).diameter_m
+    types = {
+        end: catalogue.wire_type(wire.section_mm2)
         for wire in order.wires
         for end in (wire.a, wire.b)
     }
     components = []
     for row, members in sorted(rows.items()):
-        components += _place_row(row, len(rows), members, diameters, len(components), rules)
+        components += _place_row(row, len(rows), members, types, len(components), rules)
     channels = tuple(
         PlacedChannel(
             chr(ord("A") + row),
@@ -197,7 +216,7 @@ def _place_row(
     row: int,
     count: int,
     members: list[Component],
-    diameters: dict[TerminalRef, float],
+    types: dict[TerminalRef, WireType],
     first_marker: int,
     rules: PanelRules,
 ) -> list[PlacedComponent]:
@@ -212,7 +231,7 @@ def _place_row(
     y = total / 2
     for offset, (component, width) in enumerate(zip(members, widths, strict=True)):
         terminals = tuple(
-            terminal for side in Side for terminal in _place_side(component, side, diameters, rules)
+            terminal for side in Side for terminal in _place_side(component, side, types, rules)
         )
         placed.append(
             PlacedComponent(
@@ -237,22 +256,26 @@ def _width(component: Component, rules: PanelRules) -> float:
 
 
 def _place_side(
-    component: Component, side: Side, diameters: dict[TerminalRef, float], rules: PanelRules
+    component: Component, side: Side, types: dict[TerminalRef, WireType], rules: PanelRules
 ) -> list[PlacedTerminal]:
     """Return the terminals of one side, from left (+y) to right as seen by the robot."""
     terminals = [terminal for terminal in component.terminals if terminal.side is side]
     sign = 1 if side is Side.TOP else -1
-    return [
-        PlacedTerminal(
-            terminal.name,
-            sign * rules.component_depth / 2,
-            ((len(terminals) - 1) / 2 - index) * rules.terminal_pitch,
-            rules.mouth_height,
-            math.pi if side is Side.TOP else 0.0,
-            round(diameters[TerminalRef(component.name, terminal.name)] + rules.bore_clearance, 6),
+    placed = []
+    for index, terminal in enumerate(terminals):
+        wire_type = types[TerminalRef(component.name, terminal.name)]
+        placed.append(
+            PlacedTerminal(
+                terminal.name,
+                sign * rules.component_depth / 2,
+                ((len(terminals) - 1) / 2 - index) * rules.terminal_pitch,
+                rules.mouth_height,
+                math.pi if side is Side.TOP else 0.0,
+                round(wire_type.diameter_m + rules.bore_clearance, 6),
+                round(wire_type.ferrule_m + rules.bore_beyond_ferrule, 6),
+            )
         )
-        for index, terminal in enumerate(terminals)
-    ]
+    return placed
 
 
 def _cut(
@@ -262,25 +285,33 @@ def _cut(
     catalogue: Catalogue,
     rules: PanelRules,
 ) -> CutWire:
-    (ax, ay, _), (bx, by, b_yaw) = (_mouth(end, components) for end in (wire.a, wire.b))
+    (ax, ay), (bx, by) = (_mouth(end, components) for end in (wire.a, wire.b))
     channel = min(channels, key=lambda channel: abs(channel.x - ax) + abs(channel.x - bx))
-    straight = abs(ay - by) + abs(channel.x - ax) + abs(channel.x - bx)
-    length = max(rules.shortest_wire, straight + rules.wire_slack)
-    return CutWire(
-        wire,
-        catalogue.wire_type(wire.section_mm2),
-        math.ceil(length * 100) / 100,
-        channel.name,
-        (bx, by),
-        b_yaw,
+    length = max(rules.shortest_wire, abs(ay - by) + rules.wire_slack)
+    length = math.ceil(length * 100) / 100
+    ends = ((wire.a, ay), (wire.b, by))
+    (first, first_y), (second, second_y) = min(
+        (ends, ends[::-1]), key=lambda pair: _loose_end(pair[0][1], pair[1][1], length)
     )
+    if _loose_end(first_y, second_y, length) > rules.reach_y:
+        raise LayoutError(
+            f"wire {wire.name} ({wire.a} to {wire.b}): with one end placed, its {length:.2f} m "
+            f"reach beyond {rules.reach_y:.2f} m from the panel's middle: choose fewer wires"
+        )
+    wire_type = catalogue.wire_type(wire.section_mm2)
+    return CutWire(wire, wire_type, first, second, length, channel.name, first_y, second_y)
 
 
-def _mouth(end: TerminalRef, components: list[PlacedComponent]) -> tuple[float, float, float]:
-    """Return the mouth's x, y [m] and direction of insertion [rad] in the panel frame."""
+def _loose_end(first_y: float, second_y: float, length: float) -> float:
+    """Return how far from the middle [m] a wire's loose end lies once the first end is placed."""
+    return length + first_y * (1 if second_y >= first_y else -1)
+
+
+def _mouth(end: TerminalRef, components: list[PlacedComponent]) -> tuple[float, float]:
+    """Return the mouth's x, y [m] in the panel frame."""
     for placed in components:
         if placed.component.name == end.component:
             for terminal in placed.terminals:
                 if terminal.name == end.terminal:
-                    return placed.x + terminal.x, placed.y + terminal.y, terminal.insertion_yaw
+                    return placed.x + terminal.x, placed.y + terminal.y
     raise LayoutError(f"the order has a wire to {end}, and no such terminal")

@@ -8,6 +8,8 @@ Each step that looks or grasps is tried a few times; Place Connector has its own
 
 from __future__ import annotations
 
+import math
+
 from flexbe_synthesizer.core.model import (
     Behavior,
     Chart,
@@ -24,9 +26,12 @@ from remodel_planner.core.panel_layout import CutWire, PanelLayout
 
 CONNECT = "Place Connector"
 
-# [m] height of the tool centre over the plate while end b is carried: above the components' labels
-# by more than the hand's clearance, low enough for short wires.
-CARRY_HEIGHT_M = 0.09
+# [m] height of the tool centre over the plate while end b is carried: clear of wires lying there,
+# and low enough for the wire to stay in its channel.
+CARRY_HEIGHT_M = 0.040
+
+# [m] by which the tool goes past b's terminal, so that the wire comes back to it in a bend.
+BEYOND_M = 0.030
 
 _LOOK_ATTEMPTS, _PICK_ATTEMPTS = 3, 3
 
@@ -45,11 +50,11 @@ def wire_chart(cut: CutWire, layout: PanelLayout) -> Chart:
     inputs = (
         Input("cable_id", "string", wire.name),
         Input("a_end", "string", "a"),
-        Input("a_component", "string", wire.a.component),
-        Input("a_terminal", "string", wire.a.terminal),
+        Input("a_component", "string", cut.first.component),
+        Input("a_terminal", "string", cut.first.terminal),
         Input("b_end", "string", "b"),
-        Input("b_component", "string", wire.b.component),
-        Input("b_terminal", "string", wire.b.terminal),
+        Input("b_component", "string", cut.second.component),
+        Input("b_terminal", "string", cut.second.terminal),
     )
     nodes = (
         _retried("Find wire", "DetectCableState", "detected", "Connect a", _LOOK_ATTEMPTS),
@@ -79,7 +84,7 @@ def wire_chart(cut: CutWire, layout: PanelLayout) -> Chart:
         ),
         description=(
             f"Places wire {wire.name}, {wire.colour} {wire.section_mm2:g} mm2, {cut.length:.2f} m, "
-            f"from {wire.a} to {wire.b}."
+            f"from {cut.first} to {cut.second}."
         ),
     )
 
@@ -125,7 +130,8 @@ def _transitions(**targets: str) -> tuple[Transition, ...]:
 
 
 def _path(cut: CutWire, layout: PanelLayout) -> tuple[tuple[float, ...], ...]:
-    """Return tool poses [x, y, z, yaw] in the panel frame: up the channel to b's terminal."""
+    """Return tool poses [x, y, z, yaw] in the panel frame: along the channel, past b's terminal."""
     channel = next(channel for channel in layout.channels if channel.name == cut.channel)
-    _, y = cut.b_mouth
-    return ((round(channel.x, 4), round(y, 4), CARRY_HEIGHT_M, round(cut.b_insertion_yaw, 4)),)
+    onwards = 1 if cut.second_y >= cut.first_y else -1
+    y = cut.second_y + onwards * BEYOND_M
+    return ((round(channel.x, 4), round(y, 4), CARRY_HEIGHT_M, round(onwards * math.pi / 2, 4)),)

@@ -46,7 +46,7 @@ def _terminal(terminal: PlacedTerminal, rules: PanelRules) -> Terminal:
         mouth=Point(terminal.x, terminal.y, terminal.z),
         insertion_yaw=terminal.insertion_yaw,
         bore=terminal.bore,
-        depth=rules.bore_depth,
+        depth=terminal.depth,
         chamfer=rules.chamfer,
         retention_force=rules.retention_force,
     )
@@ -65,10 +65,10 @@ def _channel(channel: PlacedChannel) -> Channel:
 def _wire(cut: CutWire) -> Wire:
     return Wire(
         id=cut.wire.name,
-        a_component=cut.wire.a.component,
-        a_terminal=cut.wire.a.terminal,
-        b_component=cut.wire.b.component,
-        b_terminal=cut.wire.b.terminal,
+        a_component=cut.first.component,
+        a_terminal=cut.first.terminal,
+        b_component=cut.second.component,
+        b_terminal=cut.second.terminal,
         colour=cut.wire.colour,
         section=cut.wire.section_mm2,
         diameter=cut.type.diameter_m,
