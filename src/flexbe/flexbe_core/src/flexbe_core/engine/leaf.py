@@ -106,6 +106,8 @@ class Leaf(Node):
     def exit(self) -> None:
         """End the visit; an error in on_exit is told, and stops nothing."""
         self.skipped = False
+        if self.definition._is_controlled:
+            self.engine.record = self.engine.record.after_visit()
         if self.entered:
             try:
                 self._leave()

@@ -58,7 +58,7 @@ def left(leaf: Leaf, outcome: str) -> None:
     outcomes = leaf.definition._outcomes
     if outcome in outcomes:
         engine.facts.append(Left(leaf.path, outcome, outcomes.index(outcome)))
-    engine.record = engine.record.after_transition()
+    engine.record = engine.record.after_visit()
 
 
 def _obey_commands(leaf: Leaf) -> None:

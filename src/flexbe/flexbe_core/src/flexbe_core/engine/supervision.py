@@ -40,8 +40,8 @@ class Supervision:
     stored: str | None = None
     requested: str | None = None
 
-    def after_transition(self) -> Supervision:
-        """Return the record without what concerned only the state that was left."""
+    def after_visit(self) -> Supervision:
+        """Return the record without what concerned only the visit that has ended."""
         if self.forced is self.stored is self.requested is None and not self.repeat:
             return self
         return replace(self, forced=None, repeat=False, stored=None, requested=None)
