@@ -10,6 +10,7 @@ from flexbe_core.core import (
     PriorityContainer,
 )
 from flexbe_core.logger import Logger
+from flexbe_core.ros.waiting import wake_at
 
 __all__ = [
     "Autonomy",
@@ -20,4 +21,5 @@ __all__ = [
     "Logger",
     "OperatableStateMachine",
     "PriorityContainer",
+    "wake_at",
 ]

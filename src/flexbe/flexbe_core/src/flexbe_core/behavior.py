@@ -10,6 +10,7 @@ import yaml
 from flexbe_core.core.operatable_state_machine import OperatableStateMachine
 from flexbe_core.core.state import State
 from flexbe_core.engine.commands import Preempt
+from flexbe_core.engine.engine import ErrorPolicy
 from flexbe_core.engine.supervision import DEFAULT_AUTONOMY
 from flexbe_core.logger import Logger
 from flexbe_core.ros.session import own_session
@@ -31,6 +32,7 @@ class Behavior:
         self._behaviors: dict[str, Behavior] = {}
         self._autonomy_level = DEFAULT_AUTONOMY
         self._debug = False
+        self._on_error = ErrorPolicy.AUTO
 
     def create(self) -> OperatableStateMachine:
         """Build and return the root container; parameters have their final values."""
@@ -75,22 +77,31 @@ class Behavior:
             container.userdata(remove_key=key)
         return container
 
-    def set_up(self, id: int, autonomy_level: int, debug: bool) -> None:
+    def set_up(
+        self,
+        id: int,
+        autonomy_level: int,
+        debug: bool,
+        on_error: ErrorPolicy = ErrorPolicy.AUTO,
+    ) -> None:
         """Take over what the start request says.
 
         Args:
             id: checksum of the source.
             autonomy_level: 255 to run without supervision.
             debug: kept, unused.
+            on_error: what happens when a state raises.
         """
         self.id = id
         self._autonomy_level = autonomy_level
         self._debug = debug
+        self._on_error = on_error
 
     def prepare_for_execution(self, input_data: Mapping[str, Any] | None = None) -> None:
         """Build the behavior and put in its inputs; keys that it does not have cost a warning."""
         self._state_machine = self.create()
         self._state_machine.autonomy_level = self._autonomy_level
+        own_session(self._state_machine).engine.policy = self._on_error
         known = {*self._state_machine._input_keys, *self._state_machine.userdata._data}
         for key, value in (input_data or {}).items():
             if key in known:
@@ -146,6 +157,10 @@ class Behavior:
         """Stop as soon as possible; may be called from any thread."""
         if self._state_machine is not None:
             own_session(self._state_machine).post(Preempt())
+
+    def get_userdata(self) -> dict[str, dict[str, Any]]:
+        """Return the runtime userdata of all containers reached so far, by their paths."""
+        return own_session(self._state_machine).userdata() if self._state_machine else {}
 
     def get_current_state(self) -> State | None:
         """Return the active state, None if there is none."""

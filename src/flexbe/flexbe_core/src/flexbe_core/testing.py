@@ -1,13 +1,46 @@
-"""States for tests: they do what a script says and remember what was called."""
+"""For tests without ROS: scripted states, and a way to run a single state."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from flexbe_core.core.event_state import EventState
+from flexbe_core.core.operatable_state_machine import OperatableStateMachine
+from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.engine.user_data import UserData
 
 Log = list[tuple[str, str]]
+
+
+def run_state(
+    state: EventState, inputs: Mapping[str, Any] | None = None, executions: int = 10
+) -> tuple[str | None, dict[str, Any]]:
+    """Run one state, as a behavior would.
+
+    Args:
+        state: the state.
+        inputs: its userdata.
+        executions: give up after this many.
+
+    Returns:
+        its outcome, None if there is none by then, and the userdata afterwards.
+
+    Raises:
+        BehaviorFailure: if it raises, or returns an outcome that it does not have.
+    """
+    machine = OperatableStateMachine(outcomes=[f"{name} of it" for name in state.outcomes])
+    for key, value in (inputs or {}).items():
+        machine.userdata[key] = value
+    transitions = {name: f"{name} of it" for name in state.outcomes}
+    with machine:
+        OperatableStateMachine.add("state", state, transitions)
+    engine = Engine(machine, ErrorPolicy.FAIL)
+    for now in range(executions):
+        outcome = engine.run(float(now))
+        if outcome is not None:
+            return outcome.removesuffix(" of it"), dict(engine.root.userdata._data)
+    return None, dict(engine.root.userdata._data)
 
 
 class ScriptedState(EventState):

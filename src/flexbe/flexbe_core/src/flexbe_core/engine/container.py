@@ -101,7 +101,6 @@ class Container(Node):
         if isinstance(error, BehaviorFailure):
             raise error
         if not self.engine.holds_errors():
-            self.engine.facts.append(Raised(node.path, error, held=False))
             raise BehaviorFailure(node.path, error) from error
         if not type(self.definition).__holds_errors__:
             raise error

@@ -57,6 +57,7 @@ class Engine:
         priority: path of the priority container, or paused state, that runs alone; None if none.
         commands: what the operator asked of the active supervised state, not yet obeyed.
         records: which class of records runs which kind of definition.
+        policy: what happens when a state raises.
         facts: what happened since the last take_facts, but for the entries of states.
         entries: paths of the states entered since then; when it is full, older ones are forgotten.
         moved: whether a transition was taken since somebody set it to False.
@@ -83,7 +84,7 @@ class Engine:
         self.executing: Leaf | None = None
         self.slow = False
         self.sync_pending = False
-        self._policy = policy
+        self.policy = policy
         self._sync_asked = False
         self._pause_claim: tuple[str | None] | None = None
         self.root: Node = self.records[type(root).__kind__](self, root, None, "")
@@ -163,9 +164,9 @@ class Engine:
 
     def holds_errors(self) -> bool:
         """Return whether a state that raises stays active."""
-        if self._policy is ErrorPolicy.AUTO:
+        if self.policy is ErrorPolicy.AUTO:
             return self.record.autonomy_level != UNSUPERVISED
-        return self._policy is ErrorPolicy.HOLD
+        return self.policy is ErrorPolicy.HOLD
 
     def shadows(self, path: str) -> bool:
         """Return whether this child of a concurrency container waits for a priority container."""

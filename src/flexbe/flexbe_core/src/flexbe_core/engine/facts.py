@@ -56,12 +56,12 @@ class Refused:
 
 @dataclass(frozen=True, slots=True)
 class Raised:
-    """A state or container could not go on.
+    """A state or container raised, and the run goes on.
 
     Attributes:
         path: its path.
         error: what was raised.
-        held: whether it stays active for the operator; otherwise the run ends.
+        held: whether it stays active for the operator; otherwise its visit ended with the error.
     """
 
     path: str

@@ -6,14 +6,17 @@ time for one that is not set. So the cache is read here once it is subscribed.
 
 from __future__ import annotations
 
+import functools
+
 import rospy
 from rospy.impl.paramserver import get_param_server_cache
 
 from flexbe_core.ros.topics import BREAKPOINTS_PARAMETER
 
 
+@functools.cache
 def subscribe() -> None:
-    """Have the master tell this node about changes; a call to the master."""
+    """Have the master tell this node about changes; the first call is one to the master."""
     rospy.get_param_cached(BREAKPOINTS_PARAMETER, [])
 
 

@@ -38,6 +38,11 @@ from flexbe_core.ros import topics
 _SAME_ERROR_S = 10.0
 
 
+def advertise() -> None:
+    """Advertise what runs publish."""
+    ProxyPublisher(topics.PUBLISHED)
+
+
 class Reporter:
     """Turns facts into messages and log lines."""
 
@@ -46,8 +51,7 @@ class Reporter:
         self._root = root
         self._publisher = ProxyPublisher()
         self._logged: dict[str, tuple[str, float]] = {}
-        for topic, message_type in topics.PUBLISHED.items():
-            self._publisher.createPublisher(topic, message_type)
+        advertise()
 
     def report(self, facts: Sequence[Fact]) -> None:
         """Publish facts in their order."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import queue
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import rospy
 
@@ -17,10 +17,11 @@ from flexbe_core.engine.container import Container
 from flexbe_core.engine.definition import Kind
 from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.engine.node import Node
+from flexbe_core.logger import Logger
 from flexbe_core.ros import breakpoints, clock
 from flexbe_core.ros.command_hub import HUB
 from flexbe_core.ros.driver import Driver, Inbox
-from flexbe_core.ros.reporter import Reporter
+from flexbe_core.ros.reporter import Reporter, advertise
 
 if TYPE_CHECKING:
     from flexbe_core.core.state import State
@@ -111,6 +112,17 @@ class Session:
         """Return whether the operator has locked the state or container at this path."""
         return path in self.engine.record.locks
 
+    def userdata(self) -> dict[str, dict[str, Any]]:
+        """Return the runtime userdata of all containers reached so far, by their paths."""
+        found: dict[str, dict[str, Any]] = {}
+        reached: list[Node] = [self.engine.root]
+        while reached:
+            node = reached.pop(0)
+            if isinstance(node, Container):
+                found[node.path] = dict(node.userdata._data)
+                reached += list(node.children.values())
+        return found
+
     def publish_structure(self) -> None:
         """Tell mirrors what the definition is made of."""
         self._reporter.structure()
@@ -131,6 +143,14 @@ class Session:
         points = breakpoints.current() if self._root._is_controlled else record.breakpoints
         if (level, points) != (record.autonomy_level, record.breakpoints):
             self.engine.record = replace(record, autonomy_level=level, breakpoints=points)
+
+
+def connect() -> None:
+    """Make all connections that runs need; calls to the master, so better done before the first."""
+    advertise()
+    Logger.initialize()
+    HUB.subscribe()
+    breakpoints.subscribe()
 
 
 def own_session(definition: State) -> Session:
