@@ -26,7 +26,7 @@ class SimulatedAlarm:
         """Call `ring`, from the thread that receives /clock."""
         self._ring = ring
         self._at = float("inf")
-        self._last = 0.0
+        self._last = now()
         self._subscriber = rospy.Subscriber("/clock", Clock, self._on_clock, queue_size=1)
 
     def set(self, at: float) -> None:

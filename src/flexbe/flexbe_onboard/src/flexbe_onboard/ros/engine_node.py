@@ -120,7 +120,8 @@ class EngineNode:
             Logger.local(traceback.format_exc(), Logger.REPORT_DEBUG)
         except BehaviorFailure as failure:
             Logger.logerr("behavior failed at %s", failure)
-            Logger.local(traceback.format_exc(), Logger.REPORT_ERROR)
+            trace = "".join(traceback.format_exception(failure.cause))
+            Logger.local(trace, Logger.REPORT_ERROR)
         except (Exception, SystemExit) as error:  # noqa: BLE001 - users' code; the engine lives on
             Logger.logerr("behavior failed: %s: %s", type(error).__name__, error)
             Logger.local(traceback.format_exc(), Logger.REPORT_ERROR)
@@ -161,8 +162,11 @@ class EngineNode:
     def _build(self, behavior_class: type[Behavior], request: BehaviorSelection) -> Behavior:
         behavior = behavior_class()
         for key, value in zip(request.arg_keys, request.arg_values, strict=False):
-            if key and not behavior.set_parameter(key, value):
-                Logger.logwarn("behavior %s has no parameter %r", behavior.name, key)
+            try:
+                if key and not behavior.set_parameter(key, value):
+                    Logger.logwarn("behavior %s has no parameter %r", behavior.name, key)
+            except ValueError as error:
+                raise StartError(str(error)) from error
         behavior.set_up(
             request.behavior_checksum, request.autonomy_level, False, self._options.on_error
         )

@@ -56,7 +56,7 @@ def read_command_line(words: Sequence[str]) -> CommandLine:
     return CommandLine(
         behavior=options.behavior,
         autonomy_level=options.autonomy,
-        parameters=tuple(_pair(word, ":=", parser) for word in options.parameters),
+        parameters=tuple(_parameter(word, parser) for word in options.parameters),
         inputs=tuple(_pair(word, "=", parser) for word in options.input),
         wait_s=options.wait,
     )
@@ -101,6 +101,12 @@ def _parser() -> argparse.ArgumentParser:
 def _is_for_ros(word: str) -> bool:
     """Return whether a word names the node, its log or its namespace, as roslaunch adds."""
     return word.startswith("__") and ":=" in word
+
+
+def _parameter(word: str, parser: argparse.ArgumentParser) -> tuple[str, str]:
+    """Return key and value; a key without a path means all behaviors that have it."""
+    key, value = _pair(word, ":=", parser)
+    return key if key.startswith("/") else f"/{key}", value
 
 
 def _pair(word: str, separator: str, parser: argparse.ArgumentParser) -> tuple[str, str]:
