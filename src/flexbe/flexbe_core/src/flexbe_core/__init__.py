@@ -1,0 +1,25 @@
+"""FlexBE's Python API: what behaviors and states import."""
+
+from flexbe_core.autonomy import Autonomy
+from flexbe_core.behavior import Behavior
+from flexbe_core.behavior_library import BehaviorLibrary
+from flexbe_core.core import (
+    ConcurrencyContainer,
+    EventState,
+    OperatableStateMachine,
+    PriorityContainer,
+)
+from flexbe_core.logger import Logger
+from flexbe_core.ros.waiting import wake_at
+
+__all__ = [
+    "Autonomy",
+    "Behavior",
+    "BehaviorLibrary",
+    "ConcurrencyContainer",
+    "EventState",
+    "Logger",
+    "OperatableStateMachine",
+    "PriorityContainer",
+    "wake_at",
+]

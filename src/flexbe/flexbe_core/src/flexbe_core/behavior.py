@@ -1,0 +1,210 @@
+"""A behavior, as users define it: a root container and the parameters it is built from."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import Any
+
+import yaml
+
+from flexbe_core.core.operatable_state_machine import OperatableStateMachine
+from flexbe_core.core.state import State
+from flexbe_core.engine.commands import Preempt
+from flexbe_core.engine.engine import ErrorPolicy
+from flexbe_core.engine.supervision import DEFAULT_AUTONOMY
+from flexbe_core.logger import Logger
+from flexbe_core.ros.session import own_session
+
+# Attributes of every behavior that are not parameters.
+_NO_PARAMETERS = frozenset({"name", "id", "contains", "requested_state_path"})
+
+
+class Behavior:
+    """The base of all behaviors; override `create`."""
+
+    def __init__(self) -> None:
+        """Begin without parameters and contained behaviors."""
+        self.name = "unnamed behavior"
+        self.id = 0
+        self.contains: dict[str, Behavior] = {}
+        self.requested_state_path: str | None = None
+        self._state_machine: OperatableStateMachine | None = None
+        self._behaviors: dict[str, Behavior] = {}
+        self._autonomy_level = DEFAULT_AUTONOMY
+        self._debug = False
+        self._on_error = ErrorPolicy.AUTO
+
+    def create(self) -> OperatableStateMachine:
+        """Build and return the root container; parameters have their final values."""
+        raise NotImplementedError(f"behavior {self.name!r} does not define create()")
+
+    def add_parameter(self, name: str, default: Any) -> None:  # noqa: ANN401
+        """Declare a parameter; its value is an attribute."""
+        setattr(self, name, default)
+
+    def add_behavior(self, behavior_class: type[Behavior], behavior_id: str) -> None:
+        """Declare a contained behavior; its id is its path without the leading slash."""
+        self.contains[behavior_id] = behavior_class()
+
+    def use_behavior(
+        self,
+        behavior_class: type[Behavior],
+        behavior_id: str,
+        default_keys: Collection[str] | None = None,
+        parameters: Mapping[str, Any] | None = None,
+    ) -> OperatableStateMachine | None:
+        """Build a contained behavior and return its container, to be added.
+
+        Args:
+            behavior_class: its class, for readers of the code.
+            behavior_id: the id under which it was declared.
+            default_keys: input keys for which it uses its own default values.
+            parameters: values that win over those set at the start.
+        """
+        behavior = self.contains.get(behavior_id)
+        if behavior is None:
+            declared = ", ".join(self.contains) or "none"
+            Logger.logerr(
+                "behavior %s uses %r without add_behavior; declared: %s",
+                *(self.name, behavior_id, declared),
+            )
+            return None
+        for name, value in (parameters or {}).items():
+            setattr(behavior, name, value)
+        container = behavior._get_state_machine()
+        container._input_keys = [k for k in container._input_keys if k not in (default_keys or ())]
+        for key in container._input_keys:
+            container.userdata(remove_key=key)
+        return container
+
+    def set_up(
+        self,
+        id: int,
+        autonomy_level: int,
+        debug: bool,
+        on_error: ErrorPolicy = ErrorPolicy.AUTO,
+    ) -> None:
+        """Take over what the start request says.
+
+        Args:
+            id: checksum of the source.
+            autonomy_level: 255 to run without supervision.
+            debug: kept, unused.
+            on_error: what happens when a state raises.
+        """
+        self.id = id
+        self._autonomy_level = autonomy_level
+        self._debug = debug
+        self._on_error = on_error
+
+    def prepare_for_execution(self, input_data: Mapping[str, Any] | None = None) -> None:
+        """Build the behavior and put in its inputs; keys that it does not have cost a warning."""
+        self._state_machine = self.create()
+        self._state_machine.autonomy_level = self._autonomy_level
+        own_session(self._state_machine).engine.policy = self._on_error
+        known = {*self._state_machine._input_keys, *self._state_machine.userdata._data}
+        for key, value in (input_data or {}).items():
+            if key in known:
+                self._state_machine.userdata[key] = value
+            else:
+                Logger.logwarn(
+                    "behavior %s has no input %r; it has: %s",
+                    *(self.name, key, ", ".join(sorted(known)) or "none"),
+                )
+
+    def set_parameter(self, name: str, value: Any) -> bool:  # noqa: ANN401
+        """Set a parameter here and in contained behaviors.
+
+        Args:
+            name: `key` or `/key` sets it in all behaviors, `/path/key` in those at or below path.
+            value: what to set; text is converted to the type of the parameter's present value.
+
+        Returns:
+            whether any behavior has the parameter.
+
+        Raises:
+            ValueError: if the value cannot be converted.
+        """
+        path, _, key = name.rpartition("/")
+        found = False
+        for at, behavior in {"": self, **self.get_contained_behaviors()}.items():
+            is_meant = at == path or at.startswith(f"{path}/") or not path
+            if is_meant and behavior._has_parameter(key):
+                found = True
+                setattr(behavior, key, _converted(value, getattr(behavior, key), name))
+        return found
+
+    def confirm(self) -> None:
+        """Begin: listen to operators and start all states."""
+        self._state_machine.confirm(self.name, self.id)
+
+    def execute(self) -> str:
+        """Run to the end and stop all states.
+
+        Returns:
+            the outcome.
+
+        Raises:
+            BehaviorFailure: if a state could not go on and nobody supervises.
+            Exception: what an on_stop raised.
+        """
+        try:
+            return self._state_machine.spin()
+        finally:
+            self._state_machine.destroy()
+
+    def preempt(self) -> None:
+        """Stop as soon as possible; may be called from any thread."""
+        if self._state_machine is not None:
+            own_session(self._state_machine).post(Preempt())
+
+    def get_userdata(self) -> dict[str, dict[str, Any]]:
+        """Return the runtime userdata of all containers reached so far, by their paths."""
+        return own_session(self._state_machine).userdata() if self._state_machine else {}
+
+    def get_current_state(self) -> State | None:
+        """Return the active state, None if there is none."""
+        return self._state_machine.get_deep_state() if self._state_machine else None
+
+    def get_locked_state(self) -> State | None:
+        """Return the active state, or else the innermost container around it, that is locked."""
+        return self._state_machine.get_locked_state() if self._state_machine else None
+
+    def get_contained_behaviors(self) -> dict[str, Behavior]:
+        """Return all contained behaviors, however deep, by their paths."""
+        found = {}
+        for behavior_id, behavior in self.contains.items():
+            found[f"/{behavior_id}"] = behavior
+            for path, inner in behavior.get_contained_behaviors().items():
+                found[f"/{behavior_id}{path}"] = inner
+        return found
+
+    def _get_state_machine(self) -> OperatableStateMachine:
+        if self._state_machine is None:
+            self._state_machine = self.create()
+        return self._state_machine
+
+    def _has_parameter(self, key: str) -> bool:
+        return key in vars(self) and not key.startswith("_") and key not in _NO_PARAMETERS
+
+
+def _converted(value: Any, present: Any, name: str) -> Any:  # noqa: ANN401
+    """Return the value in the type of the present value, if that is a number, boolean or dict."""
+    kind = type(present)
+    if isinstance(value, kind) or kind not in (bool, int, float, dict):
+        return value
+    try:
+        if kind is bool:
+            return str(value).strip().lower() not in ("0", "false")
+        if kind is not dict:
+            return kind(value)
+        loaded = yaml.safe_load(value)
+        if isinstance(loaded, dict):
+            return loaded
+    except (ValueError, TypeError, yaml.YAMLError) as error:
+        raise ValueError(_misfit(name, value, kind)) from error
+    raise ValueError(_misfit(name, value, kind))
+
+
+def _misfit(name: str, value: Any, kind: type) -> str:  # noqa: ANN401
+    return f"parameter {name!r} takes a value of type {kind.__name__}, found {value!r}"

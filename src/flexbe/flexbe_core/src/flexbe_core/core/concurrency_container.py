@@ -1,0 +1,35 @@
+"""A container whose states run at the same time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+from flexbe_core.core.operatable_state_machine import OperatableStateMachine
+from flexbe_core.core.state import State
+from flexbe_core.engine.definition import Condition, Kind
+
+
+class ConcurrencyContainer(OperatableStateMachine):
+    """A container whose states run at the same time, each at its rate.
+
+    The first condition whose outcomes have all come ends it. Only its first state is supervised.
+    """
+
+    __kind__: ClassVar[Kind] = Kind.CONCURRENCY
+
+    def __init__(
+        self, conditions: Sequence[Condition] = (), *args: object, **kwargs: object
+    ) -> None:
+        """Declare the conditions; for the rest see State.
+
+        Args:
+            conditions: outcome, and the (label, outcome) pairs that bring it about.
+            args: ignored.
+            kwargs: outcomes and userdata keys.
+        """
+        super().__init__(*args, **kwargs)
+        self._conditions = conditions
+
+    def _supervised_children(self) -> list[State]:
+        return self._states[:1]

@@ -1,0 +1,138 @@
+"""The state machine that behaviors are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from flexbe_core.core.preemptable_state_machine import PreemptableStateMachine
+from flexbe_core.core.state import State
+from flexbe_core.core.state_machine import StateMachine
+from flexbe_core.engine.definition import Kind
+from flexbe_core.engine.errors import StateMachineError
+from flexbe_core.engine.structure import definitions_below
+from flexbe_core.engine.supervision import DEFAULT_AUTONOMY, PREEMPTED, UNSUPERVISED
+from flexbe_core.engine.user_data import UserData
+from flexbe_core.ros.session import own_session, run_session
+
+
+class OperatableStateMachine(PreemptableStateMachine):
+    """A state machine whose transitions may need an operator's consent.
+
+    Attributes:
+        autonomy_level: transitions that need this level or more ask; 255 if nobody supervises. Of
+            the class: the default. Of an instance that is a root: its own.
+        id: checksum of the behavior's source, for a root.
+    """
+
+    __holds_errors__ = True
+
+    autonomy_level: int = DEFAULT_AUTONOMY
+    id: int | None = None
+
+    @staticmethod
+    def add(  # type: ignore[override]
+        label: str,
+        state: State,
+        transitions: Mapping[str, str],
+        autonomy: Mapping[str, int] | None = None,
+        remapping: Mapping[str, str] | None = None,
+    ) -> None:
+        """Add a state to the open container.
+
+        Args:
+            label: its name there.
+            state: the state or container.
+            transitions: outcome -> label, or outcome of the open container.
+            autonomy: outcome -> level that the transition needs; what is missing needs none, and
+                without the whole map all need Off.
+            remapping: userdata key of the state -> key of the open container.
+
+        Raises:
+            StateMachineError: if no container is open or the label cannot be used.
+            StateError: if the state is in a container already.
+        """
+        container = StateMachine.get_opened_container()
+        if container is None:
+            raise StateMachineError(
+                f"cannot add {label!r}: no container is open; add states inside `with container:`"
+            )
+        container._add(
+            label,
+            state,
+            {**transitions, PREEMPTED: PREEMPTED},
+            dict.fromkeys(transitions, 0) if autonomy is None else dict(autonomy),
+            dict(remapping or {}),
+        )
+
+    @property
+    def _last_exception(self) -> Exception | None:
+        """What a child raised in the last execution."""
+        record = run_session(self).container(self.path)
+        return None if record is None else record.last_exception
+
+    @property
+    def _inner_sync_request(self) -> bool:
+        """Whether mirrors are to be told where the run is; setting it asks for that."""
+        return run_session(self).engine.sync_pending
+
+    @_inner_sync_request.setter
+    def _inner_sync_request(self, value: bool) -> None:
+        run_session(self).engine.sync_pending = value
+
+    def is_transition_allowed(self, label: str, outcome: str | None) -> bool:
+        """Return whether an outcome of a child may be taken without asking."""
+        if outcome is None:
+            return True
+        return self._autonomy[label].get(outcome, -1) < self._root().autonomy_level
+
+    def get_required_autonomy(self, outcome: str) -> int:
+        """Return the level that an outcome of the active child needs."""
+        return self._autonomy[self.current_state_label][outcome]
+
+    def confirm(self, name: str, id: int) -> None:
+        """Begin as the root of a behavior: listen to operators, and start all states.
+
+        Args:
+            name: the behavior's name.
+            id: checksum of the behavior's source.
+        """
+        self._name = name
+        self.id = id
+        own_session(self).listen()
+        if self.autonomy_level != UNSUPERVISED:
+            self._enable_ros_control()
+        try:
+            for state in self._all_states():
+                state.on_start()
+        except Exception:
+            self.destroy()
+            raise
+
+    def destroy(self) -> None:
+        """End as the root of a behavior: stop all states, and listen no more.
+
+        Raises:
+            Exception: the first that an on_stop raised, after all have been called.
+        """
+        own_session(self).ignore()
+        errors = []
+        for state in self._all_states():
+            try:
+                state.on_stop()
+            except Exception as error:  # noqa: BLE001 - the other states must be stopped too
+                errors.append(error)
+        self._disable_ros_control()
+        if errors:
+            raise errors[0]
+
+    def on_exit(self, userdata: UserData | None = None) -> None:
+        """End the visits of everything that is active in the container."""
+        record = run_session(self).container(self.path)
+        if record is not None:
+            record.exit()
+
+    def _all_states(self) -> list[State]:
+        return [state for state in definitions_below(self) if type(state).__kind__ is Kind.STATE]
+
+    def _root(self) -> OperatableStateMachine:
+        return self if self._parent is None else self._parent._root()

@@ -1,0 +1,75 @@
+"""What an operator may ask of a running behavior, as values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Preempt:
+    """Stop the behavior."""
+
+
+@dataclass(frozen=True, slots=True)
+class SetAutonomy:
+    """Let transitions that need less than `level` pass without asking."""
+
+    level: int
+
+
+@dataclass(frozen=True, slots=True)
+class Attach:
+    """Supervise the behavior from now on, at `level`."""
+
+    level: int
+
+
+@dataclass(frozen=True, slots=True)
+class Sync:
+    """Tell a mirror where the behavior is."""
+
+
+@dataclass(frozen=True, slots=True)
+class ShowStructure:
+    """Tell a mirror what the behavior is made of, and let operators supervise it from now on."""
+
+
+@dataclass(frozen=True, slots=True)
+class ForceOutcome:
+    """Take the outcome with this index in the active state, if `target` is its name."""
+
+    target: str
+    index: int
+
+
+@dataclass(frozen=True, slots=True)
+class Lock:
+    """Do not leave the state or container at `path`; empty is the active state."""
+
+    path: str
+
+
+@dataclass(frozen=True, slots=True)
+class Unlock:
+    """End a lock; empty is the active state."""
+
+    path: str
+
+
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """Execute nothing until resumed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Resume:
+    """Go on after a pause."""
+
+
+@dataclass(frozen=True, slots=True)
+class Repeat:
+    """Leave the active state and enter it again."""
+
+
+StateCommand = ForceOutcome | Lock | Unlock | Pause | Resume | Repeat
+Command = Preempt | SetAutonomy | Attach | Sync | ShowStructure | StateCommand

@@ -1,0 +1,202 @@
+"""The engine: runs one behavior, step by step, without a clock or a thread of its own.
+
+Whoever drives it tells the time and what happened; it answers with what it did.
+
+    handle(command)   an operator asks for something
+    wake(leaf)        what a state waits for may have come
+    run(now)          execute what is due, until everything waits or the behavior ends
+    next_due()        ROS time at which there is something to do again
+    take_facts()      what happened, to be published
+
+A state that returns an outcome is followed by the next at once. A state that returns None is
+executed again when its rate says so, when it is woken, or when a command comes.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from enum import Enum
+from typing import TYPE_CHECKING, ClassVar
+
+from flexbe_core.engine import commands
+from flexbe_core.engine.concurrency import Concurrency
+from flexbe_core.engine.definition import Definition, Kind
+from flexbe_core.engine.facts import Answered, Entered, Fact, Synced
+from flexbe_core.engine.leaf import Leaf
+from flexbe_core.engine.machine import Machine
+from flexbe_core.engine.node import NOW, Node
+from flexbe_core.engine.priority import Priority, is_inside
+from flexbe_core.engine.supervision import PREEMPTED, UNSUPERVISED, Supervision
+
+if TYPE_CHECKING:
+    from flexbe_core.engine.user_data import UserData
+
+# Of a longer series of entries between two calls of take_facts only the last is told: nobody can
+# follow the others.
+ENTRIES_TO_FOLLOW = 20
+
+
+class ErrorPolicy(Enum):
+    """What happens when a state raises, or returns an outcome that it does not have."""
+
+    AUTO = "auto"
+    """Hold the state if somebody supervises the behavior, otherwise end the run."""
+    HOLD = "hold"
+    """Keep the state active and execute it again, as stock FlexBE does."""
+    FAIL = "fail"
+    """End the run."""
+
+
+class Engine:
+    """One run of one behavior, or of any part of it.
+
+    Attributes:
+        record: what the operator has in force.
+        priority: path of the priority container, or paused state, that runs alone; None if none.
+        commands: what the operator asked of the active supervised state, not yet obeyed.
+        records: which class of records runs which kind of definition.
+        policy: what happens when a state raises.
+        facts: what happened since the last take_facts, but for the entries of states.
+        entries: paths of the states entered since then; when it is full, older ones are forgotten.
+        moved: whether a transition was taken since somebody set it to False.
+        executing: the state that is being executed, or was last.
+        slow: whether cycles are slowed down, see machine.py; for the driver to set.
+        sync_pending: whether mirrors are to be told where the run is, as soon as a state is active.
+    """
+
+    records: ClassVar[Mapping[Kind, type[Node]]] = {
+        Kind.STATE: Leaf,
+        Kind.MACHINE: Machine,
+        Kind.CONCURRENCY: Concurrency,
+        Kind.PRIORITY: Priority,
+    }
+
+    def __init__(self, root: Definition, policy: ErrorPolicy = ErrorPolicy.AUTO) -> None:
+        """Prepare to run the definition `root`."""
+        self.record = Supervision()
+        self.priority: str | None = None
+        self.commands: deque[commands.StateCommand] = deque()
+        self.facts: list[Fact] = []
+        self.entries: deque[str] = deque(maxlen=ENTRIES_TO_FOLLOW + 1)
+        self.moved = False
+        self.executing: Leaf | None = None
+        self.slow = False
+        self.sync_pending = False
+        self.policy = policy
+        self._sync_asked = False
+        self._pause_claim: tuple[str | None] | None = None
+        self.root: Node = self.records[type(root).__kind__](self, root, None, "")
+
+    def handle(self, command: commands.Command) -> None:
+        """Put in force what an operator asks for; the active state is executed at once."""
+        if isinstance(command, commands.Preempt):
+            self.record = replace(self.record, preempt=True)
+        elif isinstance(command, commands.SetAutonomy):
+            self.record = replace(self.record, autonomy_level=command.level)
+            self.facts.append(Answered("autonomy"))
+        elif isinstance(command, commands.Attach):
+            self.record = replace(self.record, autonomy_level=command.level)
+            self.facts.append(Answered("attach", (self.root.definition._name or "",)))
+            self.sync_pending = True
+        elif isinstance(command, commands.Sync):
+            self._sync_asked = True
+        elif isinstance(command, commands.StateCommand) and self._is_supervised():
+            self.commands.append(command)
+        leaf = self.root.leaf()
+        if leaf is not None:
+            leaf.due = NOW
+
+    def wake(self, leaf: Leaf) -> None:
+        """Execute a state as soon as possible: what it waits for may have come."""
+        leaf.due = NOW
+
+    def begin(self, userdata: UserData | None = None) -> None:
+        """Hand in the userdata to run with; a container takes it only when a visit begins."""
+        if isinstance(self.root, Leaf) or not self.root.active:
+            self.root.begin(userdata)
+
+    def run(self, now: float, enough: Callable[[], bool] = lambda: True) -> str | None:
+        """Execute until every active state waits, or it is enough.
+
+        Args:
+            now: [s] ROS time.
+            enough: asked after each transition; by default one execution of the root is enough.
+
+        Returns:
+            the outcome of the root, or None while it goes on.
+
+        Raises:
+            BehaviorFailure: if a state could not go on and errors end the run.
+            Exception: what a root raised that holds no errors.
+        """
+        if self.record.preempt:  # the first row of decision.RULES, for all states at once
+            return self._preempt()
+        tick = self.root.tick
+        while True:
+            self.moved = False
+            outcome = tick(now)
+            if outcome is not None:
+                return outcome
+            if not self.moved or enough():
+                break
+        if self.sync_pending or self._sync_asked:
+            self._sync()
+        return None
+
+    def next_due(self) -> float:
+        """Return the ROS time [s] at which there is something to execute."""
+        return self.root.next_due()
+
+    def stop(self) -> None:
+        """End the visits of all active states, as after an error."""
+        self.root.exit()
+
+    def take_facts(self) -> list[Fact]:
+        """Return what happened since the last call: entries first, then the rest in order."""
+        entries, facts = list(self.entries), self.facts
+        self.entries.clear()
+        self.facts = []
+        if len(entries) > ENTRIES_TO_FOLLOW:
+            entries = entries[-1:]
+        return [Entered(path) for path in entries] + facts
+
+    def holds_errors(self) -> bool:
+        """Return whether a state that raises stays active."""
+        if self.policy is ErrorPolicy.AUTO:
+            return self.record.autonomy_level != UNSUPERVISED
+        return self.policy is ErrorPolicy.HOLD
+
+    def shadows(self, path: str) -> bool:
+        """Return whether this child of a concurrency container waits for a priority container."""
+        priority = self.priority
+        return priority is not None and not (is_inside(priority, path) or is_inside(path, priority))
+
+    def claim_while_paused(self, path: str) -> None:
+        """Let the paused state at `path` run alone, so that its siblings are paused too."""
+        if self.record.paused and self._pause_claim is None:
+            self._pause_claim = (self.priority,)
+            self.priority = path
+        elif not self.record.paused and self._pause_claim is not None:
+            (self.priority,) = self._pause_claim
+            self._pause_claim = None
+
+    def _is_supervised(self) -> bool:
+        return bool((self.root.leaf() or self.root).definition._is_controlled)
+
+    def _preempt(self) -> str:
+        if self._is_supervised():
+            self.facts.append(Answered("preempt"))
+        self.record = replace(self.record, preempt=False)
+        self.root.exit()
+        return PREEMPTED
+
+    def _sync(self) -> None:
+        leaf = self.root.leaf()
+        if leaf is None:
+            return
+        self.facts.append(Synced(leaf.path))
+        if self._sync_asked:
+            self.facts.append(Answered("sync"))
+        self.sync_pending = self._sync_asked = False

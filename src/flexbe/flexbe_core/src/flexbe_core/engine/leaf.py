@@ -1,0 +1,174 @@
+"""A state in a run: its events, in the order that users rely on.
+
+    on_enter (first tick of a visit), on_resume (first tick after a pause), execute, on_exit
+
+on_exit is called exactly once per on_enter, however the visit ends: by an outcome, a repeat, an
+error that ends the run, or the end of a container around it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flexbe_core.engine import oversight
+from flexbe_core.engine.decision import Act
+from flexbe_core.engine.errors import StateError
+from flexbe_core.engine.facts import Raised
+from flexbe_core.engine.node import NEVER, NOW, Node
+from flexbe_core.engine.rate import period_s
+from flexbe_core.engine.user_data import UserData
+
+if TYPE_CHECKING:
+    from flexbe_core.engine.container import Container
+    from flexbe_core.engine.definition import Definition
+    from flexbe_core.engine.engine import Engine
+
+
+# What a state without a parent sees until somebody hands in userdata.
+_NOTHING = UserData(None, (), ())
+
+
+class Leaf(Node):
+    """The record of a state.
+
+    Attributes:
+        view: userdata as the state sees it, as new at the beginning of each tick; without a parent,
+            whatever the caller of the tick hands in.
+        entered: whether on_enter has been called and on_exit has not.
+        skipped: whether it has been told that it is paused.
+        alarm: [s] ROS time at which the state wants to be executed, whatever its rate.
+    """
+
+    __slots__ = ("_execute", "alarm", "entered", "skipped", "view")
+
+    def __init__(
+        self, engine: Engine, definition: Definition, parent: Container | None, label: str
+    ) -> None:
+        """Stand for the state `definition`."""
+        super().__init__(engine, definition, parent, label)
+        self.view = parent.view_for(label) if parent else _NOTHING
+        self.entered = False
+        self.skipped = False
+        self.alarm = NEVER
+        self._execute = type(definition).execute
+
+    @property
+    def active(self) -> bool:
+        """Return whether the state has been entered."""
+        return self.entered
+
+    def begin(self, userdata: UserData | None = None) -> None:
+        """See this userdata from now on; for a state without a parent."""
+        self.view = _NOTHING if userdata is None else userdata
+
+    def tick(self, now: float) -> str | None:
+        """Execute the state once.
+
+        Raises:
+            StateError: if it returns an outcome that leads nowhere.
+            Exception: whatever the state raises.
+        """
+        self.engine.executing = self
+        state = self.definition
+        supervised = state._is_controlled
+        outcome: str | None = None
+        if supervised:
+            act, outcome = oversight.before(self)
+            if act is not Act.EXECUTE and outcome is None:
+                if act is Act.SKIP:
+                    self.skip()
+                self._stay(now)
+                return None
+        if not self.entered:
+            self._enter()
+        view = self.view
+        if self.skipped:
+            self.skipped = False
+            state.on_resume(view)
+        if outcome is None:
+            outcome = self._execute(state, view)
+        if outcome is not None and outcome not in self.targets and self.targets:
+            raise StateError(self._undeclared(outcome))
+        if supervised:
+            act = oversight.after(self, outcome)
+            if act is Act.REPEAT:
+                self._repeat()
+                return None
+            outcome = outcome if act is Act.LEAVE else None
+        if outcome is None:
+            self._stay(now)
+            return None
+        self._leave()
+        if supervised:
+            oversight.left(self, outcome)
+        return outcome
+
+    def exit(self) -> None:
+        """End the visit; an error in on_exit is told, and stops nothing."""
+        self.skipped = False
+        if self.definition._is_controlled:
+            self.engine.record = self.engine.record.after_visit()
+        if self.entered:
+            try:
+                self._leave()
+            except Exception as error:  # noqa: BLE001 - the visit ends whatever the state does
+                self.engine.facts.append(Raised(self.path, error, held=False))
+
+    def skip(self) -> None:
+        """Call on_pause, once."""
+        if not self.skipped:
+            self.skipped = True
+            self.definition.on_pause()
+
+    def hold(self, now: float) -> None:
+        """Try again after one period."""
+        if self.parent is not None:
+            self.view._forget()
+        self.due = now + period_s(self.definition._rate)
+
+    def wake(self) -> None:
+        """Be due now."""
+        self.due = NOW
+
+    def next_due(self) -> float:
+        """Return when the state wants to be executed."""
+        return self.due
+
+    def leaf(self) -> Leaf | None:
+        """Return itself."""
+        return self
+
+    def _enter(self) -> None:
+        if self.parent is not None and self.view._reference is not self.parent.userdata:
+            self.view._reference = self.parent.userdata
+        self.entered = True
+        self.alarm = NEVER
+        if self.shown:
+            self.engine.entries.append(self.path)
+        self.definition.on_enter(self.view)
+
+    def _leave(self) -> None:
+        self.entered = False
+        view = self.view
+        self.definition.on_exit(view)
+        if self.parent is not None and view._data:
+            view._close()
+
+    def _repeat(self) -> None:
+        self._leave()
+        self.engine.moved = True
+        self.due = NOW
+
+    def _stay(self, now: float) -> None:
+        """Keep the beat of the polling rate; after a wake-up or a delay, begin a new one."""
+        if self.parent is not None and self.view._data:
+            self.view._close()
+        period = period_s(self.definition._rate)
+        due = self.due + period
+        self.due = due if due > now else now + period
+        if now < self.alarm < self.due:
+            self.due = self.alarm
+
+    def _undeclared(self, outcome: object) -> str:
+        declared = ", ".join(repr(name) for name in self.targets)
+        return f"returned {outcome!r}; outcomes with a transition: {declared}"

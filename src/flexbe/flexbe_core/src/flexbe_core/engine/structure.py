@@ -1,0 +1,59 @@
+"""The structure of a behavior as mirrors get it: its containers and states, from the outside in."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from flexbe_core.engine.definition import Definition, Kind
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A container or state.
+
+    Attributes:
+        path: its path; empty for the root.
+        children: labels of a container's children.
+        outcomes: what it declares.
+        transitions: where each outcome leads; empty for the root.
+        autonomy: level that each outcome needs; empty for the root.
+    """
+
+    path: str
+    children: tuple[str, ...]
+    outcomes: tuple[str, ...]
+    transitions: tuple[str, ...]
+    autonomy: tuple[int, ...]
+
+
+def structure_of(root: Definition) -> tuple[Part, ...]:
+    """Return all parts of a definition; each container comes before its children."""
+    return tuple(_walk(root, "", None, ""))
+
+
+def definitions_below(root: Definition) -> Iterator[Definition]:
+    """Yield the root and everything below it, depth first, in the order of definition."""
+    yield root
+    for child in () if type(root).__kind__ is Kind.STATE else root._labels.values():
+        if type(child).__kind__ is Kind.STATE:
+            yield child
+        else:
+            yield from definitions_below(child)
+
+
+def _walk(definition: Definition, path: str, parent: Definition, label: str) -> Iterator[Part]:
+    is_container = type(definition).__kind__ is not Kind.STATE
+    children = tuple(definition._labels) if is_container else ()
+    outcomes = tuple(definition._outcomes)
+    transitions = parent._transitions[label] if parent else {}
+    autonomy = parent._autonomy.get(label, {}) if parent else {}
+    yield Part(
+        path,
+        children,
+        outcomes,
+        tuple(transitions.get(outcome, "") for outcome in outcomes) if parent else (),
+        tuple(autonomy.get(outcome, 0) for outcome in outcomes) if parent else (),
+    )
+    for child in children:
+        yield from _walk(definition._labels[child], f"{path}/{child}", definition, child)

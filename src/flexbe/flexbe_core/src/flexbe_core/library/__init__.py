@@ -1,0 +1,1 @@
+"""Where behaviors are: packages, manifests, source files."""

@@ -1,0 +1,142 @@
+"""The connection of a process to one action server."""
+
+from __future__ import annotations
+
+import itertools
+import threading
+import time
+import weakref
+
+import rospy
+from actionlib_msgs.msg import GoalID, GoalStatusArray
+from genpy import Message
+
+from flexbe_core.proxy.goal import Goal
+from flexbe_core.ros import clock
+from flexbe_core.ros.waiting import Waiting
+
+# [s] A server says its status at 5 Hz of ROS time. Silent this long, in ROS time as well as in wall
+# time (the one may stand still, the other may be a tenth of it), it hangs.
+SILENCE_S = 5.0
+
+# [s] Wall time between two looks whether the connection is complete; rospy tells nobody.
+_LOOK_EVERY_S = 0.01
+
+# [s] Wall time after which waiting for a server is told.
+_TELL_AFTER_S = 0.5
+
+_goal_numbers = itertools.count(1)
+
+
+class ActionConnection:
+    """Goals out; statuses, feedback and results in.
+
+    Attributes:
+        latest: the goal that was sent last.
+        for_result: states that wait for a result.
+        for_feedback: states that wait for feedback.
+        for_status: states that wait for a change of status.
+    """
+
+    def __init__(self, topic: str, action_type: type[Message]) -> None:
+        """Connect to the server at `topic`, now or when it comes."""
+        action = action_type()
+        self._topic = topic
+        self._goal_type = type(action.action_goal)
+        self.latest: Goal | None = None
+        self.for_result = Waiting()
+        self.for_feedback = Waiting()
+        self.for_status = Waiting()
+        self._goals: weakref.WeakValueDictionary[str, Goal] = weakref.WeakValueDictionary()
+        self._heard_wall = time.monotonic()
+        self._heard_ros = clock.now()
+        self._changed = threading.Event()
+        self._goal_publisher = rospy.Publisher(f"{topic}/goal", self._goal_type, queue_size=10)
+        self._cancel_publisher = rospy.Publisher(f"{topic}/cancel", GoalID, queue_size=10)
+        self._subscribers = [
+            rospy.Subscriber(f"{topic}/{name}", message_type, callback, tcp_nodelay=True)
+            for name, message_type, callback in (
+                ("status", GoalStatusArray, self._on_status),
+                ("feedback", type(action.action_feedback), self._on_feedback),
+                ("result", type(action.action_result), self._on_result),
+            )
+        ]
+
+    def is_available(self) -> bool:
+        """Return whether a server is connected on all topics and gives signs of life."""
+        if not self._is_connected():
+            return False
+        wall_s = time.monotonic() - self._heard_wall
+        return wall_s < SILENCE_S or clock.now() - self._heard_ros < SILENCE_S
+
+    def wait(self, limit_s: float) -> bool:
+        """Wait for the server, at most `limit_s` [s] of wall time; return whether it is there."""
+        start = time.monotonic()
+        told = False
+        while not self.is_available():
+            waited = time.monotonic() - start
+            if waited >= limit_s or rospy.is_shutdown():
+                return False
+            if not told and waited > _TELL_AFTER_S:
+                told = True
+                rospy.logwarn("waiting up to %g s for action server %s", limit_s, self._topic)
+            self._changed.wait(_LOOK_EVERY_S)
+            self._changed.clear()
+        if told:
+            rospy.loginfo("action server %s is there", self._topic)
+        return True
+
+    def send(self, goal: Message) -> Goal:
+        """Send a goal, given as the goal message of the action."""
+        # The wall clock keeps ids apart when simulated time begins anew.
+        goal_id = f"{rospy.get_name()}-{next(_goal_numbers)}-{time.time():.6f}"
+        sent = Goal(goal_id)
+        self._goals[goal_id] = sent
+        self.latest = sent
+        message = self._goal_type(goal=goal)
+        message.header.stamp = message.goal_id.stamp = rospy.Time.now()
+        message.goal_id.id = goal_id
+        self._goal_publisher.publish(message)
+        return sent
+
+    def cancel(self, goal: Goal) -> None:
+        """Ask the server to stop working on a goal."""
+        self._cancel_publisher.publish(GoalID(id=goal.goal_id))
+
+    def _is_connected(self) -> bool:
+        servers = [_established(subscriber) for subscriber in self._subscribers]
+        return any(
+            self._goal_publisher.impl.has_connection(server)
+            and self._cancel_publisher.impl.has_connection(server)
+            for server in set.intersection(*servers)
+        )
+
+    def _on_status(self, message: GoalStatusArray) -> None:
+        self._heard_wall, self._heard_ros = time.monotonic(), clock.now()
+        self._changed.set()
+        listed = {status.goal_id.id: status for status in message.status_list}
+        goals = list(self._goals.values())
+        if any([goal.take_status(listed.get(goal.goal_id)) for goal in goals]):
+            self.for_status.wake_all()
+
+    def _on_feedback(self, message: Message) -> None:
+        goal = self._goals.get(message.status.goal_id.id)
+        if goal is not None and goal.is_active:
+            goal.feedback = message.feedback
+            self.for_feedback.wake_all()
+
+    def _on_result(self, message: Message) -> None:
+        goal = self._goals.get(message.status.goal_id.id)
+        if goal is not None and goal.is_active:
+            goal.take_result(message.status, message.result)
+            for waiting in (self.for_result, self.for_feedback, self.for_status):
+                waiting.wake_all()
+
+
+def _established(subscriber: rospy.Subscriber) -> set[str]:
+    """Return the names of the nodes from which the subscriber receives.
+
+    The list that rospy keeps is replaced, never changed, so that it needs no lock; a connection
+    that is still being made has no name yet. actionlib looks in the same way.
+    """
+    return {c.callerid_pub for c in subscriber.impl.connections if c.callerid_pub != "unknown"}

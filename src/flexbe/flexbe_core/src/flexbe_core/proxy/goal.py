@@ -1,0 +1,80 @@
+"""One goal at an action server, as its client knows it."""
+
+from __future__ import annotations
+
+from actionlib_msgs.msg import GoalStatus
+from genpy import Message
+
+_TERMINAL = frozenset(
+    {
+        GoalStatus.PREEMPTED,
+        GoalStatus.SUCCEEDED,
+        GoalStatus.ABORTED,
+        GoalStatus.REJECTED,
+        GoalStatus.RECALLED,
+        GoalStatus.LOST,
+    }
+)
+
+# What a simple client calls the server's intermediate states.
+_SIMPLE = {GoalStatus.RECALLING: GoalStatus.PENDING, GoalStatus.PREEMPTING: GoalStatus.ACTIVE}
+
+
+class Goal:
+    """The client's view of a goal.
+
+    Attributes:
+        goal_id: its name on the wire.
+        status: a constant of GoalStatus.
+        text: what the server says about the status.
+        result: the server's answer, until somebody removes it.
+        feedback: the server's last feedback, until somebody removes it.
+        gone_since: [s] when the server was first found missing; None while it is there.
+    """
+
+    def __init__(self, goal_id: str) -> None:
+        """Begin as a goal that is being sent."""
+        self.goal_id = goal_id
+        self.status: int = GoalStatus.PENDING
+        self.text = ""
+        self.result: Message | None = None
+        self.feedback: Message | None = None
+        self.gone_since: float | None = None
+        self._is_known = False
+
+    @property
+    def is_active(self) -> bool:
+        """Return whether the server may still answer."""
+        return self.status not in _TERMINAL
+
+    @property
+    def simple_status(self) -> int:
+        """Return the status as actionlib's simple client tells it."""
+        return _SIMPLE.get(self.status, self.status)
+
+    def take_status(self, listed: GoalStatus | None) -> bool:
+        """Take what the server lists about the goal; None if it lists nothing.
+
+        A goal that the server knew and no longer lists is lost: the server was started anew. A
+        terminal status counts only with its result, which comes on another topic.
+
+        Returns:
+            whether the status changed.
+        """
+        if not self.is_active:
+            return False
+        if listed is None:
+            if not self._is_known:
+                return False
+            self.status = GoalStatus.LOST
+            self.text = "the server no longer knows the goal; it was started anew"
+            return True
+        self._is_known = True
+        if listed.status in _TERMINAL or listed.status == self.status:
+            return False
+        self.status, self.text = listed.status, listed.text
+        return True
+
+    def take_result(self, status: GoalStatus, result: Message) -> None:
+        """Take the server's answer."""
+        self.status, self.text, self.result = status.status, status.text, result

@@ -1,0 +1,87 @@
+"""Commands from operators, handed to the runs of this process.
+
+There is one subscription per topic and process, whatever runs in it.
+"""
+
+from __future__ import annotations
+
+import functools
+import weakref
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from genpy import Message
+
+from flexbe_core.engine.commands import (
+    Attach,
+    Command,
+    ForceOutcome,
+    Lock,
+    Pause,
+    Preempt,
+    Repeat,
+    Resume,
+    SetAutonomy,
+    ShowStructure,
+    Sync,
+    Unlock,
+)
+from flexbe_core.proxy.proxy_subscriber_cached import ProxySubscriberCached
+from flexbe_core.ros import topics
+
+_COMMANDS: dict[str, Callable[[Any], Command]] = {
+    topics.PREEMPT: lambda message: Preempt(),
+    topics.PREEMPT_OF_DELIVERABLE: lambda message: Preempt(),
+    topics.AUTONOMY: lambda message: SetAutonomy(message.data),
+    topics.ATTACH: lambda message: Attach(message.data),
+    topics.SYNC: lambda message: Sync(),
+    topics.REQUEST_STRUCTURE: lambda message: ShowStructure(),
+    topics.TRANSITION: lambda message: ForceOutcome(message.target, message.outcome),
+    topics.LOCK: lambda message: Lock(message.data),
+    topics.UNLOCK: lambda message: Unlock(message.data),
+    topics.PAUSE: lambda message: Pause() if message.data else Resume(),
+    topics.REPEAT: lambda message: Repeat(),
+}
+
+
+class Listener(Protocol):
+    """A run that can be commanded."""
+
+    def post(self, command: Command) -> None:
+        """Take a command; may be called from any thread."""
+
+
+class CommandHub:
+    """Hands each command to everything that listens."""
+
+    def __init__(self) -> None:
+        """Begin without a subscription."""
+        self._listeners: weakref.WeakSet[Listener] = weakref.WeakSet()
+        self._is_subscribed = False
+
+    def subscribe(self) -> None:
+        """Subscribe to all commands; calls to the master, so better done before a run."""
+        if not self._is_subscribed:
+            self._is_subscribed = True
+            subscriber = ProxySubscriberCached()
+            for topic, message_type in topics.COMMANDS.items():
+                on_message = functools.partial(self._on_message, topic)
+                subscriber.subscribe(topic, message_type, on_message)
+
+    def listen(self, listener: Listener) -> None:
+        """Hand commands to `listener` as long as it lives, or until ignore is called."""
+        self.subscribe()
+        self._listeners.add(listener)
+
+    def ignore(self, listener: Listener) -> None:
+        """Hand no more commands to `listener`."""
+        self._listeners.discard(listener)
+
+    def _on_message(self, topic: str, message: Message) -> None:
+        command = _COMMANDS[topic](message)
+        for listener in tuple(self._listeners):
+            listener.post(command)
+
+
+# Subscriptions belong to the process, as all proxies' do.
+HUB = CommandHub()

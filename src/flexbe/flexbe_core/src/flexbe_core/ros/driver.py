@@ -1,0 +1,178 @@
+"""Drive an engine to its end: sleep until something is due or arrives, then let it run."""
+
+from __future__ import annotations
+
+import queue
+import time
+from collections.abc import Callable, Sequence
+
+import rospy
+
+from flexbe_core.engine.commands import Command
+from flexbe_core.engine.engine import Engine
+from flexbe_core.engine.facts import Fact
+from flexbe_core.engine.leaf import Leaf
+from flexbe_core.ros import clock
+from flexbe_core.ros.waiting import Waiting, driven_by
+
+# [s] Wall time after which facts are published even if no state waits.
+_REPORT_EVERY_S = 0.01
+
+# [s] Wall time of states that never wait after which cycles of them are put back to their rates.
+_SPIN_LIMIT_S = 0.25
+
+# [s] Arrivals that lead to nothing wake the engine at most every _FRUITLESS_S in the long run, and
+# freely as long as they are ahead of that by no more than _FRUITLESS_AHEAD_S (ten of them).
+_FRUITLESS_S = 0.002
+_FRUITLESS_AHEAD_S = 0.02
+
+# [s] Wall time after which the end of ROS is noticed at the latest.
+_LONGEST_WAIT_S = 1.0
+
+Event = Command | Leaf | None
+Inbox = queue.SimpleQueue[Event]
+
+
+class Driver:
+    """One run of an engine, on the calling thread.
+
+    Attributes:
+        engine: what it drives.
+    """
+
+    def __init__(
+        self,
+        engine: Engine,
+        inbox: Inbox,
+        command: Callable[[Command], None],
+        refresh: Callable[[], None],
+        report: Callable[[Sequence[Fact]], None],
+    ) -> None:
+        """Prepare a run.
+
+        Args:
+            engine: what to drive.
+            inbox: where commands and wake-ups arrive; None only looks at the clock again.
+            command: puts a command in force.
+            refresh: called before the engine runs, so that it sees what was set from outside.
+            report: publishes facts.
+        """
+        self.engine = engine
+        self._inbox = inbox
+        self._command = command
+        self._refresh = refresh
+        self._report = report
+        self._remembered: set[Waiting] = set()
+        self._slice_end = 0.0
+        self._fruitless_until = 0.0
+        self._postponed: set[Leaf] = set()
+        self._was_woken = False
+        self._last_now = 0.0
+
+    def wake(self, leaf: Leaf) -> None:
+        """Execute this state as soon as possible."""
+        self._inbox.put(leaf)
+
+    def remember(self, waiting: Waiting) -> None:
+        """Be forgotten by `waiting` when the run ends."""
+        self._remembered.add(waiting)
+
+    def drive(self) -> str:
+        """Run the engine to its end and return the outcome.
+
+        Raises:
+            rospy.ROSInterruptException: if ROS is shut down.
+            BehaviorFailure: if a state could not go on and errors end the run.
+            Exception: what a root raised that holds no errors.
+        """
+        alarm = (
+            clock.SimulatedAlarm(lambda: self._inbox.put(None)) if clock.is_simulated() else None
+        )
+        try:
+            with driven_by(self):
+                return self._loop(alarm)
+        finally:
+            self.engine.stop()
+            self._report(self.engine.take_facts())
+            for waiting in self._remembered:
+                waiting.forget(self)
+            if alarm is not None:
+                alarm.close()
+
+    def _loop(self, alarm: clock.SimulatedAlarm | None) -> str:
+        engine = self.engine
+        running_since = time.monotonic()
+        while not rospy.is_shutdown():
+            if engine.record.preempt or engine.next_due() <= self._now():
+                self._refresh()
+                self._slice_end = time.monotonic() + _REPORT_EVERY_S
+                outcome = engine.run(clock.now(), self._is_enough)
+                self._report_facts()
+                if outcome is not None:
+                    return outcome
+                if self._inbox.empty() and engine.next_due() <= clock.now():
+                    engine.slow = time.monotonic() - running_since > _SPIN_LIMIT_S
+                    continue
+            self._wait(alarm)
+            engine.slow = False
+            running_since = time.monotonic()
+        raise rospy.ROSInterruptException("ROS was shut down while a behavior ran")
+
+    def _now(self) -> float:
+        """Return ROS time; when it jumps back, everything is due."""
+        now = clock.now()
+        if now < self._last_now:
+            self.engine.root.wake()
+        self._last_now = now
+        return now
+
+    def _is_enough(self) -> bool:
+        return self._inbox.qsize() > 0 or time.monotonic() > self._slice_end
+
+    def _report_facts(self) -> None:
+        facts = self.engine.take_facts()
+        if facts:
+            self._report(facts)
+        elif self._was_woken:
+            self._fruitless_until = max(self._fruitless_until, time.monotonic()) + _FRUITLESS_S
+        self._was_woken = False
+
+    def _wait(self, alarm: clock.SimulatedAlarm | None) -> None:
+        """Wait until something is due or arrives, and take in all that has arrived."""
+        timeout = self._timeout(alarm)
+        try:
+            self._take(
+                self._inbox.get(timeout=timeout) if timeout > 0 else self._inbox.get_nowait()
+            )
+            while True:
+                self._take(self._inbox.get_nowait())
+        except queue.Empty:
+            pass
+        if self._postponed and time.monotonic() >= self._fruitless_until - _FRUITLESS_AHEAD_S:
+            for leaf in self._postponed:
+                self.engine.wake(leaf)
+            self._postponed.clear()
+            self._was_woken = True
+
+    def _timeout(self, alarm: clock.SimulatedAlarm | None) -> float:
+        """Return how long [s] of wall time to wait; 0 or less if there is something to do."""
+        due = self.engine.next_due()
+        if alarm is not None:
+            alarm.set(due)
+            timeout = _LONGEST_WAIT_S
+        else:
+            timeout = min(_LONGEST_WAIT_S, due - clock.now())
+        if self._postponed:
+            free_at = self._fruitless_until - _FRUITLESS_AHEAD_S
+            timeout = min(timeout, free_at - time.monotonic())
+        return timeout
+
+    def _take(self, event: Event) -> None:
+        if isinstance(event, Leaf):
+            if self._fruitless_until - time.monotonic() > _FRUITLESS_AHEAD_S:
+                self._postponed.add(event)
+            else:
+                self.engine.wake(event)
+                self._was_woken = True
+        elif event is not None:
+            self._command(event)

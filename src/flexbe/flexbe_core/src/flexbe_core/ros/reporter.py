@@ -1,0 +1,126 @@
+"""Publish what happens in a run."""
+
+from __future__ import annotations
+
+import time
+import traceback
+from collections.abc import Sequence
+from functools import singledispatchmethod
+
+from flexbe_msgs.msg import (
+    BehaviorSync,
+    CommandFeedback,
+    Container,
+    ContainerStructure,
+    OutcomeRequest,
+)
+from genpy import Message
+from std_msgs.msg import String, UInt8
+
+from flexbe_core.core.state import State
+from flexbe_core.engine.checksum import checksum
+from flexbe_core.engine.facts import (
+    Answered,
+    Entered,
+    Fact,
+    Left,
+    Raised,
+    Refused,
+    Requested,
+    Synced,
+)
+from flexbe_core.engine.structure import structure_of
+from flexbe_core.logger import Logger
+from flexbe_core.proxy.proxy_publisher import ProxyPublisher
+from flexbe_core.ros import topics
+
+# [s] Wall time for which the same error of a held state, tried again and again, is not logged anew.
+_SAME_ERROR_S = 10.0
+
+
+def advertise() -> None:
+    """Advertise what runs publish."""
+    ProxyPublisher(topics.PUBLISHED)
+
+
+class Reporter:
+    """Turns facts into messages and log lines."""
+
+    def __init__(self, root: State) -> None:
+        """Report about the run of `root`."""
+        self._root = root
+        self._publisher = ProxyPublisher()
+        self._logged: dict[str, tuple[str, float]] = {}
+        advertise()
+
+    def report(self, facts: Sequence[Fact]) -> None:
+        """Publish facts in their order."""
+        for fact in facts:
+            self._publish(fact)
+
+    def structure(self) -> None:
+        """Publish the structure of the run's root."""
+        containers = [
+            Container(
+                path=part.path,
+                children=list(part.children),
+                outcomes=list(part.outcomes),
+                transitions=list(part.transitions),
+                autonomy=list(part.autonomy),
+            )
+            for part in structure_of(self._root)
+        ]
+        self._send(
+            topics.MIRROR_STRUCTURE,
+            ContainerStructure(behavior_id=self._behavior_id(), containers=containers),
+        )
+
+    @singledispatchmethod
+    def _publish(self, fact: Fact) -> None:
+        raise TypeError(f"no way to publish {fact!r}")
+
+    @_publish.register
+    def _(self, fact: Entered) -> None:
+        # A supervised behavior is followed by a mirror, which publishes this itself.
+        if not self._root._is_controlled:
+            self._send(topics.BEHAVIOR_UPDATE, String(fact.path))
+
+    @_publish.register
+    def _(self, fact: Left) -> None:
+        self._send(topics.MIRROR_OUTCOME, UInt8(fact.index))
+        self._send(topics.CURRENT_STATE, String(f"{fact.path} > {fact.outcome}"))
+
+    @_publish.register
+    def _(self, fact: Requested) -> None:
+        self._send(topics.OUTCOME_REQUEST, OutcomeRequest(fact.index, fact.path))
+
+    @_publish.register
+    def _(self, fact: Answered) -> None:
+        self._send(topics.COMMAND_FEEDBACK, CommandFeedback(fact.command, list(fact.args)))
+
+    @_publish.register
+    def _(self, fact: Synced) -> None:
+        self._send(topics.MIRROR_SYNC, BehaviorSync(self._behavior_id(), checksum(fact.path)))
+
+    @_publish.register
+    def _(self, fact: Refused) -> None:
+        Logger.logwarn("%s", fact.text)
+
+    @_publish.register
+    def _(self, fact: Raised) -> None:
+        error = fact.error
+        text = f"{type(error).__name__}: {error}"
+        last, at = self._logged.get(fact.path, ("", 0.0))
+        if text == last and time.monotonic() - at < _SAME_ERROR_S:
+            return
+        self._logged[fact.path] = (text, time.monotonic())
+        trace = "".join(traceback.format_exception(error))
+        then = "; it stays active and is tried again" if fact.held else ""
+        Logger.logerr("%s: %s%s", fact.path or "root", text, then)
+        Logger.local(trace, Logger.REPORT_ERROR)
+
+    def _behavior_id(self) -> int:
+        return getattr(self._root, "id", None) or 0
+
+    def _send(self, topic: str, message: Message) -> None:
+        self._publisher.publish(topic, message)

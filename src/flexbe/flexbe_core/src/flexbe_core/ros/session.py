@@ -1,0 +1,167 @@
+"""One run of a definition in ROS: its engine, what commands it, what it publishes.
+
+A container or state that is not inside another has a session of its own. It is driven to its end
+by `spin`, or executed once by each `execute`, for callers who run it by hand.
+"""
+
+from __future__ import annotations
+
+import queue
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import rospy
+
+from flexbe_core.engine.commands import Attach, Command, Preempt, SetAutonomy, ShowStructure
+from flexbe_core.engine.container import Container
+from flexbe_core.engine.definition import Kind
+from flexbe_core.engine.engine import Engine, ErrorPolicy
+from flexbe_core.engine.node import Node
+from flexbe_core.logger import Logger
+from flexbe_core.ros import breakpoints, clock
+from flexbe_core.ros.command_hub import HUB
+from flexbe_core.ros.driver import Driver, Inbox
+from flexbe_core.ros.reporter import Reporter, advertise
+
+if TYPE_CHECKING:
+    from flexbe_core.core.state import State
+    from flexbe_core.engine.user_data import UserData
+
+
+class Session:
+    """The run of one definition.
+
+    Attributes:
+        engine: what runs it.
+    """
+
+    def __init__(self, root: State, policy: ErrorPolicy = ErrorPolicy.AUTO) -> None:
+        """Prepare to run `root`."""
+        self._root = root
+        self.engine = Engine(root, policy)
+        self._inbox: Inbox = queue.SimpleQueue()
+        self._reporter = Reporter(root)
+        self._has_level = type(root).__kind__ is not Kind.STATE and hasattr(root, "autonomy_level")
+
+    def post(self, command: Command) -> None:
+        """Take a command; may be called from any thread."""
+        self._inbox.put(command)
+
+    def listen(self) -> None:
+        """Take the commands that operators send."""
+        HUB.listen(self)
+        breakpoints.subscribe()
+
+    def ignore(self) -> None:
+        """Take no more commands from operators."""
+        HUB.ignore(self)
+
+    def spin(self, userdata: UserData | None = None) -> str:
+        """Run to the end and return the outcome; see Driver.drive for what it raises."""
+        self._refresh()
+        self.engine.begin(userdata)
+        driver = Driver(
+            self.engine, self._inbox, self._command, self._refresh, self._reporter.report
+        )
+        return driver.drive()
+
+    def execute(self, userdata: UserData | None = None, is_preempted: bool = False) -> str | None:
+        """Execute once and return the outcome, if it ends with that."""
+        self._refresh()
+        while not self._inbox.empty():
+            self._command(self._inbox.get())
+        if is_preempted:
+            self._command(Preempt())
+        self.engine.begin(userdata)
+        try:
+            return self.engine.run(clock.now())
+        finally:
+            self._reporter.report(self.engine.take_facts())
+
+    def remaining_s(self) -> float:
+        """Return how long [s] until something is due; 0 or less if it is."""
+        due = self.engine.next_due()
+        return 0.0 if due == float("-inf") else due - clock.now()
+
+    def sleep(self) -> None:
+        """Sleep until something is due."""
+        remaining_s = self.remaining_s()
+        if remaining_s > 0:
+            rospy.sleep(remaining_s)
+
+    def active_leaf(self) -> State | None:
+        """Return the active state that mirrors show."""
+        leaf = self.engine.root.leaf()
+        return leaf.definition if leaf is not None else None
+
+    def active_label(self, path: str) -> str | None:
+        """Return the label of the active child of the container at this path, None without one."""
+        leaf = self.engine.root.leaf()
+        if leaf is None or not leaf.path.startswith(f"{path}/"):
+            return None
+        return leaf.path[len(path) + 1 :].split("/")[0]
+
+    def container(self, path: str) -> Container | None:
+        """Return the record of the container at this path; None if it has not been reached."""
+        node: Node | None = self.engine.root
+        for label in path.split("/")[1:]:
+            node = node.children.get(label) if isinstance(node, Container) else None
+        return node if isinstance(node, Container) else None
+
+    def is_locked(self, path: str) -> bool:
+        """Return whether the operator has locked the state or container at this path."""
+        return path in self.engine.record.locks
+
+    def userdata(self) -> dict[str, dict[str, Any]]:
+        """Return the runtime userdata of all containers reached so far, by their paths."""
+        found: dict[str, dict[str, Any]] = {}
+        reached: list[Node] = [self.engine.root]
+        while reached:
+            node = reached.pop(0)
+            if isinstance(node, Container):
+                found[node.path] = dict(node.userdata._data)
+                reached += list(node.children.values())
+        return found
+
+    def publish_structure(self) -> None:
+        """Tell mirrors what the definition is made of."""
+        self._reporter.structure()
+
+    def _command(self, command: Command) -> None:
+        if isinstance(command, ShowStructure):
+            self.publish_structure()
+        if isinstance(command, ShowStructure | Attach):
+            self._root._enable_ros_control()
+        if isinstance(command, SetAutonomy | Attach) and self._has_level:
+            self._root.autonomy_level = command.level
+        self.engine.handle(command)
+
+    def _refresh(self) -> None:
+        """Take over what users and operators may have set since the last time."""
+        record = self.engine.record
+        level = self._root.autonomy_level if self._has_level else record.autonomy_level
+        points = breakpoints.current() if self._root._is_controlled else record.breakpoints
+        if (level, points) != (record.autonomy_level, record.breakpoints):
+            self.engine.record = replace(record, autonomy_level=level, breakpoints=points)
+
+
+def connect() -> None:
+    """Make all connections that runs need; calls to the master, so better done before the first."""
+    advertise()
+    Logger.initialize()
+    HUB.subscribe()
+    breakpoints.subscribe()
+
+
+def own_session(definition: State) -> Session:
+    """Return the session in which this definition is the root."""
+    if definition.__session__ is None:
+        definition.__session__ = Session(definition)
+    return definition.__session__
+
+
+def run_session(definition: State) -> Session:
+    """Return the session of the outermost container around this definition."""
+    while definition.parent is not None:
+        definition = definition.parent
+    return own_session(definition)

@@ -1,0 +1,82 @@
+"""Who waits for what: how an arriving message finds the state that asked for it.
+
+A state that asks a proxy for something that has not come is remembered by the proxy's channel. The
+arrival wakes that state at once, and no other. States that nobody drives (executed by hand, as in
+flexbe_testing) are not remembered; their caller polls them.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Protocol
+
+from flexbe_core.engine.engine import Engine
+from flexbe_core.engine.leaf import Leaf
+
+
+class Driver(Protocol):
+    """Whoever drives an engine on a thread of his own."""
+
+    engine: Engine
+
+    def wake(self, leaf: Leaf) -> None:
+        """Execute this state as soon as possible; may be called from any thread."""
+
+    def remember(self, waiting: Waiting) -> None:
+        """Be forgotten by `waiting` when the drive ends."""
+
+
+_local = threading.local()
+
+
+@contextmanager
+def driven_by(driver: Driver) -> Iterator[None]:
+    """Name the driver of what this thread executes."""
+    before = getattr(_local, "driver", None)
+    _local.driver = driver
+    try:
+        yield
+    finally:
+        _local.driver = before
+
+
+def wake_at(ros_time_s: float) -> None:
+    """Have the calling state executed at this ROS time [s], if it is still active then.
+
+    For states that wait for a time, so that they need not be polled to be exact.
+    """
+    driver = getattr(_local, "driver", None)
+    if driver is not None:
+        driver.engine.executing.alarm = ros_time_s
+
+
+class Waiting:
+    """The states that wait for one thing."""
+
+    def __init__(self) -> None:
+        """Begin with none."""
+        self._states: set[tuple[Driver, Leaf]] = set()
+
+    def add_caller(self) -> None:
+        """Remember the state that this thread executes; call it before looking whether it is there.
+
+        The other order would lose what arrives in between.
+        """
+        driver = getattr(_local, "driver", None)
+        if driver is not None:
+            self._states.add((driver, driver.engine.executing))
+            driver.remember(self)
+
+    def wake_all(self) -> None:
+        """Wake and forget all states; call it after the arrival has been stored."""
+        states, self._states = self._states, set()
+        for driver, leaf in states:
+            driver.wake(leaf)
+
+    def forget(self, driver: Driver) -> None:
+        """Forget the states of a driver."""
+        for entry in tuple(self._states):
+            if entry[0] is driver:
+                self._states.discard(entry)

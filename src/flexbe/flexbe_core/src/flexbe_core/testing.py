@@ -1,0 +1,101 @@
+"""For tests without ROS: scripted states, and a way to run a single state."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from flexbe_core.core.event_state import EventState
+from flexbe_core.core.operatable_state_machine import OperatableStateMachine
+from flexbe_core.engine.engine import Engine, ErrorPolicy
+from flexbe_core.engine.user_data import UserData
+
+Log = list[tuple[str, str]]
+
+
+def run_state(
+    state: EventState, inputs: Mapping[str, Any] | None = None, executions: int = 10
+) -> tuple[str | None, dict[str, Any]]:
+    """Run one state, as a behavior would.
+
+    Args:
+        state: the state.
+        inputs: its userdata.
+        executions: give up after this many.
+
+    Returns:
+        its outcome, None if there is none by then, and the userdata afterwards.
+
+    Raises:
+        BehaviorFailure: if it raises, or returns an outcome that it does not have.
+    """
+    machine = OperatableStateMachine(outcomes=[f"{name} of it" for name in state.outcomes])
+    for key, value in (inputs or {}).items():
+        machine.userdata[key] = value
+    transitions = {name: f"{name} of it" for name in state.outcomes}
+    with machine:
+        OperatableStateMachine.add("state", state, transitions)
+    engine = Engine(machine, ErrorPolicy.FAIL)
+    for now in range(executions):
+        outcome = engine.run(float(now))
+        if outcome is not None:
+            return outcome.removesuffix(" of it"), dict(engine.root.userdata._data)
+    return None, dict(engine.root.userdata._data)
+
+
+class ScriptedState(EventState):
+    """A state whose executions are scripted.
+
+    Each execution takes the next item of the script, the last one over and over: an outcome or
+    None is returned, an exception is raised.
+    """
+
+    def __init__(
+        self,
+        script: Sequence[str | Exception | None] = ("done",),
+        outcomes: Sequence[str] = ("done",),
+        log: Log | None = None,
+        input_keys: Sequence[str] = (),
+        output_keys: Sequence[str] = (),
+    ) -> None:
+        """Follow `script`, and append (label, event) to `log`."""
+        super().__init__(outcomes=outcomes, input_keys=input_keys, output_keys=output_keys)
+        self.log: Log = [] if log is None else log
+        self._script = list(script)
+        self._step = 0
+
+    def execute(self, userdata: UserData) -> str | None:
+        """Do the next step."""
+        self._tell("execute")
+        item = self._script[min(self._step, len(self._script) - 1)]
+        self._step += 1
+        if isinstance(item, Exception):
+            raise item
+        return item
+
+    def on_start(self) -> None:
+        """Remember the call."""
+        self._tell("start")
+
+    def on_stop(self) -> None:
+        """Remember the call."""
+        self._tell("stop")
+
+    def on_enter(self, userdata: UserData) -> None:
+        """Remember the call."""
+        self._tell("enter")
+
+    def on_exit(self, userdata: UserData) -> None:
+        """Remember the call."""
+        self._tell("exit")
+
+    def on_pause(self) -> None:
+        """Remember the call."""
+        self._tell("pause")
+
+    def on_resume(self, userdata: UserData) -> None:
+        """Remember the call."""
+        self._tell("resume")
+
+    def _tell(self, event: str) -> None:
+        self.log.append((self.name or "", event))

@@ -1,0 +1,186 @@
+"""The precedence of supervision, row by row, and between neighbouring rows."""
+
+import dataclasses
+import itertools
+
+import pytest
+
+from flexbe_core.engine.decision import PENDING, RULES, Act, Moment, decide
+from flexbe_core.engine.supervision import Supervision
+
+NOTHING = Supervision(autonomy_level=3)
+BEFORE = Moment("/a", supervised=True)
+DONE = Moment("/a", supervised=True, outcome="done", required_autonomy=0)
+NOT_DONE = Moment("/a", supervised=True, outcome=None)
+
+
+def record(**changes):
+    return dataclasses.replace(NOTHING, **changes)
+
+
+def moment(base, **changes):
+    return dataclasses.replace(base, **changes)
+
+
+ROWS = [
+    # name of the rule, record, moment, act
+    ("preempted", record(preempt=True), BEFORE, Act.PREEMPT),
+    ("shadowed", NOTHING, moment(BEFORE, supervised=False, shadowed=True), Act.SKIP),
+    ("paused", record(paused=True), BEFORE, Act.SKIP),
+    (
+        "locked, no longer asking",
+        record(stored="done", locks=frozenset({"/a"}), requested="done"),
+        BEFORE,
+        Act.WITHDRAW,
+    ),
+    ("locked with an outcome", record(stored="done", locks=frozenset({"/a"})), BEFORE, Act.STAY),
+    ("unlocked with an outcome", record(stored="done"), BEFORE, Act.RELEASE),
+    ("forced", record(forced="done"), BEFORE, Act.FORCE),
+    ("free to run", NOTHING, BEFORE, Act.EXECUTE),
+    ("preempted itself", NOTHING, moment(DONE, outcome="preempted"), Act.LEAVE),
+    ("locked", record(locks=frozenset({"/a"})), DONE, Act.STORE),
+    ("repeated", record(repeat=True), NOT_DONE, Act.REPEAT),
+    ("changed its mind", record(requested="done"), NOT_DONE, Act.WITHDRAW),
+    ("not done", NOTHING, NOT_DONE, Act.STAY),
+    ("asked already", record(autonomy_level=0, requested="done"), DONE, Act.STAY),
+    ("needs consent", record(autonomy_level=0), DONE, Act.REQUEST),
+    ("done", NOTHING, DONE, Act.LEAVE),
+]
+
+
+def test_every_rule_has_a_row_here():
+    assert [rule.name for rule in RULES] == [row[0] for row in ROWS]
+
+
+@pytest.mark.parametrize(("name", "in_force", "now", "act"), ROWS, ids=[row[0] for row in ROWS])
+def test_each_rule_decides_its_row(name, in_force, now, act):
+    first = next(rule for rule in RULES if rule.applies(in_force, now))
+    assert first.name == name
+    assert decide(in_force, now) is act
+
+
+PRECEDENCE = [
+    # (stronger, weaker): both are in force
+    ("preempt wins over pause", record(preempt=True, paused=True), BEFORE, Act.PREEMPT),
+    (
+        "preempt wins over the shadow of a priority container",
+        record(preempt=True),
+        moment(BEFORE, shadowed=True),
+        Act.PREEMPT,
+    ),
+    (
+        "preempt wins over a lock",
+        record(preempt=True, stored="done", locks=frozenset({"/a"})),
+        BEFORE,
+        Act.PREEMPT,
+    ),
+    ("pause wins over a forced outcome", record(paused=True, forced="done"), BEFORE, Act.SKIP),
+    ("pause wins over an unlocked outcome", record(paused=True, stored="done"), BEFORE, Act.SKIP),
+    (
+        "a lock wins over a forced outcome before execution",
+        record(stored="done", forced="done", locks=frozenset({"/a"})),
+        BEFORE,
+        Act.STAY,
+    ),
+    (
+        "a lock wins over a forced outcome after execution",
+        record(forced="done", locks=frozenset({"/a"})),
+        DONE,
+        Act.STORE,
+    ),
+    (
+        "a lock of a container around it counts as much",
+        NOTHING,
+        moment(DONE, leaves_locked=True),
+        Act.STORE,
+    ),
+    (
+        "a lock wins over missing autonomy",
+        record(autonomy_level=0, locks=frozenset({"/a"})),
+        DONE,
+        Act.STORE,
+    ),
+    (
+        "a forced outcome needs no autonomy",
+        record(autonomy_level=0, forced="done"),
+        DONE,
+        Act.LEAVE,
+    ),
+    (
+        "a forced outcome passes a breakpoint",
+        record(breakpoints=frozenset({"/a"}), forced="done"),
+        DONE,
+        Act.LEAVE,
+    ),
+    (
+        "a breakpoint asks whatever the level",
+        record(autonomy_level=255, breakpoints=frozenset({"/a"})),
+        DONE,
+        Act.REQUEST,
+    ),
+    ("a repeat wins over asking", record(autonomy_level=0, repeat=True), DONE, Act.REPEAT),
+    ("an outcome that may leave wins over a repeat", record(repeat=True), DONE, Act.LEAVE),
+    (
+        "another outcome is asked for anew",
+        record(autonomy_level=0, requested="other"),
+        DONE,
+        Act.REQUEST,
+    ),
+    (
+        "a level is too low for a transition that needs it",
+        record(autonomy_level=2),
+        moment(DONE, required_autonomy=2),
+        Act.REQUEST,
+    ),
+    (
+        "a level is enough for a transition that needs less",
+        record(autonomy_level=2),
+        moment(DONE, required_autonomy=1),
+        Act.LEAVE,
+    ),
+    (
+        "level 0 blocks even Off",
+        record(autonomy_level=0),
+        moment(DONE, required_autonomy=0),
+        Act.REQUEST,
+    ),
+    (
+        "level 255 blocks nothing",
+        record(autonomy_level=255),
+        moment(DONE, required_autonomy=3),
+        Act.LEAVE,
+    ),
+    (
+        "nobody being there to ask, an outcome without a level is free",
+        record(autonomy_level=0),
+        moment(DONE, required_autonomy=-1),
+        Act.LEAVE,
+    ),
+]
+
+
+@pytest.mark.parametrize(
+    ("in_force", "now", "act"), [row[1:] for row in PRECEDENCE], ids=[row[0] for row in PRECEDENCE]
+)
+def test_the_stronger_rule_wins(in_force, now, act):
+    assert decide(in_force, now) is act
+
+
+def test_an_unsupervised_state_is_only_preempted_or_shadowed():
+    records = [
+        Supervision(level, False, paused, locks, points, forced, repeat, stored, requested)
+        for level, paused, locks, points, forced, repeat, stored, requested in itertools.product(
+            (0, 255),
+            (False, True),
+            (frozenset(), frozenset({"/a"})),
+            (frozenset(), frozenset({"/a"})),
+            (None, "done"),
+            (False, True),
+            (None, "done"),
+            (None, "done"),
+        )
+    ]
+    for in_force in records:
+        for outcome, act in ((PENDING, Act.EXECUTE), (None, Act.STAY), ("done", Act.LEAVE)):
+            now = Moment("/a", supervised=False, outcome=outcome)
+            assert decide(in_force, now) is act, in_force

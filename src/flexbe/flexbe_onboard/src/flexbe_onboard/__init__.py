@@ -1,0 +1,1 @@
+"""The node that runs behaviors when it is asked to."""

@@ -1,0 +1,1 @@
+"""What a start request says, read without ROS."""

@@ -1,0 +1,196 @@
+"""Run behaviors when asked to, one at a time, and tell how they go.
+
+    idle --start request--> preparing --STARTED--> running --FINISHED or FAILED--> idle
+                                |
+                                +--ERROR--> idle
+
+A request that comes while one is prepared or runs is refused, and changes nothing.
+"""
+
+from __future__ import annotations
+
+import threading
+import traceback
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+import rospy
+from flexbe_msgs.msg import BehaviorSelection, BEStatus, CommandFeedback
+
+from flexbe_core import Behavior, BehaviorLibrary, Logger
+from flexbe_core.engine.commands import Command, Preempt
+from flexbe_core.engine.engine import ErrorPolicy
+from flexbe_core.engine.errors import BehaviorFailure
+from flexbe_core.ros import session
+from flexbe_core.ros.command_hub import HUB
+from flexbe_onboard.core.input_values import read_inputs
+from flexbe_onboard.core.modification import Modification
+from flexbe_onboard.edge.behavior_source import load_behavior
+from flexbe_onboard.edge.module_freshness import ModuleFreshness
+from flexbe_onboard.errors import StartError
+from flexbe_onboard.ros.heartbeat import Heartbeat
+from flexbe_onboard.ros.userdata_service import UserdataService
+
+# [s] Wall time that a running behavior gets to stop when the node is shut down.
+_STOP_LIMIT_S = 3.0
+
+
+class Phase(Enum):
+    """What the engine is doing."""
+
+    IDLE = "idle"
+    PREPARING = "preparing"
+    RUNNING = "running"
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the launch file chooses.
+
+    Attributes:
+        modifications: apply source changes that come with a request.
+        enable_clear_imports: import modules of behaviors and states anew for each run.
+        on_error: what happens when a state raises.
+    """
+
+    modifications: bool = False
+    enable_clear_imports: bool = False
+    on_error: ErrorPolicy = ErrorPolicy.AUTO
+
+
+class EngineNode:
+    """The behavior engine of one namespace."""
+
+    def __init__(self, options: Options) -> None:
+        """Advertise everything, and tell that the engine is ready."""
+        self._options = options
+        self._lock = threading.Lock()
+        self._phase = Phase.IDLE
+        self._behavior: Behavior | None = None
+        self._worker: threading.Thread | None = None
+        self._preempt_asked = False
+        self._status = rospy.Publisher("flexbe/status", BEStatus, latch=True, queue_size=100)
+        self._feedback = rospy.Publisher("flexbe/command_feedback", CommandFeedback, queue_size=100)
+        self._heartbeat = Heartbeat()
+        self._userdata_service = UserdataService(lambda: self._behavior)
+        session.connect()
+        HUB.listen(self)
+        self._library = BehaviorLibrary()
+        self._freshness = ModuleFreshness()
+        rospy.on_shutdown(self._stop)
+        rospy.Subscriber("flexbe/start_behavior", BehaviorSelection, self._on_request)
+        Logger.loginfo("the engine knows %d behaviors", self._library.count_behaviors())
+        self._tell(BEStatus.READY, 0)
+
+    def post(self, command: Command) -> None:
+        """Remember that a behavior is to be stopped which is still being prepared."""
+        if isinstance(command, Preempt) and self._phase is Phase.PREPARING:
+            self._preempt_asked = True
+
+    def _on_request(self, request: BehaviorSelection) -> None:
+        with self._lock:
+            is_free = self._phase is Phase.IDLE
+            if is_free:
+                self._phase = Phase.PREPARING
+                self._preempt_asked = False
+        if is_free:
+            self._worker = threading.Thread(target=self._work, args=(request,), name="behavior")
+            self._worker.start()
+        else:
+            self._refuse(request)
+
+    def _refuse(self, request: BehaviorSelection) -> None:
+        behavior = self._behavior
+        which = f"behavior {behavior.name!r}" if behavior is not None else "another behavior"
+        Logger.logerr("start request refused: %s is %s; stop it first", which, self._phase.value)
+        self._feedback.publish("switch", ["failed"])
+        self._tell(BEStatus.ERROR, request.behavior_checksum)
+
+    def _work(self, request: BehaviorSelection) -> None:
+        """Prepare and run the behavior of a request; the thread of one run."""
+        code, args = BEStatus.ERROR, []
+        try:
+            behavior = self._prepare(request)
+            code = BEStatus.FAILED
+            args = [self._run(behavior)]
+            code = BEStatus.FINISHED
+        except StartError as error:
+            Logger.logerr("behavior is not started: %s", error)
+            Logger.local(traceback.format_exc(), Logger.REPORT_DEBUG)
+        except BehaviorFailure as failure:
+            Logger.logerr("behavior failed at %s", failure)
+            trace = "".join(traceback.format_exception(failure.cause))
+            Logger.local(trace, Logger.REPORT_ERROR)
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - users' code; the engine lives on
+            Logger.logerr("behavior failed: %s: %s", type(error).__name__, error)
+            Logger.local(traceback.format_exc(), Logger.REPORT_ERROR)
+        with self._lock:
+            self._behavior, self._phase = None, Phase.IDLE
+            self._tell(code, request.behavior_checksum, args)
+
+    def _prepare(self, request: BehaviorSelection) -> Behavior:
+        """Return the behavior, built and with its parameters and inputs.
+
+        Raises:
+            StartError: if the request cannot be granted.
+        """
+        modifications = [
+            Modification(m.index_begin, m.index_end, m.new_content) for m in request.modifications
+        ]
+        if modifications and not self._options.modifications:
+            raise StartError(
+                "the request changes the behavior's source, which this engine does not allow; "
+                "to allow it: roslaunch flexbe_onboard behavior_onboard.launch modifications:=true"
+            )
+        if self._options.enable_clear_imports:
+            self._freshness.forget_all()
+        self._freshness.forget_changed()
+        behavior_class = load_behavior(
+            self._library, request.behavior_id, request.behavior_checksum, modifications
+        )
+        try:
+            return self._build(behavior_class, request)
+        except StartError:
+            raise
+        except (Exception, SystemExit) as error:
+            text = f"cannot build {behavior_class.__name__}: {type(error).__name__}: {error}"
+            raise StartError(text) from error
+        finally:
+            self._freshness.remember()
+
+    def _build(self, behavior_class: type[Behavior], request: BehaviorSelection) -> Behavior:
+        behavior = behavior_class()
+        for key, value in zip(request.arg_keys, request.arg_values, strict=False):
+            try:
+                if key and not behavior.set_parameter(key, value):
+                    Logger.logwarn("behavior %s has no parameter %r", behavior.name, key)
+            except ValueError as error:
+                raise StartError(str(error)) from error
+        behavior.set_up(
+            request.behavior_checksum, request.autonomy_level, False, self._options.on_error
+        )
+        behavior.prepare_for_execution(read_inputs(request.input_keys, request.input_values))
+        return behavior
+
+    def _run(self, behavior: Behavior) -> str:
+        """Run a behavior and return its outcome."""
+        behavior.confirm()
+        self._behavior, self._phase = behavior, Phase.RUNNING
+        self._tell(BEStatus.STARTED, behavior.id)
+        if self._preempt_asked:
+            behavior.preempt()
+        Logger.loginfo("behavior %s runs", behavior.name)
+        outcome = behavior.execute()
+        Logger.loginfo("behavior %s ended with %s", behavior.name, outcome)
+        return outcome
+
+    def _tell(self, code: int, behavior_id: int, args: Sequence[str] = ()) -> None:
+        self._status.publish(BEStatus(behavior_id=behavior_id, code=code, args=list(args)))
+
+    def _stop(self) -> None:
+        """Stop what runs when the node is shut down, so that its goals are cancelled."""
+        behavior, worker = self._behavior, self._worker
+        if behavior is not None and worker is not None:
+            behavior.preempt()
+            worker.join(_STOP_LIMIT_S)

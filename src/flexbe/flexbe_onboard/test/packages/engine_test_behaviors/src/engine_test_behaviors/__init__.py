@@ -1,0 +1,1 @@
+"""Behaviors and states for the tests of the engine."""

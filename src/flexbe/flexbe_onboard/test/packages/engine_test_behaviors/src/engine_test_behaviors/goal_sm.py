@@ -1,0 +1,25 @@
+"""Goal Test."""
+
+from engine_test_behaviors.goal_state import GoalState
+from flexbe_core import Autonomy, Behavior, OperatableStateMachine
+
+
+class GoalSM(Behavior):
+    """Goal Test."""
+
+    def __init__(self):
+        super().__init__()
+        self.name = "Goal Test"
+        self.add_parameter("topic", "test_action")
+        self.add_parameter("watch", True)
+
+    def create(self):
+        root = OperatableStateMachine(outcomes=["finished", "failed"])
+        with root:
+            OperatableStateMachine.add(
+                "Goal",
+                GoalState(self.topic, self.watch),
+                transitions={"done": "finished", "failed": "failed"},
+                autonomy={"done": Autonomy.Off, "failed": Autonomy.Off},
+            )
+        return root

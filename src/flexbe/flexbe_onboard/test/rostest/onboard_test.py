@@ -1,0 +1,454 @@
+#!/usr/bin/env python3
+"""The engine node, from outside: requests in, statuses and effects out."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+import unittest
+from pathlib import Path
+
+import actionlib
+import rosnode
+import rospy
+import rostest
+from actionlib.msg import TestAction, TestResult
+from flexbe_msgs.msg import (
+    BehaviorLog,
+    BehaviorModification,
+    BehaviorSelection,
+    BehaviorSync,
+    BEStatus,
+    CommandFeedback,
+    ContainerStructure,
+    OutcomeRequest,
+)
+from flexbe_msgs.srv import GetUserdata
+from std_msgs.msg import Bool, Empty, Int32, String, UInt8
+
+from flexbe_core import BehaviorLibrary
+from flexbe_core.engine.checksum import checksum
+
+LATE_PACKAGES = Path("/tmp/flexbe_onboard_test_packages")
+LIMIT_S = 10.0
+
+
+class Recorder:
+    """Remembers what comes on a topic, with the time it came at."""
+
+    def __init__(self, topic, message_type):
+        self.messages = []
+        self._arrived = threading.Condition()
+        self._subscriber = rospy.Subscriber(topic, message_type, self._on_message, tcp_nodelay=True)
+
+    def _on_message(self, message):
+        with self._arrived:
+            self.messages.append((time.monotonic(), message))
+            self._arrived.notify_all()
+
+    def wait(self, matches, limit_s=LIMIT_S):
+        """Return the first message that matches, None if none comes in time."""
+        found = []
+
+        def look():
+            found[:] = [m for _, m in self.messages if matches(m)]
+            return found
+
+        with self._arrived:
+            self._arrived.wait_for(look, limit_s)
+        return found[0] if found else None
+
+    def time_of(self, matches):
+        return next(at for at, message in self.messages if matches(message))
+
+    def clear(self):
+        self.messages = []
+
+
+class Engine:
+    """An engine, as its operators see it."""
+
+    def __init__(self, namespace=""):
+        self.library = BehaviorLibrary()
+        self.status = Recorder(f"{namespace}flexbe/status", BEStatus)
+        self.log = Recorder(f"{namespace}flexbe/log", BehaviorLog)
+        self.updates = Recorder(f"{namespace}flexbe/behavior_update", String)
+        self.feedback = Recorder(f"{namespace}flexbe/command_feedback", CommandFeedback)
+        self.requests = Recorder(f"{namespace}flexbe/outcome_request", OutcomeRequest)
+        self.outcomes = Recorder(f"{namespace}flexbe/mirror/outcome", UInt8)
+        self.structure = Recorder(f"{namespace}flexbe/mirror/structure", ContainerStructure)
+        self.sync = Recorder(f"{namespace}flexbe/mirror/sync", BehaviorSync)
+        self._namespace = namespace
+        self._publishers = {}
+        self.publisher("start_behavior", BehaviorSelection)
+
+    def publisher(self, name, message_type):
+        topic = f"{self._namespace}flexbe/{name}"
+        if topic not in self._publishers:
+            publisher = rospy.Publisher(topic, message_type, queue_size=10, tcp_nodelay=True)
+            wait_until(lambda: publisher.get_num_connections() > 0)
+            self._publishers[topic] = publisher
+        return self._publishers[topic]
+
+    def send(self, name, message):
+        self.publisher(name, type(message)).publish(message)
+
+    def selection(self, name, level=255, inputs=None, **parameters):
+        behavior_id, _ = self.library.find_behavior(name)
+        text = Path(self.library.get_sourcecode_filepath(behavior_id)).read_text()
+        inputs = inputs or {}
+        return BehaviorSelection(
+            behavior_id=behavior_id,
+            behavior_checksum=checksum(text),
+            autonomy_level=level,
+            arg_keys=list(parameters),
+            arg_values=[str(value) for value in parameters.values()],
+            input_keys=list(inputs),
+            input_values=list(inputs.values()),
+        )
+
+    def clear(self):
+        for recorder in vars(self).values():
+            if isinstance(recorder, Recorder):
+                recorder.clear()
+
+    def start(self, *args, **kwargs):
+        self.clear()
+        selection = self.selection(*args, **kwargs)
+        self.send("start_behavior", selection)
+        return selection
+
+    def ended(self, limit_s=LIMIT_S):
+        """Return the status that ends a run, or refuses it."""
+        ends = (BEStatus.FINISHED, BEStatus.FAILED, BEStatus.ERROR)
+        return self.status.wait(lambda m: m.code in ends, limit_s)
+
+    def is_at(self, path):
+        return self.updates.wait(lambda m: m.data == path) is not None
+
+    def stop(self):
+        self.send("command/preempt", Empty())
+
+
+class HangingServer:
+    """An action server that answers when it is told to, or cancelled."""
+
+    def __init__(self, topic):
+        self.goals, self.cancelled = [], Recorder(f"{topic}/cancel", actionlib.GoalID)
+        self._server = actionlib.ActionServer(
+            topic, TestAction, self._on_goal, lambda h: h.set_canceled(), auto_start=False
+        )
+        self._server.start()
+
+    def _on_goal(self, handle):
+        handle.set_accepted()
+        self.goals.append(handle)
+
+    def answer(self):
+        self.goals[-1].set_succeeded(TestResult())
+
+
+def wait_until(condition, limit_s=LIMIT_S):
+    limit = time.monotonic() + limit_s
+    while not condition() and time.monotonic() < limit:
+        time.sleep(0.005)
+    return condition()
+
+
+class OnboardTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.engine = Engine()
+        cls.server = HangingServer("test_action")
+        assert cls.engine.status.wait(lambda m: m.code == BEStatus.READY)
+
+    def setUp(self):
+        self.server.goals.clear()
+        self.server.cancelled.clear()
+
+    def assert_ends(self, code, args=(), limit_s=LIMIT_S):
+        status = self.engine.ended(limit_s)
+        self.assertIsNotNone(status, "no end in time")
+        self.assertEqual((status.code, tuple(status.args)), (code, tuple(args)), self.told())
+        return status
+
+    def told(self):
+        return [message.text for _, message in self.engine.log.messages]
+
+    def assert_told(self, text):
+        found = self.engine.log.wait(lambda m: text in m.text)
+        self.assertIsNotNone(found, f"{text!r} not in {self.told()}")
+
+    # Runs
+
+    def test_the_engine_lives(self):
+        beats = Recorder("flexbe/heartbeat", Empty)
+        self.assertIsNotNone(beats.wait(lambda m: True))
+
+    def test_a_behavior_runs_to_its_end(self):
+        selection = self.engine.start("Quick Test", wait_time=0.2)
+        status = self.assert_ends(BEStatus.FINISHED, ["finished"])
+        self.assertEqual(status.behavior_id, selection.behavior_checksum)
+        codes = [m.code for _, m in self.engine.status.messages]
+        self.assertEqual(codes, [BEStatus.STARTED, BEStatus.FINISHED])
+        self.assertTrue(self.engine.is_at("/Say"))
+        self.assertTrue(self.engine.is_at("/Wait"))
+        self.assert_told("hello")
+
+    def test_the_next_behavior_may_start_right_after_the_last(self):
+        for _ in range(5):
+            self.engine.start("Quick Test", wait_time=0)
+            self.assert_ends(BEStatus.FINISHED, ["finished"])
+
+    def test_parameters_and_inputs_arrive(self):
+        self.engine.start("Input Test", inputs={"part": "{'pins': [1, 2]}", "name": "A 7"})
+        self.assert_ends(BEStatus.FINISHED, ["finished"])
+        self.assert_told("pins [1, 2] of A 7")
+
+    def test_userdata_can_be_asked_for(self):
+        self.engine.start("Input Test", inputs={"part": "{'pins': [1]}"}, wait_time=1.0)
+        self.assertTrue(self.engine.is_at("/Wait"))
+        ask = rospy.ServiceProxy("flexbe/get_userdata", GetUserdata)
+        answer = ask("part")
+        self.assertTrue(answer.success, answer.message)
+        (info,) = answer.userdata
+        self.assertEqual((info.state, info.key, info.data), ("Input Test", "part", "{'pins': [1]}"))
+        self.assertFalse(ask("nothing").success)
+        self.engine.stop()
+        self.engine.ended()
+        self.assertFalse(ask("").success)
+
+    # Preempt
+
+    def preempt_goal(self, topic):
+        self.engine.publisher(topic, Empty)
+        self.engine.start("Goal Test")
+        self.assertTrue(wait_until(lambda: self.server.goals))
+        asked = time.monotonic()
+        self.engine.send(topic, Empty())
+        self.assert_ends(BEStatus.FINISHED, ["preempted"])
+        self.assertIsNotNone(self.server.cancelled.wait(lambda m: True))
+        self.assertLess(self.server.cancelled.time_of(lambda m: True) - asked, 0.5)
+        self.assert_told("stop of the goal state")
+        self.assertEqual(self.told().count("exit of the goal state"), 1)
+        self.assertEqual(self.told().count("stop of the goal state"), 1)
+
+    def test_preempt_cancels_the_goal_and_exits_once(self):
+        self.preempt_goal("command/preempt")
+
+    def test_the_preempt_topic_of_the_deliverable_does_the_same(self):
+        self.preempt_goal("commands/preempt")
+
+    def test_a_preempt_while_nothing_runs_stops_nothing_later(self):
+        self.engine.stop()
+        self.engine.start("Quick Test", wait_time=0.1)
+        self.assert_ends(BEStatus.FINISHED, ["finished"])
+
+    # Results
+
+    def test_a_result_wakes_the_state_at_once(self):
+        self.engine.start("Goal Test")
+        self.assertTrue(wait_until(lambda: self.server.goals))
+        time.sleep(0.03)  # away from the moment of sending, where the state is executed anyway
+        answered = time.monotonic()
+        self.server.answer()
+        self.assert_ends(BEStatus.FINISHED, ["finished"])
+        ended = self.engine.status.time_of(lambda m: m.code == BEStatus.FINISHED)
+        self.assertLess(ended - answered, 0.04, "a transition waited for a 10 Hz tick")
+        self.assertEqual(self.server.cancelled.messages, [])
+
+    # Failures
+
+    def test_a_state_that_raises_ends_the_behavior_and_not_the_engine(self):
+        self.engine.start("Faulty Test", how="raise")
+        self.assert_ends(BEStatus.FAILED)
+        self.assert_told("/Faulty: RuntimeError: no camera image")
+        self.engine.start("Quick Test", wait_time=0)
+        self.assert_ends(BEStatus.FINISHED, ["finished"])
+
+    def test_an_undeclared_outcome_ends_the_behavior(self):
+        self.engine.start("Faulty Test", how="undeclared")
+        self.assert_ends(BEStatus.FAILED)
+        self.assert_told("returned 'undeclared'; outcomes with a transition: 'done'")
+
+    def test_supervised_a_state_that_raises_is_held_for_the_operator(self):
+        self.engine.start("Faulty Test", level=3, how="raise")
+        self.assert_told("it stays active and is tried again")
+        self.assertIsNone(self.engine.ended(0.5))
+        self.engine.send("command/transition", OutcomeRequest(0, "Faulty"))
+        self.assert_ends(BEStatus.FINISHED, ["finished"])
+
+    def lose_server(self, **parameters):
+        script = (
+            "import rospy, actionlib; from actionlib.msg import TestAction;"
+            "rospy.init_node('victim');"
+            "s = actionlib.ActionServer('lost_action', TestAction, lambda h: h.set_accepted(),"
+            " auto_start=False); s.start(); rospy.spin()"
+        )
+        victim = subprocess.Popen([sys.executable, "-c", script])
+        try:
+            wait_until(lambda: "/victim" in rosnode.get_node_names())
+            self.engine.start("Goal Test", topic="lost_action", **parameters)
+            self.assertTrue(self.engine.is_at("/Goal"))
+            self.assertIsNone(self.engine.ended(0.5))
+            os.kill(victim.pid, signal.SIGKILL)
+            killed = time.monotonic()
+            self.assertIsNotNone(self.engine.ended())
+            return time.monotonic() - killed
+        finally:
+            victim.kill()
+            victim.wait()
+
+    def test_a_state_that_watches_notices_a_dead_server(self):
+        self.assertLess(self.lose_server(), 1.0)
+        self.assert_ends(BEStatus.FINISHED, ["failed"])
+
+    def test_a_state_that_does_not_watch_fails_when_its_server_dies(self):
+        self.assertLess(self.lose_server(watch=False), 3.0)
+        self.assert_ends(BEStatus.FAILED)
+        self.assert_told("action server lost_action has gone away during a goal")
+
+    # Refusals
+
+    def refuse(self, text, **changes):
+        selection = self.engine.selection("Quick Test")
+        for name, value in changes.items():
+            setattr(selection, name, value)
+        self.engine.clear()
+        self.engine.send("start_behavior", selection)
+        status = self.assert_ends(BEStatus.ERROR)
+        self.assertEqual(status.behavior_id, selection.behavior_checksum)
+        self.assert_told(text)
+
+    def test_an_unknown_behavior_is_refused_with_those_there_are(self):
+        self.refuse("there is no behavior with id 5", behavior_id=5)
+        self.assert_told("Quick Test")
+
+    def test_another_version_of_the_source_is_refused(self):
+        self.refuse("is another version here", behavior_checksum=17)
+
+    def test_a_parameter_that_makes_no_sense_is_refused(self):
+        text = "parameter 'wait_time' takes a value of type float, found 'soon'"
+        self.refuse(text, arg_keys=["wait_time"], arg_values=["soon"])
+
+    def test_modifications_are_refused_with_the_argument_that_allows_them(self):
+        self.refuse("modifications:=true", modifications=[BehaviorModification(0, 0, "x = 1\n")])
+
+    def test_a_behavior_that_cannot_be_built_is_refused(self):
+        self.engine.start("Faulty Test", how="build")
+        self.assert_ends(BEStatus.ERROR)
+        self.assert_told("cannot build FaultySM: ValueError: nothing to build from")
+
+    def test_a_second_start_is_refused_and_disturbs_nothing(self):
+        first = self.engine.start("Quick Test", wait_time=0.8)
+        self.assertTrue(self.engine.is_at("/Wait"))
+        self.engine.send("start_behavior", self.engine.selection("Goal Test"))
+        refused = self.assert_ends(BEStatus.ERROR)
+        self.assertNotEqual(refused.behavior_id, first.behavior_checksum)
+        self.assert_told("behavior 'Quick Test' is running; stop it first")
+        self.assertIsNotNone(self.engine.feedback.wait(lambda m: m.command == "switch"))
+        self.assertEqual(self.engine.feedback.messages[0][1].args, ["failed"])
+        finished = self.engine.status.wait(lambda m: m.code == BEStatus.FINISHED)
+        self.assertEqual(finished.behavior_id, first.behavior_checksum)
+
+    # Sources
+
+    def test_a_package_that_comes_later_and_changes_between_runs(self):
+        source = LATE_PACKAGES / "late_behaviors" / "src" / "late_behaviors"
+        try:
+            self.write_late_package(source, "first")
+            self.engine.start("Late Test")
+            self.assert_ends(BEStatus.FINISHED, ["finished"])
+            self.assert_told("the first text")
+            # As long as before and within the same second: Python would take its old bytecode.
+            self.write_late_package(source, "other")
+            self.engine.start("Late Test")
+            self.assert_ends(BEStatus.FINISHED, ["finished"])
+            self.assert_told("the other text")
+        finally:
+            shutil.rmtree(LATE_PACKAGES, ignore_errors=True)
+
+    @staticmethod
+    def write_late_package(source, word):
+        folder = source.parents[1]
+        (folder / "manifest").mkdir(parents=True, exist_ok=True)
+        source.mkdir(parents=True, exist_ok=True)
+        (folder / "package.xml").write_text(
+            "<package format='3'><name>late_behaviors</name><export><flexbe_behaviors/>"
+            "<flexbe_states/></export></package>"
+        )
+        (folder / "manifest" / "late.xml").write_text(
+            "<behavior name='Late Test'>"
+            "<executable package_path='late_behaviors.late_sm' class='LateSM'/></behavior>"
+        )
+        (source / "__init__.py").write_text("")
+        (source / "text.py").write_text(f"TEXT = 'the {word} text'\n")
+        (source / "late_sm.py").write_text(
+            "from flexbe_core import Behavior, OperatableStateMachine\n"
+            "from flexbe_states.log_state import LogState\n"
+            "from late_behaviors.text import TEXT\n"
+            "class LateSM(Behavior):\n"
+            "    def __init__(self):\n"
+            "        super().__init__()\n"
+            "        self.name = 'Late Test'\n"
+            "    def create(self):\n"
+            "        root = OperatableStateMachine(outcomes=['finished'])\n"
+            "        with root:\n"
+            "            OperatableStateMachine.add('Say', LogState(TEXT), {'done': 'finished'})\n"
+            "        return root\n"
+        )
+
+    def test_an_engine_that_allows_modifications_applies_them(self):
+        engine = Engine("open/")
+        selection = engine.selection("Quick Test", wait_time=0)
+        text = Path(engine.library.get_sourcecode_filepath(selection.behavior_id)).read_text()
+        begin = text.index('"hello"')
+        changed = text[:begin] + '"changed"' + text[begin + len('"hello"') :]
+        selection.behavior_checksum = checksum(changed)
+        selection.modifications = [BehaviorModification(begin, begin + len('"hello"'), '"changed"')]
+        engine.clear()
+        engine.send("start_behavior", selection)
+        self.assertEqual(engine.ended().args, ["finished"])
+        self.assertIsNotNone(engine.log.wait(lambda m: m.text == "changed"))
+        self.assertEqual(self.engine.log.wait(lambda m: m.text == "changed", 0.0), None)
+
+    # Supervision
+
+    def test_an_operator_is_asked_and_decides(self):
+        self.engine.start("Quick Test", level=0, wait_time=0)
+        request = self.engine.requests.wait(lambda m: m.target == "/Say")
+        self.assertEqual(request.outcome, 0)
+        self.engine.send("command/transition", OutcomeRequest(0, "Say"))
+        feedback = self.engine.feedback.wait(lambda m: m.command == "transition")
+        self.assertEqual(feedback.args, ["Say", "Say"])
+        self.assertIsNotNone(self.engine.outcomes.wait(lambda m: m.data == 0))
+        self.assertIsNotNone(self.engine.requests.wait(lambda m: m.target == "/Wait"))
+        self.engine.send("command/autonomy", UInt8(1))
+        self.assert_ends(BEStatus.FINISHED, ["finished"])
+
+    def test_a_mirror_and_an_operator_can_join_an_unsupervised_behavior(self):
+        selection = self.engine.start("Goal Test")
+        self.assertTrue(wait_until(lambda: self.server.goals))
+        self.engine.send("request_mirror_structure", Int32(selection.behavior_checksum))
+        structure = self.engine.structure.wait(lambda m: True)
+        self.assertEqual(structure.behavior_id, selection.behavior_checksum)
+        self.assertEqual([c.path for c in structure.containers], ["", "/Goal"])
+        self.engine.send("command/attach", UInt8(1))
+        attached = self.engine.feedback.wait(lambda m: m.command == "attach")
+        self.assertEqual(attached.args, ["Goal Test"])
+        sync = self.engine.sync.wait(lambda m: True)
+        self.assertEqual(sync.current_state_checksum, checksum("/Goal"))
+        self.engine.send("command/pause", Bool(True))
+        self.assertIsNotNone(self.engine.feedback.wait(lambda m: m.command == "pause"))
+        self.server.answer()
+        self.assertIsNone(self.engine.ended(0.3))
+        self.engine.send("command/pause", Bool(False))
+        self.assert_ends(BEStatus.FINISHED, ["finished"])
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_onboard")
+    rostest.rosrun("flexbe_onboard", "test_onboard", OnboardTest)

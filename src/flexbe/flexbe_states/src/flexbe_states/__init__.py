@@ -1,0 +1,1 @@
+"""States of general use, one per module."""

@@ -1,0 +1,33 @@
+"""Check a condition."""
+
+from flexbe_core import EventState, Logger
+
+
+class CheckConditionState(EventState):
+    """Ask a predicate about a value.
+
+    -- predicate  function  Function of one argument; returns true or false.
+
+    ># input_value  object  Argument of the predicate.
+
+    <= true   The predicate says so.
+    <= false  The predicate denies it. If it fails, the last answer counts, false at first.
+
+    """
+
+    def __init__(self, predicate):
+        """Take the predicate."""
+        super().__init__(outcomes=["true", "false"], input_keys=["input_value"])
+        self._predicate = predicate
+        self._outcome = "false"
+
+    def on_enter(self, userdata):
+        """Ask the predicate."""
+        try:
+            self._outcome = "true" if self._predicate(userdata.input_value) else "false"
+        except Exception as error:  # noqa: BLE001 - the predicate is the user's
+            Logger.logwarn("%s: the predicate failed: %s", self.name, error)
+
+    def execute(self, userdata):
+        """Return the answer."""
+        return self._outcome

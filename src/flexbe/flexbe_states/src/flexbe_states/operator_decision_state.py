@@ -1,0 +1,28 @@
+"""Let the operator decide."""
+
+from flexbe_core import EventState, Logger
+
+
+class OperatorDecisionState(EventState):
+    """Let the operator choose the outcome.
+
+    -- outcomes    string[]  The outcomes to choose from.
+    -- hint        string    Told to the operator on entry; None tells nothing.
+    -- suggestion  string    Outcome that is taken if autonomy allows; None always waits.
+
+    """
+
+    def __init__(self, outcomes, hint=None, suggestion=None):
+        """Take what to tell and to suggest."""
+        super().__init__(outcomes=outcomes)
+        self._hint = hint
+        self._suggestion = suggestion
+
+    def on_enter(self, userdata):
+        """Tell the hint."""
+        if self._hint is not None:
+            Logger.loghint(self._hint)
+
+    def execute(self, userdata):
+        """Suggest an outcome, if there is one to suggest."""
+        return self._suggestion if self._suggestion in self.outcomes else None

@@ -1,0 +1,28 @@
+"""Provide a constant."""
+
+from flexbe_core import EventState
+
+
+class UserDataState(EventState):
+    """Put a value into userdata.
+
+    -- data  object  The value.
+
+    #> data  object  The value.
+
+    <= done  It is there.
+
+    """
+
+    def __init__(self, data):
+        """Take the value."""
+        super().__init__(outcomes=["done"], output_keys=["data"])
+        self._data = data
+
+    def on_enter(self, userdata):
+        """Hand out the value."""
+        userdata.data = self._data
+
+    def execute(self, userdata):
+        """Return at once."""
+        return "done"

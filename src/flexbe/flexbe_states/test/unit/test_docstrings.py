@@ -1,0 +1,75 @@
+"""Docstrings follow the grammar that the FlexBE App reads, and tell what the code does.
+
+-- parameter type text      ># input key type text
+#> output key type text     <= outcome text
+"""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+SOURCES = sorted((Path(__file__).parents[2] / "src" / "flexbe_states").glob("*_state.py"))
+MARKERS = {"--": "parameters", ">#": "input_keys", "#>": "output_keys", "<=": "outcomes"}
+
+# What the constructor takes from a parameter of this name is declared by the caller.
+BY_CALLER = {"outcomes", "input_keys"}
+
+
+def state_class(path):
+    (definition,) = [n for n in ast.parse(path.read_text()).body if isinstance(n, ast.ClassDef)]
+    return definition
+
+
+def documented(definition):
+    """Map each kind of entry to its names, in order."""
+    found = {kind: [] for kind in MARKERS.values()}
+    for line in ast.get_docstring(definition).splitlines():
+        match = re.match(r"(--|>#|#>|<=)\s+(\S+)", line)
+        if match:
+            found[MARKERS[match[1]]].append(match[2])
+    return found
+
+
+def declared(definition):
+    """Return what the constructor takes and declares; names only, as the App finds them."""
+    (init,) = [n for n in definition.body if getattr(n, "name", "") == "__init__"]
+    calls = [n for n in ast.walk(init) if isinstance(n, ast.Call)]
+    (call,) = [c for c in calls if getattr(c.func, "attr", "") == "__init__"]
+    found = {"parameters": [a.arg for a in init.args.args[1:]]}
+    for kind in ("input_keys", "output_keys", "outcomes"):
+        values = [k.value for k in call.keywords if k.arg == kind]
+        found[kind] = []
+        for value in values:
+            if isinstance(value, ast.List):
+                found[kind] = [item.value for item in value.elts]
+            else:
+                assert value.id in BY_CALLER
+                found[kind] = ["by the caller"]
+    return found
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.stem)
+def test_a_docstring_tells_what_the_state_declares(path):
+    definition = state_class(path)
+    told, code = documented(definition), declared(definition)
+    assert told["parameters"] == code["parameters"]
+    for kind in ("input_keys", "output_keys", "outcomes"):
+        if code[kind] != ["by the caller"]:
+            assert told[kind] == code[kind], kind
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.stem)
+def test_the_only_base_is_event_state(path):
+    assert [base.id for base in state_class(path).bases] == ["EventState"]
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.stem)
+def test_file_and_class_have_the_same_name(path):
+    words = re.sub(r"(?<!^)(?=[A-Z])", "_", state_class(path).name).lower()
+    assert words == path.stem
+
+
+def test_there_are_states_to_look_at():
+    assert SOURCES

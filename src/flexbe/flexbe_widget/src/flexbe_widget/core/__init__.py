@@ -1,0 +1,1 @@
+"""What start requests and statuses mean, without ROS."""

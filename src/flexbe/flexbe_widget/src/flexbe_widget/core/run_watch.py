@@ -1,0 +1,90 @@
+"""Follow one run by what the engine says about it.
+
+    SENT --STARTED--> RUNNING --FINISHED, FAILED--> ended
+      |                  |
+      +--ERROR----> ended (refused)
+      +--READY-----------+----> ended (the engine was started anew)
+      +--silence---------+----> ended (the engine is gone)
+
+Statuses carry the checksum of the behavior's source; those of other behaviors are left alone. Any
+number of statuses may have come before the request was sent; they tell what the engine is doing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from flexbe_core.engine.supervision import PREEMPTED
+
+# [s] Wall time without a heartbeat (they come each second) after which the engine counts as gone.
+SILENCE_S = 5.0
+
+
+class Code(Enum):
+    """Codes of flexbe_msgs/BEStatus that matter here."""
+
+    STARTED = 0
+    FINISHED = 1
+    FAILED = 2
+    SWITCHING = 6
+    ERROR = 11
+    READY = 20
+
+
+class End(Enum):
+    """How a run ended."""
+
+    FINISHED = "finished"
+    PREEMPTED = "preempted"
+    FAILED = "failed"
+    REFUSED = "refused"
+    RESTARTED = "restarted"
+    LOST = "lost"
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a run ended, and with what outcome if it has one."""
+
+    end: End
+    outcome: str = ""
+
+
+class RunWatch:
+    """One run, from the request on.
+
+    Attributes:
+        is_running: whether the engine has begun with it.
+    """
+
+    def __init__(self, behavior_id: int) -> None:
+        """Follow the run of the behavior whose source has this checksum; it was just asked for."""
+        self._behavior_id = behavior_id
+        self.is_running = False
+
+    def on_status(self, code: int, behavior_id: int, args: tuple[str, ...]) -> Ending | None:
+        """Return how the run ended, if a status says so."""
+        if code == Code.READY.value:
+            return Ending(End.RESTARTED)
+        if behavior_id != self._behavior_id:
+            return None
+        if code == Code.STARTED.value:
+            self.is_running = True
+        elif code == Code.ERROR.value and not self.is_running:
+            return Ending(End.REFUSED)
+        elif self.is_running and code == Code.FAILED.value:
+            return Ending(End.FAILED)
+        elif self.is_running and code == Code.FINISHED.value:
+            outcome = args[0] if args else ""
+            return Ending(End.PREEMPTED if outcome == PREEMPTED else End.FINISHED, outcome)
+        return None
+
+    def on_silence(self, silent_s: float) -> Ending | None:
+        """Return how the run ended, if the engine has been silent [s] for too long."""
+        return Ending(End.LOST) if silent_s > SILENCE_S else None
+
+
+def is_busy(code: int) -> bool:
+    """Return whether an engine whose last status this is runs a behavior."""
+    return code in (Code.STARTED.value, Code.SWITCHING.value)

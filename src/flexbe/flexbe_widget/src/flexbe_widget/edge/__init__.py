@@ -1,0 +1,1 @@
+"""Files that values come from."""

@@ -1,0 +1,89 @@
+"""Values that are kept in files.
+
+A file is named absolutely, from home (~/...), or from a ROS package (package/folder/file). Behind
+it, :key chooses an entry of a YAML file; :outer/inner an entry of an entry.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import rospkg
+import yaml
+
+from flexbe_widget.errors import RequestError
+
+_SCHEME = "file://"
+
+# [bytes] A value is sent in a message; a longer file was meant for something else.
+_LONGEST_FILE = 1 << 24
+
+
+def resolved(value: str) -> str:
+    """Return the value, or the content of the file that it names with file://.
+
+    Raises:
+        RequestError: if the file cannot be read, or has no such entry.
+    """
+    if not value.startswith(_SCHEME):
+        return value
+    name, key = _split(value.removeprefix(_SCHEME))
+    text = _read(name)
+    return _dumped(_entry(name, text, key)) if key else text
+
+
+def yaml_text(place: str) -> str:
+    """Return as YAML text what a YAML file holds, or the entry of it behind the colon.
+
+    Raises:
+        RequestError: if the file cannot be read, or has no such entry.
+    """
+    name, key = _split(place)
+    return _dumped(_entry(name, _read(name), key))
+
+
+def _split(place: str) -> tuple[str, str]:
+    name, _, key = place.partition(":")
+    return name, key
+
+
+def _read(name: str) -> str:
+    path = _path(name)
+    try:
+        if path.stat().st_size > _LONGEST_FILE:
+            raise RequestError(f"file {path} is longer than {_LONGEST_FILE} bytes")
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise RequestError(f"cannot read file {path}: {error}") from error
+
+
+def _path(name: str) -> Path:
+    if name.startswith(("/", "~")):
+        return Path(name).expanduser()
+    package, _, rest = name.partition("/")
+    try:
+        return Path(rospkg.RosPack().get_path(package)) / rest
+    except (rospkg.ResourceNotFound, OSError) as error:
+        raise RequestError(
+            f"cannot find file {name!r}: there is no ROS package {package!r}; "
+            "write package/file, ~/file or /file"
+        ) from error
+
+
+def _entry(name: str, text: str, key: str) -> object:
+    try:
+        found = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise RequestError(f"file {name} is no YAML: {error}") from error
+    for part in key.split("/") if key else ():
+        if not isinstance(found, dict) or part not in found:
+            there = ", ".join(map(str, found)) if isinstance(found, dict) else "no entries"
+            raise RequestError(f"file {name} has no entry {key!r}; at {part!r} there are: {there}")
+        found = found[part]
+    return found
+
+
+def _dumped(value: object) -> str:
+    if isinstance(value, str):
+        return value
+    return yaml.safe_dump(value, default_flow_style=True).removesuffix("...\n").strip()

@@ -1,0 +1,131 @@
+"""The line to the behavior engine: requests out, statuses and news in."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import rospy
+from flexbe_msgs.msg import BehaviorLog, BehaviorSelection, BEStatus
+from std_msgs.msg import Empty, String
+
+# [s] Wall time by which the reason for a status may come behind it.
+_LOG_LIMIT_S = 0.5
+
+
+@dataclass(frozen=True)
+class Status:
+    """The engine says what it is doing."""
+
+    code: int
+    behavior_id: int
+    args: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Entered:
+    """The behavior is at another state."""
+
+    path: str
+
+
+@dataclass(frozen=True)
+class Logged:
+    """The engine, or a state, tells something."""
+
+    severity: int
+    text: str
+
+
+@dataclass(frozen=True)
+class Connected:
+    """The engine hears requests."""
+
+
+Event = Status | Entered | Logged | Connected
+
+
+class _Listener(rospy.SubscribeListener):
+    """Tells when the engine subscribes to requests."""
+
+    def __init__(self, on_event: Callable[[Event], None]) -> None:
+        self._on_event = on_event
+
+    def peer_subscribe(self, topic_name: str, topic_publish: object, peer_publish: object) -> None:
+        """Tell it."""
+        self._on_event(Connected())
+
+
+class EngineLink:
+    """The engine as its clients see it.
+
+    Attributes:
+        last_status: what the engine said last; None if it has said nothing yet.
+        last_error: the last error that was told since the last request.
+    """
+
+    def __init__(self, on_event: Callable[[Event], None]) -> None:
+        """Call `on_event` with whatever the engine says, from several threads."""
+        self.last_status: Status | None = None
+        self.last_error = ""
+        self._on_event = on_event
+        self._heard = time.monotonic()
+        self._told = threading.Condition()
+        self._start = rospy.Publisher(
+            "flexbe/start_behavior",
+            BehaviorSelection,
+            subscriber_listener=_Listener(on_event),
+            queue_size=100,
+        )
+        self._preempt = rospy.Publisher("flexbe/command/preempt", Empty, queue_size=100)
+        rospy.Subscriber("flexbe/status", BEStatus, self._on_status, tcp_nodelay=True)
+        rospy.Subscriber("flexbe/heartbeat", Empty, self._on_heartbeat)
+        rospy.Subscriber("flexbe/behavior_update", String, self._on_update, tcp_nodelay=True)
+        rospy.Subscriber("flexbe/log", BehaviorLog, self._on_log)
+
+    @property
+    def is_there(self) -> bool:
+        """Return whether an engine has said what it is doing, and hears requests."""
+        return self.last_status is not None and self._start.get_num_connections() > 0
+
+    def start(self, request: BehaviorSelection) -> None:
+        """Ask for a behavior."""
+        self.last_error = ""
+        self._start.publish(request)
+
+    def preempt(self) -> None:
+        """Ask to stop what runs."""
+        self._preempt.publish()
+
+    def silent_s(self) -> float:
+        """Return how long [s] of wall time nothing has been heard."""
+        return time.monotonic() - self._heard
+
+    def why(self, limit_s: float = _LOG_LIMIT_S) -> str:
+        """Return the error that was told since the last request, waiting for it for a while [s].
+
+        It is told before the status that it explains, but on another connection.
+        """
+        with self._told:
+            self._told.wait_for(lambda: self.last_error, limit_s)
+        return self.last_error
+
+    def _on_status(self, message: BEStatus) -> None:
+        self._heard = time.monotonic()
+        self.last_status = Status(message.code, message.behavior_id, tuple(message.args))
+        self._on_event(self.last_status)
+
+    def _on_heartbeat(self, message: Empty) -> None:
+        self._heard = time.monotonic()
+
+    def _on_update(self, message: String) -> None:
+        self._on_event(Entered(message.data))
+
+    def _on_log(self, message: BehaviorLog) -> None:
+        if message.status_code == BehaviorLog.ERROR:
+            with self._told:
+                self.last_error = message.text
+                self._told.notify_all()
+        self._on_event(Logged(message.status_code, message.text))

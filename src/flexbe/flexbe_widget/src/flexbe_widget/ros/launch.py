@@ -1,0 +1,129 @@
+"""Run one behavior from the command line."""
+
+from __future__ import annotations
+
+import queue
+import sys
+import time
+
+from flexbe_msgs.msg import BehaviorLog, BehaviorSelection
+
+from flexbe_widget.core.exit_code import ExitCode, exit_code
+from flexbe_widget.core.run_watch import End, Ending, RunWatch, is_busy
+from flexbe_widget.ros.engine_link import EngineLink, Entered, Logged, Status
+
+# [s] Wall time between two looks at the heartbeat.
+_LOOK_EVERY_S = 0.5
+
+# [s] Wall time after which waiting for the engine is told.
+_TELL_AFTER_S = 0.5
+
+_TOLD = {BehaviorLog.WARN: "warning", BehaviorLog.ERROR: "error", BehaviorLog.HINT: "hint"}
+
+
+class Launch:
+    """One behavior, from the request to its end, told on the terminal."""
+
+    def __init__(self, name: str) -> None:
+        """Connect to the engine, to run the behavior with this display name."""
+        self._name = name
+        self._events: queue.SimpleQueue[object] = queue.SimpleQueue()
+        self._link = EngineLink(self._events.put)
+
+    def run(self, request: BehaviorSelection, wait_s: float) -> ExitCode:
+        """Run the behavior and return how it ended.
+
+        Args:
+            request: what to ask the engine for.
+            wait_s: [s] how long to wait for an engine that is there and free.
+        """
+        if not self._wait_for_engine(wait_s):
+            return ExitCode.NO_ENGINE
+        watch = RunWatch(request.behavior_checksum)
+        self._link.start(request)
+        ending = self._follow(watch)
+        if ending.end in (End.FAILED, End.REFUSED):
+            self._link.why()
+            self._tell_rest()
+        say(self._told(ending))
+        return exit_code(ending)
+
+    def _wait_for_engine(self, wait_s: float) -> bool:
+        """Wait until the engine is there and free; return whether it is."""
+        begin = time.monotonic()
+        told = ""
+        while self._hindrance():
+            waited_s = time.monotonic() - begin
+            if waited_s >= wait_s:
+                say(f"{self._hindrance()}; gave up after {wait_s:g} s")
+                return False
+            if waited_s >= _TELL_AFTER_S and told != self._hindrance():
+                told = self._hindrance()
+                say(f"{told}; waiting up to {wait_s:g} s")
+            self._next_event(min(_TELL_AFTER_S, wait_s - waited_s))
+        return True
+
+    def _hindrance(self) -> str:
+        """Return why the behavior cannot be started now; empty if it can."""
+        if not self._link.is_there:
+            return (
+                "there is no behavior engine "
+                "(start it with: roslaunch flexbe_onboard behavior_onboard.launch)"
+            )
+        if is_busy(self._link.last_status.code):
+            return (
+                "the engine runs another behavior "
+                "(stop it with: rostopic pub -1 /flexbe/commands/preempt std_msgs/Empty)"
+            )
+        return ""
+
+    def _follow(self, watch: RunWatch) -> Ending:
+        ending = None
+        while ending is None:
+            event = self._next_event(_LOOK_EVERY_S)
+            if isinstance(event, Status):
+                was_running = watch.is_running
+                ending = watch.on_status(event.code, event.behavior_id, event.args)
+                if watch.is_running and not was_running:
+                    say(f"'{self._name}' runs")
+            elif isinstance(event, Entered) and event.path:
+                say(f"'{self._name}' is at {event.path}")
+            elif isinstance(event, Logged):
+                self._tell_log(event)
+            else:
+                ending = watch.on_silence(self._link.silent_s())
+        return ending
+
+    def _tell_log(self, event: Logged) -> None:
+        if event.severity in _TOLD:
+            say(f"{_TOLD[event.severity]}: {event.text}")
+
+    def _tell_rest(self) -> None:
+        """Tell what was logged until now."""
+        while (event := self._next_event(0.0)) is not None:
+            if isinstance(event, Logged):
+                self._tell_log(event)
+
+    def _next_event(self, timeout_s: float) -> object:
+        """Return what comes next, None if nothing does in time."""
+        try:
+            return self._events.get(timeout=max(0.0, timeout_s))
+        except queue.Empty:
+            return None
+
+    def _told(self, ending: Ending) -> str:
+        text = {
+            End.FINISHED: f"ended with outcome '{ending.outcome}'",
+            End.PREEMPTED: "was stopped",
+            End.FAILED: "failed",
+            End.REFUSED: "was not started",
+            End.RESTARTED: "is gone: the engine was started anew",
+            End.LOST: "is gone: the engine gives no sign of life",
+        }[ending.end]
+        return f"'{self._name}' {text}"
+
+
+def say(text: str) -> None:
+    """Tell the person at the terminal."""
+    sys.stdout.write(f"be_launcher: {text}\n")
+    sys.stdout.flush()

@@ -1,0 +1,94 @@
+"""Pass requests of operators (flexbe/request_behavior) on to the engine."""
+
+from __future__ import annotations
+
+import threading
+
+import rospy
+from flexbe_msgs.msg import BehaviorRequest, BEStatus, ContainerStructure
+from std_msgs.msg import String
+
+from flexbe_core import BehaviorLibrary, Logger
+from flexbe_core.engine.supervision import UNSUPERVISED
+from flexbe_widget.edge.value_file import yaml_text
+from flexbe_widget.errors import RequestError
+from flexbe_widget.ros.engine_link import EngineLink, Event
+from flexbe_widget.ros.start_request import start_request
+
+_YAML = "/YAML:"
+
+# Versions of the FlexBE App before this one speak another protocol.
+_OLDEST_APP = (2, 2, 0)
+
+
+class RequestServer:
+    """Serves flexbe/request_behavior."""
+
+    def __init__(self, wait_s: float) -> None:
+        """Begin to serve.
+
+        Args:
+            wait_s: [s] how long a request waits for an engine.
+        """
+        self._wait_s = wait_s
+        self._library = BehaviorLibrary()
+        self._changed = threading.Condition()
+        self._link = EngineLink(self._on_engine)
+        self._status = rospy.Publisher("flexbe/status", BEStatus, queue_size=100)
+        self._structure = rospy.Publisher(
+            "flexbe/mirror/structure", ContainerStructure, queue_size=100
+        )
+        Logger.initialize()
+        rospy.Subscriber("flexbe/ui_version", String, self._on_version)
+        rospy.Subscriber("flexbe/request_behavior", BehaviorRequest, self._on_request)
+
+    def _on_request(self, message: BehaviorRequest) -> None:
+        threading.Thread(target=self._serve, args=(message,), daemon=True).start()
+
+    def _serve(self, message: BehaviorRequest) -> None:
+        pairs = zip(message.arg_keys, message.arg_values, strict=False)
+        parameters = [_parameter(key, value) for key, value in pairs]
+        try:
+            request = start_request(
+                self._library, message.behavior_name, parameters, (), message.autonomy_level
+            )
+            self._wait_for_engine()
+        except RequestError as error:
+            Logger.logerr("%s", error)
+            self._status.publish(BEStatus(code=BEStatus.ERROR))
+            return
+        if message.autonomy_level != UNSUPERVISED and message.structure:
+            self._structure.publish(request.behavior_checksum, message.structure)
+        self._link.start(request)
+
+    def _wait_for_engine(self) -> None:
+        with self._changed:
+            if not self._changed.wait_for(lambda: self._link.is_there, self._wait_s):
+                raise RequestError(
+                    f"there is no behavior engine; gave up after {self._wait_s:g} s "
+                    "(start it with: roslaunch flexbe_onboard behavior_onboard.launch)"
+                )
+
+    def _on_engine(self, event: Event) -> None:
+        with self._changed:
+            self._changed.notify_all()
+
+    def _on_version(self, message: String) -> None:
+        parts = message.data.split(".")
+        if not all(part.isdigit() for part in parts):
+            rospy.logwarn("the FlexBE App tells a version that is no number: %r", message.data)
+        elif tuple(map(int, parts)) < _OLDEST_APP:
+            oldest = ".".join(map(str, _OLDEST_APP))
+            rospy.logwarn("FlexBE App %s is too old; use %s or later", message.data, oldest)
+
+
+def _parameter(key: str, value: str) -> tuple[str, str]:
+    """Return a parameter with its final value: a key marked as YAML names a file."""
+    if not key.startswith(_YAML):
+        return key, value
+    plain = f"/{key.removeprefix(_YAML)}"
+    try:
+        return plain, yaml_text(value)
+    except RequestError as error:
+        Logger.logwarn("parameter %s keeps its text: %s", plain, error)
+        return plain, value

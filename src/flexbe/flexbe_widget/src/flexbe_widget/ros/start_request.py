@@ -1,0 +1,61 @@
+"""Ask the engine for a behavior."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from flexbe_msgs.msg import BehaviorSelection
+
+from flexbe_core import BehaviorLibrary
+from flexbe_core.engine.checksum import checksum
+from flexbe_core.engine.supervision import UNSUPERVISED
+from flexbe_widget.core.near_names import unknown_behavior
+from flexbe_widget.errors import RequestError
+
+Pairs = Sequence[tuple[str, str]]
+
+
+class UnknownBehaviorError(RequestError):
+    """There is no behavior with the name that was asked for."""
+
+
+def start_request(
+    library: BehaviorLibrary,
+    name: str,
+    parameters: Pairs = (),
+    inputs: Pairs = (),
+    autonomy_level: int = UNSUPERVISED,
+) -> BehaviorSelection:
+    """Return the message that asks the engine for a behavior.
+
+    Args:
+        library: where to look for it.
+        name: its display name.
+        parameters: (key, value) pairs.
+        inputs: (key, value) pairs; values are Python literals.
+        autonomy_level: 255 to run without supervision.
+
+    Raises:
+        UnknownBehaviorError: if there is no such behavior.
+        RequestError: if its source cannot be read.
+    """
+    behavior_id, _ = library.find_behavior(name)
+    if behavior_id is None:
+        raise UnknownBehaviorError(unknown_behavior(name, library.names()))
+    path = library.get_sourcecode_filepath(behavior_id)
+    if path is None:
+        raise RequestError(f"behavior {name!r} has a manifest, but no source file")
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise RequestError(f"cannot read {path}: {error}") from error
+    return BehaviorSelection(
+        behavior_id=behavior_id,
+        behavior_checksum=checksum(text),
+        autonomy_level=autonomy_level,
+        arg_keys=[key for key, _ in parameters],
+        arg_values=[value for _, value in parameters],
+        input_keys=[key for key, _ in inputs],
+        input_values=[value for _, value in inputs],
+    )

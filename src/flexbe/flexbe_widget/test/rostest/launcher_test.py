@@ -1,0 +1,162 @@
+#!/usr/bin/env python3
+"""be_launcher: from the command line, from its launch file, and by topic."""
+
+import os
+import signal
+import subprocess
+import time
+import unittest
+from xmlrpc.client import ServerProxy
+
+import rosgraph
+import rospy
+import rostest
+from flexbe_msgs.msg import BehaviorRequest, BEStatus
+from std_msgs.msg import Empty
+
+from flexbe_widget.core.exit_code import ExitCode
+
+LAUNCHER = ["rosrun", "flexbe_widget", "be_launcher"]
+LIMIT_S = 20.0
+
+
+def wait_until(condition, limit_s=LIMIT_S):
+    limit = time.monotonic() + limit_s
+    while not condition() and time.monotonic() < limit:
+        time.sleep(0.01)
+    return condition()
+
+
+class LauncherTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.statuses = []
+        rospy.Subscriber("flexbe/status", BEStatus, cls.statuses.append)
+        assert wait_until(lambda: cls.statuses)
+
+    def setUp(self):
+        self.statuses.clear()
+
+    def launch(self, *words):
+        """Run be_launcher to its end; return its exit code and what it told."""
+        done = subprocess.run(
+            [*LAUNCHER, *words],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            timeout=LIMIT_S,
+        )
+        return done.returncode, done.stdout
+
+    def begin(self, *words):
+        """Start be_launcher, and return when the behavior runs."""
+        launcher = subprocess.Popen([*LAUNCHER, *words], stdout=subprocess.PIPE, text=True)
+        self.assertTrue(wait_until(lambda: any(s.code == BEStatus.STARTED for s in self.statuses)))
+        return launcher
+
+    def test_a_name_with_blanks_runs_and_the_outcome_is_told(self):
+        code, told = self.launch("-b", "Quick Test")
+        self.assertEqual(code, ExitCode.FINISHED, told)
+        self.assertIn("'Quick Test' is at /Wait", told)
+        self.assertIn("'Quick Test' ended with outcome 'finished'", told)
+
+    def test_options_and_parameters_come_in_any_order(self):
+        code, told = self.launch("wait_time:=0", "-a", "255", "text:=well met", "-b", "Quick Test")
+        self.assertEqual(code, ExitCode.FINISHED, told)
+        self.assertIn("well met", told)
+
+    def test_inputs_arrive(self):
+        code, told = self.launch(
+            "-b", "Input Test", "--input", "part={'pins': [7]}", "-i", "name=B"
+        )
+        self.assertEqual(code, ExitCode.FINISHED, told)
+        self.assertIn("pins [7] of B", told)
+
+    def test_the_outcome_failed_has_an_exit_code(self):
+        code, told = self.launch("-b", "Goal Test", "topic:=nobody/serves/this")
+        self.assertEqual(code, ExitCode.FAILED_OUTCOME, told)
+
+    def test_a_failing_state_has_an_exit_code_and_a_reason(self):
+        code, told = self.launch("-b", "Faulty Test")
+        self.assertEqual(code, ExitCode.FAILED, told)
+        self.assertIn("/Faulty: RuntimeError: no camera image", told)
+
+    def test_an_unknown_behavior_names_near_ones(self):
+        code, told = self.launch("-b", "quick tests")
+        self.assertEqual(code, ExitCode.UNKNOWN_BEHAVIOR)
+        self.assertIn("unknown behavior 'quick tests'; near it: 'Quick Test'", told)
+
+    def test_a_refused_start_tells_why(self):
+        code, told = self.launch("-b", "Quick Test", "wait_time:=soon")
+        self.assertEqual(code, ExitCode.REFUSED)
+        self.assertIn("parameter '/wait_time' takes a value of type float, found 'soon'", told)
+
+    def test_a_senseless_command_line_is_explained(self):
+        code, told = self.launch("-b", "Quick Test", "hello")
+        self.assertEqual(code, ExitCode.USAGE)
+        self.assertIn("'hello' is no option", told)
+
+    def test_a_stopped_behavior_has_an_exit_code(self):
+        stop = rospy.Publisher("flexbe/commands/preempt", Empty, queue_size=1)
+        launcher = self.begin("-b", "Quick Test", "wait_time:=60")
+        wait_until(lambda: stop.get_num_connections() > 0)
+        stop.publish()
+        self.assertIn("was stopped", launcher.communicate(timeout=LIMIT_S)[0])
+        self.assertEqual(launcher.returncode, ExitCode.PREEMPTED)
+
+    def test_a_busy_engine_is_waited_for_up_to_a_bound(self):
+        first = self.begin("-b", "Quick Test", "wait_time:=4")
+        code, told = self.launch("-b", "Quick Test", "--wait", "1")
+        self.assertEqual(code, ExitCode.NO_ENGINE)
+        self.assertIn("the engine runs another behavior", told)
+        code, told = self.launch("-b", "Quick Test", "wait_time:=0")
+        self.assertEqual(code, ExitCode.FINISHED, told)
+        first.communicate(timeout=LIMIT_S)
+        self.assertEqual(first.returncode, ExitCode.FINISHED)
+
+    def test_no_engine_is_told_and_given_up(self):
+        code, told = self.launch("-b", "Quick Test", "--wait", "1", "__ns:=nobody")
+        self.assertEqual(code, ExitCode.NO_ENGINE)
+        self.assertIn("there is no behavior engine", told)
+
+    def test_an_engine_that_is_killed_leaves_nobody_waiting(self):
+        launcher = self.begin("-b", "Quick Test", "wait_time:=60")
+        uri = rosgraph.Master(rospy.get_name()).lookupNode("/behavior")
+        os.kill(ServerProxy(uri).getPid(rospy.get_name())[2], signal.SIGKILL)
+        told, _ = launcher.communicate(timeout=LIMIT_S)
+        self.assertEqual(launcher.returncode, ExitCode.ENGINE_LOST, told)
+        ready = wait_until(lambda: self.statuses and self.statuses[-1].code == BEStatus.READY)
+        self.assertTrue(ready, "the engine was not started anew")
+
+    def test_the_launch_file_keeps_blanks(self):
+        roslaunch = subprocess.run(
+            ["roslaunch", "flexbe_widget", "be_launcher.launch", "behavior_name:=Quick Test"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            timeout=LIMIT_S,
+        )
+        self.assertIn("'Quick Test' ended with outcome 'finished'", roslaunch.stdout)
+
+    def test_requests_by_topic_are_passed_on(self):
+        requests = rospy.Publisher("flexbe/request_behavior", BehaviorRequest, queue_size=1)
+        self.assertTrue(wait_until(lambda: requests.get_num_connections() > 0))
+        requests.publish(
+            BehaviorRequest(
+                behavior_name="Quick Test",
+                autonomy_level=255,
+                arg_keys=["/wait_time"],
+                arg_values=["0"],
+            )
+        )
+        self.assertTrue(wait_until(lambda: any(s.args == ["finished"] for s in self.statuses)))
+        self.statuses.clear()
+        requests.publish(BehaviorRequest(behavior_name="No Such Test"))
+        self.assertTrue(wait_until(lambda: self.statuses))
+        refused = self.statuses[0]
+        self.assertEqual((refused.code, refused.behavior_id), (BEStatus.ERROR, 0))
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_launcher")
+    rostest.rosrun("flexbe_widget", "test_launcher", LauncherTest)
