@@ -58,7 +58,8 @@ class Cell:
                 Code.OTHER_CABLE_HELD,
                 f"the gripper holds end {book.grip.end.value} of {book.feed.wire_id!r}; place it first",
             )
-        laying = self.plant.feed(wire_id, channel_id)
+        laying = self.plant.feed(wire_id, channel_id, self.station.commanded)
+        self.station.arm_restarted()
         straight = np.array([0.0, laying.direction * wire.length])
         expected = {End.A: laying.tip_a, End.B: laying.tip_a + straight}
         book.start_wire(Feed(wire_id, channel_id, laying.direction), expected)

@@ -73,6 +73,10 @@ class Station:
             raise ValueError("no wire has been fed")
         return self.panel.wire(self.book.feed.wire_id)
 
+    def arm_restarted(self) -> None:
+        """Note that the arm stands where it was sent, its fingers open."""
+        self.fingers_open_to = self._plant.robot.finger_gap / 2
+
     def report(self, message: str, share: float) -> None:
         """Tell what is being done and how far it is, 0 to 1."""
         self.progress = Progress(message, max(self.progress.share, share))

@@ -27,10 +27,10 @@ TABLE_SIZE = (1.1, 1.5, 0.04)
 class PanelScene:
     """The bodies of one panel; components can be moved as somebody would who bumps into them."""
 
-    def __init__(self, world: World, panel: Panel) -> None:
-        """Build table, plate, lanes and components at their nominal poses."""
+    def __init__(self, world: World, panel: Panel, poses: dict[str, Pose]) -> None:
+        """Build table, plate, lanes and components; `poses` has each component's frame in the world."""
         self._bullet = world.bullet
-        self._components: dict[str, tuple[int, Pose]] = {}
+        self._components: dict[str, int] = {}
         thickness = panel.size[2]
         plate_x, plate_y, _ = WORLD_FROM_PANEL.position
         table_z = -thickness - TABLE_SIZE[2] / 2
@@ -44,8 +44,7 @@ class PanelScene:
             lane = Box((channel.x, y, 0.0), size, LANE_RGB, solid=False)
             self._static([lane, *_lips(channel)], WORLD_FROM_PANEL)
         for component in panel.components:
-            pose = WORLD_FROM_PANEL @ component.panel_from_component
-            body = self._static(component_boxes(component), pose)
+            body = self._static(component_boxes(component), poses[component.id])
             self._bullet.changeDynamics(
                 body,
                 -1,
@@ -53,24 +52,16 @@ class PanelScene:
                 contactStiffness=CONTACT_STIFFNESS,
                 contactDamping=CONTACT_DAMPING,
             )
-            self._components[component.id] = (body, pose)
+            self._components[component.id] = body
 
     def _static(self, boxes: Iterable[Box], pose: Pose) -> int:
         return add_static(self._bullet, boxes, pose)
 
-    def world_from_component(self, component_id: str) -> Pose:
-        """Return where a component really stands."""
-        return self._components[component_id][1]
-
-    def move_component(self, component_id: str, dx: float, dy: float, dyaw: float) -> None:
-        """Shift a component on the plate, panel frame [m, rad]."""
-        body, pose = self._components[component_id]
-        x, y, z = pose.position
-        moved = Pose.level(x + dx, y + dy, z, pose.yaw + dyaw)
+    def place_component(self, component_id: str, pose: Pose) -> None:
+        """Put a component somewhere else, world frame."""
         self._bullet.resetBasePositionAndOrientation(
-            body, moved.position.tolist(), moved.quaternion.tolist()
+            self._components[component_id], pose.position.tolist(), pose.quaternion.tolist()
         )
-        self._components[component_id] = (body, moved)
 
 
 def _lips(channel: Channel) -> list[Box]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from remodel_sim.core.geometry import Array
+from remodel_sim.core.panel import Wire
 from remodel_sim.core.wire_colours import FERRULE_RGB, WIRE_RGB
 from remodel_sim.physics.world import World
 
@@ -12,27 +13,20 @@ SIDES = 8
 STEP_M = 0.004
 
 
-def park(world: World, nodes: Array, radius: float, ferrule: float, colour: str) -> None:
-    """Draw a wire as smooth tubes that touch nothing.
-
-    Args:
-        world: where to draw.
-        nodes: (n, 3) [m], from tip to tip.
-        radius: over the insulation [m].
-        ferrule: length of each ferrule [m].
-        colour: IEC 60757 code.
-    """
+def draw_parked(world: World, nodes: Array, wire: Wire) -> None:
+    """Draw a wire as smooth tubes that touch nothing; nodes (n, 3) [m] go from tip to tip."""
+    ferrule = wire.ferrule_length
     line = _smooth(nodes)
     along = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
     inner = (along > ferrule) & (along < along[-1] - ferrule)
     parts = [
-        (line[inner], WIRE_RGB[colour]),
+        (line[inner], WIRE_RGB[wire.colour]),
         (line[along <= ferrule + STEP_M], FERRULE_RGB),
         (line[along >= along[-1] - ferrule - STEP_M], FERRULE_RGB),
     ]
     bullet = world.bullet
     for points, rgb in parts:
-        vertices, indices, normals = _tube(points, radius)
+        vertices, indices, normals = _tube(points, wire.radius)
         shape = bullet.createVisualShape(
             bullet.GEOM_MESH,
             vertices=vertices,

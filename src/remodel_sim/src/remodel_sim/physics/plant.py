@@ -12,14 +12,15 @@ from remodel_sim.core.camera import Lens, Picture, View, looking_at, looking_dow
 from remodel_sim.core.component_shape import Box
 from remodel_sim.core.errors import PanelError
 from remodel_sim.core.feeding import Laying
-from remodel_sim.core.geometry import Pose
+from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.layout import WORLD_FROM_PANEL, find_problems
 from remodel_sim.core.panel import End, Panel, Wire
-from remodel_sim.physics import cameras, parked_wire
+from remodel_sim.physics import cameras
 from remodel_sim.physics.cable import Cable
 from remodel_sim.physics.clamps import Clamp, close_clamp
-from remodel_sim.physics.feeder import Feeder
+from remodel_sim.physics.feeder import lay
 from remodel_sim.physics.panel_scene import PanelScene, add_static
+from remodel_sim.physics.parked_wire import draw_parked
 from remodel_sim.physics.robot import Robot
 from remodel_sim.physics.world import World
 
@@ -44,13 +45,26 @@ class LiveWire:
     clamps: dict[End, Clamp]
 
 
+@dataclass(frozen=True, eq=False)
+class ParkedWire:
+    """A wire that only its picture is left of.
+
+    Attributes:
+        nodes: (n, 3) from tip to tip [m], world frame.
+        clamps: closed on its ends when it was parked.
+    """
+
+    nodes: Array
+    clamps: dict[End, Clamp]
+
+
 class Plant:
     """The world of one cell. Everything random comes from the seed and the order of what is asked.
 
     Attributes:
         panel: what was built; components may since have been moved.
         live: the wire that was fed last, until it is parked.
-        parked: shape, (n, 3) [m], of each wire that has been parked.
+        parked: the wires that have been parked.
     """
 
     def __init__(self, panel: Panel, *, seed: int, rate_hz: float, gui: bool = False) -> None:
@@ -64,15 +78,29 @@ class Plant:
         problems = find_problems(panel)
         if problems:
             raise PanelError(panel.name, problems)
-        self.world.clear()
         self.panel = panel
         self.live: LiveWire | None = None
-        self.parked: dict[str, tuple[np.ndarray, dict[End, Clamp]]] = {}
+        self.parked: dict[str, ParkedWire] = {}
         self._noise = np.random.default_rng(self.seed)
-        self._scene = PanelScene(self.world, panel)
-        self._feeder = Feeder(self.world)
+        self._poses = {c.id: WORLD_FROM_PANEL @ c.panel_from_component for c in panel.components}
+        self._blocked: set[tuple[str, str]] = set()
+        self._build(PARKED)
+
+    def _build(self, tool: ToolPose) -> None:
+        """Build the world from what the plant knows, without a live wire.
+
+        It is done for every wire: Bullet keeps traces of removed bodies, and a run would depend on where they lay in
+        memory.
+        """
+        self.world.clear()
+        self._scene = PanelScene(self.world, self.panel, self._poses)
         self._plugs: dict[tuple[str, str], int] = {}
-        self.robot = Robot(self.world, PARKED)
+        for component_id, terminal_id in sorted(self._blocked):
+            self._add_plug(component_id, terminal_id)
+        for wire_id, parked in self.parked.items():
+            wire = self.panel.wire(wire_id)
+            draw_parked(self.world, parked.nodes, wire)
+        self.robot = Robot(self.world, tool)
 
     def step(self) -> None:
         """Advance by one time step."""
@@ -82,13 +110,18 @@ class Plant:
         """Leave PyBullet."""
         self.world.close()
 
-    def feed(self, wire_id: str, channel_id: str) -> Laying:
-        """Lay a wire into a channel; the wire before is parked, or taken away when it is the same one."""
+    def feed(self, wire_id: str, channel_id: str, tool: ToolPose) -> Laying:
+        """Lay a wire into a channel; the wire before is parked, or taken away when it is the same one.
+
+        The arm starts from `tool`, where it was sent last, with open fingers.
+        """
         wire, channel = self.panel.wire(wire_id), self.panel.channel(channel_id)
         if self.live is not None and self.live.wire.id == wire_id:
-            self._take_away()
-        self.park()
-        cable, laying = self._feeder.lay(self.panel, wire, channel, self._noise)
+            self.live = None
+        self._keep_shape()
+        self.parked.pop(wire_id, None)
+        self._build(tool)
+        cable, laying = lay(self.world, self.panel, wire, channel, self._noise)
         self.live = LiveWire(wire, cable, {})
         return laying
 
@@ -96,17 +129,17 @@ class Plant:
         """Turn the live wire into a picture of itself; it stays where it is and touches nothing any more."""
         if self.live is None:
             return
-        wire, nodes = self.live.wire, self.live.cable.nodes()
-        self.parked[wire.id] = (nodes, self.live.clamps)
-        parked_wire.park(self.world, nodes, wire.radius, wire.ferrule_length, wire.colour)
-        self._take_away()
-        self._feeder.withdraw()
+        live = self.live
+        self._keep_shape()
+        draw_parked(self.world, self.parked[live.wire.id].nodes, live.wire)
+        for clamp in live.clamps.values():
+            clamp.release_constraint()
+        live.cable.remove()
 
-    def _take_away(self) -> None:
+    def _keep_shape(self) -> None:
         if self.live is not None:
-            for clamp in self.live.clamps.values():
-                clamp.release_constraint()
-            self.live.cable.remove()
+            nodes = self.live.cable.nodes()
+            self.parked[self.live.wire.id] = ParkedWire(nodes, self.live.clamps)
             self.live = None
 
     def close_clamp(self, component_id: str, terminal_id: str) -> bool:
@@ -137,37 +170,44 @@ class Plant:
     def world_from_socket(self, component_id: str, terminal_id: str) -> Pose:
         """Return where a mouth really is."""
         terminal = self.panel.component(component_id).terminal(terminal_id)
-        return self._scene.world_from_component(component_id) @ terminal.component_from_socket
+        return self._poses[component_id] @ terminal.component_from_socket
 
     def world_from_component(self, component_id: str) -> Pose:
         """Return where a component really stands."""
-        return self._scene.world_from_component(component_id)
+        return self._poses[component_id]
 
     def move_component(self, component_id: str, dx: float, dy: float, dyaw: float) -> None:
         """Shift a component on the plate, with any plugs in it; panel frame [m, rad]."""
         self.panel.component(component_id)
-        self._scene.move_component(component_id, dx, dy, dyaw)
-        for component, terminal in [key for key in self._plugs if key[0] == component_id]:
-            self.clear_socket(component, terminal)
-            self.block_socket(component, terminal)
+        x, y, z = self._poses[component_id].position
+        moved = Pose.level(x + dx, y + dy, z, self._poses[component_id].yaw + dyaw)
+        self._poses[component_id] = moved
+        self._scene.place_component(component_id, moved)
+        for key in [key for key in self._plugs if key[0] == component_id]:
+            self.world.bullet.removeBody(self._plugs.pop(key))
+            self._add_plug(*key)
 
     def block_socket(self, component_id: str, terminal_id: str) -> None:
         """Push a plug into a bore; it leaves the first millimetres free."""
-        terminal = self.panel.component(component_id).terminal(terminal_id)
-        pose = self.world_from_socket(component_id, terminal_id)
-        if (component_id, terminal_id) in self._plugs:
-            return
-        length = terminal.depth - PLUG_FROM_M
-        plug = Box((PLUG_FROM_M + length / 2, 0, 0), (length, terminal.bore, terminal.bore), PLUG_RGB)
-        body = add_static(self.world.bullet, [plug], pose)
-        self._plugs[component_id, terminal_id] = body
+        self.panel.component(component_id).terminal(terminal_id)
+        if (component_id, terminal_id) not in self._blocked:
+            self._blocked.add((component_id, terminal_id))
+            self._add_plug(component_id, terminal_id)
 
     def clear_socket(self, component_id: str, terminal_id: str) -> None:
         """Take the plug out of a bore."""
         self.panel.component(component_id).terminal(terminal_id)
-        body = self._plugs.pop((component_id, terminal_id), None)
-        if body is not None:
-            self.world.bullet.removeBody(body)
+        if (component_id, terminal_id) in self._blocked:
+            self._blocked.remove((component_id, terminal_id))
+            self.world.bullet.removeBody(self._plugs.pop((component_id, terminal_id)))
+
+    def _add_plug(self, component_id: str, terminal_id: str) -> None:
+        terminal = self.panel.component(component_id).terminal(terminal_id)
+        length = terminal.depth - PLUG_FROM_M
+        size = (length, terminal.bore, terminal.bore)
+        plug = Box((PLUG_FROM_M + length / 2, 0, 0), size, PLUG_RGB)
+        pose = self.world_from_socket(component_id, terminal_id)
+        self._plugs[component_id, terminal_id] = add_static(self.world.bullet, [plug], pose)
 
     def look_overhead(self) -> Picture:
         """Take a colour and depth picture of the whole plate."""

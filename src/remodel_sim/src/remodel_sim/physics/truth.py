@@ -53,7 +53,8 @@ def ground_truth(plant: Plant, wire_ids: list[str]) -> list[WireTruth]:
         if plant.live is not None and plant.live.wire.id == wire_id:
             nodes, clamps = plant.live.cable.nodes(), plant.live.clamps
         elif wire_id in plant.parked:
-            nodes, clamps = plant.parked[wire_id]
+            parked = plant.parked[wire_id]
+            nodes, clamps = parked.nodes, parked.clamps
         else:
             continue
         a = _end_truth(plant, wire_id, End.A, nodes[0], clamps.get(End.A))
