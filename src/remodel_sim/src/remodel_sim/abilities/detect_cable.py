@@ -49,7 +49,9 @@ def detect_cable(station: Station, goal: DetectGoal) -> Steps[CableDetected]:
     wanted = loose_ends(station)
     missing = [end for end in wanted if end not in above.ends]
     if not above.ends or missing:
-        drawing.title(f"{wire.id}: " + (f"end {missing[0].value} not seen" if missing else "not seen"))
+        drawing.title(
+            f"{wire.id}: " + (f"end {missing[0].value} not seen" if missing else "not seen")
+        )
         station.show("overhead", above.picture, drawing.image)
         code = Code.TIP_NOT_FOUND if above.ends else Code.CABLE_NOT_FOUND
         raise AbilityError(
@@ -69,7 +71,9 @@ def detect_cable(station: Station, goal: DetectGoal) -> Steps[CableDetected]:
     drawing.path(pixels, ORANGE)
     for end, sighting in above.ends.items():
         mark_end(drawing, sighting, f"{wire.id} end {end.value}")
-    drawing.title(f"{wire.id} ({wire.colour}): {length * 1e3:.0f} of {wire.length * 1e3:.0f} mm seen")
+    drawing.title(
+        f"{wire.id} ({wire.colour}): {length * 1e3:.0f} of {wire.length * 1e3:.0f} mm seen"
+    )
     station.show("overhead", above.picture, drawing.image)
     ends = " and ".join(end.value for end in above.ends)
     tips = tuple(above.ends[end].tip for end in End if end in above.ends)

@@ -63,9 +63,7 @@ def pick_end(
     check_grip(station)
 
 
-def _grasp_pose(
-    seen: GraspSighting, distance: float, socket: Pose
-) -> tuple[ToolPose, float]:
+def _grasp_pose(seen: GraspSighting, distance: float, socket: Pose) -> tuple[ToolPose, float]:
     x, y, z = (float(v) for v in seen.point)
     into = unit_x(socket)
     then = socket.position - into * distance

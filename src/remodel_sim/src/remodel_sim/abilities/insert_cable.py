@@ -21,9 +21,13 @@ from remodel_sim.core.panel import unit_x
 
 PUSH_SPEED = 0.03  # [m/s]
 # The push goes on so far beyond where the bottom should be.
-OVERTRAVEL_M = 0.006
-# Resistance this far off the bottom still counts as the bottom: label, grasp and panel are that exact.
-SEAT_TOLERANCE_M = 0.003
+OVERTRAVEL_M = 0.008
+# Resistance so far before or beyond the bottom counts as the bottom. A turn of the hand draws the wire back in the grip
+# by up to 3 mm, so that it meets the bottom late, by the arm's measure; early it does only in front of an obstacle.
+SHORT_OF_BOTTOM_M = 0.003
+BEYOND_BOTTOM_M = 0.006
+# Resistance before this depth is the face's or the funnel's.
+FACE_M = 0.003
 # The arm's own start-up shakes the wrist for so long; nothing is touched yet.
 BLIND_S = 0.12
 STILL_S = 0.15
@@ -130,17 +134,16 @@ def axial(force: Array, into: Array) -> float:
 def _judge(push: Push, bottom: float, goal: InsertGoal) -> None:
     where = f"'{goal.component_id}/{goal.terminal_id}'"
     depth, readings = push.depth * 1e3, {"depth": push.depth, "peak_force": push.peak_force}
-    if not push.stopped or push.depth > bottom + SEAT_TOLERANCE_M:
+    if not push.stopped or push.depth > bottom + BEYOND_BOTTOM_M:
         raise AbilityError(
             Code.INSERTION_NO_CONTACT,
             f"pushed to {depth:.1f} mm without meeting the bottom of {where} at {bottom * 1e3:.1f} mm; "
             "extract, locate again, insert again",
             **readings,
         )
-    if push.depth >= bottom - SEAT_TOLERANCE_M:
+    if push.depth >= bottom - SHORT_OF_BOTTOM_M:
         return
-    terminal_mouth = SEAT_TOLERANCE_M
-    if push.depth < terminal_mouth:
+    if push.depth < FACE_M:
         raise AbilityError(
             Code.INSERTION_MISALIGNED,
             f"{push.peak_force:.1f} N at {depth:.1f} mm: the tip sits on the face of {where}; "

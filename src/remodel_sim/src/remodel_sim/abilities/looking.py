@@ -151,7 +151,8 @@ def _look_close(station: Station, end: End, distance: float) -> Steps[GraspSight
         drawing.title(f"End {end.value} of {wire.id} not seen")
         station.show("wrist", picture, drawing.image)
         raise AbilityError(
-            Code.TIP_NOT_FOUND, f"end {end.value} of {wire.id!r} is not seen from the hand; look again"
+            Code.TIP_NOT_FOUND,
+            f"end {end.value} of {wire.id!r} is not seen from the hand; look again",
         )
     sighting = ends[end]
     z = float(sighting.tip.tip[2])

@@ -21,11 +21,15 @@ from remodel_sim.abilities.motions import (
 from remodel_sim.abilities.route_wire import held_tool
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.arm import ToolPose
-from remodel_sim.core.book import Grip
+from remodel_sim.core.book import EndState, Grip
+from remodel_sim.core.feeding import FORK_BEHIND_GRASP_M
 from remodel_sim.core.goals import PlaceGoal
+from remodel_sim.core.layout import WORLD_FROM_PANEL
 
 # Within this distance the wire is carried low, between the rows; further it is lifted over them [m].
 LOW_CARRY_M = 0.04
+# The fork takes a wire that is so near to the middle of its channel [m].
+FORK_TOLERANCE_M = 0.010
 
 
 @dataclass(frozen=True)
@@ -61,8 +65,22 @@ def lay_down(station: Station, target: ToolPose, shares: tuple[float, float]) ->
         tip = tip_of(target, grip)
         station.book.expected[grip.end] = tip
         station.book.tips.pop(grip.end, None)
+        _bring_fork(station, target, grip)
     yield from release(station, HAND_OPEN_M / 2)
     yield from rise(station)
+
+
+def _bring_fork(station: Station, tool: ToolPose, grip: Grip) -> None:
+    """Hold an end in the middle of its channel: a wire that is fixed at the other end would spring to a side."""
+    book = station.book
+    if book.feed is None or book.ends[grip.end.other] is EndState.LOOSE:
+        return
+    channel = station.panel.channel(book.feed.channel_id)
+    middle = WORLD_FROM_PANEL.position[0] + channel.x
+    if abs(tool.x - middle) < FORK_TOLERANCE_M:
+        behind = np.array([tool.x, tool.y]) - tip_of(tool, grip)
+        behind *= FORK_BEHIND_GRASP_M / np.linalg.norm(behind)
+        station.move_fork(middle, tool.y + float(behind[1]))
 
 
 def tip_of(tool: ToolPose, grip: Grip) -> np.ndarray:

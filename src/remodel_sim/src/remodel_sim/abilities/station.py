@@ -140,6 +140,10 @@ class Station:
         if self._on_look is not None:
             self._on_look(camera, picture, drawing)
 
+    def move_fork(self, x: float, y: float) -> None:
+        """Bring the feeder's fork up around a wire, world frame [m]; it runs along the middle of a channel."""
+        self._plant.move_fork(x, y)
+
     def close_clamp(self, component_id: str, terminal_id: str) -> bool:
         """Close a terminal's clamp; returns whether its screw stopped on something before the end of its travel."""
         return self._plant.close_clamp(component_id, terminal_id)

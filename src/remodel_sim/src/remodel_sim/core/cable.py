@@ -82,9 +82,7 @@ def discretise(wire: Wire, time_step: float) -> CableModel:
             np.maximum(along, TORSION_RATIO * inflated),
         ]
     )
-    return CableModel(
-        wire.radius, lengths, masses, inertias, stiffness, DAMPING_STEPS * time_step
-    )
+    return CableModel(wire.radius, lengths, masses, inertias, stiffness, DAMPING_STEPS * time_step)
 
 
 def rotation_vectors(quaternions: Array) -> Array:

@@ -87,7 +87,9 @@ def _side(side: int, terminals: list[Terminal], cut: float, size: Vector) -> Ite
     low = min(t.mouth[2] - h for t, h in zip(terminals, halves, strict=True))
     high = max(t.mouth[2] + h for t, h in zip(terminals, halves, strict=True))
 
-    def block(u: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Iterator[Box]:
+    def block(
+        u: tuple[float, float], y: tuple[float, float], z: tuple[float, float]
+    ) -> Iterator[Box]:
         extent = (u[1] - u[0], y[1] - y[0], z[1] - z[0])
         if min(extent) > 1e-6:
             x = side * (depth / 2 - (u[0] + u[1]) / 2)
@@ -177,4 +179,6 @@ def label_corners(component: Component) -> np.ndarray:
     """Return the corners of the label's black square in ArUco's order, (4, 3) [m], component frame."""
     half = component.marker_size / 2
     top = component.size[2] + LABEL_THICKNESS_M
-    return np.array([[-half, half, top], [half, half, top], [half, -half, top], [-half, -half, top]])
+    return np.array(
+        [[-half, half, top], [half, half, top], [half, -half, top], [-half, -half, top]]
+    )

@@ -17,6 +17,8 @@ from remodel_sim.core.panel import Channel, Panel, Wire
 # Tip a lies this far beyond its terminal: then turning it into the bore hardly drags the rest.
 OVERLAP_M = 0.055
 FORK_BEHIND_TIP_M = 0.160
+# Around an end that is laid down again, it comes up so far behind the grasp.
+FORK_BEHIND_GRASP_M = 0.045
 FORK_LENGTH_M = 0.040
 FORK_HEIGHT_M = 0.010
 FORK_POST_M = 0.004
@@ -47,8 +49,12 @@ def plan_laying(
     panel: Panel, wire: Wire, channel: Channel, joints: int, noise: np.random.Generator
 ) -> Laying:
     """Choose where a wire of `joints` + 1 links lies."""
-    mouth_a = WORLD_FROM_PANEL.apply(panel.panel_from_socket(wire.a_component, wire.a_terminal).position)
-    mouth_b = WORLD_FROM_PANEL.apply(panel.panel_from_socket(wire.b_component, wire.b_terminal).position)
+    mouth_a = WORLD_FROM_PANEL.apply(
+        panel.panel_from_socket(wire.a_component, wire.a_terminal).position
+    )
+    mouth_b = WORLD_FROM_PANEL.apply(
+        panel.panel_from_socket(wire.b_component, wire.b_terminal).position
+    )
     direction = feed_direction(float(mouth_a[1]), float(mouth_b[1]))
     start = float(mouth_a[1]) - direction * OVERLAP_M
     beyond = direction * start + wire.length - FEED_LIMIT_Y_M

@@ -90,7 +90,11 @@ def _plate(panel: Panel) -> Iterator[str]:
 
 
 def _names(panel: Panel) -> Iterator[str]:
-    groups = [("components", panel.components), ("channels", panel.channels), ("wires", panel.wires)]
+    groups = [
+        ("components", panel.components),
+        ("channels", panel.channels),
+        ("wires", panel.wires),
+    ]
     groups += [(f"terminals of {c.id!r}", c.terminals) for c in panel.components]
     for noun, items in groups:
         counts = Counter(item.id for item in items)
@@ -135,7 +139,10 @@ def _component(component: Component, panel: Panel) -> Iterator[str]:
                     f"at least {MOUTH_GAP_M * 1e3:.1f} mm"
                 )
     deepest = sum(
-        max((t.depth for t in component.terminals if (math.cos(t.insertion_yaw) > 0) == s), default=0)
+        max(
+            (t.depth for t in component.terminals if (math.cos(t.insertion_yaw) > 0) == s),
+            default=0,
+        )
         for s in (True, False)
     )
     if deepest + 0.002 > depth:
@@ -201,7 +208,10 @@ def _overlaps(panel: Panel) -> Iterator[str]:
     for i, first in enumerate(ids):
         for second in ids[i + 1 :]:
             a, b = boxes[first], boxes[second]
-            if min(a[1], b[1]) - max(a[0], b[0]) > 1e-6 and min(a[3], b[3]) - max(a[2], b[2]) > 1e-6:
+            if (
+                min(a[1], b[1]) - max(a[0], b[0]) > 1e-6
+                and min(a[3], b[3]) - max(a[2], b[2]) > 1e-6
+            ):
                 yield f"components {first!r} and {second!r} overlap"
 
 
@@ -217,7 +227,11 @@ def _wire(wire: Wire, panel: Panel) -> Iterator[str]:
     for end in End:
         component_id, terminal_id = wire.goes_to(end)
         component = next((c for c in panel.components if c.id == component_id), None)
-        terminal = next((t for t in component.terminals if t.id == terminal_id), None) if component else None
+        terminal = (
+            next((t for t in component.terminals if t.id == terminal_id), None)
+            if component
+            else None
+        )
         if component is None or terminal is None:
             yield f"{name}: end {end.value} goes to '{component_id}/{terminal_id}', which does not exist"
             continue
@@ -252,9 +266,7 @@ def length_limits(
     return low, high
 
 
-def _wire_length(
-    name: str, wire: Wire, sockets: dict[End, Pose], panel: Panel
-) -> Iterator[str]:
+def _wire_length(name: str, wire: Wire, sockets: dict[End, Pose], panel: Panel) -> Iterator[str]:
     a, b = sockets[End.A].position, sockets[End.B].position
     crossing = panel.channel_in_front_of(a) != panel.channel_in_front_of(b)
     direction = feed_direction(float(a[1]), float(b[1]))

@@ -18,15 +18,15 @@ JAW_HEIGHT_M = 0.002
 JAW_STEP_M = 0.0001
 TOUCH_M = 5e-5
 # The constraint follows a slipping end at this distance, where it holds with its full force.
-SLIP_LAG_M = 2e-4
+SLIP_LAG_M = 5e-4
+# A tip this far from the axis is in another bore.
+BESIDE_M = 0.005
 
 
 class Clamp:
     """A clamp closed on a link of the wire: a constraint that slips above the retention force."""
 
-    def __init__(
-        self, world: World, cable: Cable, link: int, zone: Pose, force: float
-    ) -> None:
+    def __init__(self, world: World, cable: Cable, link: int, zone: Pose, force: float) -> None:
         """Hold a link where it is; `zone` is the jaw's place in the bore, world frame."""
         self._world = world
         self._bullet = world.bullet
@@ -71,8 +71,8 @@ class Clamp:
         )
 
     def _under_jaw(self) -> bool:
-        local = self._zone.inverse().apply(self._cable.nodes())
-        return bool(local[:, 0].max() > 0 and np.abs(local[np.argmax(local[:, 0]), 1]) < 0.01)
+        tips = self._zone.inverse().apply(self._cable.nodes()[[0, -1]])
+        return bool(np.any((tips[:, 0] > 0) & (np.abs(tips[:, 1]) < BESIDE_M)))
 
     def open(self) -> None:
         """Let go."""

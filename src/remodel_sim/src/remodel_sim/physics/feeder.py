@@ -30,24 +30,25 @@ DROP_M = 2e-4
 
 def lay(
     world: World, panel: Panel, wire: Wire, channel: Channel, noise: np.random.Generator
-) -> tuple[Cable, Laying]:
-    """Set the fork, lay a wire and let it settle."""
+) -> tuple[Cable, Laying, int]:
+    """Set the fork, lay a wire and let it settle; return the wire, where it lies, and the fork's body."""
     model = discretise(wire, world.time_step)
     laying = plan_laying(panel, wire, channel, len(model.lengths) - 1, noise)
-    _set_fork(world, wire, laying)
+    fork = _make_fork(world, wire, laying)
     cable = Cable(world, model, wire.colour)
     tip = np.array([*laying.tip_a, wire.radius + DROP_M])
     cable.lay(tip, laying.direction * math.pi / 2, laying.curvature)
     for _ in range(round(SETTLE_S / world.time_step)):
         world.step()
-    return cable, laying
+    return cable, laying, fork
 
 
-def _set_fork(world: World, wire: Wire, laying: Laying) -> None:
+def _make_fork(world: World, wire: Wire, laying: Laying) -> int:
     inner = wire.radius + FORK_CLEARANCE_M
     size = (FORK_POST_M, FORK_LENGTH_M, FORK_HEIGHT_M)
     posts = [
         Box((side * (inner + FORK_POST_M / 2), 0, FORK_HEIGHT_M / 2), size, FORK_RGB)
         for side in (-1, 1)
     ]
-    add_static(world.bullet, posts, Pose.level(float(laying.fork[0]), float(laying.fork[1]), 0.0))
+    pose = Pose.level(float(laying.fork[0]), float(laying.fork[1]), 0.0)
+    return add_static(world.bullet, posts, pose)

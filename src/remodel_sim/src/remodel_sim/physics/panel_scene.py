@@ -69,9 +69,7 @@ def _lips(channel: Channel) -> list[Box]:
     y = (channel.y_min + channel.y_max) / 2
     aside = channel.width / 2 - LIP_THICKNESS_M / 2
     size = (LIP_THICKNESS_M, channel.y_max - channel.y_min, LIP_HEIGHT_M)
-    return [
-        Box((channel.x + side * aside, y, LIP_HEIGHT_M / 2), size, LIP_RGB) for side in (-1, 1)
-    ]
+    return [Box((channel.x + side * aside, y, LIP_HEIGHT_M / 2), size, LIP_RGB) for side in (-1, 1)]
 
 
 def add_static(bullet, boxes: Iterable[Box], pose: Pose) -> int:  # noqa: ANN001
@@ -91,15 +89,13 @@ def boxes_description(boxes: Iterable[Box]) -> str:
         '<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'
     ]
     for box in boxes:
-        shape = (
-            '<origin xyz="{:.6f} {:.6f} {:.6f}" rpy="{:.8f} {:.8f} {:.8f}"/>'.format(
-                *box.centre, *box.rpy
-            )
-            + '<geometry><box size="{:.6f} {:.6f} {:.6f}"/></geometry>'.format(*box.size)
-        )
+        shape = '<origin xyz="{:.6f} {:.6f} {:.6f}" rpy="{:.8f} {:.8f} {:.8f}"/>'.format(
+            *box.centre, *box.rpy
+        ) + '<geometry><box size="{:.6f} {:.6f} {:.6f}"/></geometry>'.format(*box.size)
         name = "rgb_{}_{}_{}".format(*box.rgb)
         colour = '<color rgba="{} {} {} 1"/>'.format(*box.rgb)
         parts.append(f'<visual>{shape}<material name="{name}">{colour}</material></visual>')
         if box.solid:
             parts.append(f"<collision>{shape}</collision>")
-    return "".join([*parts, "</link></robot>"])
+    # Bullet reads a description line by line, and only so many characters of each.
+    return "\n".join([*parts, "</link></robot>"])

@@ -65,8 +65,7 @@ def _tube(line: Array, radius: float) -> tuple[list, list, list]:
     top = np.cross(side, tangents)
     angles = np.linspace(0, 2 * np.pi, SIDES, endpoint=False)
     normals = (
-        np.cos(angles)[None, :, None] * side[:, None]
-        + np.sin(angles)[None, :, None] * top[:, None]
+        np.cos(angles)[None, :, None] * side[:, None] + np.sin(angles)[None, :, None] * top[:, None]
     )
     vertices = line[:, None] + radius * normals
     indices = []

@@ -121,9 +121,13 @@ class Plant:
         self._keep_shape()
         self.parked.pop(wire_id, None)
         self._build(tool)
-        cable, laying = lay(self.world, self.panel, wire, channel, self._noise)
+        cable, laying, self._fork = lay(self.world, self.panel, wire, channel, self._noise)
         self.live = LiveWire(wire, cable, {})
         return laying
+
+    def move_fork(self, x: float, y: float) -> None:
+        """Bring the feeder's fork up somewhere else, world frame [m]."""
+        self.world.bullet.resetBasePositionAndOrientation(self._fork, [x, y, 0.0], [0, 0, 0, 1])
 
     def park(self) -> None:
         """Turn the live wire into a picture of itself; it stays where it is and touches nothing any more."""
