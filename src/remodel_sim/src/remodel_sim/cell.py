@@ -16,6 +16,9 @@ from remodel_sim.physics.plant import Plant
 
 T = TypeVar("T")
 
+# An arm that was stopped, and the wire in its hand, come to rest in this time [s].
+SETTLE_S = 0.15
+
 
 class Cell:
     """One cell with one panel; what an operator and a feeder can do with it.
@@ -49,14 +52,18 @@ class Cell:
         self.load(self.plant.panel)
 
     def feed(self, wire_id: str, channel_id: str) -> None:
-        """Lay a wire into a channel; raises AbilityError when a name is unknown or the hand holds a wire."""
+        """Lay a wire into a channel.
+
+        Raises AbilityError when a name is unknown or the hand holds a wire.
+        """
         book = self.station.book
         wire = self.plant.panel.wire(wire_id)
         self.plant.panel.channel(channel_id)
         if book.grip is not None and book.feed is not None:
             raise AbilityError(
                 Code.OTHER_CABLE_HELD,
-                f"the gripper holds end {book.grip.end.value} of {book.feed.wire_id!r}; place it first",
+                f"the gripper holds end {book.grip.end.value} of {book.feed.wire_id!r}; place it "
+                "first",
             )
         laying = self.plant.feed(wire_id, channel_id, self.station.commanded)
         self.station.arm_restarted()
@@ -66,16 +73,26 @@ class Cell:
 
     def run(self, steps: Steps[T]) -> T:
         """Run an ability to its end; raises what it raises."""
-        result = run(self.plant, self.station, steps)
-        self.settle()
-        return result
+        try:
+            return run(self.plant, self.station, steps)
+        finally:
+            self.settle()
 
-    def settle(self) -> None:
-        """Park the live wire once both its ends are fixed and let go."""
+    def settle(self) -> float:
+        """Let the scene come to rest after an ability, however it ended.
+
+        Return the time that passed [s].
+
+        The live wire is parked once both its ends are fixed and let go.
+        """
+        steps = round(SETTLE_S / self.plant.world.time_step)
+        for _ in range(steps):
+            self.plant.step()
         book = self.station.book
         placed = book.ends and all(state is EndState.FIXED for state in book.ends.values())
         if placed and book.grip is None:
             self.plant.park()
+        return steps * self.plant.world.time_step
 
     def close(self) -> None:
         """Leave PyBullet."""

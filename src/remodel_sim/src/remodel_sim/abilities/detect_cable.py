@@ -56,7 +56,8 @@ def detect_cable(station: Station, goal: DetectGoal) -> Steps[CableDetected]:
         code = Code.TIP_NOT_FOUND if above.ends else Code.CABLE_NOT_FOUND
         raise AbilityError(
             code,
-            f"of {wire.id!r} ({wire.colour}) the ends {[e.value for e in wanted]} should lie loose, "
+            f"of {wire.id!r} ({wire.colour}) the ends {[e.value for e in wanted]} should lie "
+            "loose, "
             f"seen: {[e.value for e in above.ends]}; feed the wire again",
         )
     paths = {

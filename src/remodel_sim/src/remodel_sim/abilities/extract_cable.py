@@ -78,7 +78,10 @@ def extract_cable(station: Station, goal: ExtractGoal) -> Steps[CableExtracted]:
 
 
 def _end_at(station: Station, goal: ExtractGoal) -> End:
-    """Return which end is meant: the one in the hand, the one in that terminal, or the one that belongs there."""
+    """Return which end is meant.
+
+    The one in the hand, the one in that terminal, or the one that belongs there.
+    """
     book = station.book
     if book.grip is not None:
         return book.grip.end
@@ -109,7 +112,10 @@ def _grasp_at_mouth(station: Station, end: End, socket: Pose) -> Steps[None]:
 
 
 def _pull_out(station: Station, socket: Pose, where: str) -> Steps[float]:
-    """Draw the held end straight back until its tip is clear of the mouth; return the peak force [N]."""
+    """Draw the held end straight back until its tip is clear of the mouth.
+
+    Return the peak force [N].
+    """
     out = -unit_x(socket)
     grip, start, rest = station.book.grip, station.commanded, station.force
     distance = grip.distance if grip is not None else GRASP_DISTANCE_M

@@ -18,7 +18,8 @@ from remodel_sim.core.goals import FixGoal
 from remodel_sim.core.panel import unit_x
 
 PULL_SPEED = 0.015  # [m/s]
-# A straight, firmly held end takes up the pull within this travel: slack, pads and contacts give so much.
+# A straight, firmly held end takes up the pull within this travel: slack, pads and contacts give so
+# much.
 PULL_TRAVEL_M = 0.006
 # The slip is counted from here on [share of the pull].
 TAKEN_UP = 0.4
@@ -51,7 +52,8 @@ def fix_cable(station: Station, goal: FixGoal) -> Steps[CableFixed]:
     if end is None or not closed:
         raise AbilityError(
             Code.NOT_SEATED,
-            f"the screw of {where} met nothing: the end is not deep enough; extract, locate again, insert again",
+            f"the screw of {where} met nothing: the end is not deep enough; extract, locate "
+            "again, insert again",
         )
     station.report(f"pulling with {goal.pull_test_force:.0f} N", 0.3)
     slip = 0.0
@@ -67,7 +69,10 @@ def fix_cable(station: Station, goal: FixGoal) -> Steps[CableFixed]:
     other = book.ends[end.other]
     if other is EndState.LOOSE and end.other in book.expected:
         book.tips.pop(end.other, None)
-    message = f"end {end.value} of {goal.cable_id} fixed in {where}, slip {slip * 1e3:.2f} mm at {goal.pull_test_force:.0f} N"
+    message = (
+        f"end {end.value} of {goal.cable_id} fixed in {where}, slip {slip * 1e3:.2f} mm at "
+        f"{goal.pull_test_force:.0f} N"
+    )
     return CableFixed(message, slip)
 
 
@@ -92,7 +97,8 @@ def _pull(station: Station, goal: FixGoal) -> Steps[float]:
     if force < goal.pull_test_force or slip > MAX_SLIP_M:
         raise AbilityError(
             Code.PULLED_OUT,
-            f"the end moved {slip * 1e3:.1f} mm in '{goal.component_id}/{goal.terminal_id}' at {force:.1f} of "
+            f"the end moved {slip * 1e3:.1f} mm in '{goal.component_id}/{goal.terminal_id}' at "
+            f"{force:.1f} of "
             f"{goal.pull_test_force:.1f} N; extract, locate again, insert again",
             slip=slip,
         )

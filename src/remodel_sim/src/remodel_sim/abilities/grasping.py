@@ -103,7 +103,8 @@ def check_grip(station: Station) -> None:
         station.book.engaged = None
         raise AbilityError(
             Code.GRASP_SLIPPED,
-            f"end {end.value} of {wire.id!r} slipped out of the fingers, which stand at {gap * 1e3:.1f} mm",
+            f"end {end.value} of {wire.id!r} slipped out of the fingers, which stand at "
+            f"{gap * 1e3:.1f} mm",
         )
 
 

@@ -22,8 +22,9 @@ from remodel_sim.core.panel import unit_x
 PUSH_SPEED = 0.03  # [m/s]
 # The push goes on so far beyond where the bottom should be.
 OVERTRAVEL_M = 0.008
-# Resistance so far before or beyond the bottom counts as the bottom. A turn of the hand draws the wire back in the grip
-# by up to 3 mm, so that it meets the bottom late, by the arm's measure; early it does only in front of an obstacle.
+# Resistance so far before or beyond the bottom counts as the bottom. A turn of the hand draws the
+# wire back in the grip by up to 3 mm, so that it meets the bottom late, by the arm's measure; early
+# it does only in front of an obstacle.
 SHORT_OF_BOTTOM_M = 0.003
 BEYOND_BOTTOM_M = 0.006
 # Resistance before this depth is the face's or the funnel's.
@@ -64,7 +65,7 @@ class Push:
 
 
 def insert_cable(station: Station, goal: InsertGoal) -> Steps[CableInserted]:
-    """Pick the end if the hand is empty, bring it in front of the mouth, push, and judge by travel and force."""
+    """Pick the end if the hand is empty, push it into the mouth, judge by travel and force."""
     yield from disengage(station)
     if station.book.grip is None:
         yield from pick_end(station, goal.end, 0.0, goal.socket, (0.0, 0.45))
@@ -79,7 +80,8 @@ def insert_cable(station: Station, goal: InsertGoal) -> Steps[CableInserted]:
     _judge(push, terminal.depth, goal)
     station.book.seat(goal.end, (goal.component_id, goal.terminal_id))
     message = (
-        f"end {goal.end.value} of {goal.cable_id} seated in {goal.component_id}/{goal.terminal_id}, "
+        f"end {goal.end.value} of {goal.cable_id} seated in "
+        f"{goal.component_id}/{goal.terminal_id}, "
         f"{push.depth * 1e3:.1f} mm deep, {push.peak_force:.1f} N"
     )
     return CableInserted(message, push.depth, push.peak_force)
@@ -137,7 +139,8 @@ def _judge(push: Push, bottom: float, goal: InsertGoal) -> None:
     if not push.stopped or push.depth > bottom + BEYOND_BOTTOM_M:
         raise AbilityError(
             Code.INSERTION_NO_CONTACT,
-            f"pushed to {depth:.1f} mm without meeting the bottom of {where} at {bottom * 1e3:.1f} mm; "
+            f"pushed to {depth:.1f} mm without meeting the bottom of {where} at "
+            f"{bottom * 1e3:.1f} mm; "
             "extract, locate again, insert again",
             **readings,
         )
@@ -152,7 +155,8 @@ def _judge(push: Push, bottom: float, goal: InsertGoal) -> None:
         )
     raise AbilityError(
         Code.INSERTION_JAMMED,
-        f"{push.peak_force:.1f} N at {depth:.1f} of {bottom * 1e3:.1f} mm in {where}; extract, locate again, insert "
+        f"{push.peak_force:.1f} N at {depth:.1f} of {bottom * 1e3:.1f} mm in {where}; extract, "
+        "locate again, insert "
         "again; a second time at the same depth: look for an obstacle",
         **readings,
     )

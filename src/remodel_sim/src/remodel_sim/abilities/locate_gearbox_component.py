@@ -46,7 +46,10 @@ class ComponentLocated:
 
 
 def locate_gearbox_component(station: Station, goal: LocateGoal) -> Steps[ComponentLocated]:
-    """Look from above when the hand is empty, then from the hand; the answer is what the last look saw."""
+    """Look from above when the hand is empty, then from the hand.
+
+    The answer is what the last look saw.
+    """
     component = station.panel.component(goal.component_id)
     coarse = WORLD_FROM_PANEL @ component.panel_from_component
     yield from disengage(station)
@@ -66,7 +69,10 @@ def locate_gearbox_component(station: Station, goal: LocateGoal) -> Steps[Compon
     if goal.terminal_id:
         socket = pose @ component.terminal(goal.terminal_id).component_from_socket
     x, y, _ = pose.position
-    message = f"{component.id} seen at x {x * 1e3:.1f}, y {y * 1e3:.1f} mm, {math.degrees(pose.yaw):.2f} deg"
+    message = (
+        f"{component.id} seen at x {x * 1e3:.1f}, y {y * 1e3:.1f} mm, "
+        f"{math.degrees(pose.yaw):.2f} deg"
+    )
     return ComponentLocated(message, pose, socket, sighting.residual)
 
 
@@ -82,7 +88,8 @@ def _find(
         seen = ", ".join(str(marker) for marker in sorted(labels)) or "none"
         raise AbilityError(
             code,
-            f"the {camera} camera does not see label {component.marker_id} of {component.id!r}; labels seen: {seen}",
+            f"the {camera} camera does not see label {component.marker_id} of {component.id!r}; "
+            f"labels seen: {seen}",
         )
     sighting = locate_component(component, labels[component.marker_id], picture.view)
     _draw(drawing, component, sighting, goal)
@@ -105,7 +112,7 @@ def _draw(
         terminal = component.terminal(goal.terminal_id)
         socket = pose @ terminal.component_from_socket
         # The mouth is on the side; it is shown on the component's upper edge.
-        above = socket.position + [0, 0, component.size[2] - terminal.mouth[2]]
+        above = socket.position + np.array([0, 0, component.size[2] - terminal.mouth[2]])
         start = above - socket.rotation[:, 0] * 0.018
         drawing.arrow(view.project(start)[0], view.project(above)[0], ORANGE)
         drawing.note(f"{component.id}/{terminal.id}", view.project(start)[0], ORANGE)
@@ -115,7 +122,8 @@ def _check(station: Station, component: Component, sighting: ComponentSighting) 
     if sighting.residual > RESIDUAL_M:
         raise AbilityError(
             Code.COMPONENT_OCCLUDED,
-            f"the label of {component.id!r} is seen askew: its corners fit to {sighting.residual * 1e3:.1f} mm, "
+            f"the label of {component.id!r} is seen askew: its corners fit to "
+            f"{sighting.residual * 1e3:.1f} mm, "
             f"allowed: {RESIDUAL_M * 1e3:.1f} mm",
         )
     nominal = WORLD_FROM_PANEL @ component.panel_from_component
@@ -125,6 +133,7 @@ def _check(station: Station, component: Component, sighting: ComponentSighting) 
     if away > DISPLACED_M or turned > DISPLACED_RAD:
         raise AbilityError(
             Code.COMPONENT_DISPLACED,
-            f"{component.id!r} is {away * 1e3:.0f} mm and {math.degrees(turned):.0f} deg from its place on the panel, "
+            f"{component.id!r} is {away * 1e3:.0f} mm and {math.degrees(turned):.0f} deg from "
+            "its place on the panel, "
             f"allowed: {DISPLACED_M * 1e3:.0f} mm and {math.degrees(DISPLACED_RAD):.0f} deg",
         )

@@ -127,7 +127,8 @@ def _find_from_above(station: Station, end: End) -> Steps[None]:
     if end not in above.ends:
         raise AbilityError(
             Code.TIP_NOT_FOUND,
-            f"end {end.value} of {wire_id!r} is not seen within 150 mm of where it was left; look again or feed it again",
+            f"end {end.value} of {wire_id!r} is not seen within 150 mm of where it was left; "
+            "look again or feed it again",
         )
 
 
@@ -188,7 +189,8 @@ def camera_above(point: Array, yaw: float, near_yaw: float) -> ToolPose:
 
     Args:
         point: to be seen in the middle of the picture, world frame.
-        yaw: direction of the hand's x axis that is wished for [rad]; turned by pi, or square to it, if need be.
+        yaw: direction of the hand's x axis that is wished for [rad]; turned by pi, or square to
+            it, if need be.
         near_yaw: of the hand now [rad].
     """
     for turn in (0.0, math.pi / 2):
@@ -203,7 +205,10 @@ def camera_above(point: Array, yaw: float, near_yaw: float) -> ToolPose:
 
 
 def _camera_offset(yaw: float) -> Array:
-    """Return the lens's place from the tool axis for a hand yaw, (2,) [m]: the hand's y axis points to its right."""
+    """Return the lens's place from the tool axis for a hand yaw, (2,) [m].
+
+    The hand's y axis points to its right.
+    """
     x, y, _ = CAMERA_MOUNT
     c, s = math.cos(yaw), math.sin(yaw)
     return np.array([x * c + y * s, x * s - y * c])
@@ -212,7 +217,8 @@ def _camera_offset(yaw: float) -> Array:
 def bring_label_into_view(station: Station, label: Array) -> Steps[None]:
     """Bring the wrist camera to where it sees a label.
 
-    The empty hand goes straight over it. With a wire in the hand the tool moves as little as it can: the wire may be
+    The empty hand goes straight over it. With a wire in the hand the tool moves as little as it
+    can: the wire may be
     fixed at its other end.
 
     Args:

@@ -27,7 +27,10 @@ TRACKING_TOLERANCE_M = 0.003
 
 
 def move_to(station: Station, target: ToolPose, speed: float) -> Steps[None]:
-    """Move the tool in a straight line; raises UNREACHABLE before it starts, MOTION_FAULT when it does not arrive."""
+    """Move the tool in a straight line.
+
+    Raises UNREACHABLE before it starts, MOTION_FAULT when it does not arrive.
+    """
     line = Line(_canonical(station.commanded), _canonical(target), speed)
     line.check_reach()
     for tick in range(1, math.ceil(line.duration / station.tick_s) + 1):
@@ -110,7 +113,8 @@ def choose_flip(
 ) -> float:
     """Return how to hold a wire, tip along the hand's x axis (0) or against it (pi).
 
-    The hand grasps at one place and turns the wire to another direction at a second one; joint 7 must reach both,
+    The hand grasps at one place and turns the wire to another direction at a second one; joint 7
+    must reach both,
     and turn the short way between them. Of two ways the one further from joint 7's limits is taken.
 
     Raises:
@@ -131,14 +135,15 @@ def choose_flip(
     if best is None:
         raise AbilityError(
             Code.UNREACHABLE,
-            f"the hand cannot turn the wire from {math.degrees(tip_yaw):.0f} to {math.degrees(then_tip_yaw):.0f} deg "
+            f"the hand cannot turn the wire from {math.degrees(tip_yaw):.0f} to "
+            f"{math.degrees(then_tip_yaw):.0f} deg "
             f"between x {at[0]:.3f}, y {at[1]:.3f} m and x {then_at[0]:.3f}, y {then_at[1]:.3f} m",
         )
     return best[1]
 
 
 def nearest_hand_yaw(x: float, y: float, yaw: float, near: float) -> float:
-    """Return `yaw` or the same turned by pi, whichever joint 7 reaches with less turning from `near`."""
+    """Return `yaw`, or that turned by pi, whichever joint 7 reaches with less turning."""
     options = [canonical_yaw(x, y, yaw + turn) for turn in (0.0, math.pi)]
     reachable = [option for option in options if option is not None]
     return min(reachable, key=lambda option: abs(option - near), default=yaw)

@@ -26,7 +26,8 @@ from remodel_sim.core.feeding import FORK_BEHIND_GRASP_M
 from remodel_sim.core.goals import PlaceGoal
 from remodel_sim.core.layout import WORLD_FROM_PANEL
 
-# Within this distance the wire is carried low, between the rows; further it is lifted over them [m].
+# Within this distance the wire is carried low, between the rows; further it is lifted over them
+# [m].
 LOW_CARRY_M = 0.04
 # The fork takes a wire that is so near to the middle of its channel [m].
 FORK_TOLERANCE_M = 0.010
@@ -71,7 +72,10 @@ def lay_down(station: Station, target: ToolPose, shares: tuple[float, float]) ->
 
 
 def _bring_fork(station: Station, tool: ToolPose, grip: Grip) -> None:
-    """Hold an end in the middle of its channel: a wire that is fixed at the other end would spring to a side."""
+    """Hold an end in the middle of its channel.
+
+    A wire that is fixed at the other end would spring to a side.
+    """
     book = station.book
     if book.feed is None or book.ends[grip.end.other] is EndState.LOOSE:
         return
@@ -90,7 +94,10 @@ def tip_of(tool: ToolPose, grip: Grip) -> np.ndarray:
 
 
 def carry_over(station: Station, target: ToolPose) -> Steps[None]:
-    """Bring the held end above a tool pose, turned as there: low within a channel, else over the rows."""
+    """Bring the held end above a tool pose, turned as there.
+
+    Low within a channel, else over the rows.
+    """
     now = station.commanded
     if abs(now.x - target.x) > LOW_CARRY_M:
         yield from move_to(station, now.at(z=TRAVEL_Z), FREE_SPEED / 2)

@@ -1,10 +1,13 @@
-"""What an ability may use: the arm, its sensors, the cameras, the clamps' drives, the panel's drawing and the book."""
+"""What an ability may use.
+
+The arm, its sensors, the cameras, the clamps' drives, the panel's drawing and the book.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Protocol, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -20,12 +23,20 @@ from remodel_sim.physics.plant import PARKED, Plant
 TICK_HZ = 120.0
 
 T = TypeVar("T")
-# An ability is a generator: each `yield` lets the cell advance by one tick; what it returns is its result.
+# An ability is a generator: each `yield` lets the cell advance by one tick; what it returns is its
+# result.
 Steps = Generator[None, None, T]
 
 Image = npt.NDArray[np.uint8]
-# Called after every look: camera, picture, and what was found drawn into it (None before it is known).
+# Called after every look: camera, picture, and what was found drawn into it (None before it is
+# known).
 OnLook = Callable[[str, Picture, Image | None], None]
+
+
+class Found(Protocol):
+    """What an ability returns: what it did, and fields named as in its action's result."""
+
+    message: str
 
 
 @dataclass
@@ -92,7 +103,10 @@ class Station:
         self.commanded = tool_of(joints)
 
     def drive_fingers(self, opening: float) -> None:
-        """Send each finger to a distance from the middle [m]; closing, they stop on what they grip."""
+        """Send each finger to a distance from the middle [m].
+
+        Closing, they stop on what they grip.
+        """
         self._plant.robot.drive_fingers(opening)
         self.fingers_open_to = opening
 
@@ -113,7 +127,10 @@ class Station:
 
     @property
     def force(self) -> Array:
-        """The measured force of the hand on the wrist, world frame, (3,) [N]; holds the hand's weight."""
+        """The measured force of the hand on the wrist, world frame, (3,) [N].
+
+        Holds the hand's weight.
+        """
         robot = self._plant.robot
         return robot.world_from_hand.rotation @ robot.wrist_force
 
@@ -141,11 +158,17 @@ class Station:
             self._on_look(camera, picture, drawing)
 
     def move_fork(self, x: float, y: float) -> None:
-        """Bring the feeder's fork up around a wire, world frame [m]; it runs along the middle of a channel."""
+        """Bring the feeder's fork up around a wire, world frame [m].
+
+        It runs along the middle of a channel.
+        """
         self._plant.move_fork(x, y)
 
     def close_clamp(self, component_id: str, terminal_id: str) -> bool:
-        """Close a terminal's clamp; returns whether its screw stopped on something before the end of its travel."""
+        """Close a terminal's clamp.
+
+        Returns whether its screw stopped on something before the end of its travel.
+        """
         return self._plant.close_clamp(component_id, terminal_id)
 
     def open_clamp(self, component_id: str, terminal_id: str) -> None:

@@ -27,7 +27,8 @@ FORE_M = math.hypot(0.384, 0.0825)
 FORE_RAD = math.atan2(0.0825, 0.384)
 WRIST_OFFSET_M = 0.088
 FLANGE_M = 0.107
-# Hand and own fingers: from the flange to the middle of the wire in the grip (physics/gripper.py builds them so).
+# Hand and own fingers: from the flange to the middle of the wire in the grip (physics/gripper.py
+# builds them so).
 TOOL_M = 0.129
 
 # Soft limits of joints 1 to 7 [rad], from the same page.
@@ -41,7 +42,8 @@ class ToolPose:
 
     Attributes:
         x, y, z: tool centre [m].
-        yaw: direction of the hand's x axis [rad]; the fingers close across it. Not wrapped: a path turns from one
+        yaw: direction of the hand's x axis [rad]; the fingers close across it. Not wrapped: a path
+            turns from one
             value to the next the way the numbers say.
     """
 
@@ -81,7 +83,8 @@ def joints_for(tool: ToolPose) -> Array:
     if not -1.0 <= cosine <= 1.0:
         raise AbilityError(
             Code.UNREACHABLE,
-            f"no arm posture reaches {tool}: the wrist would be {distance:.3f} m from the shoulder, "
+            f"no arm posture reaches {tool}: the wrist would be {distance:.3f} m from the "
+            "shoulder, "
             f"the arm spans at most {UPPER_M + FORE_M:.3f} m",
         )
     bend = math.acos(cosine)

@@ -1,9 +1,13 @@
 """The wire's mechanics: a chain of rigid links with elastic joints.
 
-The insulated part is cut into equal links of length l; a joint between two of them carries bending stiffness
-EI/l and torsional stiffness GJ/l. A ferrule is one rigid link; its joint has only half a cell of flexible wire,
-hence 2 EI/l. Explicit integration of such stiff joints needs more rotational inertia than the wire has:
-each link gets at least J' = 4 K dt^2 (K its stiffer joint), which changes no statics, only fast vibration.
+The insulated part is cut into equal links of length l; a joint between two of them carries bending
+stiffness
+EI/l and torsional stiffness GJ/l. A ferrule is one rigid link; its joint has only half a cell of
+flexible wire,
+hence 2 EI/l. Explicit integration of such stiff joints needs more rotational inertia than the wire
+has:
+each link gets at least J' = 4 K dt^2 (K its stiffer joint), which changes no statics, only fast
+vibration.
 """
 
 from __future__ import annotations
@@ -32,7 +36,8 @@ class CableModel:
 
     Attributes:
         radius: of every link's capsule [m].
-        lengths: (n,) distance between the nodes at a link's ends [m]; the capsules' caps go beyond by one radius.
+        lengths: (n,) distance between the nodes at a link's ends [m]; the capsules' caps go beyond
+            by one radius.
         masses: (n,) [kg].
         inertias: (n, 3) about each link's centre, z along the wire [kg m^2], as integrated.
         stiffness: (n - 1, 3) of each joint: bending, bending, torsion [N m/rad].

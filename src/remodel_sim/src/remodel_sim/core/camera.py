@@ -13,8 +13,8 @@ import numpy.typing as npt
 
 from remodel_sim.core.geometry import Array, Pose
 
-# Where PyBullet's TinyRenderer puts the optical axis, from the middle of the picture [px]; measured on a grid of
-# rendered spheres (test_camera.py repeats it).
+# Where PyBullet's TinyRenderer puts the optical axis, from the middle of the picture [px]; measured
+# on a grid of rendered spheres (test_camera.py repeats it).
 PRINCIPAL_OFFSET_PX = (0.5, -0.5)
 
 
@@ -64,7 +64,7 @@ class View:
         return eye + rays * ((z - eye[2]) / rays[:, 2])[:, None]
 
     def at_depth(self, pixels: Array, depths: Array) -> Array:
-        """Map pixels (n, 2) with depths (n,) along the optical axis [m] to world points (n, 3) [m]."""
+        """Map pixels (n, 2) with depths (n,) along the axis [m] to world points (n, 3) [m]."""
         flat = (np.atleast_2d(pixels) - self.lens.centre_px) / self.lens.focal_px
         local = np.column_stack([flat, np.ones(len(flat))]) * np.asarray(depths)[:, None]
         return self.world_from_camera.apply(local)
@@ -99,7 +99,9 @@ def looking_down(x: float, y: float, z: float, up_yaw: float) -> Pose:
     """Return the optical frame of a camera that looks straight down.
 
     Args:
-        x, y, z: of the lens [m], world frame.
+        x: of the lens [m], world frame.
+        y: the same.
+        z: the same.
         up_yaw: world direction that is up in the picture [rad].
     """
     right, down, forward = (
@@ -111,7 +113,7 @@ def looking_down(x: float, y: float, z: float, up_yaw: float) -> Pose:
 
 
 def looking_at(eye: Array, target: Array) -> Pose:
-    """Return the optical frame of a camera at `eye` that looks at `target`, both (3,) [m], level."""
+    """Return the optical frame of a level camera at `eye` that looks at `target`, (3,) [m]."""
     forward = (target - eye) / np.linalg.norm(target - eye)
     right = np.cross(forward, [0.0, 0.0, 1.0])
     right /= np.linalg.norm(right)

@@ -1,6 +1,7 @@
-"""The solid shape of a component: boxes around its bores, a funnel at each mouth, and its label.
+r"""The solid shape of a component: boxes around its bores, a funnel at each mouth, and its label.
 
-The half of the component on each side that has terminals is cut into pockets. A pocket is as wide as its mouth;
+The half of the component on each side that has terminals is cut into pockets. A pocket is as wide
+as its mouth;
 inside it four walls narrow it to the bore, and four inclined plates make the funnel:
 
       face   chamfer        depth
@@ -154,7 +155,10 @@ def _screws(component: Component) -> Iterator[Box]:
 
 
 def _label(component: Component) -> Iterator[Box]:
-    """The ArUco label on top: a white plate with black cells, the marker's right along x, its up along y."""
+    """The ArUco label on top.
+
+    A white plate with black cells, the marker's right along x, its up along y.
+    """
     top = component.size[2]
     cell = component.marker_size / LABEL_CELLS
     white = component.marker_size + 2 * LABEL_MARGIN_CELLS * cell
@@ -176,7 +180,7 @@ def marker_cells(marker_id: int) -> np.ndarray:
 
 
 def label_corners(component: Component) -> np.ndarray:
-    """Return the corners of the label's black square in ArUco's order, (4, 3) [m], component frame."""
+    """Return the corners of the black square in ArUco's order, (4, 3) [m], component frame."""
     half = component.marker_size / 2
     top = component.size[2] + LABEL_THICKNESS_M
     return np.array(

@@ -1,4 +1,6 @@
-"""The goals of the abilities, valid from birth; `check` tells whether the cell can take them as it is now.
+"""The goals of the abilities, valid from birth.
+
+`check` tells whether the cell can take them as it is now.
 
 Whatever raises here is found before anything moves.
 """
@@ -7,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -68,7 +71,8 @@ def check_live(cable_id: str, panel: Panel, book: Book) -> None:
     if book.feed.wire_id != cable_id:
         raise AbilityError(
             Code.WIRE_NOT_FED,
-            f"wire {cable_id!r} is not the one fed last, which is {book.feed.wire_id!r}; feed it first",
+            f"wire {cable_id!r} is not the one fed last, which is {book.feed.wire_id!r}; feed it "
+            "first",
         )
 
 
@@ -93,6 +97,13 @@ def parse_end(text: str) -> End:
     """Return the end named "a" or "b"."""
     require(text in ("a", "b"), f"cable_end is {text!r}; allowed: 'a', 'b'")
     return End(text)
+
+
+class Goal(Protocol):
+    """What every goal can be asked."""
+
+    def check(self, panel: Panel, book: Book) -> None:
+        """Raise AbilityError when the cell cannot take the goal as it is now."""
 
 
 @dataclass(frozen=True)
@@ -141,18 +152,23 @@ class PickGoal:
         if book.grip is not None:
             raise AbilityError(
                 Code.OTHER_CABLE_HELD,
-                f"the gripper holds end {book.grip.end.value} of {self.cable_id!r} already; place it first",
+                f"the gripper holds end {book.grip.end.value} of {self.cable_id!r} already; "
+                "place it first",
             )
         if book.feed is not None and book.ends[self.end].value != "loose":
             raise AbilityError(
                 Code.INVALID_GOAL,
-                f"end {self.end.value} of {self.cable_id!r} is {book.ends[self.end].value} in a terminal; extract it first",
+                f"end {self.end.value} of {self.cable_id!r} is {book.ends[self.end].value} in a "
+                "terminal; extract it first",
             )
 
 
 @dataclass(frozen=True)
 class PlaceGoal:
-    """Lay the held end down; `target` has the tool centre at release, x along the wire towards the tip."""
+    """Lay the held end down.
+
+    `target` has the tool centre at release, x along the wire towards the tip.
+    """
 
     robot_name: str
     cable_id: str
@@ -205,7 +221,7 @@ class InsertGoal:
     force_limit: float
 
     def __post_init__(self) -> None:
-        """Refuse unknown robots, poses that are not level and forces that the grip does not hold."""
+        """Refuse unknown robots, tilted poses, and forces that the grip does not hold."""
         require_robot(self.robot_name)
         require_pose("socket_pose", self.socket)
         require_number("force_limit", self.force_limit, 1.0, MAX_FORCE_N, "N")
@@ -218,13 +234,15 @@ class InsertGoal:
         if book.ends[self.end].value != "loose":
             raise AbilityError(
                 Code.INVALID_GOAL,
-                f"end {self.end.value} of {self.cable_id!r} is {book.ends[self.end].value} in a terminal; extract it first",
+                f"end {self.end.value} of {self.cable_id!r} is {book.ends[self.end].value} in a "
+                "terminal; extract it first",
             )
         occupant = book.occupant((self.component_id, self.terminal_id))
         if occupant is not None:
             raise AbilityError(
                 Code.TERMINAL_OCCUPIED,
-                f"terminal '{self.component_id}/{self.terminal_id}' holds end {occupant[1].value} of {occupant[0]!r}",
+                f"terminal '{self.component_id}/{self.terminal_id}' holds end "
+                f"{occupant[1].value} of {occupant[0]!r}",
             )
 
 
@@ -278,7 +296,8 @@ def check_socket(component_id: str, terminal_id: str, socket: Pose, panel: Panel
     if away > SOCKET_TOLERANCE_M:
         raise AbilityError(
             Code.INVALID_GOAL,
-            f"socket_pose is {away * 1e3:.0f} mm from terminal '{component_id}/{terminal_id}' on the panel, "
+            f"socket_pose is {away * 1e3:.0f} mm from terminal '{component_id}/{terminal_id}' on "
+            "the panel, "
             f"allowed: {SOCKET_TOLERANCE_M * 1e3:.0f} mm; locate the terminal first",
         )
     tool = socket.position - unit_x(socket) * (GRASP_DISTANCE_M + STANDOFF_M)
@@ -293,7 +312,7 @@ def check_tool_path(path: tuple[Pose, ...], book: Book) -> None:
 
 
 def check_reach(tool: ToolPose) -> None:
-    """Raise UNREACHABLE when neither the pose nor the same with the hand turned by pi is within reach."""
+    """Raise UNREACHABLE when neither the pose nor that with the hand turned by pi is reached."""
     try:
         joints_for(tool)
     except AbilityError:

@@ -1,4 +1,4 @@
-"""The layout rules of a panel, and the check of a panel against them. README.md explains them to panel makers."""
+"""The layout rules of a panel, and the check against them; README.md explains them."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
+from itertools import pairwise
 
 from remodel_sim.core.arm import ToolPose, reaches
 from remodel_sim.core.geometry import Pose, wrap_angle
@@ -15,7 +16,8 @@ from remodel_sim.core.wire_colours import WIRE_RGB
 # The panel lies flat in front of the arm: the plate's surface is the world's z = 0.
 WORLD_FROM_PANEL = Pose.level(0.50, 0.0, 0.0)
 
-# Tool centre to tip when a wire is held for insertion: short enough not to buckle or sag, long enough for the fingers.
+# Tool centre to tip when a wire is held for insertion: short enough not to buckle or sag, long
+# enough for the fingers.
 GRASP_DISTANCE_M = 0.045
 # The tip waits so far in front of the mouth before it is pushed in.
 STANDOFF_M = 0.008
@@ -37,7 +39,8 @@ MARKER_MARGIN = 1 / 6  # of the label's side, all around
 DIAMETER_M = (0.0025, 0.0062)
 FERRULE_M = (0.010, 0.016)
 LENGTH_M = (0.34, 0.75)
-# A wire needs so much more than the distance along y between its terminals, and may have so much more.
+# A wire needs so much more than the distance along y between its terminals, and may have so much
+# more.
 LENGTH_BEYOND_M = (0.22, 0.38)
 # The same for a wire whose terminals open into different channels: it crosses the row between them.
 CROSSING_BEYOND_M = (0.42, 0.55)
@@ -50,7 +53,10 @@ MARKER_IDS = 250
 
 
 def find_problems(panel: Panel) -> tuple[str, ...]:
-    """Return every way in which a panel breaks the rules, one sentence each; none: it can be built."""
+    """Return every way in which a panel breaks the rules, one sentence each.
+
+    None: it can be built.
+    """
     unreal = tuple(_not_finite(panel, "panel"))
     if unreal:
         return unreal
@@ -131,11 +137,12 @@ def _component(component: Component, panel: Panel) -> Iterator[str]:
             (t for t in component.terminals if abs(wrap_angle(t.insertion_yaw - side)) < 0.01),
             key=lambda t: t.mouth[1],
         )
-        for left, right in zip(row, row[1:], strict=False):
+        for left, right in pairwise(row):
             gap = right.mouth[1] - left.mouth[1] - _mouth_half(left) - _mouth_half(right)
             if gap < MOUTH_GAP_M:
                 yield (
-                    f"{name}: the mouths of terminals {left.id!r} and {right.id!r} are {gap * 1e3:.1f} mm apart; "
+                    f"{name}: the mouths of terminals {left.id!r} and {right.id!r} are "
+                    f"{gap * 1e3:.1f} mm apart; "
                     f"at least {MOUTH_GAP_M * 1e3:.1f} mm"
                 )
     deepest = sum(
@@ -181,7 +188,8 @@ def _reach(name: str, panel_from_socket: Pose, panel: Panel) -> Iterator[str]:
     edge = channel.x + math.copysign(channel.width / 2, into[0])
     if abs(mouth[0] - edge) > MOUTH_OFF_EDGE_M:
         yield (
-            f"{name}: its mouth is at x {mouth[0]:.4f} m of the panel; it must open at an edge of a channel, "
+            f"{name}: its mouth is at x {mouth[0]:.4f} m of the panel; it must open at an edge "
+            "of a channel, "
             f"the nearest is channel {channel.id!r} at {edge:.4f} m"
         )
     if not channel.y_min <= mouth[1] <= channel.y_max:
@@ -233,7 +241,10 @@ def _wire(wire: Wire, panel: Panel) -> Iterator[str]:
             else None
         )
         if component is None or terminal is None:
-            yield f"{name}: end {end.value} goes to '{component_id}/{terminal_id}', which does not exist"
+            yield (
+                f"{name}: end {end.value} goes to '{component_id}/{terminal_id}', which does not "
+                "exist"
+            )
             continue
         sockets[end] = component.panel_from_component @ terminal.component_from_socket
         clearance = (terminal.bore - wire.diameter) * 1e3
@@ -242,7 +253,8 @@ def _wire(wire: Wire, panel: Panel) -> Iterator[str]:
         yield from _within(what, clearance, limits, "mm")
         if terminal.depth < wire.ferrule_length + DEPTH_BEYOND_FERRULE_M - 1e-9:
             yield (
-                f"{name}: the ferrule of {wire.ferrule_length:.4f} m does not hide in '{component_id}/{terminal_id}', "
+                f"{name}: the ferrule of {wire.ferrule_length:.4f} m does not hide in "
+                f"'{component_id}/{terminal_id}', "
                 f"{terminal.depth:.4f} m deep; the bore must be {DEPTH_BEYOND_FERRULE_M} m deeper"
             )
     if len(sockets) == 2 and panel.channels:
@@ -255,7 +267,8 @@ def length_limits(
     """Return the least and the greatest length of a wire [m].
 
     Args:
-        mouth_a, mouth_b: (x, y) of the two mouths, panel frame [m].
+        mouth_a: (x, y) of one mouth, panel frame [m].
+        mouth_b: of the other.
         crossing: whether they open into different channels.
         direction: +1 when the wire is fed from a towards +y, else -1.
     """
@@ -275,7 +288,10 @@ def _wire_length(name: str, wire: Wire, sockets: dict[End, Pose], panel: Panel) 
 
 
 def feed_direction(y_a: float, y_b: float) -> int:
-    """Return +1 when a wire is laid from a towards +y: the way its other end goes, else where there is more room."""
+    """Return +1 when a wire is laid from a towards +y.
+
+    The way its other end goes, else where there is more room.
+    """
     if abs(y_b - y_a) > 0.03:
         return 1 if y_b > y_a else -1
     return 1 if y_a <= 0 else -1

@@ -22,7 +22,8 @@ WIRE_RGB: dict[str, Rgb] = {
 # Stripes of a two-coloured wire, drawn link by link.
 GREEN_AND_YELLOW: tuple[Rgb, Rgb] = (WIRE_RGB["GN"], WIRE_RGB["YE"])
 
-# The collar that covers each ferrule: a hue that no wire has, so that loose ends are found among wires of any colour.
+# The collar that covers each ferrule: a hue that no wire has, so that loose ends are found among
+# wires of any colour.
 FERRULE_RGB: Rgb = (0.95, 0.02, 0.62)
 
 # The mounting plate, near RAL 7035 (light grey).

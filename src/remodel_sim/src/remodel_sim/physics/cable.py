@@ -57,7 +57,8 @@ class Cable:
         world.add_before_step(self._bend)
 
     def _shapes(self, i: int) -> tuple[int, int]:
-        # Shapes sit in the link's own frame, which is at its first joint; the base's frame is its centre.
+        # Shapes sit in the link's own frame, which is at its first joint; the base's frame is its
+        # centre.
         length, radius = self.model.lengths[i], self.model.radius
         offset = [0, 0, 0] if i == 0 else [0, 0, length / 2]
         capsule = self._bullet.GEOM_CAPSULE

@@ -80,7 +80,10 @@ class Clamp:
         self.release_constraint()
 
     def release_constraint(self) -> None:
-        """Take the constraint away, as when the wire becomes a picture; the clamp stays as it is."""
+        """Take the constraint away, as when the wire becomes a picture.
+
+        The clamp stays as it is.
+        """
         if self._constraint is not None:
             self._bullet.removeConstraint(self._constraint)
             self._world.remove_before_step(self._follow)
@@ -92,7 +95,8 @@ def close_clamp(
 ) -> Clamp | None:
     """Bring a terminal's jaw down; return the clamp, or None when it met nothing.
 
-    The jaw moves from the top of the bore to its bottom and stops at the first touch, as a screw does.
+    The jaw moves from the top of the bore to its bottom and stops at the first touch, as a screw
+    does.
     """
     bullet = world.bullet
     depth = terminal.depth - JAW_BEFORE_BOTTOM_M

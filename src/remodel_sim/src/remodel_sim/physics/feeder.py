@@ -31,7 +31,10 @@ DROP_M = 2e-4
 def lay(
     world: World, panel: Panel, wire: Wire, channel: Channel, noise: np.random.Generator
 ) -> tuple[Cable, Laying, int]:
-    """Set the fork, lay a wire and let it settle; return the wire, where it lies, and the fork's body."""
+    """Set the fork, lay a wire and let it settle.
+
+    Return the wire, where it lies, and the fork's body.
+    """
     model = discretise(wire, world.time_step)
     laying = plan_laying(panel, wire, channel, len(model.lengths) - 1, noise)
     fork = _make_fork(world, wire, laying)

@@ -28,11 +28,13 @@ class PanelScene:
     """The bodies of one panel; components can be moved as somebody would who bumps into them."""
 
     def __init__(self, world: World, panel: Panel, poses: dict[str, Pose]) -> None:
-        """Build table, plate, lanes and components; `poses` has each component's frame in the world."""
+        """Build table, plate, lanes and components.
+
+        `poses` has each component's frame in the world.
+        """
         self._bullet = world.bullet
         self._components: dict[str, int] = {}
         thickness = panel.size[2]
-        plate_x, plate_y, _ = WORLD_FROM_PANEL.position
         table_z = -thickness - TABLE_SIZE[2] / 2
         self._static([Box((0.4, 0, table_z), TABLE_SIZE, TABLE_RGB)], Pose.level(0, 0, 0))
         plate = [Box((0, 0, -thickness / 2), panel.size, PLATE_RGB)]
@@ -65,7 +67,10 @@ class PanelScene:
 
 
 def _lips(channel: Channel) -> list[Box]:
-    """Low walls along both edges of a channel: they keep slack wire out of the gaps between components."""
+    """Low walls along both edges of a channel.
+
+    They keep slack wire out of the gaps between components.
+    """
     y = (channel.y_min + channel.y_max) / 2
     aside = channel.width / 2 - LIP_THICKNESS_M / 2
     size = (LIP_THICKNESS_M, channel.y_max - channel.y_min, LIP_HEIGHT_M)

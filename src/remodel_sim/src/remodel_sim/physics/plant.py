@@ -1,4 +1,7 @@
-"""The physical cell: everything that has mass, light or force. Abilities reach it only through the station."""
+"""The physical cell.
+
+Everything that has mass, light or force. Abilities reach it only through the station.
+"""
 
 from __future__ import annotations
 
@@ -74,7 +77,10 @@ class Plant:
         self.load(panel)
 
     def load(self, panel: Panel) -> None:
-        """Build a panel from nothing; raises PanelError and changes nothing when it breaks the rules."""
+        """Build a panel from nothing.
+
+        Raises PanelError and changes nothing when it breaks the rules.
+        """
         problems = find_problems(panel)
         if problems:
             raise PanelError(panel.name, problems)
@@ -89,7 +95,8 @@ class Plant:
     def _build(self, tool: ToolPose) -> None:
         """Build the world from what the plant knows, without a live wire.
 
-        It is done for every wire: Bullet keeps traces of removed bodies, and a run would depend on where they lay in
+        It is done for every wire: Bullet keeps traces of removed bodies, and a run would depend on
+            where they lay in
         memory.
         """
         self.world.clear()
@@ -111,7 +118,9 @@ class Plant:
         self.world.close()
 
     def feed(self, wire_id: str, channel_id: str, tool: ToolPose) -> Laying:
-        """Lay a wire into a channel; the wire before is parked, or taken away when it is the same one.
+        """Lay a wire into a channel.
+
+        The wire before is parked, or taken away when it is the same one.
 
         The arm starts from `tool`, where it was sent last, with open fingers.
         """
@@ -130,7 +139,10 @@ class Plant:
         self.world.bullet.resetBasePositionAndOrientation(self._fork, [x, y, 0.0], [0, 0, 0, 1])
 
     def park(self) -> None:
-        """Turn the live wire into a picture of itself; it stays where it is and touches nothing any more."""
+        """Turn the live wire into a picture of itself.
+
+        It stays where it is and touches nothing any more.
+        """
         if self.live is None:
             return
         live = self.live

@@ -22,16 +22,18 @@ JOINT_NAMES = [f"panda_joint{i}" for i in range(1, 8)] + [
 ]
 ARM_TORQUE = 200.0  # [N m] stiff servo: the arm follows to 0.05 mm
 ARM_GAIN = 0.3
-# The fingers close slowly and stop as soon as their motors feel the grip force; then they hold that position, as a
-# self-locking gripper does. Squeezing by a force-limited motor instead loses the wire: the solver moves the light link
-# between two heavy fingers too little per step (it takes 200 iterations to hold 3 mm wire at 20 N).
+# The fingers close slowly and stop as soon as their motors feel the grip force; then they hold that
+# position, as a self-locking gripper does. Squeezing by a force-limited motor instead loses the
+# wire: the solver moves the light link between two heavy fingers too little per step (it takes 200
+# iterations to hold 3 mm wire at 20 N).
 FINGER_SPEED = 0.10  # [m/s] while nothing is near
 FINGER_TOUCH_SPEED = 0.012  # [m/s] while a wire may be between the pads
 TOUCH_GAP = 0.008  # [m] between the pads: the thickest wire and some
 FINGER_MOTOR_FORCE = 150.0  # [N]
 GRIP_FORCE = 30.0  # [N] per finger at which closing stops; the Panda hand holds 70 N
 PAD_FRICTION = 1.0
-# A rubber pad touches over a patch; its radius of some 4 mm resists turning about the contact normal [m].
+# A rubber pad touches over a patch; its radius of some 4 mm resists turning about the contact
+# normal [m].
 PAD_SPINNING_FRICTION = 0.004
 MAX_OPENING = 0.04  # [m] per finger
 # First-order low pass of the wrist force [s]: a real wrist sensor's bandwidth, about 10 Hz.
@@ -83,7 +85,10 @@ class Robot:
         )
 
     def drive_fingers(self, opening: float) -> None:
-        """Send each finger to a distance from the middle [m]; closing, they stop on what they grip."""
+        """Send each finger to a distance from the middle [m].
+
+        Closing, they stop on what they grip.
+        """
         self._target = opening
 
     def _move_fingers(self) -> None:

@@ -1,4 +1,7 @@
-"""The arm's description: pybullet_data's Franka Panda with the cell's own fingers and wrist camera."""
+"""The arm's description.
+
+Pybullet_data's Franka Panda with the cell's own fingers and wrist camera.
+"""
 
 from __future__ import annotations
 

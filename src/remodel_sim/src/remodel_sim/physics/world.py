@@ -8,9 +8,10 @@ import pybullet
 from pybullet_utils.bullet_client import BulletClient
 
 GRAVITY = 9.81
-# A wire's link of half a gram between two fingers makes the contact solver converge a thousand times too slowly.
-# Wires get this many times their mass, and gravity is as many times weaker: weights, and with them all statics and
-# friction, stay true; only a free wire moves more slowly. Everything else is bolted down or driven by stiff servos.
+# A wire's link of half a gram between two fingers makes the contact solver converge a thousand
+# times too slowly. Wires get this many times their mass, and gravity is as many times weaker:
+# weights, and with them all statics and friction, stay true; only a free wire moves more slowly.
+# Everything else is bolted down or driven by stiff servos.
 MASS_SCALE = 10.0
 # With half as many, a wire creeps through the grip by 2 mm while the hand turns.
 SOLVER_ITERATIONS = 200

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import traceback
-from typing import Any
 
 import actionlib
 import rospy
 from actionlib import ServerGoalHandle
 from actionlib_msgs.msg import GoalStatus
+from genpy import Message
 
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.goals import require, require_number
+from remodel_sim.core.goals import Goal, require, require_number
 from remodel_sim.ros.abilities import Ability
 from remodel_sim.ros.job import Job, common_result
 from remodel_sim.ros.owner import Owner
@@ -58,7 +58,7 @@ class AbilityServer:
         handle.set_accepted()
         self._owner.job = Job(self._ability, goal, handle, station, self._owner.clock.now_s)
 
-    def _checked(self, message: Any) -> Any:
+    def _checked(self, message: Message) -> Goal:
         """Return the goal of a message; raises AbilityError when it cannot be taken."""
         require(bool(message.id.strip()), "id is empty; it must name the goal")
         require_number("timeout", message.timeout, 0.1, MAX_TIMEOUT_S, "s")
@@ -74,7 +74,7 @@ class AbilityServer:
         )
         handle.set_rejected(self._refusal(message, code, text), text)
 
-    def _refusal(self, message: Any, code: Code, text: str) -> Any:
+    def _refusal(self, message: Message, code: Code, text: str) -> Message:
         result = common_result(self._ability, message.id, 0.0)
         result.message = f"{self._ability.name}: {code.name}"
         result.error_code, result.error_message = int(code), text

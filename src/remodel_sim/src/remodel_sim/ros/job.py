@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import time
 import traceback
-from typing import Any
 
 import rospy
 from actionlib import ServerGoalHandle
+from genpy import Message
 
-from remodel_sim.abilities.station import Progress, Station
+from remodel_sim.abilities.station import Found, Progress, Station
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.goals import Goal
 from remodel_sim.ros.abilities import Ability
 from remodel_sim.ros.conversions import observation, result_value
 
@@ -19,10 +20,10 @@ FEEDBACK_PERIOD_S = 0.1  # of wall time
 
 
 class Job:
-    """An accepted goal, its steps and its end. All of it happens in the owner's thread but `cancel`."""
+    """An accepted goal, its steps and its end; all in the owner's thread but `cancel`."""
 
     def __init__(
-        self, ability: Ability, goal: Any, handle: ServerGoalHandle, station: Station, now_s: float
+        self, ability: Ability, goal: Goal, handle: ServerGoalHandle, station: Station, now_s: float
     ) -> None:
         """Begin a goal that has been accepted."""
         self._ability = ability
@@ -90,7 +91,7 @@ class Job:
         )
         self._handle.publish_feedback(feedback)
 
-    def _succeed(self, found: Any, elapsed: float) -> None:
+    def _succeed(self, found: Found, elapsed: float) -> None:
         result = common_result(self._ability, self._message.id, elapsed)
         result.success, result.message = True, found.message
         if self._ability.name == "DetectCable":
@@ -121,7 +122,7 @@ class Job:
             self._handle.set_aborted(result, text)
 
 
-def common_result(ability: Ability, goal_id: str, elapsed: float) -> Any:
+def common_result(ability: Ability, goal_id: str, elapsed: float) -> Message:
     """Return a result with the fields that all abilities share."""
     result = ability.message("Result")()
     result.id, result.elapsed_time = goal_id, elapsed

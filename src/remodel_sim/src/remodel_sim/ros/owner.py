@@ -1,8 +1,13 @@
-"""The one thread that owns the plant: it runs the ability, answers requests between its ticks, and keeps time.
+"""The one thread that owns the plant.
 
-PyBullet is not thread-safe, and it holds Python's lock while it steps or renders. So rospy's threads only leave
-requests here. While an ability runs, simulated time runs as fast as the machine allows. Between goals the settled
-scene is frozen: time goes on at the wall's pace and nothing is stepped, so that results depend on the seed and the
+It runs the ability, answers requests between its ticks, and keeps time.
+
+PyBullet is not thread-safe, and it holds Python's lock while it steps or renders. So rospy's
+threads only leave
+requests here. While an ability runs, simulated time runs as fast as the machine allows. Between
+goals the settled
+scene is frozen: time goes on at the wall's pace and nothing is stepped, so that results depend on
+the seed and the
 goals alone, not on how long a client thinks.
 """
 
@@ -77,7 +82,7 @@ class Owner:
     def _tick(self, job: Job) -> None:
         if job.step(self.clock.now_s):
             self.job = None
-            self.cell.settle()
+            self.clock.advance(self.cell.settle())
             return
         advance(self.cell.plant, self.cell.station)
         self.clock.advance(self.cell.station.tick_s)

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 import rospy
-from remodel_msgs import srv
-from std_srvs.srv import Trigger, TriggerResponse
+from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
+from remodel_msgs import srv
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError, CellError
 from remodel_sim.physics.truth import ground_truth
@@ -38,7 +37,7 @@ class Services:
         ):
             rospy.Service(f"cell/{name}", kind, answer)
 
-    def _feed_wire(self, request: Any) -> srv.FeedWireResponse:
+    def _feed_wire(self, request: srv.FeedWireRequest) -> srv.FeedWireResponse:
         def feed() -> None:
             self._require_idle()
             self._owner.cell.feed(request.wire_id, request.channel_id)
@@ -51,25 +50,25 @@ class Services:
             return srv.FeedWireResponse(False, str(error), int(Code.INTERNAL))
         return srv.FeedWireResponse(True, f"{request.wire_id} lies in {request.channel_id}", 0)
 
-    def _load_panel(self, request: Any) -> srv.LoadPanelResponse:
+    def _load_panel(self, request: srv.LoadPanelRequest) -> srv.LoadPanelResponse:
         def load() -> None:
             self._require_idle()
             self._owner.cell.load(panel_from(request.panel))
 
         return srv.LoadPanelResponse(*self._done(load, f"panel {request.panel.name!r} built"))
 
-    def _reset(self, _: Any) -> TriggerResponse:
+    def _reset(self, _: TriggerRequest) -> TriggerResponse:
         def reset() -> None:
             self._require_idle()
             self._owner.cell.reset()
 
         return TriggerResponse(*self._done(reset, "the same panel anew, no wire on it"))
 
-    def _inject_fault(self, request: Any) -> srv.InjectFaultResponse:
+    def _inject_fault(self, request: srv.InjectFaultRequest) -> srv.InjectFaultResponse:
         text = f"{request.kind} {request.target!r}"
         return srv.InjectFaultResponse(*self._done(lambda: self._fault(request), text))
 
-    def _fault(self, request: Any) -> None:
+    def _fault(self, request: srv.InjectFaultRequest) -> None:
         plant, values = self._owner.cell.plant, tuple(request.values)
         if request.kind == "component_moved":
             if len(values) != 3 or not all(math.isfinite(v) for v in values):
@@ -92,12 +91,12 @@ class Services:
             raise CellError(f"target is {request.target!r}; it must be 'component/terminal'")
         faults[request.kind](component, terminal)
 
-    def _ground_truth(self, _: Any) -> srv.GetGroundTruthResponse:
+    def _ground_truth(self, _: srv.GetGroundTruthRequest) -> srv.GetGroundTruthResponse:
         cell = self._owner.cell
         truths = self._owner.ask(lambda: ground_truth(cell.plant, cell.station.book.fed), TIMEOUT_S)
         return srv.GetGroundTruthResponse([truth_message(truth) for truth in truths])
 
-    def _take_picture(self, request: Any) -> srv.TakePictureResponse:
+    def _take_picture(self, request: srv.TakePictureRequest) -> srv.TakePictureResponse:
         response = srv.TakePictureResponse()
         if request.camera not in CAMERAS:
             response.message = f"no camera {request.camera!r}; there are: {', '.join(CAMERAS)}"

@@ -14,7 +14,10 @@ MAX_CATCH_UP_S = 0.1
 
 
 class SimClock:
-    """Time that the cell makes: as fast as it can while an ability runs, at the pace of the wall between goals."""
+    """Time that the cell makes.
+
+    As fast as it can while an ability runs, at the pace of the wall between goals.
+    """
 
     def __init__(self) -> None:
         """Start at one second: zero means "no time yet" in ROS."""

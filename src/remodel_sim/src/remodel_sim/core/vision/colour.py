@@ -1,6 +1,7 @@
 """Which pixels show a wire's insulation, which a ferrule.
 
-A lit surface of colour c shows as s c with a shade s; pixels are compared with the nearest shade of each colour
+A lit surface of colour c shows as s c with a shade s; pixels are compared with the nearest shade
+of each colour
 that may be there, not with the colour itself.
 """
 
@@ -21,7 +22,8 @@ PLATE_SHADES = (0.88, 1.25)
 # Half of the likelihood is lost at this distance from the wire's colour [grey levels].
 TOLERANCE = 40.0
 
-# The ferrules' magenta in OpenCV's HSV (hue 0 to 179): the hue of FERRULE_RGB, and saturated as no wire is.
+# The ferrules' magenta in OpenCV's HSV (hue 0 to 179): the hue of FERRULE_RGB, and saturated as no
+# wire is.
 FERRULE_HUES = (150, 172)
 FERRULE_MIN_SATURATION = 150
 FERRULE_MIN_VALUE = 60

@@ -1,4 +1,7 @@
-"""Find the wires' ends: blobs of the ferrules' colour, each with the direction in which its wire leaves."""
+"""Find the wires' ends.
+
+Blobs of the ferrules' colour, each with the direction in which its wire leaves.
+"""
 
 from __future__ import annotations
 

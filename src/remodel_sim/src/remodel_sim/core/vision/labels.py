@@ -60,7 +60,8 @@ def _parameters() -> cv2.aruco.DetectorParameters:
 def locate_component(component: Component, corners: Array, view: View) -> ComponentSighting:
     """Return the upright pose that fits the label's corners (4, 2) [px] best.
 
-    A component stands on the plate, so its label's height is known: each corner's ray meets that plane in one
+    A component stands on the plate, so its label's height is known: each corner's ray meets that
+    plane in one
     point, and the pose is the planar rigid motion nearest to the four points (Procrustes).
     """
     model = label_corners(component)

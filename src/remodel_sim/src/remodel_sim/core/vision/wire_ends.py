@@ -55,7 +55,8 @@ def find_ends(
         expected: roughly where each loose end lies, (2,) [m], world frame.
 
     Raises:
-        AbilityError: CABLE_TRUNCATED when an end leaves the picture, CABLE_AMBIGUOUS when two may be meant.
+        AbilityError: CABLE_TRUNCATED when an end leaves the picture, CABLE_AMBIGUOUS when two may
+            be meant.
     """
     likelihood = wire_likelihood(picture.rgb, wire.colour)
     scale = picture.view.metres_per_pixel(wire.radius)
@@ -82,7 +83,8 @@ def find_ends(
         if rivals and len(expected) == 1:
             raise AbilityError(
                 Code.CABLE_AMBIGUOUS,
-                f"{1 + len(rivals)} ends of that colour lie where end {end.value} of {wire.id!r} may be",
+                f"{1 + len(rivals)} ends of that colour lie where end {end.value} of {wire.id!r} "
+                "may be",
             )
         found[end] = near[0]
     if len(found) == 2 and found[End.A] is found[End.B]:
@@ -96,7 +98,10 @@ def _apart(sighting: EndSighting, place: Array) -> float:
 
 
 def _in_world(ferrule: Ferrule, picture: Picture, wire: Wire) -> TipSighting:
-    """Return the tip half a ferrule ahead of the blob's centre: its outline blurs, its centre does not."""
+    """Return the tip half a ferrule ahead of the blob's centre.
+
+    Its outline blurs, its centre does not.
+    """
     view, z = picture.view, wire.radius
     if picture.depth is not None:
         column, row = np.rint(ferrule.centre).astype(int)
