@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remodel_sim.abilities.grasping import close_on_wire
+from remodel_sim.abilities.grasping import FLOOR_CLEARANCE_M, close_on_wire
 from remodel_sim.abilities.insert_cable import axial, tool_before
 from remodel_sim.abilities.motions import (
     APPROACH_SPEED,
@@ -19,7 +19,7 @@ from remodel_sim.abilities.motions import (
     move_to,
     swing_to,
 )
-from remodel_sim.abilities.place_cable import lay_down
+from remodel_sim.abilities.place_cable import lay_down, tip_of
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.book import EndState, Grip
@@ -29,12 +29,16 @@ from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import ExtractGoal
 from remodel_sim.core.layout import GRASP_DISTANCE_M
 from remodel_sim.core.panel import End, unit_x
+from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M
 
 PULL_SPEED = 0.04  # [m/s]
 # An end that does not come at this force is stuck: the grip holds not much more.
 MAX_PULL_N = 25.0
 # The tip is drawn so far out of the mouth.
 CLEAR_M = 0.015
+# The wire leaves the bore straight only for so far; there it is grasped, the pads clear of the
+# face.
+OUTSIDE_M = 0.016
 
 
 @dataclass(frozen=True)
@@ -63,18 +67,25 @@ def extract_cable(station: Station, goal: ExtractGoal) -> Steps[CableExtracted]:
     station.open_clamp(goal.component_id, goal.terminal_id)
     if book.grip is None:
         station.report("grasping the wire at the mouth", 0.1)
-        yield from _grasp_at_mouth(station, end, goal.socket)
+        terminal = station.panel.component(goal.component_id).terminal(goal.terminal_id)
+        yield from _grasp_at_mouth(station, end, goal.socket, terminal.depth)
     peak = 0.0
     if book.engaged is not None:
         station.report(f"pulling end {end.value} out of {where}", 0.4)
         peak = yield from _pull_out(station, book.engaged, where)
     book.loosen(end)
-    grip, back = book.grip, book.picked_at[end]
-    if grip is not None:
-        there = back.tool
-        target = ToolPose(there.x, there.y, there.z, there.yaw + back.flip - grip.flip)
+    if book.grip is not None:
+        target = _where_it_lay(station, book.grip, book.picked_at[end])
         yield from lay_down(station, target, (0.6, 1.0))
     return CableExtracted(f"end {end.value} of {goal.cable_id} out of {where}, laid down", peak)
+
+
+def _where_it_lay(station: Station, grip: Grip, back: Grip) -> ToolPose:
+    """Return the tool pose that lays the tip down where it lay when it was picked."""
+    yaw = back.tool.yaw + back.flip
+    x, y = tip_of(back.tool, back) - grip.distance * np.array([math.cos(yaw), math.sin(yaw)])
+    z = max(station.wire.radius - grip.height, PAD_BELOW_TOOL_M + FLOOR_CLEARANCE_M)
+    return ToolPose(float(x), float(y), z, yaw - grip.flip)
 
 
 def _end_at(station: Station, goal: ExtractGoal) -> End:
@@ -92,21 +103,22 @@ def _end_at(station: Station, goal: ExtractGoal) -> End:
     return End.B if belongs else End.A
 
 
-def _grasp_at_mouth(station: Station, end: End, socket: Pose) -> Steps[None]:
-    terminal_depth = station.wire.ferrule_length
+def _grasp_at_mouth(station: Station, end: End, socket: Pose, inside: float) -> Steps[None]:
+    """Grasp the wire just outside a mouth; `inside` [m] of it are in the bore."""
     then = station.book.picked_at[end]
-    place = tool_before(socket, Grip(end, GRASP_DISTANCE_M, 0.0, 0.0, then.tool), terminal_depth)
+    distance = inside + OUTSIDE_M
+    place = tool_before(socket, Grip(end, distance, 0.0, 0.0, then.tool), inside)
     flip = choose_flip(
         (place.x, place.y), socket.yaw, (then.tool.x, then.tool.y), then.tool.yaw + then.flip
     )
     tool = ToolPose(place.x, place.y, place.z, socket.yaw - flip)
     yield from clear_hand(station)
     yield from swing_to(station, tool.at(z=max(TRAVEL_Z, station.commanded.z)))
-    station.drive_fingers(HAND_OPEN_M / 2)
+    station.drive_fingers(HAND_OPEN_M)
     yield from move_to(station, tool.at(z=tool.z + 0.03), FREE_SPEED)
     yield from move_to(station, tool, APPROACH_SPEED)
     picked = station.book.picked_at[end]
-    yield from close_on_wire(station, Grip(end, GRASP_DISTANCE_M, 0.0, flip, tool))
+    yield from close_on_wire(station, Grip(end, distance, 0.0, flip, tool))
     station.book.picked_at[end] = picked
     station.book.engaged = socket
 
@@ -117,7 +129,7 @@ def _pull_out(station: Station, socket: Pose, where: str) -> Steps[float]:
     Return the peak force [N].
     """
     out = -unit_x(socket)
-    grip, start, rest = station.book.grip, station.commanded, station.force
+    grip, start = station.book.grip, station.commanded
     distance = grip.distance if grip is not None else GRASP_DISTANCE_M
     ahead = float((start.position - socket.position) @ -out) + distance
     length = max(0.0, ahead) + CLEAR_M
@@ -129,7 +141,7 @@ def _pull_out(station: Station, socket: Pose, where: str) -> Steps[float]:
             ToolPose(start.x + float(shift[0]), start.y + float(shift[1]), start.z, start.yaw)
         )
         yield
-        force = axial(station.force - rest, out)
+        force = axial(station.force - station.free_force, out)
         peak = max(peak, force)
         if force > MAX_PULL_N:
             raise AbilityError(

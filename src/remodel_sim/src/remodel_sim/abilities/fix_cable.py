@@ -83,14 +83,14 @@ def _pull(station: Station, goal: FixGoal) -> Steps[float]:
         nominal = station.panel.panel_from_socket(goal.component_id, goal.terminal_id)
         socket = nominal
     out = -unit_x(socket)
-    start, rest = station.commanded, station.force
+    start = station.commanded
     travel, taken_up, force = 0.0, None, 0.0
     while force < goal.pull_test_force and travel < PULL_TRAVEL_M:
         travel += PULL_SPEED * station.tick_s
         station.drive(_shifted(start, out, travel))
         yield
-        # The push may have left the end under load; the pull counts from the unloaded hand.
-        force = axial(station.force - rest, out)
+        # The push left the end under load; the pull counts from the free hand.
+        force = axial(station.force - station.free_force, out)
         if taken_up is None and force >= TAKEN_UP * goal.pull_test_force:
             taken_up = travel
     slip = travel - (taken_up if taken_up is not None else 0.0)

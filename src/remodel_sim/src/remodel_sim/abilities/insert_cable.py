@@ -109,7 +109,7 @@ def _grip(station: Station) -> Grip:
 
 def _push(station: Station, socket: Pose, depth: float, limit: float) -> Steps[Push]:
     into, grip = unit_x(socket), _grip(station)
-    rest = station.force
+    station.free_force = station.force
     peak, ahead, ticks = 0.0, -STANDOFF_M, 0
     stopped = False
     while ahead < depth + OVERTRAVEL_M and not stopped:
@@ -117,7 +117,7 @@ def _push(station: Station, socket: Pose, depth: float, limit: float) -> Steps[P
         ahead += PUSH_SPEED * station.tick_s
         station.drive(tool_before(socket, grip, ahead))
         yield
-        force = axial(station.force - rest, into)
+        force = axial(station.force - station.free_force, into)
         if ticks * station.tick_s > BLIND_S:
             peak = max(peak, force)
             stopped = force >= limit

@@ -59,6 +59,9 @@ class Station:
         book: what the cell knows of its own doing.
         progress: of the ability that runs.
         tick_s: time between two commands to the arm [s].
+        free_force: what the wrist felt, world frame (3,) [N], when the hand last touched nothing:
+            the hand always
+            points down, so its weight reads the same everywhere.
     """
 
     def __init__(self, plant: Plant, on_look: OnLook | None = None) -> None:
@@ -70,6 +73,7 @@ class Station:
         self.steps_per_tick = max(1, round(1.0 / (TICK_HZ * plant.world.time_step)))
         self.tick_s = self.steps_per_tick * plant.world.time_step
         self.commanded = PARKED
+        self.free_force = self.force
         self.fingers_open_to = plant.robot.finger_gap / 2
 
     @property

@@ -9,8 +9,9 @@ from remodel_sim.core.arm import ToolPose, joints_for
 
 # A minimum-jerk motion peaks at 15/8 of its mean speed.
 PEAK_OVER_MEAN = 15.0 / 8.0
-# The hand may turn this fast at most [rad/s]; joint 7 of the Panda allows 2.61.
-MAX_TURN_RATE = 2.4
+# The hand may turn this fast at most [rad/s]; joint 7 of the Panda allows 2.61, but a wire that is
+# turned faster pitches in the grip.
+MAX_TURN_RATE = 1.6
 # Postures are checked this far apart before a motion starts [m], [rad].
 CHECK_STEP_M = 0.02
 CHECK_STEP_RAD = 0.2

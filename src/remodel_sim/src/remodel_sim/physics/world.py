@@ -12,7 +12,7 @@ GRAVITY = 9.81
 # times too slowly. Wires get this many times their mass, and gravity is as many times weaker:
 # weights, and with them all statics and friction, stay true; only a free wire moves more slowly.
 # Everything else is bolted down or driven by stiff servos.
-MASS_SCALE = 10.0
+MASS_SCALE = 20.0
 # With half as many, a wire creeps through the grip by 2 mm while the hand turns.
 SOLVER_ITERATIONS = 200
 # Stiff penalty contacts keep a jammed ferrule within 0.35 mm of a wall at few iterations.

@@ -18,7 +18,7 @@ Mask = npt.NDArray[np.uint8]
 
 # Shades of a round wire under diffuse light, and of the level plate.
 WIRE_SHADES = (0.45, 1.15)
-PLATE_SHADES = (0.88, 1.25)
+PLATE_SHADES = (0.88, 1.13)
 # Half of the likelihood is lost at this distance from the wire's colour [grey levels].
 TOLERANCE = 40.0
 
