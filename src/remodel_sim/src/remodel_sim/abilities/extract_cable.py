@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remodel_sim.abilities.grasping import FLOOR_CLEARANCE_M, close_on_wire
+from remodel_sim.abilities.grasping import FLOOR_CLEARANCE_M, close_on_wire, holds
 from remodel_sim.abilities.insert_cable import axial, tool_before
 from remodel_sim.abilities.motions import (
     APPROACH_SPEED,
@@ -59,16 +59,19 @@ def extract_cable(station: Station, goal: ExtractGoal) -> Steps[CableExtracted]:
     book = station.book
     end = _end_at(station, goal)
     where = f"'{goal.component_id}/{goal.terminal_id}'"
-    if book.grip is None and book.ends[end] is EndState.LOOSE:
-        station.report("clearing the hand", 0.5)
-        yield from clear_hand(station)
-        return CableExtracted(f"nothing to pull out of {where}: end {end.value} lies loose", 0.0)
+    if book.grip is not None and not holds(station):
+        book.grip = None  # it slipped out; the end may sit in the bore
+    in_mouth = book.engaged is not None or book.ends[end] is not EndState.LOOSE
     station.report(f"opening {where}", 0.05)
     station.open_clamp(goal.component_id, goal.terminal_id)
-    if book.grip is None:
-        station.report("grasping the wire at the mouth", 0.1)
-        terminal = station.panel.component(goal.component_id).terminal(goal.terminal_id)
-        yield from _grasp_at_mouth(station, end, goal.socket, terminal.depth)
+    if book.grip is None and in_mouth:
+        in_mouth = yield from _regrasp(station, end, goal)
+    if book.grip is None and not in_mouth:
+        station.report("clearing the hand", 0.5)
+        yield from clear_hand(station)
+        book.engaged = None
+        book.loosen(end)
+        return CableExtracted(f"nothing to pull out of {where}: end {end.value} lies loose", 0.0)
     peak = 0.0
     if book.engaged is not None:
         station.report(f"pulling end {end.value} out of {where}", 0.4)
@@ -101,6 +104,19 @@ def _end_at(station: Station, goal: ExtractGoal) -> End:
         return occupant[1]
     belongs = station.wire.goes_to(End.B) == (goal.component_id, goal.terminal_id)
     return End.B if belongs else End.A
+
+
+def _regrasp(station: Station, end: End, goal: ExtractGoal) -> Steps[bool]:
+    """Grasp the wire at the mouth; return whether it is there."""
+    station.report("grasping the wire at the mouth", 0.1)
+    terminal = station.panel.component(goal.component_id).terminal(goal.terminal_id)
+    try:
+        yield from _grasp_at_mouth(station, end, goal.socket, terminal.depth)
+    except AbilityError as error:
+        if error.code is not Code.GRASP_MISSED:
+            raise
+        return False
+    return True
 
 
 def _grasp_at_mouth(station: Station, end: End, socket: Pose, inside: float) -> Steps[None]:

@@ -26,10 +26,12 @@ from remodel_sim.core.panel import End, unit_x
 from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M
 
 # The pads stop so far above the plate.
-FLOOR_CLEARANCE_M = 0.0006
+FLOOR_CLEARANCE_M = 0.0003
 CLOSE_TIMEOUT_S = 1.5
 # A gap of less than this share of the wire's diameter means that it is not between the pads.
 MISSED_SHARE = 0.45
+# Fingers that hold a wire feel tens of newtons; without one, nothing.
+HELD_LOAD_N = 4.0
 APPROACH_Z = 0.06
 
 
@@ -91,20 +93,24 @@ def close_on_wire(station: Station, grip: Grip) -> Steps[None]:
             "it is not between them; detect it again",
         )
     station.book.grip = grip
+    station.book.engaged = None
     station.book.picked_at[grip.end] = grip
 
 
+def holds(station: Station) -> bool:
+    """Return whether the fingers press on something: they stay where they are when it slips out."""
+    return station.finger_load > HELD_LOAD_N
+
+
 def check_grip(station: Station) -> None:
-    """Raise GRASP_SLIPPED, and note an empty hand, when the wire is no longer between the pads."""
-    wire, gap = station.wire, station.finger_gap
-    if station.book.grip is not None and gap < MISSED_SHARE * wire.diameter:
+    """Raise GRASP_SLIPPED, and note an empty hand, when nothing presses the fingers apart."""
+    if station.book.grip is not None and not holds(station):
         end = station.book.grip.end
         station.book.grip = None
-        station.book.engaged = None
         raise AbilityError(
             Code.GRASP_SLIPPED,
-            f"end {end.value} of {wire.id!r} slipped out of the fingers, which stand at "
-            f"{gap * 1e3:.1f} mm",
+            f"end {end.value} of {station.wire.id!r} slipped out of the fingers, which feel "
+            f"{station.finger_load:.1f} N; detect it again",
         )
 
 

@@ -19,9 +19,14 @@ from remodel_sim.core.goals import InsertGoal
 from remodel_sim.core.layout import STANDOFF_M
 from remodel_sim.core.panel import unit_x
 
-PUSH_SPEED = 0.03  # [m/s]
+# The tip goes to the mouth faster than into the bore [m/s]: what stops it there must not hurt it.
+APPROACH_MOUTH_SPEED = 0.04
+PUSH_SPEED = 0.02
+# The push relaxes by so much once it has been stopped.
+RELAX_M = 0.0004
 # The push goes on so far beyond where the bottom should be.
 OVERTRAVEL_M = 0.008
+SLOW_BEFORE_M = 0.001
 # Resistance so far before or beyond the bottom counts as the bottom. A turn of the hand draws the
 # wire back in the grip by up to 3 mm, so that it meets the bottom late, by the arm's measure; early
 # it does only in front of an obstacle.
@@ -114,7 +119,8 @@ def _push(station: Station, socket: Pose, depth: float, limit: float) -> Steps[P
     stopped = False
     while ahead < depth + OVERTRAVEL_M and not stopped:
         ticks += 1
-        ahead += PUSH_SPEED * station.tick_s
+        speed = PUSH_SPEED if ahead > -SLOW_BEFORE_M else APPROACH_MOUTH_SPEED
+        ahead += speed * station.tick_s
         station.drive(tool_before(socket, grip, ahead))
         yield
         force = axial(station.force - station.free_force, into)
@@ -122,8 +128,9 @@ def _push(station: Station, socket: Pose, depth: float, limit: float) -> Steps[P
             peak = max(peak, force)
             stopped = force >= limit
         station.report("pushing", 0.75 + 0.2 * np.clip(ahead / depth, 0, 1))
-    yield from wait(station, 0.1)
     at = station.tool
+    station.drive(tool_before(socket, grip, ahead - RELAX_M))
+    yield from wait(station, 0.1)
     tip = np.array([at.x, at.y]) + into[:2] * grip.distance
     return Push(float((tip - socket.position[:2]) @ into[:2]), peak, stopped)
 

@@ -15,6 +15,8 @@ from remodel_sim.physics.world import MASS_SCALE, World
 # Light drag instead of the internal friction of strands [1/s].
 DRAG = 3.0
 FRICTION = 0.5
+# Bullet draws a capsule by its collision hull, which is thicker by this margin.
+HULL_MARGIN_M = 0.001
 IDENTITY = [0.0, 0.0, 0.0, 1.0]
 
 
@@ -68,7 +70,7 @@ class Cable:
             ),
             self._bullet.createVisualShape(
                 capsule,
-                radius=radius,
+                radius=radius - HULL_MARGIN_M,
                 length=length,
                 rgbaColor=[*self.colours[i], 1],
                 visualFramePosition=offset,

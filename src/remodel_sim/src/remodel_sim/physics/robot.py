@@ -36,8 +36,8 @@ PAD_FRICTION = 1.0
 # normal [m].
 PAD_SPINNING_FRICTION = 0.004
 MAX_OPENING = 0.04  # [m] per finger
-# First-order low pass of the wrist force [s]: a real wrist sensor's bandwidth, about 10 Hz.
-FORCE_TIME_CONSTANT = 0.015
+# First-order low pass of the wrist force [s]: a wrist sensor's bandwidth of 20 Hz.
+FORCE_TIME_CONSTANT = 0.008
 
 
 class Robot:
