@@ -21,7 +21,7 @@ from remodel_sim.core.book import Grip
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.layout import GRASP_DISTANCE_M
+from remodel_sim.core.layout import GRASP_DISTANCE_M, WORLD_FROM_PANEL
 from remodel_sim.core.panel import End, unit_x
 from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M
 
@@ -33,6 +33,8 @@ MISSED_SHARE = 0.45
 # Fingers that hold a wire feel tens of newtons; without one, nothing.
 HELD_LOAD_N = 4.0
 APPROACH_Z = 0.06
+# An open finger reaches so far to the side of the wire.
+FINGER_ROOM_M = HAND_OPEN_M + 0.012
 
 
 def pick_end(
@@ -52,6 +54,7 @@ def pick_end(
     station.report(f"looking for end {end.value} of {station.wire.id}", first)
     seen = yield from look_at_end(station, end, distance)
     station.report(f"grasping end {end.value}", first + 0.6 * (last - first))
+    _check_room(station, seen)
     tool, flip = _grasp_pose(seen, distance, socket)
     yield from move_to(station, tool.at(z=station.commanded.z), FREE_SPEED)
     station.drive_fingers(HAND_OPEN_M)
@@ -63,6 +66,22 @@ def pick_end(
     station.report(f"lifting end {end.value}", first + 0.9 * (last - first))
     yield from rise(station, CARRY_Z)
     check_grip(station)
+
+
+def _check_room(station: Station, seen: GraspSighting) -> None:
+    """Raise UNREACHABLE when a row leaves no room for a finger beside the wire."""
+    if station.book.feed is None:
+        return
+    channel = station.panel.channel(station.book.feed.channel_id)
+    aside = abs(float(seen.point[0] - WORLD_FROM_PANEL.position[0]) - channel.x)
+    room = channel.width / 2 - aside
+    if 0 < room < FINGER_ROOM_M:
+        raise AbilityError(
+            Code.UNREACHABLE,
+            f"the end lies {room * 1e3:.0f} mm from the row beside channel {channel.id!r}; a "
+            "finger "
+            f"needs {FINGER_ROOM_M * 1e3:.0f} mm; feed the wire again",
+        )
 
 
 def _grasp_pose(seen: GraspSighting, distance: float, socket: Pose) -> tuple[ToolPose, float]:

@@ -24,6 +24,8 @@ TRAVEL_Z = 0.10
 CARRY_Z = 0.028
 HAND_OPEN_M = 0.012
 TRACKING_TOLERANCE_M = 0.003
+# The servo lags by up to 8 mm at full speed; more means that something is in the way.
+MAX_LAG_M = 0.015
 
 
 def move_to(station: Station, target: ToolPose, speed: float) -> Steps[None]:
@@ -36,9 +38,22 @@ def move_to(station: Station, target: ToolPose, speed: float) -> Steps[None]:
     for tick in range(1, math.ceil(line.duration / station.tick_s) + 1):
         station.drive(line.at(tick * station.tick_s))
         yield
+        _check_lag(station)
     station.drive(line.end)
     yield
     check_tracking(station)
+
+
+def _check_lag(station: Station) -> None:
+    """Stop the arm and raise MOTION_FAULT when something holds it up."""
+    sent, tool = station.commanded, station.tool
+    lag = float(np.linalg.norm(tool.position - sent.position))
+    if lag > MAX_LAG_M:
+        station.drive(tool)
+        raise AbilityError(
+            Code.MOTION_FAULT,
+            f"the tool is held up at {tool}, {lag * 1e3:.0f} mm behind; look for a collision",
+        )
 
 
 def check_tracking(station: Station) -> None:

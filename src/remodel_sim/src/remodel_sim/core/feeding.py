@@ -18,11 +18,13 @@ from remodel_sim.core.panel import Channel, Panel, Wire
 
 # Tip a lies this far beyond its terminal: then turning it into the bore hardly drags the rest.
 OVERLAP_M = 0.055
-FORK_BEHIND_TIP_M = 0.160
+FORK_BEHIND_TIP_M = 0.150
 # Around an end that is laid down again, it comes up so far behind the grasp.
 FORK_BEHIND_GRASP_M = 0.045
 FORK_LENGTH_M = 0.040
-FORK_HEIGHT_M = 0.010
+# As high as the hand leaves it when it carries a wire over: a wire that is lifted at its other end
+# must not climb out.
+FORK_HEIGHT_M = 0.018
 FORK_POST_M = 0.004
 FORK_CLEARANCE_M = 0.003
 # A cut wire is straight but for a slight bow [1/m], at most so far off the line.

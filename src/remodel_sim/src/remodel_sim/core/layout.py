@@ -38,7 +38,7 @@ MARKER_MIN_M = 0.011
 MARKER_MARGIN = 1 / 6  # of the label's side, all around
 DIAMETER_M = (0.0025, 0.0062)
 FERRULE_M = (0.010, 0.016)
-LENGTH_M = (0.34, 0.75)
+LENGTH_M = (0.40, 0.75)
 # A wire needs so much more than the distance along y between its terminals, and may have so much
 # more.
 LENGTH_BEYOND_M = (0.22, 0.38)
