@@ -69,6 +69,8 @@ def measure_wires(panel: Panel, seeds: range) -> None:
             sim.append(cell.plant.world.steps * cell.plant.world.time_step)
             truth = next(t for t in ground_truth(cell.plant, [wire.id]))
             placed += truth.placed
+            if not truth.placed:
+                say(f"  seed {seed}, {wire.id} is not placed: {truth}")
             if cell.station.book.grip is not None:
                 break  # the next wire cannot be fed
         cell.close()

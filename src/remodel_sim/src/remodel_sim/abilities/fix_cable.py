@@ -24,7 +24,8 @@ PULL_TRAVEL_M = 0.006
 # The slip is counted from here on [share of the pull].
 TAKEN_UP = 0.4
 MAX_SLIP_M = 0.0015
-RELEASE_OPENING_M = 0.004
+# Wide enough that the bent wire leans on no pad when the hand rises.
+RELEASE_OPENING_M = 0.006
 
 
 @dataclass(frozen=True)

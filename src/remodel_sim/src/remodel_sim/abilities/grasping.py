@@ -33,6 +33,9 @@ MISSED_SHARE = 0.45
 # Fingers that hold a wire feel tens of newtons; without one, nothing.
 HELD_LOAD_N = 4.0
 APPROACH_Z = 0.06
+OPEN_SPEED = 0.02  # [m/s]
+CLEAR_SPEED = 0.08  # [m/s]
+CLEAR_OF_WIRE_M = 0.02
 # An open finger reaches so far to the side of the wire.
 FINGER_ROOM_M = HAND_OPEN_M + 0.012
 
@@ -134,8 +137,15 @@ def check_grip(station: Station) -> None:
 
 
 def release(station: Station, opening: float) -> Steps[None]:
-    """Open the fingers by a little and let the wire be."""
-    station.drive_fingers(station.finger_gap / 2 + opening)
+    """Open the fingers by a little, let the wire be, and lift the hand clear of it.
+
+    Slowly: a bent wire leans on a pad, and one that is thrown aside pulls at its fixed end.
+    """
+    start = station.finger_gap / 2
     station.book.grip = None
     station.book.engaged = None
-    yield from wait(station, 0.15)
+    for tick in range(1, math.ceil(opening / OPEN_SPEED / station.tick_s) + 1):
+        station.drive_fingers(start + min(opening, tick * OPEN_SPEED * station.tick_s))
+        yield
+    clear = station.commanded.z + CLEAR_OF_WIRE_M
+    yield from move_to(station, station.commanded.at(z=clear), CLEAR_SPEED)
