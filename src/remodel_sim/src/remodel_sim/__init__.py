@@ -1,0 +1,1 @@
+"""The simulated wiring cell and its ability servers."""

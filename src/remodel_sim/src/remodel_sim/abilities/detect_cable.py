@@ -1,0 +1,82 @@
+"""DetectCable: find the live wire and its loose ends from above."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from remodel_sim.abilities.looking import look_from_above, loose_ends, mark_end
+from remodel_sim.abilities.station import Station, Steps
+from remodel_sim.core.book import TipSighting
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Array
+from remodel_sim.core.goals import DetectGoal
+from remodel_sim.core.panel import End
+from remodel_sim.core.vision.drawing import ORANGE, Drawing
+from remodel_sim.core.vision.wire_ends import trace_from
+
+
+@dataclass(frozen=True, eq=False)
+class CableDetected:
+    """The live wire as seen.
+
+    Attributes:
+        message: for a person.
+        centreline: (n, 3) [m], world frame, from end a on when that is loose.
+        tips: of the loose ends, end a first.
+        length: of the part seen [m].
+        confidence: 0 to 1.
+        truncated: never true: a wire that leaves the picture fails.
+    """
+
+    message: str
+    centreline: Array
+    tips: tuple[TipSighting, ...]
+    length: float
+    confidence: float
+    truncated: bool
+
+
+def detect_cable(station: Station, goal: DetectGoal) -> Steps[CableDetected]:
+    """Look from above, find the ferrules of the wire, and follow it from one of them."""
+    station.report("taking the arm out of the picture", 0.0)
+    above = yield from look_from_above(station)
+    station.report("following the wire", 0.8)
+    wire, view = station.wire, above.picture.view
+    drawing = Drawing(above.picture.rgb, view)
+    wanted = loose_ends(station)
+    missing = [end for end in wanted if end not in above.ends]
+    if not above.ends or missing:
+        drawing.title(
+            f"{wire.id}: " + (f"end {missing[0].value} not seen" if missing else "not seen")
+        )
+        station.show("overhead", above.picture, drawing.image)
+        code = Code.TIP_NOT_FOUND if above.ends else Code.CABLE_NOT_FOUND
+        raise AbilityError(
+            code,
+            f"of {wire.id!r} ({wire.colour}) the ends {[e.value for e in wanted]} should lie "
+            "loose, "
+            f"seen: {[e.value for e in above.ends]}; feed the wire again",
+        )
+    paths = {
+        end: trace_from(sighting, above.picture, above.likelihood, wire)
+        for end, sighting in above.ends.items()
+    }
+    first = max(paths, key=lambda end: (len(paths[end]), end is End.A))
+    pixels = paths[first] if first is End.A else paths[first][::-1]
+    line = view.on_plane(pixels, wire.radius)
+    length = float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
+    confidence = float(np.clip(1 - abs(length / wire.length - 1), 0, 1))
+    drawing.path(pixels, ORANGE)
+    for end, sighting in above.ends.items():
+        mark_end(drawing, sighting, f"{wire.id} end {end.value}")
+    drawing.title(
+        f"{wire.id} ({wire.colour}): {length * 1e3:.0f} of {wire.length * 1e3:.0f} mm seen"
+    )
+    station.show("overhead", above.picture, drawing.image)
+    ends = " and ".join(end.value for end in above.ends)
+    tips = tuple(above.ends[end].tip for end in End if end in above.ends)
+    message = f"loose end {ends} of {wire.id} seen, and {length * 1e3:.0f} mm of the wire"
+    return CableDetected(message, line, tips, length, confidence, False)

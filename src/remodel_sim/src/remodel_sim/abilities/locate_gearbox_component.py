@@ -1,0 +1,139 @@
+"""LocateGearboxComponent: find a component by its label, from above and then from the hand."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from remodel_sim.abilities.looking import bring_label_into_view
+from remodel_sim.abilities.motions import disengage, park
+from remodel_sim.abilities.station import Station, Steps
+from remodel_sim.core.camera import Picture
+from remodel_sim.core.codes import Code
+from remodel_sim.core.component_shape import label_corners
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Pose, wrap_angle
+from remodel_sim.core.goals import LocateGoal
+from remodel_sim.core.layout import WORLD_FROM_PANEL
+from remodel_sim.core.panel import Component
+from remodel_sim.core.vision.drawing import ORANGE, Drawing
+from remodel_sim.core.vision.labels import ComponentSighting, find_labels, locate_component
+
+# Further than this from its place on the panel, something is wrong with the panel or the component.
+DISPLACED_M = 0.030
+DISPLACED_RAD = math.radians(15.0)
+# The label's corners seen and those of the pose found may differ so much.
+RESIDUAL_M = 0.001
+
+
+@dataclass(frozen=True, eq=False)
+class ComponentLocated:
+    """A component as seen.
+
+    Attributes:
+        message: for a person.
+        component_pose: its frame in the world.
+        socket_pose: the mouth of the terminal asked for; None when none was.
+        residual: RMS distance between the label's corners seen and re-projected [m].
+    """
+
+    message: str
+    component_pose: Pose
+    socket_pose: Pose | None
+    residual: float
+
+
+def locate_gearbox_component(station: Station, goal: LocateGoal) -> Steps[ComponentLocated]:
+    """Look from above when the hand is empty, then from the hand.
+
+    The answer is what the last look saw.
+    """
+    component = station.panel.component(goal.component_id)
+    coarse = WORLD_FROM_PANEL @ component.panel_from_component
+    yield from disengage(station)
+    if station.book.grip is None:
+        station.report("looking from above", 0.05)
+        yield from park(station)
+        picture = station.look_overhead()
+        yield
+        coarse = _find(station, "overhead", picture, component, goal).world_from_component
+    station.report("looking from the hand", 0.4)
+    yield from bring_label_into_view(station, coarse.apply(label_corners(component)))
+    picture = station.look_wrist()
+    yield
+    sighting = _find(station, "wrist", picture, component, goal)
+    pose = sighting.world_from_component
+    socket = None
+    if goal.terminal_id:
+        socket = pose @ component.terminal(goal.terminal_id).component_from_socket
+    x, y, _ = pose.position
+    message = (
+        f"{component.id} seen at x {x * 1e3:.1f}, y {y * 1e3:.1f} mm, "
+        f"{math.degrees(pose.yaw):.2f} deg"
+    )
+    return ComponentLocated(message, pose, socket, sighting.residual)
+
+
+def _find(
+    station: Station, camera: str, picture: Picture, component: Component, goal: LocateGoal
+) -> ComponentSighting:
+    labels = find_labels(picture)
+    drawing = Drawing(picture.rgb, picture.view)
+    if component.marker_id not in labels:
+        drawing.title(f"{component.id} (label {component.marker_id}) not seen")
+        station.show(camera, picture, drawing.image)
+        code = Code.COMPONENT_NOT_FOUND if camera == "overhead" else Code.COMPONENT_OCCLUDED
+        seen = ", ".join(str(marker) for marker in sorted(labels)) or "none"
+        raise AbilityError(
+            code,
+            f"the {camera} camera does not see label {component.marker_id} of {component.id!r}; "
+            f"labels seen: {seen}",
+        )
+    sighting = locate_component(component, labels[component.marker_id], picture.view)
+    _draw(drawing, component, sighting, goal)
+    station.show(camera, picture, drawing.image)
+    _check(station, component, sighting)
+    return sighting
+
+
+def _draw(
+    drawing: Drawing, component: Component, sighting: ComponentSighting, goal: LocateGoal
+) -> None:
+    drawing.outline(sighting.corners)
+    pose = sighting.world_from_component
+    top = Pose(pose.apply(np.array([0, 0, component.size[2]])), pose.quaternion)
+    drawing.axes(top)
+    view = drawing.view
+    drawing.note(component.id, view.project(top.position)[0])
+    drawing.title(f"{component.id} found, residual {sighting.residual * 1e3:.2f} mm")
+    if goal.terminal_id:
+        terminal = component.terminal(goal.terminal_id)
+        socket = pose @ terminal.component_from_socket
+        # The mouth is on the side; it is shown on the component's upper edge.
+        above = socket.position + np.array([0, 0, component.size[2] - terminal.mouth[2]])
+        start = above - socket.rotation[:, 0] * 0.018
+        drawing.arrow(view.project(start)[0], view.project(above)[0], ORANGE)
+        drawing.note(f"{component.id}/{terminal.id}", view.project(start)[0], ORANGE)
+
+
+def _check(station: Station, component: Component, sighting: ComponentSighting) -> None:
+    if sighting.residual > RESIDUAL_M:
+        raise AbilityError(
+            Code.COMPONENT_OCCLUDED,
+            f"the label of {component.id!r} is seen askew: its corners fit to "
+            f"{sighting.residual * 1e3:.1f} mm, "
+            f"allowed: {RESIDUAL_M * 1e3:.1f} mm",
+        )
+    nominal = WORLD_FROM_PANEL @ component.panel_from_component
+    pose = sighting.world_from_component
+    away = float(np.linalg.norm(pose.position[:2] - nominal.position[:2]))
+    turned = abs(wrap_angle(pose.yaw - nominal.yaw))
+    if away > DISPLACED_M or turned > DISPLACED_RAD:
+        raise AbilityError(
+            Code.COMPONENT_DISPLACED,
+            f"{component.id!r} is {away * 1e3:.0f} mm and {math.degrees(turned):.0f} deg from "
+            "its place on the panel, "
+            f"allowed: {DISPLACED_M * 1e3:.0f} mm and {math.degrees(DISPLACED_RAD):.0f} deg",
+        )

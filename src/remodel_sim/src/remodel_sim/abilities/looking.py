@@ -1,0 +1,273 @@
+"""Looks at labels and at wire ends, as steps of an ability."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from remodel_sim.abilities.motions import (
+    APPROACH_SPEED,
+    CARRY_SPEED,
+    TRAVEL_Z,
+    clear_hand,
+    move_to,
+    nearest_hand_yaw,
+    park,
+    swing_to,
+    wait,
+)
+from remodel_sim.abilities.station import Station, Steps
+from remodel_sim.core.arm import TOOL_M, ToolPose, canonical_yaw, reaches
+from remodel_sim.core.book import EndState, TipSighting
+from remodel_sim.core.camera import Picture, View
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.core.panel import End
+from remodel_sim.core.vision.drawing import BLUE, ORANGE, Drawing
+from remodel_sim.core.vision.tracing import at_distance
+from remodel_sim.core.vision.wire_ends import EndSighting, find_ends, trace_from
+from remodel_sim.physics.robot_description import CAMERA_MOUNT
+
+# The tool's height for a look from the hand: the lens is 84 mm above the tool centre.
+LOOK_Z = 0.12
+# The arm rings down before a picture is taken [s].
+STILL_S = 0.10
+# A wire is traced so far behind its tip to find the grasp [m].
+TRACE_M = 0.075
+BORDER_PX = 30.0
+
+
+@dataclass(frozen=True, eq=False)
+class OverheadSighting:
+    """The live wire from above.
+
+    Attributes:
+        ends: the loose ends that are seen.
+        picture: what the camera saw.
+        likelihood: of the wire's colour, (height, width), 0 to 1.
+    """
+
+    ends: dict[End, EndSighting]
+    picture: Picture
+    likelihood: npt.NDArray[np.float32]
+
+
+def loose_ends(station: Station) -> list[End]:
+    """Return the ends of the live wire that lie about."""
+    book = station.book
+    held = book.grip.end if book.grip is not None else None
+    return [e for e, state in book.ends.items() if state is EndState.LOOSE and e is not held]
+
+
+def look_from_above(station: Station) -> Steps[OverheadSighting]:
+    """Look at the plate from above, the empty hand out of the way, and note the loose ends seen."""
+    if station.book.grip is None:
+        yield from park(station)
+    picture = station.look_overhead()
+    yield
+    book = station.book
+    expected = {end: book.expected[end] for end in loose_ends(station)}
+    ends, likelihood = find_ends(picture, station.wire, expected)
+    for end, sighting in ends.items():
+        book.tips[end] = sighting.tip
+    yield
+    return OverheadSighting(ends, picture, likelihood)
+
+
+@dataclass(frozen=True, eq=False)
+class GraspSighting:
+    """Where to grasp an end, by the wrist camera.
+
+    Attributes:
+        point: on the wire's axis, (3,) [m], world frame.
+        tip_yaw: direction of the wire towards the tip, at that point [rad].
+        tip: the end's apex.
+    """
+
+    point: Array
+    tip_yaw: float
+    tip: TipSighting
+
+
+def look_at_end(station: Station, end: End, distance: float) -> Steps[GraspSighting]:
+    """Find where to grasp a loose end: from above if it is not known, then from close by.
+
+    Args:
+        station: the cell.
+        end: a loose end of the live wire.
+        distance: from the tip to the grasp, along the wire [m].
+
+    Raises:
+        AbilityError: TIP_NOT_FOUND and the other codes of find_ends.
+    """
+    remembered = end in station.book.tips
+    if not remembered:
+        yield from _find_from_above(station, end)
+    try:
+        return (yield from _look_close(station, end, distance))
+    except AbilityError as error:
+        if not remembered or error.code is not Code.TIP_NOT_FOUND:
+            raise
+    yield from _find_from_above(station, end)
+    return (yield from _look_close(station, end, distance))
+
+
+def _find_from_above(station: Station, end: End) -> Steps[None]:
+    above = yield from look_from_above(station)
+    wire_id = station.wire.id
+    drawing = Drawing(above.picture.rgb, above.picture.view)
+    for seen, sighting in above.ends.items():
+        mark_end(drawing, sighting, f"{wire_id} end {seen.value}")
+    drawing.title(f"Looking for end {end.value} of {wire_id}")
+    station.show("overhead", above.picture, drawing.image)
+    if end not in above.ends:
+        raise AbilityError(
+            Code.TIP_NOT_FOUND,
+            f"end {end.value} of {wire_id!r} is not seen within 150 mm of where it was left; "
+            "look again or feed it again",
+        )
+
+
+def _look_close(station: Station, end: End, distance: float) -> Steps[GraspSighting]:
+    coarse, wire = station.book.tips[end], station.wire
+    out = np.array([math.cos(coarse.out_yaw), math.sin(coarse.out_yaw)])
+    middle = coarse.tip[:2] - out * distance / 2
+    yield from clear_hand(station)
+    yield from swing_to(station, camera_above(middle, coarse.out_yaw, station.commanded.yaw))
+    yield from wait(station, STILL_S)
+    picture = station.look_wrist()
+    yield
+    try:
+        ends, likelihood = find_ends(picture, wire, {end: coarse.tip[:2]})
+    except AbilityError:
+        del station.book.tips[end]
+        raise
+    drawing = Drawing(picture.rgb, picture.view)
+    if end not in ends:
+        del station.book.tips[end]
+        drawing.title(f"End {end.value} of {wire.id} not seen")
+        station.show("wrist", picture, drawing.image)
+        raise AbilityError(
+            Code.TIP_NOT_FOUND,
+            f"end {end.value} of {wire.id!r} is not seen from the hand; look again",
+        )
+    sighting = ends[end]
+    z = float(sighting.tip.tip[2])
+    pixels = trace_from(sighting, picture, likelihood, wire)
+    line = picture.view.on_plane(pixels, z)
+    point, tangent = at_distance(line[:, :2], distance)
+    drawing.path(pixels[: _count_within(line, TRACE_M)])
+    mark_end(drawing, sighting, f"{wire.id} end {end.value}")
+    grasp = np.array([*point, z])
+    drawing.circle(picture.view.project(grasp)[0], 9, ORANGE)
+    drawing.note("grasp", picture.view.project(grasp)[0], ORANGE)
+    drawing.title(f"End {end.value} of {wire.id} from the hand")
+    station.show("wrist", picture, drawing.image)
+    station.book.tips[end] = sighting.tip
+    return GraspSighting(grasp, math.atan2(-tangent[1], -tangent[0]), sighting.tip)
+
+
+def _count_within(line: Array, length: float) -> int:
+    along = np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))
+    return int(np.searchsorted(along, length)) + 2
+
+
+def mark_end(drawing: Drawing, sighting: EndSighting, text: str) -> None:
+    """Draw an arrow along the ferrule, and a note."""
+    ferrule = sighting.ferrule
+    reach = ferrule.out * max(ferrule.length, 18.0)
+    drawing.arrow(ferrule.centre - reach * 0.8, ferrule.centre + reach * 1.2, BLUE)
+    drawing.note(text, ferrule.centre + reach, BLUE)
+
+
+def camera_above(point: Array, yaw: float, near_yaw: float) -> ToolPose:
+    """Return the tool pose that brings the wrist camera over a point (2,) [m].
+
+    Args:
+        point: to be seen in the middle of the picture, world frame.
+        yaw: direction of the hand's x axis that is wished for [rad]; turned by pi, or square to
+            it, if need be.
+        near_yaw: of the hand now [rad].
+    """
+    for turn in (0.0, math.pi / 2):
+        near = nearest_hand_yaw(float(point[0]), float(point[1]), yaw + turn, near_yaw)
+        for candidate in (near, near + math.pi):
+            x, y = point - _camera_offset(candidate)
+            tool = ToolPose(float(x), float(y), LOOK_Z, candidate)
+            if reaches(tool):
+                return tool
+    x, y = point - _camera_offset(yaw)
+    return ToolPose(float(x), float(y), LOOK_Z, yaw)
+
+
+def _camera_offset(yaw: float) -> Array:
+    """Return the lens's place from the tool axis for a hand yaw, (2,) [m].
+
+    The hand's y axis points to its right.
+    """
+    x, y, _ = CAMERA_MOUNT
+    c, s = math.cos(yaw), math.sin(yaw)
+    return np.array([x * c + y * s, x * s - y * c])
+
+
+def bring_label_into_view(station: Station, label: Array) -> Steps[None]:
+    """Bring the wrist camera to where it sees a label.
+
+    The empty hand goes straight over it. With a wire in the hand the tool moves as little as it
+    can: the wire may be
+    fixed at its other end.
+
+    Args:
+        station: the cell.
+        label: its corners, (4, 3) [m], world frame.
+
+    Raises:
+        AbilityError: UNREACHABLE when no posture sees it.
+    """
+    middle = label.mean(axis=0)
+    if station.book.grip is None:
+        yield from clear_hand(station)
+        yield from swing_to(station, camera_above(middle[:2], 0.0, station.commanded.yaw))
+    else:
+        target = _held_look(station, label)
+        yield from move_to(station, station.commanded.at(z=target.z), APPROACH_SPEED)
+        yield from move_to(station, target, CARRY_SPEED)
+    yield from wait(station, STILL_S)
+
+
+def _held_look(station: Station, label: Array) -> ToolPose:
+    now, view = station.commanded, station.wrist_view
+    best: tuple[float, ToolPose] | None = None
+    for turn in np.radians([0.0, 45.0, -45.0, 90.0, -90.0]):
+        for dx in np.arange(-0.06, 0.061, 0.02):
+            for dy in np.arange(-0.16, 0.161, 0.02):
+                cost = math.hypot(dx, dy) + 0.08 * abs(turn)
+                if best is not None and cost >= best[0]:
+                    continue
+                yaw = canonical_yaw(now.x + dx, now.y + dy, now.yaw + turn)
+                tool = ToolPose(now.x + dx, now.y + dy, TRAVEL_Z, now.yaw + turn)
+                if yaw is None or abs(yaw - tool.yaw) > 1e-6 or not reaches(tool):
+                    continue
+                if _view_from(tool, view).sees(label, BORDER_PX):
+                    best = cost, tool
+    if best is None:
+        raise AbilityError(
+            Code.UNREACHABLE,
+            f"from {now} no motion of up to 160 mm brings the label into the wrist camera's view; "
+            "route the wire nearer to the component first",
+        )
+    return best[1]
+
+
+def _view_from(tool: ToolPose, view: View) -> View:
+    """Return the wrist camera's view as it will be from another tool pose."""
+    offset = _camera_offset(tool.yaw)
+    c, s = math.cos(tool.yaw / 2), math.sin(tool.yaw / 2)
+    # A hand that points down: half a turn about x, then its yaw.
+    down = np.array([c, s, 0.0, 0.0])
+    position = np.array([tool.x + offset[0], tool.y + offset[1], tool.z + TOOL_M - CAMERA_MOUNT[2]])
+    return View(view.lens, Pose(position, down))

@@ -1,0 +1,35 @@
+"""PickCable: grasp a loose end by friction and lift it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from remodel_sim.abilities.grasping import pick_end
+from remodel_sim.abilities.station import Station, Steps
+from remodel_sim.core.arm import ToolPose
+from remodel_sim.core.goals import PickGoal
+from remodel_sim.core.layout import WORLD_FROM_PANEL
+
+
+@dataclass(frozen=True)
+class CablePicked:
+    """A wire in the hand.
+
+    Attributes:
+        message: for a person.
+        grasp_pose: tool centre at the grasp.
+        grip_width: between the pads [m].
+    """
+
+    message: str
+    grasp_pose: ToolPose
+    grip_width: float
+
+
+def pick_cable(station: Station, goal: PickGoal) -> Steps[CablePicked]:
+    """Find the end, grasp it so that the hand can insert it where it belongs, and lift it."""
+    socket = WORLD_FROM_PANEL @ station.panel.panel_from_socket(*station.wire.goes_to(goal.end))
+    yield from pick_end(station, goal.end, goal.grasp_distance, socket, (0.0, 1.0))
+    gap = station.finger_gap
+    message = f"end {goal.end.value} of {goal.cable_id} held, {gap * 1e3:.1f} mm between the pads"
+    return CablePicked(message, station.book.picked_at[goal.end].tool, gap)

@@ -1,0 +1,180 @@
+"""What an ability may use.
+
+The arm, its sensors, the cameras, the clamps' drives, the panel's drawing and the book.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from dataclasses import dataclass
+from typing import Protocol, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from remodel_sim.core.arm import ToolPose, joints_for, tool_of
+from remodel_sim.core.book import Book
+from remodel_sim.core.camera import Picture, View
+from remodel_sim.core.geometry import Array
+from remodel_sim.core.panel import Panel, Wire
+from remodel_sim.physics.plant import PARKED, Plant
+
+# Commands to the arm and checks of its sensors [1/s].
+TICK_HZ = 120.0
+
+T = TypeVar("T")
+# An ability is a generator: each `yield` lets the cell advance by one tick; what it returns is its
+# result.
+Steps = Generator[None, None, T]
+
+Image = npt.NDArray[np.uint8]
+# Called after every look: camera, picture, and what was found drawn into it (None before it is
+# known).
+OnLook = Callable[[str, Picture, Image | None], None]
+
+
+class Found(Protocol):
+    """What an ability returns: what it did, and fields named as in its action's result."""
+
+    message: str
+
+
+@dataclass
+class Progress:
+    """How far an ability is; the share only grows.
+
+    Attributes:
+        message: the step being done.
+        share: 0 to 1.
+    """
+
+    message: str = ""
+    share: float = 0.0
+
+
+class Station:
+    """The abilities' only access to the plant; nothing here tells where things really are.
+
+    Attributes:
+        book: what the cell knows of its own doing.
+        progress: of the ability that runs.
+        tick_s: time between two commands to the arm [s].
+        free_force: what the wrist felt, world frame (3,) [N], when the hand last touched nothing:
+            the hand always
+            points down, so its weight reads the same everywhere.
+    """
+
+    def __init__(self, plant: Plant, on_look: OnLook | None = None) -> None:
+        """Take over a freshly built plant."""
+        self._plant = plant
+        self._on_look = on_look
+        self.book = Book()
+        self.progress = Progress()
+        self.steps_per_tick = max(1, round(1.0 / (TICK_HZ * plant.world.time_step)))
+        self.tick_s = self.steps_per_tick * plant.world.time_step
+        self.commanded = PARKED
+        self.free_force = self.force
+        self.fingers_open_to = plant.robot.finger_gap / 2
+
+    @property
+    def panel(self) -> Panel:
+        """The panel as drawn: components may stand elsewhere."""
+        return self._plant.panel
+
+    @property
+    def wire(self) -> Wire:
+        """The live wire as ordered."""
+        if self.book.feed is None:
+            raise ValueError("no wire has been fed")
+        return self.panel.wire(self.book.feed.wire_id)
+
+    def arm_restarted(self) -> None:
+        """Note that the arm stands where it was sent, its fingers open."""
+        self.fingers_open_to = self._plant.robot.finger_gap / 2
+
+    def report(self, message: str, share: float) -> None:
+        """Tell what is being done and how far it is, 0 to 1."""
+        self.progress = Progress(message, max(self.progress.share, share))
+
+    def drive(self, tool: ToolPose) -> None:
+        """Command the tool pose; raises UNREACHABLE."""
+        self._plant.robot.drive(joints_for(tool))
+        self.commanded = tool
+
+    def drive_joints(self, joints: Array) -> None:
+        """Command the arm's joints, (7,) [rad]; joints 3 and 5 stay at zero."""
+        self._plant.robot.drive(joints)
+        self.commanded = tool_of(joints)
+
+    def drive_fingers(self, opening: float) -> None:
+        """Send each finger to a distance from the middle [m].
+
+        Closing, they stop on what they grip.
+        """
+        self._plant.robot.drive_fingers(opening)
+        self.fingers_open_to = opening
+
+    @property
+    def tool(self) -> ToolPose:
+        """The measured tool pose."""
+        return self._plant.robot.tool
+
+    @property
+    def finger_gap(self) -> float:
+        """The measured distance between the pads [m]."""
+        return self._plant.robot.finger_gap
+
+    @property
+    def finger_load(self) -> float:
+        """The measured closing force of the weaker finger [N]."""
+        return self._plant.robot.finger_load
+
+    @property
+    def force(self) -> Array:
+        """The measured force of the hand on the wrist, world frame, (3,) [N].
+
+        Holds the hand's weight.
+        """
+        robot = self._plant.robot
+        return robot.world_from_hand.rotation @ robot.wrist_force
+
+    @property
+    def wrist_view(self) -> View:
+        """Where the wrist camera is, by the arm's own measure."""
+        return self._plant.wrist_view
+
+    def look_overhead(self) -> Picture:
+        """Take a colour and depth picture of the whole plate."""
+        return self._looked("overhead", self._plant.look_overhead())
+
+    def look_wrist(self) -> Picture:
+        """Take a colour picture from the hand."""
+        return self._looked("wrist", self._plant.look_wrist())
+
+    def _looked(self, camera: str, picture: Picture) -> Picture:
+        if self._on_look is not None:
+            self._on_look(camera, picture, None)
+        return picture
+
+    def show(self, camera: str, picture: Picture, drawing: Image) -> None:
+        """Show what was found in a picture."""
+        if self._on_look is not None:
+            self._on_look(camera, picture, drawing)
+
+    def move_fork(self, x: float, y: float) -> None:
+        """Bring the feeder's fork up around a wire, world frame [m].
+
+        It runs along the middle of a channel.
+        """
+        self._plant.move_fork(x, y)
+
+    def close_clamp(self, component_id: str, terminal_id: str) -> bool:
+        """Close a terminal's clamp.
+
+        Returns whether its screw stopped on something before the end of its travel.
+        """
+        return self._plant.close_clamp(component_id, terminal_id)
+
+    def open_clamp(self, component_id: str, terminal_id: str) -> None:
+        """Open a terminal's clamp."""
+        self._plant.open_clamp(component_id, terminal_id)

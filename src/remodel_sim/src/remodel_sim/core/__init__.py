@@ -1,0 +1,1 @@
+"""Pure values and rules: no physics engine, no ROS, no clock."""

@@ -1,0 +1,125 @@
+"""What the cell knows of its own doing: no camera tells it, and it is never ground truth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+from remodel_sim.core.arm import ToolPose
+from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.core.panel import End
+
+TerminalKey = tuple[str, str]
+
+
+class EndState(Enum):
+    """Where the cell has brought an end of the live wire."""
+
+    LOOSE = "loose"
+    SEATED = "seated"  # pushed in, clamp open
+    FIXED = "fixed"  # clamp closed
+
+
+@dataclass(frozen=True, eq=False)
+class TipSighting:
+    """A loose end as a camera saw it.
+
+    Attributes:
+        tip: apex of the ferrule, (3,) [m], world frame.
+        out_yaw: direction of the wire out of the tip [rad].
+    """
+
+    tip: Array
+    out_yaw: float
+
+
+@dataclass(frozen=True)
+class Feed:
+    """How the feeder laid the live wire.
+
+    Attributes:
+        wire_id: the live wire.
+        channel_id: where it lies.
+        direction: +1 when it runs from end a towards +y, else -1.
+    """
+
+    wire_id: str
+    channel_id: str
+    direction: int
+
+
+@dataclass(frozen=True)
+class Grip:
+    """What the fingers hold.
+
+    Attributes:
+        end: of the live wire.
+        distance: from the tip to the tool centre along the wire [m].
+        height: of the wire's axis above the tool centre [m].
+        flip: direction of the tip relative to the hand's x axis, 0 or pi [rad].
+        tool: the tool pose of the grasp.
+    """
+
+    end: End
+    distance: float
+    height: float
+    flip: float
+    tool: ToolPose
+
+
+@dataclass
+class Book:
+    """The running record of one panel.
+
+    Attributes:
+        feed: the live wire; None before the first.
+        grip: None while the hand is empty.
+        engaged: the mouth (world frame) into which the held end has been pushed at least a little.
+        ends: of the live wire.
+        tips: last sightings of its loose ends, until the wire is touched.
+        expected: where its loose ends should lie, (2,) [m], world frame, by the cell's own doing.
+        picked_at: where each end was last grasped: there it can be laid down again.
+        occupied: which wire end each terminal holds, over all wires.
+        fed: every wire fed so far, in order.
+    """
+
+    feed: Feed | None = None
+    grip: Grip | None = None
+    engaged: Pose | None = None
+    ends: dict[End, EndState] = field(default_factory=dict)
+    tips: dict[End, TipSighting] = field(default_factory=dict)
+    expected: dict[End, Array] = field(default_factory=dict)
+    picked_at: dict[End, Grip] = field(default_factory=dict)
+    occupied: dict[TerminalKey, tuple[str, End]] = field(default_factory=dict)
+    fed: list[str] = field(default_factory=list)
+
+    def start_wire(self, feed: Feed, expected: dict[End, Array]) -> None:
+        """Note that a wire lies in its channel, both ends loose."""
+        self.feed = feed
+        self.expected = dict(expected)
+        self.picked_at = {}
+        self.ends = {End.A: EndState.LOOSE, End.B: EndState.LOOSE}
+        self.tips = {}
+        self.occupied = {k: v for k, v in self.occupied.items() if v[0] != feed.wire_id}
+        if feed.wire_id not in self.fed:
+            self.fed.append(feed.wire_id)
+
+    def occupant(self, terminal: TerminalKey) -> tuple[str, End] | None:
+        """Return the wire and end that a terminal holds."""
+        return self.occupied.get(terminal)
+
+    def seat(self, end: End, terminal: TerminalKey) -> None:
+        """Note that an end of the live wire sits in a terminal."""
+        self.ends[end] = EndState.SEATED
+        self.occupied[terminal] = (self._live(), end)
+
+    def loosen(self, end: End) -> None:
+        """Note that an end of the live wire is out of its terminal."""
+        self.ends[end] = EndState.LOOSE
+        mine = (self._live(), end)
+        self.occupied = {k: v for k, v in self.occupied.items() if v != mine}
+
+    def _live(self) -> str:
+        if self.feed is None:
+            raise ValueError("no wire has been fed")
+        return self.feed.wire_id

@@ -1,0 +1,36 @@
+"""What goes wrong in the cell."""
+
+from remodel_sim.core.codes import Code
+
+
+class CellError(Exception):
+    """Base of the errors that the cell reports to its clients."""
+
+
+class AbilityError(CellError):
+    """An ability cannot do, or did not manage, what its goal asks.
+
+    Attributes:
+        code: the physical or contractual cause.
+        readings: what was measured before it failed, by the name of the result's field.
+    """
+
+    def __init__(self, code: Code, message: str, **readings: float) -> None:
+        """Say what was asked, what was found, and what to do."""
+        super().__init__(message)
+        self.code = code
+        self.readings = readings
+
+
+class PanelError(CellError):
+    """A panel breaks the layout rules.
+
+    Attributes:
+        problems: every problem found, one sentence each.
+    """
+
+    def __init__(self, name: str, problems: tuple[str, ...]) -> None:
+        """List every problem at once."""
+        lines = "\n".join(f"  - {problem}" for problem in problems)
+        super().__init__(f"panel {name!r} cannot be built ({len(problems)} problems):\n{lines}")
+        self.problems = problems

@@ -1,0 +1,89 @@
+"""Where the feeder lays a wire: along the middle of a channel, end a beside its terminal.
+
+Near end b the wire passes a fork, two low posts a few millimetres apart. They keep that end in the
+middle of the
+channel while end a is carried away; else the stiff wire would swing it against a row, where no
+finger gets behind it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from remodel_sim.core.geometry import Array
+from remodel_sim.core.layout import FEED_LIMIT_Y_M, WORLD_FROM_PANEL, feed_direction
+from remodel_sim.core.panel import Channel, Panel, Wire
+
+# Tip a lies this far beyond its terminal: then turning it into the bore hardly drags the rest.
+OVERLAP_M = 0.055
+FORK_BEHIND_TIP_M = 0.150
+# Around an end that is laid down again, it comes up so far behind the grasp.
+FORK_BEHIND_GRASP_M = 0.045
+FORK_LENGTH_M = 0.040
+# As high as the hand leaves it when it carries a wire over: a wire that is lifted at its other end
+# must not climb out.
+FORK_HEIGHT_M = 0.018
+FORK_POST_M = 0.004
+FORK_CLEARANCE_M = 0.003
+# A cut wire is straight but for a slight bow [1/m], at most so far off the line.
+CURVATURE_SIGMA = 0.4
+MAX_BOW_M = 0.012
+
+
+@dataclass(frozen=True, eq=False)
+class Laying:
+    """A wire in its channel; world frame.
+
+    Attributes:
+        tip_a: (2,) [m].
+        direction: +1 when it runs from a towards +y, else -1.
+        curvature: (n,) rest curvature at each joint [1/m].
+        fork: (2,) centre of the fork [m].
+    """
+
+    tip_a: Array
+    direction: int
+    curvature: Array
+    fork: Array
+
+
+def plan_laying(
+    panel: Panel, wire: Wire, channel: Channel, joints: int, noise: np.random.Generator
+) -> Laying:
+    """Choose where a wire of `joints` + 1 links lies."""
+    mouth_a = WORLD_FROM_PANEL.apply(
+        panel.panel_from_socket(wire.a_component, wire.a_terminal).position
+    )
+    mouth_b = WORLD_FROM_PANEL.apply(
+        panel.panel_from_socket(wire.b_component, wire.b_terminal).position
+    )
+    direction = feed_direction(float(mouth_a[1]), float(mouth_b[1]))
+    start = float(mouth_a[1]) - direction * OVERLAP_M
+    beyond = direction * start + wire.length - FEED_LIMIT_Y_M
+    start -= direction * max(0.0, beyond)
+    curvature = _random_bow(joints, wire.length, noise)
+    along, aside = _shape(curvature, wire.length)
+    fork_along = float(np.interp(wire.length - FORK_BEHIND_TIP_M, along, along))
+    fork_aside = float(np.interp(fork_along, along, aside))
+    centre_x = float(WORLD_FROM_PANEL.apply(np.array([channel.x, 0.0, 0.0]))[0])
+    # `aside` is to the left of the wire's own direction, which is -x when it runs towards +y.
+    tip_a = np.array([centre_x + direction * fork_aside, start])
+    fork = np.array([centre_x, start + direction * fork_along])
+    return Laying(tip_a, direction, curvature, fork)
+
+
+def _random_bow(joints: int, length: float, noise: np.random.Generator) -> Array:
+    s = np.linspace(0.0, 1.0, joints)
+    waves = noise.uniform(0.5, 1.5) * s + noise.uniform(0.0, 1.0)
+    curvature = CURVATURE_SIGMA * (noise.standard_normal() + np.sin(2 * np.pi * waves))
+    bow = float(np.abs(_shape(curvature, length)[1]).max())
+    return curvature * min(1.0, MAX_BOW_M / max(bow, 1e-9))
+
+
+def _shape(curvature: Array, length: float) -> tuple[Array, Array]:
+    """Return arc length and sideways offset of a slightly bent wire, (n,) [m] each."""
+    s = np.linspace(0.0, length, len(curvature))
+    step = s[1] - s[0]
+    return s, np.cumsum(np.cumsum(curvature) * step) * step

@@ -1,0 +1,319 @@
+"""The goals of the abilities, valid from birth.
+
+`check` tells whether the cell can take them as it is now.
+
+Whatever raises here is found before anything moves.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from remodel_sim.core.arm import ToolPose, joints_for
+from remodel_sim.core.book import Book
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Pose
+from remodel_sim.core.layout import GRASP_DISTANCE_M, STANDOFF_M, WORLD_FROM_PANEL
+from remodel_sim.core.panel import End, Panel, unit_x
+
+ROBOT = "robot_1"
+# What the grip holds safely by friction [N].
+MAX_FORCE_N = 25.0
+GRASP_RANGE_M = (0.030, 0.080)
+# A tool pose may tilt so much and still counts as level [rad].
+LEVEL_RAD = math.radians(2.0)
+# A socket further than this from the panel's own place is no pose of that terminal [m].
+SOCKET_TOLERANCE_M = 0.05
+
+
+def require(condition: bool, message: str) -> None:
+    """Raise INVALID_GOAL with a message unless the condition holds."""
+    if not condition:
+        raise AbilityError(Code.INVALID_GOAL, message)
+
+
+def require_number(name: str, value: float, low: float, high: float, unit: str) -> None:
+    """Raise INVALID_GOAL unless a field is a finite number within limits."""
+    allowed = f"allowed: {low:g} to {high:g} {unit}"
+    require(math.isfinite(value), f"{name} is {value}; {allowed}")
+    require(low <= value <= high, f"{name} is {value:g} {unit}; {allowed}")
+
+
+def require_pose(name: str, pose: Pose) -> None:
+    """Raise INVALID_GOAL unless a pose is finite, and level with a unit quaternion."""
+    require(bool(np.isfinite(pose.position).all()), f"{name}: position is not finite")
+    require(bool(np.isfinite(pose.quaternion).all()), f"{name}: orientation is not finite")
+    norm = float(np.linalg.norm(pose.quaternion))
+    require(abs(norm - 1) < 1e-3, f"{name}: the quaternion's length is {norm:.3f}; it must be 1")
+    tilt = math.asin(float(np.clip(unit_x(pose)[2], -1, 1)))
+    require(
+        abs(tilt) < LEVEL_RAD,
+        f"{name}: its x axis is tilted by {math.degrees(tilt):.1f} deg; it must be level",
+    )
+
+
+def require_robot(name: str) -> None:
+    """Raise UNKNOWN_NAME unless the robot is the cell's."""
+    if name != ROBOT:
+        raise AbilityError(Code.UNKNOWN_NAME, f"no robot {name!r}; there is: {ROBOT}")
+
+
+def check_live(cable_id: str, panel: Panel, book: Book) -> None:
+    """Raise unless a wire is the one that was fed last."""
+    panel.wire(cable_id)
+    if book.feed is None:
+        raise AbilityError(Code.WIRE_NOT_FED, f"wire {cable_id!r} has not been fed; feed it first")
+    if book.feed.wire_id != cable_id:
+        raise AbilityError(
+            Code.WIRE_NOT_FED,
+            f"wire {cable_id!r} is not the one fed last, which is {book.feed.wire_id!r}; feed it "
+            "first",
+        )
+
+
+def check_held(book: Book, end: End | None = None) -> None:
+    """Raise unless the hand holds the live wire, at that end if one is named."""
+    if book.grip is None:
+        raise AbilityError(Code.NOTHING_HELD, "the gripper is empty; pick the wire first")
+    if end is not None and book.grip.end is not end:
+        raise AbilityError(
+            Code.OTHER_CABLE_HELD,
+            f"the gripper holds end {book.grip.end.value}, not end {end.value}; place it first",
+        )
+
+
+def check_hand(book: Book, end: End) -> None:
+    """Raise unless the hand is empty or holds that end."""
+    if book.grip is not None:
+        check_held(book, end)
+
+
+def parse_end(text: str) -> End:
+    """Return the end named "a" or "b"."""
+    require(text in ("a", "b"), f"cable_end is {text!r}; allowed: 'a', 'b'")
+    return End(text)
+
+
+class Goal(Protocol):
+    """What every goal can be asked."""
+
+    def check(self, panel: Panel, book: Book) -> None:
+        """Raise AbilityError when the cell cannot take the goal as it is now."""
+
+
+@dataclass(frozen=True)
+class LocateGoal:
+    """Find a component and, unless the id is empty, one of its terminals."""
+
+    component_id: str
+    terminal_id: str
+
+    def check(self, panel: Panel, book: Book) -> None:
+        """Raise when a name is unknown."""
+        component = panel.component(self.component_id)
+        if self.terminal_id:
+            component.terminal(self.terminal_id)
+
+
+@dataclass(frozen=True)
+class DetectGoal:
+    """Find a wire and its loose ends."""
+
+    cable_id: str
+
+    def check(self, panel: Panel, book: Book) -> None:
+        """Raise when the wire is unknown or not fed."""
+        check_live(self.cable_id, panel, book)
+
+
+@dataclass(frozen=True)
+class PickGoal:
+    """Grasp a loose end; a distance of 0 means the cell's default."""
+
+    robot_name: str
+    cable_id: str
+    end: End
+    grasp_distance: float
+
+    def __post_init__(self) -> None:
+        """Refuse unknown robots and impossible distances."""
+        require_robot(self.robot_name)
+        if self.grasp_distance != 0.0:
+            require_number("grasp_distance", self.grasp_distance, *GRASP_RANGE_M, "m")
+
+    def check(self, panel: Panel, book: Book) -> None:
+        """Raise when the end cannot be picked."""
+        check_live(self.cable_id, panel, book)
+        if book.grip is not None:
+            raise AbilityError(
+                Code.OTHER_CABLE_HELD,
+                f"the gripper holds end {book.grip.end.value} of {self.cable_id!r} already; "
+                "place it first",
+            )
+        if book.feed is not None and book.ends[self.end].value != "loose":
+            raise AbilityError(
+                Code.INVALID_GOAL,
+                f"end {self.end.value} of {self.cable_id!r} is {book.ends[self.end].value} in a "
+                "terminal; extract it first",
+            )
+
+
+@dataclass(frozen=True)
+class PlaceGoal:
+    """Lay the held end down.
+
+    `target` has the tool centre at release, x along the wire towards the tip.
+    """
+
+    robot_name: str
+    cable_id: str
+    target: Pose
+
+    def __post_init__(self) -> None:
+        """Refuse unknown robots and poses that are not level."""
+        require_robot(self.robot_name)
+        require_pose("target_pose", self.target)
+
+    def check(self, panel: Panel, book: Book) -> None:
+        """Raise when nothing is held or the place is out of reach."""
+        check_live(self.cable_id, panel, book)
+        check_held(book)
+        check_tool_path((self.target,), book)
+
+
+@dataclass(frozen=True)
+class RouteGoal:
+    """Carry the held end along poses of the tool centre, x along the wire towards the tip."""
+
+    robot_name: str
+    cable_id: str
+    path: tuple[Pose, ...]
+
+    def __post_init__(self) -> None:
+        """Refuse unknown robots, an empty path and poses that are not level."""
+        require_robot(self.robot_name)
+        require(bool(self.path), "path is empty; it must have one pose or more")
+        for i, pose in enumerate(self.path):
+            require_pose(f"path[{i}]", pose)
+
+    def check(self, panel: Panel, book: Book) -> None:
+        """Raise when nothing is held or a pose is out of reach."""
+        check_live(self.cable_id, panel, book)
+        check_held(book)
+        check_tool_path(self.path, book)
+
+
+@dataclass(frozen=True)
+class InsertGoal:
+    """Push an end into a terminal whose mouth is at `socket`, x into the bore."""
+
+    robot_name: str
+    cable_id: str
+    end: End
+    component_id: str
+    terminal_id: str
+    socket: Pose
+    force_limit: float
+
+    def __post_init__(self) -> None:
+        """Refuse unknown robots, tilted poses, and forces that the grip does not hold."""
+        require_robot(self.robot_name)
+        require_pose("socket_pose", self.socket)
+        require_number("force_limit", self.force_limit, 1.0, MAX_FORCE_N, "N")
+
+    def check(self, panel: Panel, book: Book) -> None:
+        """Raise when the end cannot go there."""
+        check_live(self.cable_id, panel, book)
+        check_socket(self.component_id, self.terminal_id, self.socket, panel)
+        check_hand(book, self.end)
+        if book.ends[self.end].value != "loose":
+            raise AbilityError(
+                Code.INVALID_GOAL,
+                f"end {self.end.value} of {self.cable_id!r} is {book.ends[self.end].value} in a "
+                "terminal; extract it first",
+            )
+        occupant = book.occupant((self.component_id, self.terminal_id))
+        if occupant is not None:
+            raise AbilityError(
+                Code.TERMINAL_OCCUPIED,
+                f"terminal '{self.component_id}/{self.terminal_id}' holds end "
+                f"{occupant[1].value} of {occupant[0]!r}",
+            )
+
+
+@dataclass(frozen=True)
+class FixGoal:
+    """Close a terminal on the end in the hand; a pull test of 0 N means none."""
+
+    robot_name: str
+    cable_id: str
+    component_id: str
+    terminal_id: str
+    pull_test_force: float
+
+    def __post_init__(self) -> None:
+        """Refuse unknown robots and forces that the grip does not hold."""
+        require_robot(self.robot_name)
+        require_number("pull_test_force", self.pull_test_force, 0.0, MAX_FORCE_N, "N")
+
+    def check(self, panel: Panel, book: Book) -> None:
+        """Raise when nothing is held."""
+        check_live(self.cable_id, panel, book)
+        panel.component(self.component_id).terminal(self.terminal_id)
+        check_held(book)
+
+
+@dataclass(frozen=True)
+class ExtractGoal:
+    """Pull a wire's end out of the terminal whose mouth is at `socket`, x into the bore."""
+
+    robot_name: str
+    cable_id: str
+    component_id: str
+    terminal_id: str
+    socket: Pose
+
+    def __post_init__(self) -> None:
+        """Refuse unknown robots and poses that are not level."""
+        require_robot(self.robot_name)
+        require_pose("socket_pose", self.socket)
+
+    def check(self, panel: Panel, book: Book) -> None:
+        """Raise when the wire or the socket is not there."""
+        check_live(self.cable_id, panel, book)
+        check_socket(self.component_id, self.terminal_id, self.socket, panel)
+
+
+def check_socket(component_id: str, terminal_id: str, socket: Pose, panel: Panel) -> None:
+    """Raise when a mouth is not near the terminal it is said to be, or out of reach."""
+    nominal = WORLD_FROM_PANEL @ panel.panel_from_socket(component_id, terminal_id)
+    away = float(np.linalg.norm(socket.position - nominal.position))
+    if away > SOCKET_TOLERANCE_M:
+        raise AbilityError(
+            Code.INVALID_GOAL,
+            f"socket_pose is {away * 1e3:.0f} mm from terminal '{component_id}/{terminal_id}' on "
+            "the panel, "
+            f"allowed: {SOCKET_TOLERANCE_M * 1e3:.0f} mm; locate the terminal first",
+        )
+    tool = socket.position - unit_x(socket) * (GRASP_DISTANCE_M + STANDOFF_M)
+    check_reach(ToolPose(*(float(v) for v in tool), socket.yaw))
+
+
+def check_tool_path(path: tuple[Pose, ...], book: Book) -> None:
+    """Raise UNREACHABLE when the held wire's tool poses are out of the arm's reach."""
+    flip = book.grip.flip if book.grip is not None else 0.0
+    for pose in path:
+        joints_for(ToolPose(*(float(v) for v in pose.position), pose.yaw - flip))
+
+
+def check_reach(tool: ToolPose) -> None:
+    """Raise UNREACHABLE when neither the pose nor that with the hand turned by pi is reached."""
+    try:
+        joints_for(tool)
+    except AbilityError:
+        joints_for(ToolPose(tool.x, tool.y, tool.z, tool.yaw + math.pi))

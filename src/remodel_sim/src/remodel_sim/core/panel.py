@@ -1,0 +1,151 @@
+"""The panel and its wires, as values. Fields, units and frames are those of remodel_msgs/Panel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Array, Pose
+
+
+class End(Enum):
+    """One of the two ends of a wire."""
+
+    A = "a"
+    B = "b"
+
+    @property
+    def other(self) -> End:
+        """The end that this one is not."""
+        return End.B if self is End.A else End.A
+
+
+@dataclass(frozen=True)
+class Terminal:
+    """A clamp: a square bore with a chamfered mouth; component frame."""
+
+    id: str
+    mouth: tuple[float, float, float]
+    insertion_yaw: float
+    bore: float
+    depth: float
+    chamfer: float
+    retention_force: float
+
+    @property
+    def component_from_socket(self) -> Pose:
+        """The mouth's frame: x points into the bore."""
+        return Pose.level(*self.mouth, self.insertion_yaw)
+
+
+@dataclass(frozen=True)
+class Component:
+    """A component on the plate; `pose` is (x, y, yaw) of its base centre in the panel frame."""
+
+    id: str
+    kind: str
+    marker_id: int
+    marker_size: float
+    pose: tuple[float, float, float]
+    size: tuple[float, float, float]
+    terminals: tuple[Terminal, ...]
+
+    @property
+    def panel_from_component(self) -> Pose:
+        """The component's nominal frame."""
+        x, y, yaw = self.pose
+        return Pose.level(x, y, 0.0, yaw)
+
+    def terminal(self, terminal_id: str) -> Terminal:
+        """Return the terminal of that name, or say which there are."""
+        return _named(self.terminals, terminal_id, f"terminal of component {self.id!r}")
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A free lane between two rows, along y; panel frame."""
+
+    id: str
+    x: float
+    width: float
+    y_min: float
+    y_max: float
+
+
+@dataclass(frozen=True)
+class Wire:
+    """A wire with a ferrule on both ends."""
+
+    id: str
+    a_component: str
+    a_terminal: str
+    b_component: str
+    b_terminal: str
+    colour: str
+    section: float
+    diameter: float
+    length: float
+    linear_density: float
+    bending_stiffness: float
+    ferrule_length: float
+
+    @property
+    def radius(self) -> float:
+        """Half the diameter over the insulation [m]."""
+        return self.diameter / 2
+
+    def goes_to(self, end: End) -> tuple[str, str]:
+        """Return the component and the terminal that the end belongs in."""
+        if end is End.A:
+            return self.a_component, self.a_terminal
+        return self.b_component, self.b_terminal
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A mounting plate and all that belongs on it."""
+
+    name: str
+    size: tuple[float, float, float]
+    components: tuple[Component, ...]
+    channels: tuple[Channel, ...]
+    wires: tuple[Wire, ...]
+
+    def component(self, component_id: str) -> Component:
+        """Return the component of that name, or say which there are."""
+        return _named(self.components, component_id, "component")
+
+    def channel(self, channel_id: str) -> Channel:
+        """Return the channel of that name, or say which there are."""
+        return _named(self.channels, channel_id, "channel")
+
+    def wire(self, wire_id: str) -> Wire:
+        """Return the wire of that name, or say which there are."""
+        return _named(self.wires, wire_id, "wire")
+
+    def panel_from_socket(self, component_id: str, terminal_id: str) -> Pose:
+        """Return the nominal frame of a terminal's mouth; x points into the bore."""
+        component = self.component(component_id)
+        terminal = component.terminal(terminal_id)
+        return component.panel_from_component @ terminal.component_from_socket
+
+    def channel_in_front_of(self, mouth: Array) -> Channel:
+        """Return the channel whose edge is nearest to a mouth, (3,) [m], panel frame."""
+        return min(self.channels, key=lambda c: abs(abs(mouth[0] - c.x) - c.width / 2))
+
+
+def _named(items: tuple, wanted: str, noun: str):  # noqa: ANN202 - the element's own type
+    for item in items:
+        if item.id == wanted:
+            return item
+    there_are = ", ".join(item.id for item in items) or "none"
+    raise AbilityError(Code.UNKNOWN_NAME, f"no {noun} {wanted!r}; there are: {there_are}")
+
+
+def unit_x(pose: Pose) -> Array:
+    """Return the x axis of a frame in its parent, (3,)."""
+    return np.asarray(pose.rotation[:, 0])

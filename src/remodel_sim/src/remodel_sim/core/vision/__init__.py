@@ -1,0 +1,1 @@
+"""From pictures to things: OpenCV and numpy only."""

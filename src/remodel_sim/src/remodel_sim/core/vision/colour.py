@@ -1,0 +1,55 @@
+"""Which pixels show a wire's insulation, which a ferrule.
+
+A lit surface of colour c shows as s c with a shade s; pixels are compared with the nearest shade
+of each colour
+that may be there, not with the colour itself.
+"""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from remodel_sim.core.geometry import Array
+from remodel_sim.core.wire_colours import GREEN_AND_YELLOW, PLATE_RGB, WIRE_RGB, Rgb
+
+Mask = npt.NDArray[np.uint8]
+
+# Shades of a round wire under diffuse light, and of the level plate.
+WIRE_SHADES = (0.45, 1.15)
+PLATE_SHADES = (0.88, 1.13)
+# Half of the likelihood is lost at this distance from the wire's colour [grey levels].
+TOLERANCE = 40.0
+
+# The ferrules' magenta in OpenCV's HSV (hue 0 to 179): the hue of FERRULE_RGB, and saturated as no
+# wire is.
+FERRULE_HUES = (150, 172)
+FERRULE_MIN_SATURATION = 150
+FERRULE_MIN_VALUE = 60
+
+
+def wire_likelihood(rgb: npt.NDArray[np.uint8], colour: str) -> npt.NDArray[np.float32]:
+    """Return per pixel, 0 to 1, how well a wire's colour explains it and the plate does not."""
+    pixels = rgb.astype(np.float32)
+    colours = GREEN_AND_YELLOW if colour == "GNYE" else (WIRE_RGB[colour],)
+    wire = np.min([_distance(pixels, c, WIRE_SHADES) for c in colours], axis=0)
+    plate = _distance(pixels, PLATE_RGB, PLATE_SHADES)
+    fit = np.clip(1.0 - wire / (2 * TOLERANCE), 0.0, 1.0)
+    contrast = np.clip((plate - wire) / TOLERANCE + 0.5, 0.0, 1.0)
+    return (fit * contrast).astype(np.float32)
+
+
+def _distance(pixels: npt.NDArray[np.float32], colour: Rgb, shades: tuple[float, float]) -> Array:
+    """Return each pixel's distance to the nearest shade of a colour [grey levels]."""
+    full = np.array(colour, np.float32) * 255
+    shade = np.clip(pixels @ full / float(full @ full), *shades)
+    return np.linalg.norm(pixels - shade[..., None] * full, axis=-1)
+
+
+def ferrule_mask(rgb: npt.NDArray[np.uint8]) -> Mask:
+    """Return the pixels of the ferrules' colour as 0 and 1."""
+    hsv = cv2.cvtColor(rgb, cv2.COLOR_RGB2HSV)
+    low = np.array([FERRULE_HUES[0], FERRULE_MIN_SATURATION, FERRULE_MIN_VALUE])
+    high = np.array([FERRULE_HUES[1], 255, 255])
+    return cv2.inRange(hsv, low, high) // 255

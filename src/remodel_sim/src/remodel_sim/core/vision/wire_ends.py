@@ -1,0 +1,133 @@
+"""From a picture to the live wire's loose ends and its centreline, in world coordinates."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from remodel_sim.core.book import TipSighting
+from remodel_sim.core.camera import Picture
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Array
+from remodel_sim.core.panel import End, Wire
+from remodel_sim.core.vision.colour import wire_likelihood
+from remodel_sim.core.vision.ferrules import Ferrule, find_ferrules
+from remodel_sim.core.vision.tracing import trace
+
+# An end is looked for within this distance of where the cell left it [m].
+SEARCH_M = 0.15
+# Two candidates nearer to each other than this cannot be told apart [m].
+AMBIGUOUS_M = 0.020
+# At least this share of a ferrule must be seen.
+MIN_FERRULE_SHARE = 0.55
+MIN_COLOUR = 0.25
+# Half of the depth picture's window over a ferrule [px].
+DEPTH_WINDOW_PX = 2
+# A wire seen this far above the plate does not lie on it [m].
+LIFTED_M = 0.002
+
+
+@dataclass(frozen=True, eq=False)
+class EndSighting:
+    """A loose end in a picture and in the world.
+
+    Attributes:
+        tip: what it is in the world.
+        ferrule: what it is in the picture.
+    """
+
+    tip: TipSighting
+    ferrule: Ferrule
+
+
+def find_ends(
+    picture: Picture, wire: Wire, expected: dict[End, Array]
+) -> tuple[dict[End, EndSighting], npt.NDArray[np.float32]]:
+    """Return the expected ends that are seen, and the likelihood picture of the wire's colour.
+
+    Args:
+        picture: from above.
+        wire: whose ends are looked for.
+        expected: roughly where each loose end lies, (2,) [m], world frame.
+
+    Raises:
+        AbilityError: CABLE_TRUNCATED when an end leaves the picture, CABLE_AMBIGUOUS when two may
+            be meant.
+    """
+    likelihood = wire_likelihood(picture.rgb, wire.colour)
+    scale = picture.view.metres_per_pixel(wire.radius)
+    shortest = MIN_FERRULE_SHARE * wire.ferrule_length / scale
+    sightings = [
+        EndSighting(_in_world(f, picture, wire), f)
+        for f in find_ferrules(picture.rgb, likelihood, shortest)
+        if f.wire_likelihood >= MIN_COLOUR
+    ]
+    found: dict[End, EndSighting] = {}
+    for end, place in expected.items():
+        near = sorted(
+            (s for s in sightings if _apart(s, place) <= SEARCH_M),
+            key=lambda s, place=place: _apart(s, place),
+        )
+        if not near:
+            continue
+        if near[0].ferrule.truncated:
+            raise AbilityError(
+                Code.CABLE_TRUNCATED,
+                f"end {end.value} of {wire.id!r} leaves the picture; feed the wire again",
+            )
+        rivals = [s for s in near[1:] if _apart(s, place) - _apart(near[0], place) < AMBIGUOUS_M]
+        if rivals and len(expected) == 1:
+            raise AbilityError(
+                Code.CABLE_AMBIGUOUS,
+                f"{1 + len(rivals)} ends of that colour lie where end {end.value} of {wire.id!r} "
+                "may be",
+            )
+        found[end] = near[0]
+    if len(found) == 2 and found[End.A] is found[End.B]:
+        worse = max(found, key=lambda e: _apart(found[e], expected[e]))
+        del found[worse]
+    return found, likelihood
+
+
+def _apart(sighting: EndSighting, place: Array) -> float:
+    return float(np.linalg.norm(sighting.tip.tip[:2] - place))
+
+
+def _in_world(ferrule: Ferrule, picture: Picture, wire: Wire) -> TipSighting:
+    """Return the tip half a ferrule ahead of the blob's centre.
+
+    Its outline blurs, its centre does not.
+    """
+    view, z = picture.view, wire.radius
+    if picture.depth is not None:
+        column, row = np.rint(ferrule.centre).astype(int)
+        rows = slice(max(0, row - DEPTH_WINDOW_PX), row + DEPTH_WINDOW_PX + 1)
+        columns = slice(max(0, column - DEPTH_WINDOW_PX), column + DEPTH_WINDOW_PX + 1)
+        window = picture.depth[rows, columns]
+        # The nearest quarter is the ferrule's crest; its median is free of the plate beside it.
+        crest = float(np.quantile(window, 0.25))
+        top = float(view.at_depth(ferrule.centre, np.array([crest]))[0, 2])
+        if top - wire.radius > z + LIFTED_M:
+            z = top - wire.radius
+    half = ferrule.length / 2
+    points = np.array([ferrule.centre, ferrule.centre + half * ferrule.out])
+    centre, ahead = view.on_plane(points, z)
+    out = (ahead - centre) / np.linalg.norm(ahead - centre)
+    yaw = math.atan2(out[1], out[0])
+    return TipSighting(centre + out * wire.ferrule_length / 2, yaw)
+
+
+def trace_from(
+    sighting: EndSighting, picture: Picture, likelihood: npt.NDArray[np.float32], wire: Wire
+) -> Array:
+    """Return the wire's centreline (n, 2) [px] from the tip on."""
+    ferrule = sighting.ferrule
+    width = max(2.0, wire.diameter / picture.view.metres_per_pixel(wire.radius))
+    tail = ferrule.centre - ferrule.out * (ferrule.length / 2 + 0.5 * width)
+    behind = trace(likelihood, tail, -ferrule.out, width)
+    tip = picture.view.project(sighting.tip.tip)
+    return np.vstack([tip, ferrule.centre[None], behind])

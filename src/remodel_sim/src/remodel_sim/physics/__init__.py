@@ -1,0 +1,1 @@
+"""The edge of the simulation: the only room that knows PyBullet."""

@@ -1,0 +1,106 @@
+"""The table, the plate and the components in the world."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+
+from remodel_sim.core.component_shape import Box, component_boxes
+from remodel_sim.core.geometry import Pose
+from remodel_sim.core.layout import WORLD_FROM_PANEL
+from remodel_sim.core.panel import Channel, Panel
+from remodel_sim.core.wire_colours import PLATE_RGB
+from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
+
+PLATE_FRICTION = 0.4
+COMPONENT_FRICTION = 0.3
+LANE_RGB = (0.88, 0.89, 0.88)
+# Below the mouths, which are 20 mm high.
+LIP_HEIGHT_M = 0.012
+LIP_THICKNESS_M = 0.002
+LIP_RGB = (0.62, 0.64, 0.63)
+TABLE_RGB = (0.36, 0.31, 0.27)
+TABLE_SIZE = (1.1, 1.5, 0.04)
+
+
+class PanelScene:
+    """The bodies of one panel; components can be moved as somebody would who bumps into them."""
+
+    def __init__(self, world: World, panel: Panel, poses: dict[str, Pose]) -> None:
+        """Build table, plate, lanes and components.
+
+        `poses` has each component's frame in the world.
+        """
+        self._bullet = world.bullet
+        self._components: dict[str, int] = {}
+        thickness = panel.size[2]
+        table_z = -thickness - TABLE_SIZE[2] / 2
+        self._static([Box((0.4, 0, table_z), TABLE_SIZE, TABLE_RGB)], Pose.level(0, 0, 0))
+        plate = [Box((0, 0, -thickness / 2), panel.size, PLATE_RGB)]
+        body = self._static(plate, WORLD_FROM_PANEL)
+        self._bullet.changeDynamics(body, -1, lateralFriction=PLATE_FRICTION)
+        for channel in panel.channels:
+            y = (channel.y_min + channel.y_max) / 2
+            size = (channel.width, channel.y_max - channel.y_min, 0.0002)
+            lane = Box((channel.x, y, 0.0), size, LANE_RGB, solid=False)
+            self._static([lane, *_lips(channel)], WORLD_FROM_PANEL)
+        for component in panel.components:
+            body = self._static(component_boxes(component), poses[component.id])
+            self._bullet.changeDynamics(
+                body,
+                -1,
+                lateralFriction=COMPONENT_FRICTION,
+                contactStiffness=CONTACT_STIFFNESS,
+                contactDamping=CONTACT_DAMPING,
+            )
+            self._components[component.id] = body
+
+    def _static(self, boxes: Iterable[Box], pose: Pose) -> int:
+        return add_static(self._bullet, boxes, pose)
+
+    def place_component(self, component_id: str, pose: Pose) -> None:
+        """Put a component somewhere else, world frame."""
+        self._bullet.resetBasePositionAndOrientation(
+            self._components[component_id], pose.position.tolist(), pose.quaternion.tolist()
+        )
+
+
+def _lips(channel: Channel) -> list[Box]:
+    """Low walls along both edges of a channel.
+
+    They keep slack wire out of the gaps between components.
+    """
+    y = (channel.y_min + channel.y_max) / 2
+    aside = channel.width / 2 - LIP_THICKNESS_M / 2
+    size = (LIP_THICKNESS_M, channel.y_max - channel.y_min, LIP_HEIGHT_M)
+    return [Box((channel.x + side * aside, y, LIP_HEIGHT_M / 2), size, LIP_RGB) for side in (-1, 1)]
+
+
+def add_static(bullet, boxes: Iterable[Box], pose: Pose) -> int:  # noqa: ANN001
+    """Add boxes as one body that never moves by itself; returns the body."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "body.urdf"
+        path.write_text(boxes_description(boxes))
+        return bullet.loadURDF(
+            str(path), pose.position.tolist(), pose.quaternion.tolist(), useFixedBase=True
+        )
+
+
+def boxes_description(boxes: Iterable[Box]) -> str:
+    """Return the URDF of one massless link made of boxes."""
+    parts = [
+        '<robot name="body"><link name="body"><inertial><mass value="0"/>'
+        '<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'
+    ]
+    for box in boxes:
+        shape = '<origin xyz="{:.6f} {:.6f} {:.6f}" rpy="{:.8f} {:.8f} {:.8f}"/>'.format(
+            *box.centre, *box.rpy
+        ) + '<geometry><box size="{:.6f} {:.6f} {:.6f}"/></geometry>'.format(*box.size)
+        name = "rgb_{}_{}_{}".format(*box.rgb)
+        colour = '<color rgba="{} {} {} 1"/>'.format(*box.rgb)
+        parts.append(f'<visual>{shape}<material name="{name}">{colour}</material></visual>')
+        if box.solid:
+            parts.append(f"<collision>{shape}</collision>")
+    # Bullet reads a description line by line, and only so many characters of each.
+    return "\n".join([*parts, "</link></robot>"])

@@ -1,0 +1,76 @@
+"""A wire that has its place: only its picture remains, at the shape it had."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from remodel_sim.core.geometry import Array
+from remodel_sim.core.panel import Wire
+from remodel_sim.core.wire_colours import FERRULE_RGB, WIRE_RGB
+from remodel_sim.physics.world import World
+
+SIDES = 8
+STEP_M = 0.004
+
+
+def draw_parked(world: World, nodes: Array, wire: Wire) -> None:
+    """Draw a wire as smooth tubes that touch nothing; nodes (n, 3) [m] go from tip to tip."""
+    ferrule = wire.ferrule_length
+    line = _smooth(nodes)
+    along = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
+    inner = (along > ferrule) & (along < along[-1] - ferrule)
+    parts = [
+        (line[inner], WIRE_RGB[wire.colour]),
+        (line[along <= ferrule + STEP_M], FERRULE_RGB),
+        (line[along >= along[-1] - ferrule - STEP_M], FERRULE_RGB),
+    ]
+    bullet = world.bullet
+    for points, rgb in parts:
+        vertices, indices, normals = _tube(points, wire.radius)
+        shape = bullet.createVisualShape(
+            bullet.GEOM_MESH,
+            vertices=vertices,
+            indices=indices,
+            normals=normals,
+            rgbaColor=[*rgb, 1],
+        )
+        bullet.createMultiBody(0, -1, shape, [0, 0, 0])
+
+
+def _smooth(nodes: Array) -> Array:
+    """Return a Catmull-Rom spline through the nodes, about STEP_M apart."""
+    padded = np.vstack([2 * nodes[0] - nodes[1], nodes, 2 * nodes[-1] - nodes[-2]])
+    pieces = []
+    for p0, p1, p2, p3 in zip(padded, padded[1:], padded[2:], padded[3:], strict=False):
+        count = max(2, round(float(np.linalg.norm(p2 - p1)) / STEP_M))
+        t = np.linspace(0, 1, count, endpoint=False)[:, None]
+        pieces.append(
+            0.5
+            * (
+                2 * p1
+                + (p2 - p0) * t
+                + (2 * p0 - 5 * p1 + 4 * p2 - p3) * t**2
+                + (3 * p1 - p0 - 3 * p2 + p3) * t**3
+            )
+        )
+    return np.vstack([*pieces, nodes[-1:]])
+
+
+def _tube(line: Array, radius: float) -> tuple[list, list, list]:
+    """Return vertices, triangle indices and normals of a tube around a line (n, 3)."""
+    tangents = np.gradient(line, axis=0)
+    tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
+    side = np.cross(tangents, [0.0, 0.0, 1.0])
+    side /= np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-9)
+    top = np.cross(side, tangents)
+    angles = np.linspace(0, 2 * np.pi, SIDES, endpoint=False)
+    normals = (
+        np.cos(angles)[None, :, None] * side[:, None] + np.sin(angles)[None, :, None] * top[:, None]
+    )
+    vertices = line[:, None] + radius * normals
+    indices = []
+    for i in range(len(line) - 1):
+        for j in range(SIDES):
+            a, b = i * SIDES + j, i * SIDES + (j + 1) % SIDES
+            indices += [a, b, a + SIDES, b, b + SIDES, a + SIDES]
+    return vertices.reshape(-1, 3).tolist(), indices, normals.reshape(-1, 3).tolist()

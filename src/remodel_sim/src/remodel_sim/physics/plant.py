@@ -1,0 +1,244 @@
+"""The physical cell.
+
+Everything that has mass, light or force. Abilities reach it only through the station.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from remodel_sim.core.arm import ToolPose
+from remodel_sim.core.camera import Lens, Picture, View, looking_at, looking_down
+from remodel_sim.core.component_shape import Box
+from remodel_sim.core.errors import PanelError
+from remodel_sim.core.feeding import Laying
+from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.core.layout import WORLD_FROM_PANEL, find_problems
+from remodel_sim.core.panel import End, Panel, Wire
+from remodel_sim.physics import cameras
+from remodel_sim.physics.cable import Cable
+from remodel_sim.physics.clamps import Clamp, close_clamp
+from remodel_sim.physics.feeder import lay
+from remodel_sim.physics.panel_scene import PanelScene, add_static
+from remodel_sim.physics.parked_wire import draw_parked
+from remodel_sim.physics.robot import Robot
+from remodel_sim.physics.world import World
+
+# Out of the overhead camera's picture.
+PARKED = ToolPose(0.02, -0.46, 0.35, -math.pi / 2)
+OVERHEAD_LENS = Lens(1280, 960, math.radians(36.0))
+OVERHEAD = View(OVERHEAD_LENS, looking_down(0.50, 0.0, 1.10, 0.0))
+WRIST_LENS = Lens(640, 480, math.radians(52.0))
+SCENE_LENS = Lens(1280, 960, math.radians(36.0))
+SCENE = View(SCENE_LENS, looking_at(np.array([1.28, -0.72, 0.80]), np.array([0.43, 0.0, 0.04])))
+PLUG_RGB = (0.5, 0.1, 0.1)
+# A plug begins this deep in the bore.
+PLUG_FROM_M = 0.005
+
+
+@dataclass(eq=False)
+class LiveWire:
+    """The wire that is being placed."""
+
+    wire: Wire
+    cable: Cable
+    clamps: dict[End, Clamp]
+
+
+@dataclass(frozen=True, eq=False)
+class ParkedWire:
+    """A wire that only its picture is left of.
+
+    Attributes:
+        nodes: (n, 3) from tip to tip [m], world frame.
+        clamps: closed on its ends when it was parked.
+    """
+
+    nodes: Array
+    clamps: dict[End, Clamp]
+
+
+class Plant:
+    """The world of one cell. Everything random comes from the seed and the order of what is asked.
+
+    Attributes:
+        panel: what was built; components may since have been moved.
+        live: the wire that was fed last, until it is parked.
+        parked: the wires that have been parked.
+    """
+
+    def __init__(self, panel: Panel, *, seed: int, rate_hz: float, gui: bool = False) -> None:
+        """Build the cell; raises PanelError."""
+        self.seed = seed
+        self.world = World(rate_hz, gui=gui)
+        self.load(panel)
+
+    def load(self, panel: Panel) -> None:
+        """Build a panel from nothing.
+
+        Raises PanelError and changes nothing when it breaks the rules.
+        """
+        problems = find_problems(panel)
+        if problems:
+            raise PanelError(panel.name, problems)
+        self.panel = panel
+        self.live: LiveWire | None = None
+        self.parked: dict[str, ParkedWire] = {}
+        self._noise = np.random.default_rng(self.seed)
+        self._poses = {c.id: WORLD_FROM_PANEL @ c.panel_from_component for c in panel.components}
+        self._blocked: set[tuple[str, str]] = set()
+        self._build(PARKED)
+
+    def _build(self, tool: ToolPose) -> None:
+        """Build the world from what the plant knows, without a live wire.
+
+        It is done for every wire: Bullet keeps traces of removed bodies, and a run would depend on
+            where they lay in
+        memory.
+        """
+        self.world.clear()
+        self._scene = PanelScene(self.world, self.panel, self._poses)
+        self._plugs: dict[tuple[str, str], int] = {}
+        for component_id, terminal_id in sorted(self._blocked):
+            self._add_plug(component_id, terminal_id)
+        for wire_id, parked in self.parked.items():
+            wire = self.panel.wire(wire_id)
+            draw_parked(self.world, parked.nodes, wire)
+        self.robot = Robot(self.world, tool)
+
+    def step(self) -> None:
+        """Advance by one time step."""
+        self.world.step()
+
+    def close(self) -> None:
+        """Leave PyBullet."""
+        self.world.close()
+
+    def feed(self, wire_id: str, channel_id: str, tool: ToolPose) -> Laying:
+        """Lay a wire into a channel.
+
+        The wire before is parked, or taken away when it is the same one.
+
+        The arm starts from `tool`, where it was sent last, with open fingers.
+        """
+        wire, channel = self.panel.wire(wire_id), self.panel.channel(channel_id)
+        if self.live is not None and self.live.wire.id == wire_id:
+            self.live = None
+        self._keep_shape()
+        self.parked.pop(wire_id, None)
+        self._build(tool)
+        cable, laying, self._fork = lay(self.world, self.panel, wire, channel, self._noise)
+        self.live = LiveWire(wire, cable, {})
+        return laying
+
+    def move_fork(self, x: float, y: float) -> None:
+        """Bring the feeder's fork up somewhere else, world frame [m]."""
+        self.world.bullet.resetBasePositionAndOrientation(self._fork, [x, y, 0.0], [0, 0, 0, 1])
+
+    def park(self) -> None:
+        """Turn the live wire into a picture of itself.
+
+        It stays where it is and touches nothing any more.
+        """
+        if self.live is None:
+            return
+        live = self.live
+        self._keep_shape()
+        draw_parked(self.world, self.parked[live.wire.id].nodes, live.wire)
+        for clamp in live.clamps.values():
+            clamp.release_constraint()
+        live.cable.remove()
+
+    def _keep_shape(self) -> None:
+        if self.live is not None:
+            nodes = self.live.cable.nodes()
+            self.parked[self.live.wire.id] = ParkedWire(nodes, self.live.clamps)
+            self.live = None
+
+    def close_clamp(self, component_id: str, terminal_id: str) -> bool:
+        """Close a terminal's clamp; returns whether it met something before its bottom."""
+        if self.live is None:
+            return False
+        terminal = self.panel.component(component_id).terminal(terminal_id)
+        socket = self.world_from_socket(component_id, terminal_id)
+        clamp = close_clamp(self.world, self.live.cable, terminal, socket)
+        if clamp is None:
+            return False
+        tips = {end: self.live.cable.tip(end)[0] for end in End}
+        end = min(tips, key=lambda e: float(np.linalg.norm(tips[e] - socket.position)))
+        self.live.clamps[end] = clamp
+        return True
+
+    def open_clamp(self, component_id: str, terminal_id: str) -> None:
+        """Open a terminal's clamp."""
+        if self.live is None:
+            return
+        socket = self.world_from_socket(component_id, terminal_id)
+        for end, clamp in list(self.live.clamps.items()):
+            tip = self.live.cable.tip(end)[0]
+            if np.linalg.norm(tip - socket.position) < 0.03:
+                clamp.open()
+                del self.live.clamps[end]
+
+    def world_from_socket(self, component_id: str, terminal_id: str) -> Pose:
+        """Return where a mouth really is."""
+        terminal = self.panel.component(component_id).terminal(terminal_id)
+        return self._poses[component_id] @ terminal.component_from_socket
+
+    def world_from_component(self, component_id: str) -> Pose:
+        """Return where a component really stands."""
+        return self._poses[component_id]
+
+    def move_component(self, component_id: str, dx: float, dy: float, dyaw: float) -> None:
+        """Shift a component on the plate, with any plugs in it; panel frame [m, rad]."""
+        self.panel.component(component_id)
+        x, y, z = self._poses[component_id].position
+        moved = Pose.level(x + dx, y + dy, z, self._poses[component_id].yaw + dyaw)
+        self._poses[component_id] = moved
+        self._scene.place_component(component_id, moved)
+        for key in [key for key in self._plugs if key[0] == component_id]:
+            self.world.bullet.removeBody(self._plugs.pop(key))
+            self._add_plug(*key)
+
+    def block_socket(self, component_id: str, terminal_id: str) -> None:
+        """Push a plug into a bore; it leaves the first millimetres free."""
+        self.panel.component(component_id).terminal(terminal_id)
+        if (component_id, terminal_id) not in self._blocked:
+            self._blocked.add((component_id, terminal_id))
+            self._add_plug(component_id, terminal_id)
+
+    def clear_socket(self, component_id: str, terminal_id: str) -> None:
+        """Take the plug out of a bore."""
+        self.panel.component(component_id).terminal(terminal_id)
+        if (component_id, terminal_id) in self._blocked:
+            self._blocked.remove((component_id, terminal_id))
+            self.world.bullet.removeBody(self._plugs.pop((component_id, terminal_id)))
+
+    def _add_plug(self, component_id: str, terminal_id: str) -> None:
+        terminal = self.panel.component(component_id).terminal(terminal_id)
+        length = terminal.depth - PLUG_FROM_M
+        size = (length, terminal.bore, terminal.bore)
+        plug = Box((PLUG_FROM_M + length / 2, 0, 0), size, PLUG_RGB)
+        pose = self.world_from_socket(component_id, terminal_id)
+        self._plugs[component_id, terminal_id] = add_static(self.world.bullet, [plug], pose)
+
+    def look_overhead(self) -> Picture:
+        """Take a colour and depth picture of the whole plate."""
+        return cameras.take(self.world, OVERHEAD, self._noise, depth=True)
+
+    def look_wrist(self) -> Picture:
+        """Take a colour picture from the hand."""
+        return cameras.take(self.world, self.wrist_view, self._noise)
+
+    @property
+    def wrist_view(self) -> View:
+        """Where the wrist camera is."""
+        return View(WRIST_LENS, self.robot.world_from_camera)
+
+    def photograph(self, camera: str) -> Picture:
+        """Take a clean picture for people: "overhead", "wrist" or "scene"."""
+        views = {"overhead": OVERHEAD, "wrist": self.wrist_view, "scene": SCENE}
+        return cameras.photograph(self.world, views[camera])

@@ -1,0 +1,158 @@
+"""The arm in the world: drives joints and fingers, and reads what a real arm's sensors tell."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from remodel_sim.core.arm import ToolPose, joints_for, tool_of
+from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.physics.robot_description import CAMERA_MOUNT, robot_description
+from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
+
+ARM_JOINTS = list(range(7))
+WRIST_JOINT = 8  # fixed joint between flange and hand: where the force sensor sits
+HAND_LINK = 8
+FINGER_JOINTS = [9, 10]
+JOINT_NAMES = [f"panda_joint{i}" for i in range(1, 8)] + [
+    "panda_finger_joint1",
+    "panda_finger_joint2",
+]
+ARM_TORQUE = 200.0  # [N m] stiff servo: the arm follows to 0.05 mm
+ARM_GAIN = 0.3
+# The fingers close slowly and stop as soon as their motors feel the grip force; then they hold that
+# position, as a self-locking gripper does. Squeezing by a force-limited motor instead loses the
+# wire: the solver moves the light link between two heavy fingers too little per step (it takes 200
+# iterations to hold 3 mm wire at 20 N).
+FINGER_SPEED = 0.10  # [m/s] while nothing is near
+FINGER_TOUCH_SPEED = 0.012  # [m/s] while a wire may be between the pads
+TOUCH_GAP = 0.008  # [m] between the pads: the thickest wire and some
+FINGER_MOTOR_FORCE = 150.0  # [N]
+GRIP_FORCE = 30.0  # [N] per finger at which closing stops; the Panda hand holds 70 N
+PAD_FRICTION = 1.0
+# A rubber pad touches over a patch; its radius of some 4 mm resists turning about the contact
+# normal [m].
+PAD_SPINNING_FRICTION = 0.004
+MAX_OPENING = 0.04  # [m] per finger
+# First-order low pass of the wrist force [s]: a wrist sensor's bandwidth of 20 Hz.
+FORCE_TIME_CONSTANT = 0.008
+
+
+class Robot:
+    """A Panda on its base at the world's origin, pointing its tool down."""
+
+    def __init__(self, world: World, start: ToolPose) -> None:
+        """Load the arm in a posture, fingers open."""
+        self._bullet = world.bullet
+        self._time_step = world.time_step
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "panda.urdf"
+            path.write_text(robot_description())
+            self.body = self._bullet.loadURDF(str(path), useFixedBase=True)
+        self._force = np.zeros(3)
+        self._opening = self._target = MAX_OPENING
+        joints = joints_for(start)
+        for joint, angle in zip(ARM_JOINTS, joints, strict=True):
+            self._bullet.resetJointState(self.body, joint, angle)
+        for finger in FINGER_JOINTS:
+            self._bullet.resetJointState(self.body, finger, MAX_OPENING)
+            self._bullet.changeDynamics(
+                self.body,
+                finger,
+                lateralFriction=PAD_FRICTION,
+                spinningFriction=PAD_SPINNING_FRICTION,
+                restitution=0,
+                contactStiffness=CONTACT_STIFFNESS,
+                contactDamping=CONTACT_DAMPING,
+                frictionAnchor=1,  # without it a gripped wire creeps by 1 mm/s
+            )
+        self._bullet.enableJointForceTorqueSensor(self.body, WRIST_JOINT, 1)
+        self.drive(joints)
+        world.add_before_step(self._sense)
+
+    def drive(self, joints: Array) -> None:
+        """Command the arm's joint angles, (7,) [rad]."""
+        self._bullet.setJointMotorControlArray(
+            self.body,
+            ARM_JOINTS,
+            self._bullet.POSITION_CONTROL,
+            targetPositions=list(joints),
+            forces=[ARM_TORQUE] * 7,
+            positionGains=[ARM_GAIN] * 7,
+            velocityGains=[1.0] * 7,
+        )
+
+    def drive_fingers(self, opening: float) -> None:
+        """Send each finger to a distance from the middle [m].
+
+        Closing, they stop on what they grip.
+        """
+        self._target = opening
+
+    def _move_fingers(self) -> None:
+        closing = self._target < self._opening
+        if closing and self.finger_load >= GRIP_FORCE:
+            self._target = self._opening
+        near = closing and 2 * self._opening < TOUCH_GAP
+        step = (FINGER_TOUCH_SPEED if near else FINGER_SPEED) * self._time_step
+        self._opening += float(np.clip(self._target - self._opening, -step, step))
+        self._bullet.setJointMotorControlArray(
+            self.body,
+            FINGER_JOINTS,
+            self._bullet.POSITION_CONTROL,
+            targetPositions=[self._opening] * 2,
+            forces=[FINGER_MOTOR_FORCE] * 2,
+            positionGains=[0.5] * 2,
+            velocityGains=[1.0] * 2,
+        )
+
+    @property
+    def finger_load(self) -> float:
+        """Measured closing force of the weaker finger [N]."""
+        states = self._bullet.getJointStates(self.body, FINGER_JOINTS)
+        return min(-s[3] for s in states)
+
+    def _sense(self) -> None:
+        self._move_fingers()
+        reading = np.array(self._bullet.getJointState(self.body, WRIST_JOINT)[2][:3])
+        share = min(1.0, self._time_step / FORCE_TIME_CONSTANT)
+        self._force += share * (reading - self._force)
+
+    @property
+    def wrist_force(self) -> Array:
+        """Force at the wrist, low-passed, hand frame, (3,) [N]; holds the hand's weight."""
+        return self._force.copy()
+
+    @property
+    def joints(self) -> Array:
+        """Measured arm joint angles, (7,) [rad]."""
+        return np.array([s[0] for s in self._bullet.getJointStates(self.body, ARM_JOINTS)])
+
+    @property
+    def joint_state(self) -> tuple[list[float], list[float]]:
+        """Measured positions and velocities of all nine joints, in the order of JOINT_NAMES."""
+        states = self._bullet.getJointStates(self.body, ARM_JOINTS + FINGER_JOINTS)
+        return [s[0] for s in states], [s[1] for s in states]
+
+    @property
+    def finger_gap(self) -> float:
+        """Measured distance between the pads [m]."""
+        return sum(s[0] for s in self._bullet.getJointStates(self.body, FINGER_JOINTS))
+
+    @property
+    def tool(self) -> ToolPose:
+        """The measured tool pose, by forward kinematics of the measured joints."""
+        return tool_of(self.joints)
+
+    @property
+    def world_from_hand(self) -> Pose:
+        """The hand frame as measured."""
+        state = self._bullet.getLinkState(self.body, HAND_LINK, computeForwardKinematics=True)
+        return Pose(np.array(state[4]), np.array(state[5]))
+
+    @property
+    def world_from_camera(self) -> Pose:
+        """The wrist camera's optical frame: x right, y down the picture, z along the view."""
+        return self.world_from_hand @ Pose(np.array(CAMERA_MOUNT), np.array([0.0, 0.0, 0.0, 1.0]))

@@ -1,0 +1,77 @@
+"""Where the wires really are. Only tests, reports and scores may ask."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from remodel_sim.core.geometry import Array
+from remodel_sim.core.panel import End
+from remodel_sim.physics.clamps import Clamp
+from remodel_sim.physics.plant import Plant
+
+# A tip that is so near to the bottom sits at it.
+BOTTOM_M = 0.0025
+
+
+@dataclass(frozen=True)
+class EndTruth:
+    """One end of a wire.
+
+    Attributes:
+        at: "component/terminal" whose bore holds it; empty: none.
+        depth: of the tip in that bore [m].
+        fixed: whether that clamp is closed on it.
+        seated: whether it sits at the bottom of its own terminal.
+    """
+
+    at: str
+    depth: float
+    fixed: bool
+    seated: bool
+
+
+@dataclass(frozen=True)
+class WireTruth:
+    """A wire that was fed."""
+
+    wire_id: str
+    a: EndTruth
+    b: EndTruth
+
+    @property
+    def placed(self) -> bool:
+        """Whether both ends sit at the bottom of their own terminals, held by closed clamps."""
+        return all(end.seated and end.fixed for end in (self.a, self.b))
+
+
+def ground_truth(plant: Plant, wire_ids: list[str]) -> list[WireTruth]:
+    """Return the truth about these wires, each of them live or parked."""
+    truths = []
+    for wire_id in wire_ids:
+        if plant.live is not None and plant.live.wire.id == wire_id:
+            nodes, clamps = plant.live.cable.nodes(), plant.live.clamps
+        elif wire_id in plant.parked:
+            parked = plant.parked[wire_id]
+            nodes, clamps = parked.nodes, parked.clamps
+        else:
+            continue
+        a = _end_truth(plant, wire_id, End.A, nodes[0], clamps.get(End.A))
+        b = _end_truth(plant, wire_id, End.B, nodes[-1], clamps.get(End.B))
+        truths.append(WireTruth(wire_id, a, b))
+    return truths
+
+
+def _end_truth(plant: Plant, wire_id: str, end: End, tip: Array, clamp: Clamp | None) -> EndTruth:
+    own = plant.panel.wire(wire_id).goes_to(end)
+    for component in plant.panel.components:
+        for terminal in component.terminals:
+            socket = plant.world_from_socket(component.id, terminal.id)
+            depth, *aside = socket.inverse().apply(tip)
+            if 0 < depth <= terminal.depth + BOTTOM_M and np.abs(aside).max() < terminal.bore / 2:
+                at_bottom = depth >= terminal.depth - BOTTOM_M
+                seated = at_bottom and (component.id, terminal.id) == own
+                fixed = clamp is not None and clamp.holds
+                return EndTruth(f"{component.id}/{terminal.id}", float(depth), fixed, bool(seated))
+    return EndTruth("", 0.0, False, False)

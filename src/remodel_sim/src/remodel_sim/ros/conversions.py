@@ -1,0 +1,156 @@
+"""Between the cell's values and ROS messages.
+
+Every error of a message's content is found here or in core.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import rospy
+import yaml
+from genpy.message import fill_message_args
+from geometry_msgs.msg import Point, PoseStamped, Quaternion
+from sensor_msgs.msg import CameraInfo, Image
+
+from remodel_msgs.msg import CableObservation
+from remodel_msgs.msg import Panel as PanelMsg
+from remodel_msgs.msg import WireTruth as WireTruthMsg
+from remodel_sim.abilities.detect_cable import CableDetected
+from remodel_sim.core.arm import ToolPose
+from remodel_sim.core.camera import View
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.core.panel import Channel, Component, Panel, Terminal, Wire
+from remodel_sim.physics.truth import WireTruth
+
+WORLD = "world"
+
+
+def read_panel(path: Path) -> Panel:
+    """Read a panel from a YAML file, in the text form of remodel_msgs/Panel itself.
+
+    Raises:
+        OSError, yaml.YAMLError, genpy.MessageException: when the file is no such text.
+    """
+    message = PanelMsg()
+    fill_message_args(message, [yaml.safe_load(path.read_text())])
+    return panel_from(message)
+
+
+def panel_from(message: PanelMsg) -> Panel:
+    """Return the panel of a message."""
+    return Panel(
+        message.name,
+        (message.size.x, message.size.y, message.size.z),
+        tuple(_component_from(c) for c in message.components),
+        tuple(Channel(c.id, c.x, c.width, c.y_min, c.y_max) for c in message.channels),
+        tuple(
+            Wire(*(getattr(w, name) for name in Wire.__dataclass_fields__)) for w in message.wires
+        ),
+    )
+
+
+def _component_from(message: object) -> Component:
+    pose, size = message.pose, message.size
+    terminals = tuple(
+        Terminal(
+            t.id,
+            (t.mouth.x, t.mouth.y, t.mouth.z),
+            t.insertion_yaw,
+            t.bore,
+            t.depth,
+            t.chamfer,
+            t.retention_force,
+        )
+        for t in message.terminals
+    )
+    return Component(
+        message.id,
+        message.kind,
+        message.marker_id,
+        message.marker_size,
+        (pose.x, pose.y, pose.theta),
+        (size.x, size.y, size.z),
+        terminals,
+    )
+
+
+def pose_from(name: str, message: PoseStamped) -> Pose:
+    """Return the pose of a stamped message; an empty frame counts as the world's."""
+    if message.header.frame_id.lstrip("/") not in ("", WORLD):
+        raise AbilityError(
+            Code.INVALID_GOAL,
+            f"{name} is given in frame {message.header.frame_id!r}; allowed: {WORLD!r}",
+        )
+    p, q = message.pose.position, message.pose.orientation
+    return Pose(np.array([p.x, p.y, p.z]), np.array([q.x, q.y, q.z, q.w]))
+
+
+def pose_stamped(pose: Pose) -> PoseStamped:
+    """Return a pose as a message in the world frame."""
+    message = PoseStamped()
+    message.header.frame_id = WORLD
+    message.header.stamp = rospy.Time.now()
+    message.pose.position = Point(*(float(v) for v in pose.position))
+    message.pose.orientation = Quaternion(*(float(v) for v in pose.quaternion))
+    return message
+
+
+def observation(detected: CableDetected, cable_id: str) -> CableObservation:
+    """Return what DetectCable saw as a message."""
+    tips = [pose_stamped(Pose.level(*(float(v) for v in t.tip), t.out_yaw)) for t in detected.tips]
+    return CableObservation(
+        cable_id,
+        [Point(*(float(v) for v in point)) for point in detected.centreline],
+        tips,
+        detected.length,
+        detected.confidence,
+        detected.truncated,
+    )
+
+
+def result_value(value: object) -> object:
+    """Return a value of an ability's result as its message field."""
+    if isinstance(value, Pose):
+        return pose_stamped(value)
+    if isinstance(value, ToolPose):
+        return pose_stamped(Pose.level(value.x, value.y, value.z, value.yaw))
+    return value
+
+
+def truth_message(truth: WireTruth) -> WireTruthMsg:
+    """Return the truth about a wire as a message."""
+    a, b = truth.a, truth.b
+    return WireTruthMsg(truth.wire_id, truth.placed, a.at, b.at, a.depth, b.depth, a.fixed, b.fixed)
+
+
+def image(rgb: np.ndarray, frame_id: str, stamp: rospy.Time) -> Image:
+    """Return a colour picture (height, width, 3) uint8 as a message."""
+    message = Image()
+    message.header.frame_id, message.header.stamp = frame_id, stamp
+    message.height, message.width = rgb.shape[:2]
+    message.encoding, message.step = "rgb8", 3 * rgb.shape[1]
+    message.data = np.ascontiguousarray(rgb).tobytes()
+    return message
+
+
+def camera_info(view: View, frame_id: str, stamp: rospy.Time) -> CameraInfo:
+    """Return a camera's intrinsics as a message."""
+    lens = view.lens
+    f, (cx, cy) = lens.focal_px, lens.centre_px
+    message = CameraInfo()
+    message.header.frame_id, message.header.stamp = frame_id, stamp
+    message.width, message.height = lens.width, lens.height
+    message.distortion_model, message.D = "plumb_bob", [0.0] * 5
+    message.K = [f, 0, cx, 0, f, cy, 0, 0, 1]
+    message.R = [1, 0, 0, 0, 1, 0, 0, 0, 1]
+    message.P = [f, 0, cx, 0, 0, f, cy, 0, 0, 0, 1, 0]
+    return message
+
+
+def transform_values(pose: Pose) -> tuple[Array, Array]:
+    """Return translation and quaternion of a pose."""
+    return pose.position, pose.quaternion

@@ -1,0 +1,112 @@
+"""The one thread that owns the plant.
+
+It runs the ability, answers requests between its ticks, and keeps time.
+
+PyBullet is not thread-safe, and it holds Python's lock while it steps or renders. So rospy's
+threads only leave
+requests here. While an ability runs, simulated time runs as fast as the machine allows. Between
+goals the settled
+scene is frozen: time goes on at the wall's pace and nothing is stepped, so that results depend on
+the seed and the
+goals alone, not on how long a client thinks.
+"""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Callable
+from typing import Generic, TypeVar
+
+import rospy
+
+from remodel_sim.abilities.runner import advance
+from remodel_sim.cell import Cell
+from remodel_sim.core.errors import CellError
+from remodel_sim.ros.job import Job
+from remodel_sim.ros.sim_clock import SimClock
+
+T = TypeVar("T")
+
+# The idle loop looks for shutdown and tells the time this often [s of wall time].
+IDLE_S = 0.01
+
+
+class Owner:
+    """Runs the cell. `spin` must be called by the thread that built the cell."""
+
+    def __init__(self, cell: Cell, clock: SimClock, publish_state: Callable[[], None]) -> None:
+        """Take a cell over; `publish_state` is called after every tick."""
+        self.cell = cell
+        self.clock = clock
+        self.job: Job | None = None
+        self._publish_state = publish_state
+        self._requests: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+
+    def post(self, action: Callable[[], None]) -> None:
+        """Have an action done between two ticks; from any thread, returns at once."""
+        self._requests.put(action)
+
+    def ask(self, question: Callable[[], T], timeout_s: float) -> T:
+        """Have a question answered between two ticks; from any thread but the owner's.
+
+        Raises:
+            CellError: when there is no answer in time, or what the question itself raises.
+        """
+        answer: _Answer[T] = _Answer(question)
+        self.post(answer.find)
+        return answer.wait(timeout_s)
+
+    def spin(self) -> None:
+        """Run until ROS shuts down."""
+        while not rospy.is_shutdown():
+            self._serve()
+            if self.job is None:
+                self.clock.follow_wall()
+            else:
+                self._tick(self.job)
+            self._publish_state()
+        if self.job is not None:
+            self.job.stop()
+
+    def _serve(self) -> None:
+        try:
+            wait = IDLE_S if self.job is None else None
+            action = self._requests.get(block=wait is not None, timeout=wait)
+            while True:
+                action()
+                action = self._requests.get_nowait()
+        except queue.Empty:
+            return
+
+    def _tick(self, job: Job) -> None:
+        if job.step(self.clock.now_s):
+            self.job = None
+            self.clock.advance(self.cell.settle())
+            return
+        advance(self.cell.plant, self.cell.station)
+        self.clock.advance(self.cell.station.tick_s)
+
+
+class _Answer(Generic[T]):
+    """A question on its way to the owner and back."""
+
+    def __init__(self, question: Callable[[], T]) -> None:
+        self._question = question
+        self._done = threading.Event()
+        self._value: T | None = None
+        self._error: Exception | None = None
+
+    def find(self) -> None:
+        try:
+            self._value = self._question()
+        except Exception as error:  # noqa: BLE001 - raised again in the thread that asked
+            self._error = error
+        self._done.set()
+
+    def wait(self, timeout_s: float) -> T:
+        if not self._done.wait(timeout_s):
+            raise CellError(f"the cell did not answer within {timeout_s:.0f} s; look at its log")
+        if self._error is not None:
+            raise self._error
+        return self._value  # type: ignore[return-value]

@@ -1,0 +1,123 @@
+"""The cell's services: the feeder, the panel, pictures, faults and, for scoring only, the truth."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import rospy
+from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
+
+from remodel_msgs import srv
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError, CellError
+from remodel_sim.physics.truth import ground_truth
+from remodel_sim.ros.conversions import image, panel_from, truth_message
+from remodel_sim.ros.owner import Owner
+
+# The longest request is building a large panel.
+TIMEOUT_S = 60.0
+CAMERAS = ("overhead", "wrist", "scene")
+MAX_SHIFT_M = 0.1
+
+
+class Services:
+    """Answers the cell's services, each in the owner's thread between two ticks."""
+
+    def __init__(self, owner: Owner) -> None:
+        """Advertise all of them."""
+        self._owner = owner
+        for name, kind, answer in (
+            ("feed_wire", srv.FeedWire, self._feed_wire),
+            ("load_panel", srv.LoadPanel, self._load_panel),
+            ("ground_truth", srv.GetGroundTruth, self._ground_truth),
+            ("inject_fault", srv.InjectFault, self._inject_fault),
+            ("take_picture", srv.TakePicture, self._take_picture),
+            ("reset", Trigger, self._reset),
+        ):
+            rospy.Service(f"cell/{name}", kind, answer)
+
+    def _feed_wire(self, request: srv.FeedWireRequest) -> srv.FeedWireResponse:
+        def feed() -> None:
+            self._require_idle()
+            self._owner.cell.feed(request.wire_id, request.channel_id)
+
+        try:
+            self._owner.ask(feed, TIMEOUT_S)
+        except AbilityError as error:
+            return srv.FeedWireResponse(False, str(error), int(error.code))
+        except CellError as error:
+            return srv.FeedWireResponse(False, str(error), int(Code.INTERNAL))
+        return srv.FeedWireResponse(True, f"{request.wire_id} lies in {request.channel_id}", 0)
+
+    def _load_panel(self, request: srv.LoadPanelRequest) -> srv.LoadPanelResponse:
+        def load() -> None:
+            self._require_idle()
+            self._owner.cell.load(panel_from(request.panel))
+
+        return srv.LoadPanelResponse(*self._done(load, f"panel {request.panel.name!r} built"))
+
+    def _reset(self, _: TriggerRequest) -> TriggerResponse:
+        def reset() -> None:
+            self._require_idle()
+            self._owner.cell.reset()
+
+        return TriggerResponse(*self._done(reset, "the same panel anew, no wire on it"))
+
+    def _inject_fault(self, request: srv.InjectFaultRequest) -> srv.InjectFaultResponse:
+        text = f"{request.kind} {request.target!r}"
+        return srv.InjectFaultResponse(*self._done(lambda: self._fault(request), text))
+
+    def _fault(self, request: srv.InjectFaultRequest) -> None:
+        plant, values = self._owner.cell.plant, tuple(request.values)
+        if request.kind == "component_moved":
+            if len(values) != 3 or not all(math.isfinite(v) for v in values):
+                raise CellError(
+                    f"values are {values}; component_moved needs dx [m], dy [m], dyaw [rad]"
+                )
+            if max(abs(v) for v in values[:2]) > MAX_SHIFT_M:
+                raise CellError(f"dx, dy are {values[:2]} m; allowed: up to {MAX_SHIFT_M} m")
+            plant.move_component(request.target, *values)
+            return
+        faults: dict[str, Callable[[str, str], None]] = {
+            "socket_blocked": plant.block_socket,
+            "socket_cleared": plant.clear_socket,
+        }
+        if request.kind not in faults:
+            known = ", ".join(["component_moved", *faults])
+            raise CellError(f"no fault {request.kind!r}; there are: {known}")
+        component, slash, terminal = request.target.partition("/")
+        if not slash:
+            raise CellError(f"target is {request.target!r}; it must be 'component/terminal'")
+        faults[request.kind](component, terminal)
+
+    def _ground_truth(self, _: srv.GetGroundTruthRequest) -> srv.GetGroundTruthResponse:
+        cell = self._owner.cell
+        truths = self._owner.ask(lambda: ground_truth(cell.plant, cell.station.book.fed), TIMEOUT_S)
+        return srv.GetGroundTruthResponse([truth_message(truth) for truth in truths])
+
+    def _take_picture(self, request: srv.TakePictureRequest) -> srv.TakePictureResponse:
+        response = srv.TakePictureResponse()
+        if request.camera not in CAMERAS:
+            response.message = f"no camera {request.camera!r}; there are: {', '.join(CAMERAS)}"
+            return response
+
+        def take() -> None:
+            picture = self._owner.cell.plant.photograph(request.camera)
+            response.image = image(picture.rgb, request.camera, self._owner.clock.now)
+
+        response.success, response.message = self._done(take, f"picture of {request.camera}")
+        return response
+
+    def _done(self, action: Callable[[], None], text: str) -> tuple[bool, str]:
+        try:
+            self._owner.ask(action, TIMEOUT_S)
+        except CellError as error:
+            return False, str(error)
+        return True, text
+
+    def _require_idle(self) -> None:
+        if self._owner.job is not None:
+            raise AbilityError(
+                Code.BUSY, f"the robot is doing {self._owner.job}; wait for it or cancel it"
+            )

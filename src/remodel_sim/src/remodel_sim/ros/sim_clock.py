@@ -1,0 +1,53 @@
+"""Simulated time, published on /clock."""
+
+from __future__ import annotations
+
+import time
+
+import rospy
+from rosgraph_msgs.msg import Clock
+
+# How often the clock is told [s of simulated time].
+PERIOD_S = 0.01
+# A pause of the process, as for a render, is not made up for by more than this at once [s].
+MAX_CATCH_UP_S = 0.1
+
+
+class SimClock:
+    """Time that the cell makes.
+
+    As fast as it can while an ability runs, at the pace of the wall between goals.
+    """
+
+    def __init__(self) -> None:
+        """Start at one second: zero means "no time yet" in ROS."""
+        self.now_s = 1.0
+        self._published_s = 0.0
+        self._wall = time.monotonic()
+        self._publisher = rospy.Publisher("/clock", Clock, queue_size=10)
+        self._publish()
+
+    @property
+    def now(self) -> rospy.Time:
+        """The simulated time."""
+        return rospy.Time.from_sec(self.now_s)
+
+    def advance(self, seconds: float) -> None:
+        """Let simulated time pass."""
+        self._wall = time.monotonic()
+        self._move(seconds)
+
+    def follow_wall(self) -> None:
+        """Let as much simulated time pass as wall time has passed."""
+        wall = time.monotonic()
+        self._move(min(wall - self._wall, MAX_CATCH_UP_S))
+        self._wall = wall
+
+    def _move(self, seconds: float) -> None:
+        self.now_s += seconds
+        if self.now_s - self._published_s >= PERIOD_S:
+            self._publish()
+
+    def _publish(self) -> None:
+        self._published_s = self.now_s
+        self._publisher.publish(Clock(self.now))

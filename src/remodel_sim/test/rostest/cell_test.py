@@ -1,0 +1,186 @@
+#!/usr/bin/env python3
+"""The running cell as its clients meet it: one launch, the default panel, wire W1 fed."""
+
+import time
+import unittest
+
+import actionlib
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+from geometry_msgs.msg import PoseStamped
+from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger
+
+from remodel_msgs import msg, srv
+from remodel_msgs.msg import ErrorCode
+
+WALL_LIMIT_S = 60.0
+STOP_LIMIT_S = 0.2
+STANDSTILL_RAD_S = 0.01
+
+
+def wait_until(condition, limit_s=WALL_LIMIT_S):
+    """Wait for a condition by the wall's clock; returns whether it came true."""
+    end = time.monotonic() + limit_s
+    while not condition():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.005)
+    return True
+
+
+class Client:
+    """Sends goals to one ability and waits by the wall's clock."""
+
+    def __init__(self, name):
+        self.name = name
+        self.client = actionlib.SimpleActionClient(
+            f"remodel_abilities/{name.lower()}", getattr(msg, f"{name}Action")
+        )
+        self.feedback = []
+
+    def send(self, **fields):
+        goal = getattr(msg, f"{self.name}Goal")(id=f"test-{self.name}", timeout=120.0)
+        for key, value in fields.items():
+            setattr(goal, key, value)
+        self.feedback = []
+        self.client.send_goal(goal, feedback_cb=self.feedback.append)
+
+    def ended(self):
+        return self.client.get_state() not in (GoalStatus.PENDING, GoalStatus.ACTIVE)
+
+    def wait(self):
+        assert wait_until(self.ended), f"{self.name} did not end"
+        return self.client.get_result()
+
+    def do(self, **fields):
+        self.send(**fields)
+        return self.wait()
+
+
+class CellTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        names = "LocateGearboxComponent InsertCable FixCable ExtractCable DetectCable PickCable"
+        cls.on = {name: Client(name) for name in names.split()}
+        for client in cls.on.values():
+            assert wait_until(lambda c=client: c.client.wait_for_server(rospy.Duration(0.1)))
+        cls.speed = float("inf")
+        rospy.Subscriber("/joint_states", JointState, cls.note_speed)
+
+    @classmethod
+    def note_speed(cls, message):
+        cls.speed = max(abs(v) for v in message.velocity[:7])
+
+    def setUp(self):
+        self.call("reset", Trigger)
+        self.call("feed_wire", srv.FeedWire, "W1", "A")
+
+    def call(self, name, kind, *args):
+        rospy.wait_for_service(f"cell/{name}", 10)
+        response = rospy.ServiceProxy(f"cell/{name}", kind)(*args)
+        if hasattr(response, "success"):
+            self.assertTrue(response.success, getattr(response, "message", ""))
+        return response
+
+    def locate(self, component="X1", terminal="1"):
+        result = self.on["LocateGearboxComponent"].do(component_id=component, terminal_id=terminal)
+        self.assertTrue(result.success, result.error_message)
+        return result.socket_pose
+
+    def insertion(self, socket):
+        return dict(
+            robot_name="robot_1",
+            cable_id="W1",
+            cable_end="a",
+            component_id="X1",
+            terminal_id="1",
+            socket_pose=socket,
+            force_limit=8.0,
+        )
+
+    def at_terminal(self):
+        return dict(robot_name="robot_1", cable_id="W1", component_id="X1", terminal_id="1")
+
+    def test_goals_that_cannot_be_done_are_rejected_with_the_reason(self):
+        insert, socket = self.on["InsertCable"], PoseStamped()
+        socket.pose.position.x = float("nan")
+        cases = [
+            ("InsertCable", self.insertion(socket), ErrorCode.INVALID_GOAL, "not finite"),
+            ("LocateGearboxComponent", {"component_id": "Q9"}, ErrorCode.UNKNOWN_NAME, "X1, "),
+            ("DetectCable", {"cable_id": "W1", "timeout": -1.0}, ErrorCode.INVALID_GOAL, "timeout"),
+            ("DetectCable", {"cable_id": "W2"}, ErrorCode.WIRE_NOT_FED, "W1"),
+            ("FixCable", self.at_terminal(), ErrorCode.NOTHING_HELD, "pick"),
+        ]
+        for name, fields, code, words in cases:
+            result = self.on[name].do(**fields)
+            with self.subTest(name=name, code=code):
+                self.assertEqual(self.on[name].client.get_state(), GoalStatus.REJECTED)
+                self.assertEqual(result.error_code, code)
+                self.assertIn(words, result.error_message)
+                self.assertEqual(result.id, f"test-{name}")
+        self.assertEqual(
+            insert.client.get_goal_status_text(), "socket_pose: position is not finite"
+        )
+
+    def test_a_second_goal_is_rejected_while_one_runs(self):
+        self.on["LocateGearboxComponent"].send(component_id="X1", terminal_id="1")
+        self.assertTrue(wait_until(lambda: self.on["LocateGearboxComponent"].feedback))
+        result = self.on["DetectCable"].do(cable_id="W1")
+        self.assertEqual(result.error_code, ErrorCode.BUSY)
+        self.assertIn("test-LocateGearboxComponent", result.error_message)
+        self.assertTrue(self.on["LocateGearboxComponent"].wait().success)
+
+    def test_a_wire_end_is_located_inserted_and_fixed(self):
+        seen = self.on["DetectCable"].do(cable_id="W1").observation
+        self.assertEqual(len(seen.tips), 2)
+        inserted = self.on["InsertCable"].do(**self.insertion(self.locate()))
+        self.assertTrue(inserted.success, inserted.error_message)
+        self.assertGreater(inserted.elapsed_time, 1.0)
+        shares = [f.completed_percentage for f in self.on["InsertCable"].feedback]
+        self.assertEqual(shares, sorted(shares))
+        self.assertEqual(shares[-1], 100.0)
+        fixed = self.on["FixCable"].do(**self.at_terminal(), pull_test_force=10.0)
+        self.assertTrue(fixed.success, fixed.error_message)
+        truth = self.call("ground_truth", srv.GetGroundTruth).wires[0]
+        self.assertEqual((truth.a_at, truth.a_fixed, truth.placed), ("X1/1", True, False))
+
+    def test_cancel_stops_the_arm_within_a_fifth_of_a_second(self):
+        insert = self.on["InsertCable"]
+        insert.send(**self.insertion(self.locate()))
+        self.assertTrue(
+            wait_until(lambda: any("carrying" in f.message for f in insert.feedback)), "not carried"
+        )
+        cancelled = time.monotonic()
+        insert.client.cancel_goal()
+        self.assertTrue(wait_until(lambda: self.speed < STANDSTILL_RAD_S, 1.0))
+        took = time.monotonic() - cancelled
+        self.assertLess(took, STOP_LIMIT_S)
+        self.assertEqual(insert.wait().error_code, ErrorCode.PREEMPTED)
+        self.assertEqual(insert.client.get_state(), GoalStatus.PREEMPTED)
+        again = self.on["PickCable"].do(robot_name="robot_1", cable_id="W1", cable_end="a")
+        self.assertEqual(again.error_code, ErrorCode.OTHER_CABLE_HELD, "the wire stays held")
+
+    def test_a_moved_component_fails_the_insertion_and_recovery_succeeds(self):
+        socket = self.locate()
+        self.call("inject_fault", srv.InjectFault, "component_moved", "X1", [0.0, 0.006, 0.0])
+        failed = self.on["InsertCable"].do(**self.insertion(socket))
+        self.assertEqual(failed.error_code, ErrorCode.INSERTION_MISALIGNED, failed.error_message)
+        out = self.on["ExtractCable"].do(**self.at_terminal(), socket_pose=socket)
+        self.assertTrue(out.success, out.error_message)
+        inserted = self.on["InsertCable"].do(**self.insertion(self.locate()))
+        self.assertTrue(inserted.success, inserted.error_message)
+
+    def test_a_goal_obeys_its_timeout(self):
+        result = self.on["DetectCable"].do(cable_id="W1", timeout=0.1)
+        if not result.success:
+            self.assertEqual(result.error_code, ErrorCode.TIMEOUT)
+        located = self.on["LocateGearboxComponent"].do(component_id="X2", timeout=0.5)
+        self.assertEqual(located.error_code, ErrorCode.TIMEOUT)
+        self.assertEqual(self.on["LocateGearboxComponent"].client.get_state(), GoalStatus.ABORTED)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_cell")
+    rostest.rosrun("remodel_sim", "test_cell", CellTest)

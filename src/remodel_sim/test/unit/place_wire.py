@@ -1,0 +1,89 @@
+"""Place a whole wire as a supervisor would, without ROS."""
+
+import math
+
+from remodel_sim.abilities.detect_cable import detect_cable
+from remodel_sim.abilities.extract_cable import extract_cable
+from remodel_sim.abilities.fix_cable import fix_cable
+from remodel_sim.abilities.insert_cable import insert_cable
+from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
+from remodel_sim.abilities.pick_cable import pick_cable
+from remodel_sim.abilities.route_wire import route_wire
+from remodel_sim.core import goals
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Pose
+from remodel_sim.core.layout import WORLD_FROM_PANEL
+from remodel_sim.core.panel import End
+
+ROBOT = goals.ROBOT
+
+
+def do(cell, ability, goal):
+    """Check a goal and run it."""
+    goal.check(cell.station.panel, cell.station.book)
+    return cell.run(ability(cell.station, goal))
+
+
+def locate(cell, component, terminal):
+    return do(cell, locate_gearbox_component, goals.LocateGoal(component, terminal)).socket_pose
+
+
+def insert(cell, wire, end, component, terminal, socket, force=8.0):
+    goal = goals.InsertGoal(ROBOT, wire, end, component, terminal, socket, force)
+    return do(cell, insert_cable, goal)
+
+
+def fix(cell, wire, component, terminal, pull=10.0):
+    return do(cell, fix_cable, goals.FixGoal(ROBOT, wire, component, terminal, pull))
+
+
+def extract(cell, wire, component, terminal, socket):
+    return do(cell, extract_cable, goals.ExtractGoal(ROBOT, wire, component, terminal, socket))
+
+
+def carry(cell, wire, channel):
+    """Pick end b and route it along the channel to beside its terminal."""
+    do(cell, pick_cable, goals.PickGoal(ROBOT, wire, End.B, 0.0))
+    station = cell.station
+    tool, direction = station.tool, station.book.feed.direction
+    x = float(WORLD_FROM_PANEL.position[0]) + station.panel.channel(channel).x
+    target = station.panel.wire(wire).goes_to(End.B)
+    y = float((WORLD_FROM_PANEL @ station.panel.panel_from_socket(*target)).position[1])
+    along = direction * math.pi / 2
+    path = (
+        Pose.level(tool.x, tool.y, 0.04, tool.yaw + station.book.grip.flip),
+        Pose.level(x, y + 0.03 * direction, 0.04, along),
+    )
+    do(cell, route_wire, goals.RouteGoal(ROBOT, wire, path))
+
+
+def connect(cell, wire, end, attempts=3):
+    """The Place Connector behavior: locate, insert, fix; on a failure extract and try again.
+
+    Returns the codes of the failures met; raises the last one when attempts run out.
+    """
+    component, terminal = cell.station.panel.wire(wire).goes_to(end)
+    failures = []
+    for attempt in range(attempts):
+        socket = WORLD_FROM_PANEL @ cell.station.panel.panel_from_socket(component, terminal)
+        try:
+            socket = locate(cell, component, terminal)
+            insert(cell, wire, end, component, terminal, socket)
+            fix(cell, wire, component, terminal)
+        except AbilityError as error:
+            failures.append(error.code)
+            if attempt + 1 == attempts:
+                raise
+            extract(cell, wire, component, terminal, socket)
+        else:
+            break
+    return failures
+
+
+def place(cell, wire, channel="A"):
+    """Feed and place a whole wire; returns the codes of the failures that were recovered."""
+    cell.feed(wire, channel)
+    do(cell, detect_cable, goals.DetectGoal(wire))
+    failures = connect(cell, wire, End.A)
+    carry(cell, wire, channel)
+    return failures + connect(cell, wire, End.B)

@@ -1,0 +1,59 @@
+import math
+
+import numpy as np
+import pytest
+from remodel_sim.core.arm import (
+    LOWER_RAD,
+    UPPER_LIMIT_RAD,
+    ToolPose,
+    canonical_yaw,
+    joints_for,
+    tool_of,
+)
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.physics.robot import Robot
+from remodel_sim.physics.world import World
+
+
+def test_joints_bring_the_tool_where_it_was_asked():
+    random = np.random.default_rng(0)
+    for _ in range(200):
+        asked = ToolPose(
+            random.uniform(0.35, 0.66),
+            random.uniform(-0.3, 0.3),
+            random.uniform(0.0, 0.2),
+            random.uniform(-1.2, 2.5),
+        )
+        joints = joints_for(asked)
+        found = tool_of(joints)
+        np.testing.assert_allclose(found.position, asked.position, atol=1e-9)
+        assert math.isclose(math.cos(found.yaw - asked.yaw), 1.0)
+        assert np.all(joints >= LOWER_RAD) and np.all(joints <= UPPER_LIMIT_RAD)
+
+
+def test_the_closed_form_agrees_with_the_physics_engine():
+    world = World(240)
+    asked = ToolPose(0.52, -0.17, 0.05, 1.1)
+    hand = Robot(world, asked).world_from_hand
+    tool = hand.apply(np.array([0.0, 0.0, 0.129]))
+    np.testing.assert_allclose(tool, asked.position, atol=1e-6)
+    assert math.isclose(hand.yaw, asked.yaw, abs_tol=1e-6)
+    np.testing.assert_allclose(hand.rotation[:, 2], [0, 0, -1], atol=1e-6)
+    world.close()
+
+
+@pytest.mark.parametrize(
+    "tool", [ToolPose(1.2, 0, 0.1, 0), ToolPose(0.5, 0, 0.1, math.radians(-135))]
+)
+def test_what_the_arm_does_not_reach_is_said(tool):
+    with pytest.raises(AbilityError, match="no arm posture reaches") as caught:
+        joints_for(tool)
+    assert caught.value.code is Code.UNREACHABLE
+
+
+def test_canonical_yaws_differ_by_the_turn_that_joint_7_makes():
+    first = canonical_yaw(0.5, 0.0, math.radians(-100))
+    second = canonical_yaw(0.5, 0.0, math.radians(200))
+    assert math.isclose(math.degrees(second - first), 300.0)
+    assert canonical_yaw(0.5, 0.0, math.radians(-140)) is None

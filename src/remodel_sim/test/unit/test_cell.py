@@ -1,0 +1,163 @@
+"""Whole abilities by physics, without ROS."""
+
+import hashlib
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import place_wire as do
+import pytest
+from panels import panel
+from remodel_sim.cell import Cell
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Pose
+from remodel_sim.core.panel import End
+from remodel_sim.physics.truth import ground_truth
+
+FINGERPRINT = """
+import sys
+sys.path[:0] = {paths!r}
+from test_cell import fingerprint
+print(fingerprint())
+"""
+
+
+def fingerprint():
+    """Locate, pick and insert an end; return a hash of every joint and node."""
+    made = Cell(panel(), seed=7)
+    made.feed("W1", "A")
+    do.insert(made, "W1", End.A, "X1", "1", do.locate(made, "X1", "1"))
+    state = made.plant.live.cable.nodes().tobytes() + made.plant.robot.joints.tobytes()
+    made.close()
+    return hashlib.sha256(state).hexdigest()
+
+
+def test_the_same_seed_and_goals_give_the_same_bits_in_two_processes():
+    script = FINGERPRINT.format(paths=[p for p in sys.path if p] + [str(Path(__file__).parent)])
+    runs = [
+        subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+        for _ in range(2)
+    ]
+    first, second = (run.stdout.strip().splitlines()[-1] for run in runs)
+    assert len(first) == 64
+    assert first == second
+
+
+def test_a_whole_wire_is_placed_by_physics(cell):
+    do.place(cell, "W1")
+    (truth,) = ground_truth(cell.plant, ["W1"])
+    assert truth.placed
+    assert (truth.a.at, truth.b.at) == ("X1/1", "X2/1")
+    assert cell.plant.live is None, "a placed wire is parked"
+
+
+def test_six_millimetres_beside_the_mouth_is_refused(cell):
+    cell.feed("W1", "A")
+    socket = do.locate(cell, "X1", "1")
+    beside = Pose(socket.position + np.array([0.0, 0.006, 0.0]), socket.quaternion)
+    with pytest.raises(AbilityError) as caught:
+        do.insert(cell, "W1", End.A, "X1", "1", beside)
+    assert caught.value.code is Code.INSERTION_MISALIGNED
+    assert caught.value.readings["depth"] < 0.003
+    assert caught.value.readings["peak_force"] >= 8.0
+    do.extract(cell, "W1", "X1", "1", beside)
+    assert cell.station.book.grip is None
+    do.insert(cell, "W1", End.A, "X1", "1", do.locate(cell, "X1", "1"))
+
+
+def test_a_blocked_socket_jams_and_yields_when_cleared(cell):
+    cell.feed("W1", "A")
+    cell.plant.block_socket("X1", "1")
+    socket = do.locate(cell, "X1", "1")
+    with pytest.raises(AbilityError) as caught:
+        do.insert(cell, "W1", End.A, "X1", "1", socket)
+    assert caught.value.code is Code.INSERTION_JAMMED
+    do.extract(cell, "W1", "X1", "1", socket)
+    cell.plant.clear_socket("X1", "1")
+    do.insert(cell, "W1", End.A, "X1", "1", socket)
+
+
+def test_a_weak_clamp_lets_the_end_slip_in_the_pull_test():
+    weak = panel()
+    terminals = tuple(
+        type(t)(t.id, t.mouth, t.insertion_yaw, t.bore, t.depth, t.chamfer, 3.0)
+        for t in weak.components[0].terminals
+    )
+    first = weak.components[0]
+    first = type(first)(
+        first.id, first.kind, first.marker_id, first.marker_size, first.pose, first.size, terminals
+    )
+    made = Cell(panel(components=(first, *weak.components[1:])), seed=1)
+    made.feed("W1", "A")
+    do.insert(made, "W1", End.A, "X1", "1", do.locate(made, "X1", "1"))
+    with pytest.raises(AbilityError) as caught:
+        do.fix(made, "W1", "X1", "1", pull=12.0)
+    assert caught.value.code is Code.PULLED_OUT
+    made.close()
+
+
+def test_a_clamp_that_closes_on_nothing_is_not_seated(cell):
+    cell.feed("W1", "A")
+    do.carry(cell, "W1", "A")
+    with pytest.raises(AbilityError) as caught:
+        do.fix(cell, "W1", "X2", "1")
+    assert caught.value.code is Code.NOT_SEATED
+
+
+def test_a_fixed_end_can_be_extracted_and_inserted_again(cell):
+    cell.feed("W1", "A")
+    socket = do.locate(cell, "X1", "1")
+    do.insert(cell, "W1", End.A, "X1", "1", socket)
+    do.fix(cell, "W1", "X1", "1")
+    do.extract(cell, "W1", "X1", "1", socket)
+    (truth,) = ground_truth(cell.plant, ["W1"])
+    assert truth.a.at == ""
+    do.insert(cell, "W1", End.A, "X1", "1", socket)
+
+
+def test_a_stopped_ability_leaves_a_scene_that_the_next_one_can_use(cell):
+    cell.feed("W1", "A")
+    socket = do.locate(cell, "X1", "1")
+    goal = do.goals.InsertGoal(do.ROBOT, "W1", End.A, "X1", "1", socket, 8.0)
+    steps = do.insert_cable(cell.station, goal)
+    while cell.station.progress.message != "pushing":
+        next(steps)
+        for _ in range(cell.station.steps_per_tick):
+            cell.plant.step()
+    for _ in range(10):
+        next(steps)
+    steps.close()
+    assert cell.station.book.grip is not None
+    do.insert(cell, "W1", End.A, "X1", "1", socket)
+
+
+def test_feeding_with_a_wire_in_the_hand_is_refused(cell):
+    cell.feed("W1", "A")
+    do.carry(cell, "W1", "A")
+    with pytest.raises(AbilityError) as caught:
+        cell.feed("W2", "A")
+    assert caught.value.code is Code.OTHER_CABLE_HELD
+
+
+def test_the_grip_holds_as_coulomb_says(cell):
+    """A gripped wire slides when it is pulled with more than both pads' friction, 2 mu F."""
+    cell.feed("W1", "A")
+    do.do(cell, do.pick_cable, do.goals.PickGoal(do.ROBOT, "W1", End.A, 0.0))
+    cable, bullet = cell.plant.live.cable, cell.plant.world.bullet
+    friction = 2 * 0.5 * cell.station.finger_load  # pads 1.0 times insulation 0.5
+    link = cable.ferrule(End.A)
+
+    def slide(force):
+        start = cable.tip(End.A)[0]
+        for _ in range(60):
+            apex, out = cable.tip(End.A)
+            bullet.applyExternalForce(
+                cable.body, link, (force * out).tolist(), apex.tolist(), bullet.WORLD_FRAME
+            )
+            cell.plant.step()
+        return float(np.linalg.norm(cable.tip(End.A)[0] - start))
+
+    assert slide(0.6 * friction) < 0.002
+    assert slide(1.8 * friction) > 0.005

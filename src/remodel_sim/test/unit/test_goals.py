@@ -1,0 +1,132 @@
+import math
+
+import numpy as np
+import pytest
+from panels import panel
+from remodel_sim.core import goals
+from remodel_sim.core.arm import ToolPose
+from remodel_sim.core.book import Book, EndState, Feed, Grip
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Pose
+from remodel_sim.core.layout import WORLD_FROM_PANEL
+from remodel_sim.core.panel import End
+
+SOCKET = WORLD_FROM_PANEL @ panel().panel_from_socket("X1", "1")
+NAN = float("nan")
+
+
+def fed_book():
+    book = Book()
+    book.start_wire(Feed("W1", "A", 1), {})
+    return book
+
+
+def holding(end):
+    book = fed_book()
+    book.grip = Grip(end, 0.045, 0.0, 0.0, ToolPose(0.5, 0, 0.004, 0))
+    return book
+
+
+def insertion(**changes):
+    fields = dict(
+        robot_name="robot_1",
+        cable_id="W1",
+        end=End.A,
+        component_id="X1",
+        terminal_id="1",
+        socket=SOCKET,
+        force_limit=8.0,
+    )
+    return goals.InsertGoal(**{**fields, **changes})
+
+
+def pose_with(position=(0.5, 0.0, 0.03), quaternion=(0.0, 0.0, 0.0, 1.0)):
+    return Pose(np.array(position), np.array(quaternion))
+
+
+@pytest.mark.parametrize(
+    ("make", "code", "words"),
+    [
+        (lambda: insertion(force_limit=NAN), Code.INVALID_GOAL, "force_limit is nan"),
+        (lambda: insertion(force_limit=-1.0), Code.INVALID_GOAL, "allowed: 1 to 25 N"),
+        (lambda: insertion(force_limit=math.inf), Code.INVALID_GOAL, "force_limit is inf"),
+        (lambda: insertion(socket=pose_with((NAN, 0, 0))), Code.INVALID_GOAL, "not finite"),
+        (
+            lambda: insertion(socket=pose_with(quaternion=(0, 0, 0, 0))),
+            Code.INVALID_GOAL,
+            "length is 0",
+        ),
+        (
+            lambda: insertion(socket=pose_with(quaternion=(0, math.sin(0.4), 0, math.cos(0.4)))),
+            Code.INVALID_GOAL,
+            "tilted",
+        ),
+        (lambda: insertion(robot_name="robot_2"), Code.UNKNOWN_NAME, "there is: robot_1"),
+        (lambda: goals.RouteGoal("robot_1", "W1", ()), Code.INVALID_GOAL, "path is empty"),
+        (lambda: goals.PickGoal("robot_1", "W1", End.A, 0.5), Code.INVALID_GOAL, "grasp_distance"),
+        (
+            lambda: goals.FixGoal("robot_1", "W1", "X1", "1", -0.1),
+            Code.INVALID_GOAL,
+            "pull_test_force",
+        ),
+        (lambda: goals.parse_end("c"), Code.INVALID_GOAL, "'a', 'b'"),
+    ],
+)
+def test_a_goal_that_makes_no_sense_is_never_born(make, code, words):
+    with pytest.raises(AbilityError, match=words) as caught:
+        make()
+    assert caught.value.code is code
+
+
+@pytest.mark.parametrize(
+    ("goal", "book", "code", "words"),
+    [
+        (insertion(cable_id="W9"), fed_book(), Code.UNKNOWN_NAME, "there are: W1, W2"),
+        (insertion(cable_id="W2"), fed_book(), Code.WIRE_NOT_FED, "'W1'"),
+        (insertion(), Book(), Code.WIRE_NOT_FED, "has not been fed"),
+        (insertion(component_id="Q"), fed_book(), Code.UNKNOWN_NAME, "X1, X2, X3, X4"),
+        (insertion(terminal_id="9"), fed_book(), Code.UNKNOWN_NAME, "there are: 1, 2"),
+        (insertion(terminal_id="2", component_id="X2"), fed_book(), Code.INVALID_GOAL, "locate"),
+        (insertion(), holding(End.B), Code.OTHER_CABLE_HELD, "end b"),
+        (goals.FixGoal("robot_1", "W1", "X1", "1", 5.0), fed_book(), Code.NOTHING_HELD, "pick"),
+        (
+            goals.RouteGoal("robot_1", "W1", (pose_with((1.5, 0, 0.1)),)),
+            holding(End.A),
+            Code.UNREACHABLE,
+            "no arm posture",
+        ),
+        (
+            goals.PickGoal("robot_1", "W1", End.B, 0.0),
+            holding(End.A),
+            Code.OTHER_CABLE_HELD,
+            "end a",
+        ),
+        (goals.LocateGoal("X9", ""), Book(), Code.UNKNOWN_NAME, "X1"),
+    ],
+)
+def test_a_goal_that_the_cell_cannot_take_is_refused(goal, book, code, words):
+    with pytest.raises(AbilityError, match=words) as caught:
+        goal.check(panel(), book)
+    assert caught.value.code is code
+
+
+def test_an_occupied_terminal_names_its_occupant():
+    book = fed_book()
+    book.occupied["X1", "1"] = ("W7", End.B)
+    with pytest.raises(AbilityError, match="end b of 'W7'") as caught:
+        insertion().check(panel(), book)
+    assert caught.value.code is Code.TERMINAL_OCCUPIED
+
+
+def test_an_end_in_a_terminal_is_extracted_first():
+    book = fed_book()
+    book.ends[End.A] = EndState.FIXED
+    with pytest.raises(AbilityError, match="extract it first"):
+        insertion().check(panel(), book)
+
+
+def test_good_goals_pass():
+    insertion().check(panel(), fed_book())
+    insertion().check(panel(), holding(End.A))
+    goals.LocateGoal("X2", "2").check(panel(), Book())

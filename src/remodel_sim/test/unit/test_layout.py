@@ -1,0 +1,84 @@
+import dataclasses
+import math
+from pathlib import Path
+
+import pytest
+from panels import component, panel, wire
+from remodel_sim.core.errors import PanelError
+from remodel_sim.core.layout import find_problems
+from remodel_sim.physics.plant import Plant
+from remodel_sim.ros.conversions import read_panel
+
+CONFIG = Path(__file__).parents[2] / "config"
+
+
+def test_good_panels_have_no_problem():
+    assert find_problems(panel()) == ()
+    assert find_problems(read_panel(CONFIG / "panel.yaml")) == ()
+
+
+def changed(old, **changes):
+    return dataclasses.replace(old, **changes)
+
+
+def with_terminal(**changes):
+    good = panel()
+    first = good.components[0]
+    terminals = (changed(first.terminals[0], **changes), *first.terminals[1:])
+    return changed(good, components=(changed(first, terminals=terminals), *good.components[1:]))
+
+
+def with_wire(**changes):
+    good = panel()
+    return changed(good, wires=(changed(good.wires[0], **changes), good.wires[1]))
+
+
+@pytest.mark.parametrize(
+    ("broken", "words"),
+    [
+        (panel(size=(2.0, 0.7, 0.003)), "the plate's size in x is 2 m"),
+        (panel(channels=()), "no channel"),
+        (with_terminal(insertion_yaw=1.0), "allowed: 0 or pi"),
+        (with_terminal(mouth=(0.025, -0.009, 0.040)), "height of the mouth"),
+        (with_terminal(mouth=(0.020, -0.009, 0.022)), "the side it opens to"),
+        (with_terminal(bore=float("nan")), "must be a finite number"),
+        (with_terminal(bore=0.0031), "minus diameter"),
+        (with_terminal(depth=0.012), "does not hide"),
+        (with_terminal(mouth=(0.025, 0.007, 0.022)), "mm apart"),
+        (with_wire(colour="XX"), "no IEC 60757 code"),
+        (with_wire(length=0.30), "length between these terminals"),
+        (with_wire(b_component="Q9"), "which does not exist"),
+        (with_wire(b_component="X1", b_terminal="1"), "2 wire ends go to 'X1/1'"),
+        (with_wire(id="W2"), "are called 'W2'"),
+        (panel(components=(*panel().components, component("X5", 1, 0.08, 0.2, -1))), "marker_id 1"),
+        (
+            panel(components=(*panel().components, component("X5", 5, 0.08, 0.13, -1))),
+            "'X2' and 'X5' overlap",
+        ),
+        (
+            panel(components=(*panel().components, component("X5", 5, 0.03, 0.25, -1))),
+            "must open at an edge of a channel",
+        ),
+    ],
+)
+def test_each_broken_rule_is_named(broken, words):
+    assert any(words in problem for problem in find_problems(broken)), find_problems(broken)
+
+
+def test_all_problems_are_reported_at_once_and_nothing_is_built():
+    plant = Plant(panel(), seed=0, rate_hz=240)
+    bodies = plant.world.bullet.getNumBodies()
+    broken = changed(with_wire(colour="XX", length=9.0), size=(2.0, 0.7, 0.003))
+    with pytest.raises(PanelError) as caught:
+        plant.load(broken)
+    assert len(caught.value.problems) == 3
+    assert plant.panel == panel()
+    assert plant.world.bullet.getNumBodies() == bodies
+    plant.close()
+
+
+def test_a_wire_between_neighbours_may_be_short_but_not_too_short():
+    near = (wire("W1", ("X1", "1"), ("X3", "1"), 0.40), panel().wires[1])
+    problems = find_problems(panel(wires=(near[0],)))
+    assert problems == ()
+    assert math.isclose(near[0].length, 0.40)

@@ -1,0 +1,89 @@
+"""Vision on rendered scenes; the truth is only the score."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from panels import panel, wire
+from remodel_sim.cell import Cell
+from remodel_sim.core.book import EndState
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.panel import End
+from remodel_sim.core.vision.labels import find_labels, locate_component
+from remodel_sim.core.vision.tracing import at_distance, trace
+from remodel_sim.core.vision.wire_ends import find_ends, trace_from
+from remodel_sim.core.wire_colours import WIRE_RGB
+
+
+def test_every_label_is_found_from_above_to_half_a_millimetre(cell):
+    random = np.random.default_rng(5)
+    for part in cell.plant.panel.components:
+        cell.plant.move_component(
+            part.id, *random.uniform(-0.006, 0.006, 2), random.uniform(-0.1, 0.1)
+        )
+    picture = cell.plant.look_overhead()
+    labels = find_labels(picture)
+    for part in cell.plant.panel.components:
+        seen = locate_component(part, labels[part.marker_id], picture.view)
+        true = cell.plant.world_from_component(part.id)
+        pose = seen.world_from_component
+        assert np.linalg.norm(pose.position - true.position) < 0.0005
+        assert abs(pose.yaw - true.yaw) < math.radians(1.0)
+        assert seen.residual < 0.0005
+
+
+@pytest.mark.parametrize("colour", WIRE_RGB)
+def test_both_ends_of_a_wire_of_any_colour_are_found(colour):
+    made = Cell(panel(wires=(wire("W1", ("X1", "1"), ("X2", "1"), 0.48, colour=colour),)), seed=3)
+    made.feed("W1", "A")
+    picture = made.plant.look_overhead()
+    ends, likelihood = find_ends(picture, made.station.wire, made.station.book.expected)
+    for end in End:
+        true, out = made.plant.live.cable.tip(end)
+        seen = ends[end].tip
+        assert np.linalg.norm(seen.tip[:2] - true[:2]) < 0.0012
+        assert abs(math.cos(seen.out_yaw) * out[0] + math.sin(seen.out_yaw) * out[1]) > 0.99
+    pixels = trace_from(ends[End.A], picture, likelihood, made.station.wire)
+    line = picture.view.on_plane(pixels, 0.0015)
+    length = np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
+    assert length == pytest.approx(0.48, rel=0.15)
+    made.close()
+
+
+def test_a_wire_that_is_not_there_is_not_found(cell):
+    cell.feed("W1", "A")
+    elsewhere = {End.A: np.array([0.30, -0.30])}
+    ends, _ = find_ends(cell.plant.look_overhead(), cell.station.wire, elsewhere)
+    assert ends == {}
+
+
+def test_two_ends_side_by_side_are_ambiguous(cell):
+    cell.feed("W1", "A")
+    between = {End.A: np.mean([p for p in cell.station.book.expected.values()], axis=0)}
+    picture = cell.plant.look_overhead()
+    close = dataclasses.replace(cell.station.wire)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("remodel_sim.core.vision.wire_ends.SEARCH_M", 0.5)
+        with pytest.raises(AbilityError) as caught:
+            find_ends(picture, close, between)
+    assert caught.value.code is Code.CABLE_AMBIGUOUS
+    assert cell.station.book.ends[End.A] is EndState.LOOSE
+
+
+def test_the_tracer_follows_a_bend_and_goes_straight_over_a_crossing():
+    picture = np.zeros((200, 200), np.float32)
+    angle = np.linspace(0, math.pi / 2, 400)
+    for x, y in np.column_stack([20 + 150 * np.sin(angle), 170 - 150 * (1 - np.cos(angle))]):
+        picture[int(y) - 2 : int(y) + 3, int(x) - 2 : int(x) + 3] = 1
+    picture[:, 98:103] = 1
+    points = trace(picture, np.array([21.0, 170.0]), np.array([1.0, 0.0]), 5.0)
+    assert np.linalg.norm(points[-1] - [170, 20]) < 8
+
+
+def test_a_polyline_goes_on_straight_beyond_its_end():
+    line = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]])
+    point, tangent = at_distance(line, 3.0)
+    np.testing.assert_allclose(point, [1.0, 2.0])
+    np.testing.assert_allclose(tangent, [0.0, 1.0])
