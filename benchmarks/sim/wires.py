@@ -18,6 +18,7 @@ PACKAGE = Path(__file__).parents[2] / "src" / "remodel_sim"
 sys.path.insert(0, str(PACKAGE / "test" / "unit"))  # the tests place wires as a supervisor does
 
 import place_wire  # noqa: E402
+
 from remodel_sim.cell import Cell  # noqa: E402
 from remodel_sim.core.errors import AbilityError  # noqa: E402
 from remodel_sim.core.geometry import Pose  # noqa: E402

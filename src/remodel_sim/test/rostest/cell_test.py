@@ -9,11 +9,10 @@ import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
 from geometry_msgs.msg import PoseStamped
-from sensor_msgs.msg import JointState
-from std_srvs.srv import Trigger
-
 from remodel_msgs import msg, srv
 from remodel_msgs.msg import ErrorCode
+from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger
 
 WALL_LIMIT_S = 60.0
 STOP_LIMIT_S = 0.2

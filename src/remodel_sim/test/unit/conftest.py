@@ -8,6 +8,7 @@ sys.path.insert(
 )  # elastica, panels and place_wire are shared by tests
 
 from panels import panel
+
 from remodel_sim.cell import Cell
 
 

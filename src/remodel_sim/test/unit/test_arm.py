@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+
 from remodel_sim.core.arm import (
     LOWER_RAD,
     UPPER_LIMIT_RAD,

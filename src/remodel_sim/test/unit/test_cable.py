@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from elastica import cantilever_drop
 from panels import wire
+
 from remodel_sim.core.cable import MAX_LINKS, discretise
 from remodel_sim.physics.cable import Cable
 from remodel_sim.physics.world import GRAVITY, World

@@ -3,6 +3,7 @@ import math
 import cv2
 import numpy as np
 import pytest
+
 from remodel_sim.core.camera import Lens, View, looking_at, looking_down
 from remodel_sim.physics.cameras import take
 from remodel_sim.physics.world import World

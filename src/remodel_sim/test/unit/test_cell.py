@@ -9,6 +9,7 @@ import numpy as np
 import place_wire as do
 import pytest
 from panels import panel
+
 from remodel_sim.cell import Cell
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError

@@ -3,6 +3,7 @@ import math
 import numpy as np
 import pytest
 from panels import panel
+
 from remodel_sim.core import goals
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.book import Book, EndState, Feed, Grip

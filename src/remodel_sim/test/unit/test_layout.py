@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from panels import component, panel, wire
+
 from remodel_sim.core.errors import PanelError
 from remodel_sim.core.layout import find_problems
 from remodel_sim.physics.plant import Plant

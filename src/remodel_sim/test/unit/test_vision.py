@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 from panels import panel, wire
+
 from remodel_sim.cell import Cell
 from remodel_sim.core.book import EndState
 from remodel_sim.core.codes import Code

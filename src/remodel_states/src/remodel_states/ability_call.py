@@ -27,11 +27,12 @@ from __future__ import annotations
 
 import rospy
 from actionlib_msgs.msg import GoalStatus
+from genpy import Message
+from remodel_msgs.msg import AbilityRecord, ErrorCode
+
 from flexbe_core import EventState, Logger
 from flexbe_core.core import UserData
 from flexbe_core.proxy import ProxyActionClient, ProxyPublisher
-from genpy import Message
-from remodel_msgs.msg import AbilityRecord, ErrorCode
 
 RECORD_TOPIC = "remodel/ability_records"
 

@@ -1,8 +1,8 @@
 """Find a wire and its loose ends."""
 
-from flexbe_core import EventState
 from remodel_msgs.msg import DetectCableAction, DetectCableGoal
 
+from flexbe_core import EventState
 from remodel_states.ability_call import AbilityCall
 
 

@@ -1,8 +1,8 @@
 """Pull a wire's end out of a terminal."""
 
-from flexbe_core import EventState
 from remodel_msgs.msg import ExtractCableAction, ExtractCableGoal
 
+from flexbe_core import EventState
 from remodel_states.ability_call import AbilityCall
 
 

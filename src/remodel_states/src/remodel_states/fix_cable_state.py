@@ -1,8 +1,8 @@
 """Close a terminal on an inserted end."""
 
-from flexbe_core import EventState
 from remodel_msgs.msg import FixCableAction, FixCableGoal
 
+from flexbe_core import EventState
 from remodel_states.ability_call import AbilityCall
 
 

@@ -1,8 +1,8 @@
 """Push one end of a wire into a terminal."""
 
-from flexbe_core import EventState
 from remodel_msgs.msg import InsertCableAction, InsertCableGoal
 
+from flexbe_core import EventState
 from remodel_states.ability_call import AbilityCall
 
 

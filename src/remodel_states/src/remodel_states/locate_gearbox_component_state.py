@@ -1,8 +1,8 @@
 """Find a component and one of its terminals."""
 
-from flexbe_core import EventState
 from remodel_msgs.msg import LocateGearboxComponentAction, LocateGearboxComponentGoal
 
+from flexbe_core import EventState
 from remodel_states.ability_call import AbilityCall
 
 

@@ -1,8 +1,8 @@
 """Grasp a wire near one of its ends."""
 
-from flexbe_core import EventState
 from remodel_msgs.msg import PickCableAction, PickCableGoal
 
+from flexbe_core import EventState
 from remodel_states.ability_call import AbilityCall
 
 

@@ -1,8 +1,8 @@
 """Lay a held wire down."""
 
-from flexbe_core import EventState
 from remodel_msgs.msg import PlaceCableAction, PlaceCableGoal
 
+from flexbe_core import EventState
 from remodel_states.ability_call import AbilityCall
 from remodel_states.panel_pose import panel_pose
 

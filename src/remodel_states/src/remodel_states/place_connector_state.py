@@ -1,8 +1,8 @@
 """Mate a connector with several pins."""
 
-from flexbe_core import EventState
 from remodel_msgs.msg import PlaceConnectorAction, PlaceConnectorGoal
 
+from flexbe_core import EventState
 from remodel_states.ability_call import AbilityCall
 
 

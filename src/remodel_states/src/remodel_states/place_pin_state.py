@@ -1,8 +1,8 @@
 """Place a pin with two robots, as D5.1, 3.2 writes the state."""
 
-from flexbe_core import EventState
 from remodel_msgs.msg import PlacePinAction, PlacePinGoal
 
+from flexbe_core import EventState
 from remodel_states.ability_call import AbilityCall
 
 NORMAL = "PlacePin finished normally"

@@ -1,8 +1,8 @@
 """Carry a held wire along a path."""
 
-from flexbe_core import EventState
 from remodel_msgs.msg import RouteWireAction, RouteWireGoal
 
+from flexbe_core import EventState
 from remodel_states.ability_call import AbilityCall
 from remodel_states.panel_pose import panel_pose
 

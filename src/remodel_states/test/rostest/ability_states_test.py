@@ -11,10 +11,10 @@ import unittest
 
 import rospy
 import rostest
-from flexbe_core.core import UserData
 from geometry_msgs.msg import PoseStamped
 from remodel_msgs.msg import AbilityRecord, ErrorCode
 
+from flexbe_core.core import UserData
 from remodel_states.count_attempts_state import CountAttemptsState
 from remodel_states.detect_cable_state import DetectCableState
 from remodel_states.extract_cable_state import ExtractCableState

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from remodel_msgs import msg as messages
+
 from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.abilities.extract_cable import extract_cable
 from remodel_sim.abilities.fix_cable import fix_cable

@@ -12,11 +12,11 @@ import rospy
 import yaml
 from genpy.message import fill_message_args
 from geometry_msgs.msg import Point, PoseStamped, Quaternion
-from sensor_msgs.msg import CameraInfo, Image
-
 from remodel_msgs.msg import CableObservation
 from remodel_msgs.msg import Panel as PanelMsg
 from remodel_msgs.msg import WireTruth as WireTruthMsg
+from sensor_msgs.msg import CameraInfo, Image
+
 from remodel_sim.abilities.detect_cable import CableDetected
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.camera import View

@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable
 
 import rospy
+from remodel_msgs import srv
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
-from remodel_msgs import srv
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError, CellError
 from remodel_sim.physics.truth import ground_truth
