@@ -1,5 +1,6 @@
 """The committed behaviors are what the charts say, byte for byte."""
 
+import os
 import shutil
 from pathlib import Path
 
@@ -17,7 +18,8 @@ def test_regenerating_all_behaviors_changes_nothing(tmp_path):
     copy = tmp_path / "remodel_behaviors"
     shutil.copytree(PACKAGE / "src", copy / "src", ignore=shutil.ignore_patterns("*_sm.py"))
     shutil.copy(PACKAGE / "package.xml", copy)
-    assert main([*map(str, CHARTS), "--output", str(copy)]) == 0
+    arguments = [*map(str, CHARTS), "--output", str(copy)]
+    assert main(arguments, os.environ["ROS_PACKAGE_PATH"]) == 0
     for folder, pattern in (("src/remodel_behaviors", "*_sm.py"), ("manifest", "*.xml")):
         committed = {path.name: path.read_bytes() for path in (PACKAGE / folder).glob(pattern)}
         generated = {path.name: path.read_bytes() for path in (copy / folder).glob(pattern)}
