@@ -20,7 +20,7 @@ def component(name, marker, x, y, side, terminals=2, bore=0.0038):
         (x, y, 0.0),
         (0.050, 0.045, 0.045),
         tuple(
-            Terminal(str(i + 1), (side * 0.025, place, 0.022), yaw, bore, 0.014, 0.0015, 40.0)
+            Terminal(str(i + 1), (side * 0.025, place, 0.022), yaw, bore, 0.014, 0.0015, 80.0)
             for i, place in enumerate(places)
         ),
     )

@@ -24,8 +24,8 @@ PULL_TRAVEL_M = 0.006
 # The slip is counted from here on [share of the pull].
 TAKEN_UP = 0.4
 MAX_SLIP_M = 0.0015
-# Wide enough that the bent wire leans on no pad when the hand rises.
-RELEASE_OPENING_M = 0.006
+# No wider: the pad on the side to which the wire bends would push it there.
+RELEASE_OPENING_M = 0.0025
 
 
 @dataclass(frozen=True)

@@ -33,8 +33,8 @@ MISSED_SHARE = 0.45
 # Fingers that hold a wire feel tens of newtons; without one, nothing.
 HELD_LOAD_N = 4.0
 APPROACH_Z = 0.06
-OPEN_SPEED = 0.02  # [m/s]
-CLEAR_SPEED = 0.08  # [m/s]
+OPEN_SPEED = 0.015  # [m/s]
+CLEAR_SPEED = 0.05  # [m/s]
 CLEAR_OF_WIRE_M = 0.02
 # An open finger reaches so far to the side of the wire.
 FINGER_ROOM_M = HAND_OPEN_M + 0.012

@@ -27,8 +27,8 @@ FORE_M = math.hypot(0.384, 0.0825)
 FORE_RAD = math.atan2(0.0825, 0.384)
 WRIST_OFFSET_M = 0.088
 FLANGE_M = 0.107
-# Hand and own fingers: from the flange to the middle of the wire in the grip (physics/gripper.py
-# builds them so).
+# Hand and own fingers: from the flange to the middle of the wire in the grip
+# (physics/robot_description.py builds them so).
 TOOL_M = 0.129
 
 # Soft limits of joints 1 to 7 [rad], from the same page.

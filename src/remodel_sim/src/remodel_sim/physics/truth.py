@@ -11,8 +11,9 @@ from remodel_sim.core.panel import End
 from remodel_sim.physics.clamps import Clamp
 from remodel_sim.physics.plant import Plant
 
-# A tip that is so near to the bottom sits at it.
-BOTTOM_M = 0.0025
+# A tip that is so near to the bottom sits at it; InsertCable judges by the same distance. The
+# clamp's jaw is further out.
+BOTTOM_M = 0.003
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.camera import View
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.core.geometry import Pose
 from remodel_sim.core.panel import Channel, Component, Panel, Terminal, Wire
 from remodel_sim.physics.truth import WireTruth
 
@@ -149,8 +149,3 @@ def camera_info(view: View, frame_id: str, stamp: rospy.Time) -> CameraInfo:
     message.R = [1, 0, 0, 0, 1, 0, 0, 0, 1]
     message.P = [f, 0, cx, 0, 0, f, cy, 0, 0, 0, 1, 0]
     return message
-
-
-def transform_values(pose: Pose) -> tuple[Array, Array]:
-    """Return translation and quaternion of a pose."""
-    return pose.position, pose.quaternion
