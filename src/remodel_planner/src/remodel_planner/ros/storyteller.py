@@ -10,7 +10,7 @@ from sensor_msgs.msg import Image
 
 from flexbe_synthesizer.core.codec import parse_chart
 from flexbe_synthesizer.core.draw import chart_to_dot
-from flexbe_synthesizer.edge.graphviz import render_dot
+from flexbe_synthesizer.edge.graphviz import dot_picture
 from remodel_planner.core.run import Operation
 from remodel_planner.core.run_report import Drawing, Picture, WireStory
 from remodel_planner.core.trace import Trace, trace
@@ -54,7 +54,7 @@ class Storyteller:
 
 def _drawings(taken: Trace) -> list[Drawing]:
     caption = f"{taken.chart.name} {taken.path}".strip()
-    svg = render_dot(chart_to_dot(taken.chart, taken.steps), "svg").decode()
+    svg = dot_picture(chart_to_dot(taken.chart, taken.steps), ".svg").decode()
     drawings = [Drawing(caption, svg[svg.index("<svg") :])]
     for child in taken.children:
         drawings += _drawings(child)

@@ -23,10 +23,12 @@ from remodel_sim.core.camera import View
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
+from remodel_sim.core.layout import WORLD_FROM_PANEL
 from remodel_sim.core.panel import Channel, Component, Panel, Terminal, Wire
 from remodel_sim.physics.truth import WireTruth
 
 WORLD = "world"
+PANEL = "panel"
 
 
 def read_panel(path: Path) -> Panel:
@@ -79,14 +81,19 @@ def _component_from(message: object) -> Component:
 
 
 def pose_from(name: str, message: PoseStamped) -> Pose:
-    """Return the pose of a stamped message; an empty frame counts as the world's."""
-    if message.header.frame_id.lstrip("/") not in ("", WORLD):
+    """Return the pose of a stamped message in the world frame.
+
+    It may be given in the world's frame (which an empty name means) or in the panel's.
+    """
+    frame = message.header.frame_id.lstrip("/")
+    if frame not in ("", WORLD, PANEL):
         raise AbilityError(
             Code.INVALID_GOAL,
-            f"{name} is given in frame {message.header.frame_id!r}; allowed: {WORLD!r}",
+            f"{name} is given in frame {frame!r}; allowed: {WORLD!r}, {PANEL!r}",
         )
     p, q = message.pose.position, message.pose.orientation
-    return Pose(np.array([p.x, p.y, p.z]), np.array([q.x, q.y, q.z, q.w]))
+    pose = Pose(np.array([p.x, p.y, p.z]), np.array([q.x, q.y, q.z, q.w]))
+    return WORLD_FROM_PANEL @ pose if frame == PANEL else pose
 
 
 def pose_stamped(pose: Pose) -> PoseStamped:

@@ -41,7 +41,8 @@ class Owner:
         self.clock = clock
         self.job: Job | None = None
         self._publish_state = publish_state
-        self._requests: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        # Not a SimpleQueue: its get() waits for ever once a signal has come during a timeout.
+        self._requests: queue.Queue[Callable[[], None]] = queue.Queue()
 
     def post(self, action: Callable[[], None]) -> None:
         """Have an action done between two ticks; from any thread, returns at once."""

@@ -14,7 +14,7 @@ from remodel_sim.core.layout import WORLD_FROM_PANEL
 from remodel_sim.physics.plant import OVERHEAD, Plant
 from remodel_sim.physics.robot import JOINT_NAMES
 from remodel_sim.physics.robot_description import CAMERA_MOUNT
-from remodel_sim.ros.conversions import WORLD, camera_info, image
+from remodel_sim.ros.conversions import PANEL, WORLD, camera_info, image
 from remodel_sim.ros.sim_clock import SimClock
 
 # Joint states and frames are told this often [s of simulated time].
@@ -61,7 +61,7 @@ class RobotState:
         lens = Pose(np.array(CAMERA_MOUNT), np.array([0.0, 0.0, 0.0, 1.0]))
         self._fixed.sendTransform(
             [
-                _transform(WORLD, "panel", WORLD_FROM_PANEL, clock.now),
+                _transform(WORLD, PANEL, WORLD_FROM_PANEL, clock.now),
                 _transform(WORLD, "panda_link0", Pose.level(0, 0, 0), clock.now),
                 _transform(
                     WORLD, OPTICAL_FRAMES["overhead"], OVERHEAD.world_from_camera, clock.now
