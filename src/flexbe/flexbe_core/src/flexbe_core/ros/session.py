@@ -40,6 +40,7 @@ class Session:
         self._root = root
         self.engine = Engine(root, policy)
         self._inbox: Inbox = queue.SimpleQueue()
+        self._is_listening = False
         self._reporter = Reporter(root)
         self._has_level = type(root).__kind__ is not Kind.STATE and hasattr(root, "autonomy_level")
 
@@ -48,12 +49,19 @@ class Session:
         self._inbox.put(command)
 
     def listen(self) -> None:
-        """Take the commands that operators send."""
+        """Take the commands that operators send from now on; what came before is forgotten."""
+        if self._is_listening:
+            return
+        self._is_listening = True
+        while not self._inbox.empty():
+            self._inbox.get()
+        self.engine.forget_supervision()
         HUB.listen(self)
         breakpoints.subscribe()
 
     def ignore(self) -> None:
         """Take no more commands from operators."""
+        self._is_listening = False
         HUB.ignore(self)
 
     def spin(self, userdata: UserData | None = None) -> str:

@@ -33,7 +33,7 @@ from flexbe_msgs.msg import (
 from genpy import Message
 
 from flexbe_core import BehaviorLibrary
-from flexbe_widget.core.run_watch import End, Ending, RunWatch
+from flexbe_widget.core.run_watch import START_LIMIT_S, End, Ending, RunWatch
 from flexbe_widget.edge.value_file import resolved
 from flexbe_widget.errors import RequestError
 from flexbe_widget.ros.engine_link import EngineLink, Entered, Status
@@ -125,7 +125,8 @@ class BehaviorActionServer:
         elif isinstance(event, Status):
             self._on_status(self._run, event)
         else:
-            self._end(self._run.watch.on_silence(self._link.silent_s()))
+            waited_s = time.monotonic() - self._run.since
+            self._end(self._run.watch.on_time(waited_s, self._link.silent_s()))
 
     def _on_goal(self, handle: Handle) -> None:
         goal = handle.get_goal()
@@ -199,6 +200,8 @@ class BehaviorActionServer:
         """End the goal, if its run has ended."""
         if ending is None:
             return
+        if ending.end is End.LATE:
+            self._link.preempt()
         name = self._run.handle.get_goal().behavior_name
         why = self._link.why() if ending.end in (End.FAILED, End.REFUSED) else ""
         handle = self._run.handle
@@ -207,6 +210,7 @@ class BehaviorActionServer:
             End.PREEMPTED: (handle.set_canceled, f"{name!r} was stopped"),
             End.FAILED: (handle.set_aborted, f"{name!r} failed: {why}"),
             End.REFUSED: (handle.set_aborted, f"{name!r} was not started: {why}"),
+            End.LATE: (handle.set_aborted, f"{name!r} is not started after {START_LIMIT_S:g} s"),
             End.RESTARTED: (handle.set_aborted, "the behavior engine was started anew"),
             End.LOST: (handle.set_aborted, "the behavior engine gives no sign of life"),
         }[ending.end]
