@@ -65,12 +65,13 @@ class Launch:
 
     def _hindrance(self) -> str:
         """Return why the behavior cannot be started now; empty if it can."""
-        if not self._link.is_there:
+        status = self._link.last_status
+        if status is None or not self._link.is_there:
             return (
                 "there is no behavior engine "
                 "(start it with: roslaunch flexbe_onboard behavior_onboard.launch)"
             )
-        if is_busy(self._link.last_status.code):
+        if is_busy(status.code):
             return (
                 "the engine runs another behavior "
                 "(stop it with: rostopic pub -1 /flexbe/commands/preempt std_msgs/Empty)"
