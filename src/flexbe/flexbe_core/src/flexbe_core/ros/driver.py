@@ -27,7 +27,7 @@ _FRUITLESS_S = 0.002
 _FRUITLESS_AHEAD_S = 0.02
 
 # [s] Wall time after which the end of ROS is noticed at the latest.
-_LONGEST_WAIT_S = 1.0
+_LONGEST_WAIT_S = 2.0
 
 Event = Command | Leaf | None
 Inbox = queue.SimpleQueue[Event]
