@@ -29,7 +29,7 @@ def count(folder: Path) -> tuple[int, int, int]:
 def main() -> int:
     """Print the count and return the exit code: 0 only if there were tests and none failed."""
     passed, failed, skipped = count(Path(sys.argv[1]))
-    print(f"{passed} passed, {failed} failed" + (f", {skipped} skipped" if skipped else ""))  # noqa: T201
+    print(f"{passed} passed, {failed} failed" + (f", {skipped} skipped" if skipped else ""))
     return 0 if passed and not failed else 1
 
 
