@@ -11,6 +11,7 @@ from flexbe_core.core.operatable_state_machine import OperatableStateMachine
 from flexbe_core.core.state import State
 from flexbe_core.engine.commands import Preempt
 from flexbe_core.engine.engine import ErrorPolicy
+from flexbe_core.engine.errors import StateMachineError
 from flexbe_core.engine.supervision import DEFAULT_AUTONOMY
 from flexbe_core.logger import Logger
 from flexbe_core.ros.session import own_session
@@ -136,7 +137,7 @@ class Behavior:
 
     def confirm(self) -> None:
         """Begin: listen to operators and start all states."""
-        self._state_machine.confirm(self.name, self.id)
+        self._prepared().confirm(self.name, self.id)
 
     def execute(self) -> str:
         """Run to the end and stop all states.
@@ -148,10 +149,11 @@ class Behavior:
             BehaviorFailure: if a state could not go on and nobody supervises.
             Exception: what an on_stop raised.
         """
+        machine = self._prepared()
         try:
-            return self._state_machine.spin()
+            return machine.spin()
         finally:
-            self._state_machine.destroy()
+            machine.destroy()
 
     def preempt(self) -> None:
         """Stop as soon as possible; may be called from any thread."""
@@ -178,6 +180,13 @@ class Behavior:
             for path, inner in behavior.get_contained_behaviors().items():
                 found[f"/{behavior_id}{path}"] = inner
         return found
+
+    def _prepared(self) -> OperatableStateMachine:
+        if self._state_machine is None:
+            raise StateMachineError(
+                f"behavior {self.name!r} is not built yet; call prepare_for_execution() first"
+            )
+        return self._state_machine
 
     def _get_state_machine(self) -> OperatableStateMachine:
         if self._state_machine is None:

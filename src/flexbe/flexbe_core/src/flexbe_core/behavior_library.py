@@ -7,10 +7,10 @@ from pathlib import Path
 
 import rospy
 
+from flexbe_core.edge.manifest import Manifest, ManifestError, read_manifest
+from flexbe_core.edge.package_path import packages_exporting
+from flexbe_core.edge.source import source_file
 from flexbe_core.engine.checksum import checksum
-from flexbe_core.library.manifest import Manifest, ManifestError, read_manifest
-from flexbe_core.library.package_path import packages_exporting
-from flexbe_core.library.source import source_file
 
 # [bytes] No manifest is longer; whatever is was written by a mistake, or to do harm.
 _LONGEST_MANIFEST = 1 << 20

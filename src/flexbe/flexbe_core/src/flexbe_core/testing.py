@@ -35,12 +35,14 @@ def run_state(
     transitions = {name: f"{name} of it" for name in state.outcomes}
     with machine:
         OperatableStateMachine.add("state", state, transitions)
+    data = UserData()
     engine = Engine(machine, ErrorPolicy.FAIL)
+    engine.begin(data)
     for now in range(executions):
         outcome = engine.run(float(now))
         if outcome is not None:
-            return outcome.removesuffix(" of it"), dict(engine.root.userdata._data)
-    return None, dict(engine.root.userdata._data)
+            return outcome.removesuffix(" of it"), dict(data._data)
+    return None, dict(data._data)
 
 
 class ScriptedState(EventState):

@@ -55,14 +55,23 @@ def test_a_woken_state_is_due_at_once(bench):
     assert engine.next_due() < 10.0
 
 
-def test_an_alarm_is_due_before_the_next_poll(bench):
+@pytest.mark.parametrize("alarm", [10.03, 17.5])
+def test_an_alarm_takes_the_place_of_the_next_poll(bench, alarm):
+    engine = bench.engine(bench.sequence(bench.machine(), ScriptedState([None])))
+    engine.run(9.95)
+    engine.executing.alarm = alarm
+    engine.run(10.0)
+    assert engine.next_due() == alarm
+    engine.run(alarm)
+    assert engine.next_due() == pytest.approx(alarm + 0.1), "an alarm rings once"
+
+
+def test_an_alarm_in_the_past_is_no_busy_loop(bench):
     engine = bench.engine(bench.sequence(bench.machine(), ScriptedState([None])))
     engine.run(10.0)
-    engine.executing.alarm = 10.03
+    engine.executing.alarm = 9.0
     engine.run(10.0)
-    assert engine.next_due() == 10.03
-    engine.run(10.03)
-    assert engine.next_due() == pytest.approx(10.13), "an alarm rings once"
+    assert engine.next_due() == pytest.approx(10.1)
 
 
 def test_an_outcome_of_a_nested_container_is_taken_in_the_same_tick(bench):

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from flexbe_core.core.preemptable_state_machine import PreemptableStateMachine
 from flexbe_core.core.state import State
 from flexbe_core.core.state_machine import StateMachine
-from flexbe_core.engine.definition import Kind
+from flexbe_core.engine.definition import Definition, Kind
 from flexbe_core.engine.errors import StateMachineError
 from flexbe_core.engine.structure import definitions_below
 from flexbe_core.engine.supervision import DEFAULT_AUTONOMY, PREEMPTED, UNSUPERVISED
@@ -83,7 +83,10 @@ class OperatableStateMachine(PreemptableStateMachine):
         """Return whether an outcome of a child may be taken without asking."""
         if outcome is None:
             return True
-        return self._autonomy[label].get(outcome, -1) < self._root().autonomy_level
+        root: Definition = self
+        while root.parent is not None:
+            root = root.parent
+        return self._autonomy[label].get(outcome, -1) < root.autonomy_level
 
     def get_required_autonomy(self, outcome: str) -> int:
         """Return the level that an outcome of the active child needs."""
@@ -133,6 +136,3 @@ class OperatableStateMachine(PreemptableStateMachine):
 
     def _all_states(self) -> list[State]:
         return [state for state in definitions_below(self) if type(state).__kind__ is Kind.STATE]
-
-    def _root(self) -> OperatableStateMachine:
-        return self if self._parent is None else self._parent._root()

@@ -39,4 +39,7 @@ class PreemptableStateMachine(LockableStateMachine):
     def spin(self, userdata: UserData | None = None) -> str:
         """Run to the end and return the outcome; operators can stop it."""
         own_session(self).listen()
-        return super().spin(userdata)
+        try:
+            return super().spin(userdata)
+        finally:
+            own_session(self).ignore()

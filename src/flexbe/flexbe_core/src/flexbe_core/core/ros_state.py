@@ -46,13 +46,9 @@ class RosState(State):
 
     def _enable_ros_control(self) -> None:
         """Let operators supervise the state."""
-        self._is_controlled = True
+        super()._enable_ros_control()
         if self._parent is None:
             own_session(self).listen()
-
-    def _disable_ros_control(self) -> None:
-        """Let the state run by itself."""
-        self._is_controlled = False
 
     def __execute_by_hand(self, userdata: UserData) -> str | None:
         is_preempted = getattr(type(self), "preempt", False)

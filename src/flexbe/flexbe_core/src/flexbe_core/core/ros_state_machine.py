@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import rospy
 
+from flexbe_core.core.state import State
 from flexbe_core.core.state_machine import StateMachine
 from flexbe_core.proxy.proxy_publisher import ProxyPublisher
 from flexbe_core.proxy.proxy_subscriber_cached import ProxySubscriberCached
@@ -33,7 +34,7 @@ class RosStateMachine(StateMachine):
 
     def _enable_ros_control(self) -> None:
         """Let operators supervise the container and everything in it."""
-        self._is_controlled = True
+        super()._enable_ros_control()
         for state in self._supervised_children():
             state._enable_ros_control()
         if self._parent is None:
@@ -41,9 +42,9 @@ class RosStateMachine(StateMachine):
 
     def _disable_ros_control(self) -> None:
         """Let the container and everything in it run by itself."""
-        self._is_controlled = False
+        super()._disable_ros_control()
         for state in self._states:
             state._disable_ros_control()
 
-    def _supervised_children(self) -> list[RosStateMachine]:
+    def _supervised_children(self) -> list[State]:
         return self._states

@@ -123,6 +123,14 @@ class State:
         """Do a little of the work; return an outcome when it is done, None until then."""
         return None
 
+    def _enable_ros_control(self) -> None:
+        """Let operators supervise the state."""
+        self._is_controlled = True
+
+    def _disable_ros_control(self) -> None:
+        """Let the state run by itself."""
+        self._is_controlled = False
+
     def on_start(self) -> None:
         """Prepare, when the behavior begins, whether or not the state will be reached."""
 

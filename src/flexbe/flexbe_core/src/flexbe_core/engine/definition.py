@@ -28,12 +28,14 @@ class StateDefinition(Protocol):
 
     Attributes:
         __kind__: what it is; looked up on the class.
+        _name: its label in its container; of a root, the behavior's name.
         _is_controlled: whether an operator supervises it.
         _rate: a rate object, see rate.period_s.
         execute: looked up on the class, since the attribute of the instance is a whole tick.
     """
 
     __kind__: Kind
+    _name: str | None
     _outcomes: list[str]
     _input_keys: list[str]
     _output_keys: list[str]

@@ -108,6 +108,14 @@ class Engine:
         if leaf is not None:
             leaf.due = NOW
 
+    def forget_supervision(self) -> None:
+        """Put nothing in force any more, for a new run."""
+        self.record = Supervision()
+        self.priority = None
+        self.commands.clear()
+        self.sync_pending = self._sync_asked = False
+        self._pause_claim = None
+
     def wake(self, leaf: Leaf) -> None:
         """Execute a state as soon as possible: what it waits for may have come."""
         leaf.due = NOW

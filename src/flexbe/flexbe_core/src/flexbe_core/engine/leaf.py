@@ -36,7 +36,8 @@ class Leaf(Node):
             whatever the caller of the tick hands in.
         entered: whether on_enter has been called and on_exit has not.
         skipped: whether it has been told that it is paused.
-        alarm: [s] ROS time at which the state wants to be executed, whatever its rate.
+        alarm: [s] ROS time at which the state wants to be executed next, instead of at its rate;
+            it asks anew in each execution.
     """
 
     __slots__ = ("_execute", "alarm", "entered", "skipped", "view")
@@ -142,7 +143,6 @@ class Leaf(Node):
         if self.parent is not None and self.view._reference is not self.parent.userdata:
             self.view._reference = self.parent.userdata
         self.entered = True
-        self.alarm = NEVER
         if self.shown:
             self.engine.entries.append(self.path)
         self.definition.on_enter(self.view)
@@ -160,14 +160,20 @@ class Leaf(Node):
         self.due = NOW
 
     def _stay(self, now: float) -> None:
-        """Keep the beat of the polling rate; after a wake-up or a delay, begin a new one."""
+        """Be due when the state asked for it, or else at its rate.
+
+        The rate's beat is kept; after a wake-up or a delay, a new one begins.
+        """
         if self.parent is not None and self.view._data:
             self.view._close()
-        period = period_s(self.definition._rate)
-        due = self.due + period
-        self.due = due if due > now else now + period
-        if now < self.alarm < self.due:
-            self.due = self.alarm
+        alarm, self.alarm = self.alarm, NEVER
+        if now < alarm < NEVER:
+            self.due = alarm
+            return
+        if self.due <= now:
+            period = period_s(self.definition._rate)
+            due = self.due + period
+            self.due = due if due > now else now + period
 
     def _undeclared(self, outcome: object) -> str:
         declared = ", ".join(repr(name) for name in self.targets)

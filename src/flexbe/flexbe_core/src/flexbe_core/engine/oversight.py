@@ -69,7 +69,8 @@ def _obey_commands(leaf: Leaf) -> None:
     engine = leaf.engine
     if not engine.commands:
         return
-    state = ActiveState(leaf.label, leaf.path, leaf.definition._outcomes, leaf.ancestors())
+    name = leaf.definition._name or ""
+    state = ActiveState(name, leaf.path, leaf.definition._outcomes, leaf.ancestors())
     while engine.commands and engine.record.forced is None:
         command: StateCommand = engine.commands.popleft()
         engine.record, facts = obey(engine.record, command, state)

@@ -26,8 +26,11 @@ _SPIN_LIMIT_S = 0.25
 _FRUITLESS_S = 0.002
 _FRUITLESS_AHEAD_S = 0.02
 
+# [s] Wall time; what waits less, as for the next of a flood of arrivals, has not waited.
+_SHORTEST_WAIT_S = 0.001
+
 # [s] Wall time after which the end of ROS is noticed at the latest.
-_LONGEST_WAIT_S = 1.0
+_LONGEST_WAIT_S = 2.0
 
 Event = Command | Leaf | None
 Inbox = queue.SimpleQueue[Event]
@@ -85,9 +88,7 @@ class Driver:
             BehaviorFailure: if a state could not go on and errors end the run.
             Exception: what a root raised that holds no errors.
         """
-        alarm = (
-            clock.SimulatedAlarm(lambda: self._inbox.put(None)) if clock.is_simulated() else None
-        )
+        alarm = clock.SimulatedAlarm(self._look_again) if clock.is_simulated() else None
         try:
             with driven_by(self):
                 return self._loop(alarm)
@@ -113,10 +114,15 @@ class Driver:
                 if self._inbox.empty() and engine.next_due() <= clock.now():
                     engine.slow = time.monotonic() - running_since > _SPIN_LIMIT_S
                     continue
+            waiting_since = time.monotonic()
             self._wait(alarm)
-            engine.slow = False
-            running_since = time.monotonic()
+            if time.monotonic() - waiting_since > _SHORTEST_WAIT_S:
+                engine.slow = False
+                running_since = time.monotonic()
         raise rospy.ROSInterruptException("ROS was shut down while a behavior ran")
+
+    def _look_again(self) -> None:
+        self._inbox.put(None)
 
     def _now(self) -> float:
         """Return ROS time; when it jumps back, everything is due."""

@@ -14,8 +14,9 @@ import rospy
 
 from flexbe_core.engine.commands import Attach, Command, Preempt, SetAutonomy, ShowStructure
 from flexbe_core.engine.container import Container
-from flexbe_core.engine.definition import Kind
+from flexbe_core.engine.definition import Definition, Kind
 from flexbe_core.engine.engine import Engine, ErrorPolicy
+from flexbe_core.engine.leaf import Leaf
 from flexbe_core.engine.node import Node
 from flexbe_core.logger import Logger
 from flexbe_core.ros import breakpoints, clock
@@ -35,11 +36,12 @@ class Session:
         engine: what runs it.
     """
 
-    def __init__(self, root: State, policy: ErrorPolicy = ErrorPolicy.AUTO) -> None:
+    def __init__(self, root: Definition, policy: ErrorPolicy = ErrorPolicy.AUTO) -> None:
         """Prepare to run `root`."""
         self._root = root
         self.engine = Engine(root, policy)
         self._inbox: Inbox = queue.SimpleQueue()
+        self._is_listening = False
         self._reporter = Reporter(root)
         self._has_level = type(root).__kind__ is not Kind.STATE and hasattr(root, "autonomy_level")
 
@@ -48,12 +50,19 @@ class Session:
         self._inbox.put(command)
 
     def listen(self) -> None:
-        """Take the commands that operators send."""
+        """Take the commands that operators send from now on; what came before is forgotten."""
+        if self._is_listening:
+            return
+        self._is_listening = True
+        while not self._inbox.empty():
+            self._inbox.get()
+        self.engine.forget_supervision()
         HUB.listen(self)
         breakpoints.subscribe()
 
     def ignore(self) -> None:
         """Take no more commands from operators."""
+        self._is_listening = False
         HUB.ignore(self)
 
     def spin(self, userdata: UserData | None = None) -> str:
@@ -69,7 +78,9 @@ class Session:
         """Execute once and return the outcome, if it ends with that."""
         self._refresh()
         while not self._inbox.empty():
-            self._command(self._inbox.get())
+            event = self._inbox.get()
+            if event is not None and not isinstance(event, Leaf):
+                self._command(event)
         if is_preempted:
             self._command(Preempt())
         self.engine.begin(userdata)
@@ -155,9 +166,9 @@ def connect() -> None:
 
 def own_session(definition: State) -> Session:
     """Return the session in which this definition is the root."""
-    if definition.__session__ is None:
-        definition.__session__ = Session(definition)
-    return definition.__session__
+    session: Session = definition.__session__ or Session(definition)
+    definition.__session__ = session
+    return session
 
 
 def run_session(definition: State) -> Session:

@@ -43,9 +43,10 @@ def driven_by(driver: Driver) -> Iterator[None]:
 
 
 def wake_at(ros_time_s: float) -> None:
-    """Have the calling state executed at this ROS time [s], if it is still active then.
+    """Have the calling state executed next at this ROS time [s], or earlier if it is woken.
 
-    For states that wait for a time, so that they need not be polled to be exact.
+    For states that wait for a time: they are exact, and not polled at their rate. To be called in
+    each execution that returns None.
     """
     driver = getattr(_local, "driver", None)
     if driver is not None:

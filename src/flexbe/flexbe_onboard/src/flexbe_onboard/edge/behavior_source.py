@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.abc
+import importlib.machinery
 import importlib.util
 import sys
 from collections.abc import Sequence
@@ -79,11 +80,13 @@ def _read(path: str) -> str:
 
 
 def _import(name: str, text: str, path: str) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(name, path, loader=_CheckedSource(text, path))
+    loader = _CheckedSource(text, path)
+    spec = importlib.machinery.ModuleSpec(name, loader, origin=path)
+    spec.has_location = True
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     try:
-        importing(lambda: spec.loader.exec_module(module))
+        importing(lambda: loader.exec_module(module))
     except (Exception, SystemExit) as error:
         sys.modules.pop(name, None)
         raise StartError(f"cannot import {path}: {type(error).__name__}: {error}") from error

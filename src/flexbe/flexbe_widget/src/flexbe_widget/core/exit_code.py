@@ -43,6 +43,7 @@ _BY_END = {
     End.PREEMPTED: ExitCode.PREEMPTED,
     End.FAILED: ExitCode.FAILED,
     End.REFUSED: ExitCode.REFUSED,
+    End.LATE: ExitCode.REFUSED,
     End.RESTARTED: ExitCode.ENGINE_LOST,
     End.LOST: ExitCode.ENGINE_LOST,
 }

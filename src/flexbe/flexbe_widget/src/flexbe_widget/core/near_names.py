@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 # How alike (0 to 1) a name must be to be offered.
 _ALIKE = 0.5
@@ -23,5 +23,5 @@ def unknown_behavior(name: str, known: Sequence[str]) -> str:
     return f"unknown behavior {name!r}; there are: {_quoted(known)}"
 
 
-def _quoted(names: Sequence[str]) -> str:
+def _quoted(names: Iterable[str]) -> str:
     return ", ".join(f"'{name}'" for name in names)

@@ -5,6 +5,7 @@
       +--ERROR----> ended (refused)
       +--READY-----------+----> ended (the engine was started anew)
       +--silence---------+----> ended (the engine is gone)
+      +--START_LIMIT_S--> ended (the engine is still preparing it)
 
 Statuses carry the checksum of the behavior's source; those of other behaviors are left alone. Any
 number of statuses may have come before the request was sent; they tell what the engine is doing.
@@ -19,6 +20,11 @@ from flexbe_core.engine.supervision import PREEMPTED
 
 # [s] Wall time without a heartbeat (they come each second) after which the engine counts as gone.
 SILENCE_S = 5.0
+
+
+# [s] Wall time that the engine gets to prepare a behavior. Each action server that is missing costs
+# it up to 10 s.
+START_LIMIT_S = 300.0
 
 
 class Code(Enum):
@@ -39,6 +45,7 @@ class End(Enum):
     PREEMPTED = "preempted"
     FAILED = "failed"
     REFUSED = "refused"
+    LATE = "late"
     RESTARTED = "restarted"
     LOST = "lost"
 
@@ -80,9 +87,17 @@ class RunWatch:
             return Ending(End.PREEMPTED if outcome == PREEMPTED else End.FINISHED, outcome)
         return None
 
-    def on_silence(self, silent_s: float) -> Ending | None:
-        """Return how the run ended, if the engine has been silent [s] for too long."""
-        return Ending(End.LOST) if silent_s > SILENCE_S else None
+    def on_time(self, waited_s: float, silent_s: float) -> Ending | None:
+        """Return how the run ended, if that is to be said without a status.
+
+        Args:
+            waited_s: [s] since the request.
+            silent_s: [s] since the engine was heard last.
+        """
+        if silent_s > SILENCE_S:
+            return Ending(End.LOST)
+        is_late = not self.is_running and waited_s > START_LIMIT_S
+        return Ending(End.LATE) if is_late else None
 
 
 def is_busy(code: int) -> bool:

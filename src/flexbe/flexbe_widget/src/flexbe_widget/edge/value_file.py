@@ -86,4 +86,5 @@ def _entry(name: str, text: str, key: str) -> object:
 def _dumped(value: object) -> str:
     if isinstance(value, str):
         return value
-    return yaml.safe_dump(value, default_flow_style=True).removesuffix("...\n").strip()
+    text: str = yaml.safe_dump(value, default_flow_style=True)
+    return text.removesuffix("...\n").strip()

@@ -19,8 +19,9 @@ import queue
 import threading
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import Enum
 
 import actionlib
 import rospy
@@ -30,16 +31,14 @@ from flexbe_msgs.msg import (
     BehaviorExecutionResult,
     BehaviorSelection,
 )
-from genpy import Message
 
 from flexbe_core import BehaviorLibrary
-from flexbe_widget.core.run_watch import End, Ending, RunWatch
+from flexbe_core.engine.supervision import PREEMPTED
+from flexbe_widget.core.run_watch import START_LIMIT_S, End, Ending, RunWatch
 from flexbe_widget.edge.value_file import resolved
 from flexbe_widget.errors import RequestError
 from flexbe_widget.ros.engine_link import EngineLink, Entered, Status
 from flexbe_widget.ros.start_request import start_request
-
-Handle = actionlib.ServerGoalHandle
 
 # [s] Wall time between two looks at what takes too long.
 _LOOK_EVERY_S = 0.5
@@ -48,14 +47,33 @@ _LOOK_EVERY_S = 0.5
 _ENGINE_LIMIT_S = 10.0
 
 
+class Act(Enum):
+    """What becomes of a goal."""
+
+    SUCCEED = "succeed"
+    CANCEL = "cancel"
+    ABORT = "abort"
+
+
+_ENDS = {
+    End.FINISHED: (Act.SUCCEED, ""),
+    End.PREEMPTED: (Act.CANCEL, "{name!r} was stopped"),
+    End.FAILED: (Act.ABORT, "{name!r} failed: {why}"),
+    End.REFUSED: (Act.ABORT, "{name!r} was not started: {why}"),
+    End.LATE: (Act.ABORT, "{name!r} is not started after " + f"{START_LIMIT_S:g} s"),
+    End.RESTARTED: (Act.ABORT, "the behavior engine was started anew"),
+    End.LOST: (Act.ABORT, "the behavior engine gives no sign of life"),
+}
+
+
 @dataclass(frozen=True)
 class _NewGoal:
-    handle: Handle
+    handle: actionlib.ServerGoalHandle
 
 
 @dataclass(frozen=True)
 class _Cancelled:
-    handle: Handle
+    handle: actionlib.ServerGoalHandle
 
 
 @dataclass
@@ -70,7 +88,7 @@ class _Run:
         is_stopping: whether it is to be stopped.
     """
 
-    handle: Handle
+    handle: actionlib.ServerGoalHandle
     request: BehaviorSelection
     since: float
     watch: RunWatch | None = None
@@ -109,35 +127,34 @@ class BehaviorActionServer:
             except Exception as error:  # noqa: BLE001 - without this thread no goal would end
                 rospy.logerr("%s", traceback.format_exc())
                 if self._run is not None:
-                    self._finish(self._run.handle.set_aborted, "", f"internal error: {error}")
+                    self._finish(self._run, Act.ABORT, "", f"internal error: {error}")
 
     def _handle(self, event: object) -> None:
         if isinstance(event, _NewGoal):
             self._on_goal(event.handle)
         elif isinstance(event, _Cancelled):
             self._on_cancel(event.handle)
-        elif isinstance(event, Entered) and self._run and self._run.watch:
-            self._run.handle.publish_feedback(BehaviorExecutionFeedback(event.path))
-        if self._run is None:
+        run = self._run
+        if run is None:
             return
-        if self._run.watch is None:
-            self._ask()
+        if run.watch is None:
+            self._ask(run)
+        elif isinstance(event, Entered):
+            run.handle.publish_feedback(BehaviorExecutionFeedback(event.path))
         elif isinstance(event, Status):
-            self._on_status(self._run, event)
+            self._on_status(run, run.watch, event)
         else:
-            self._end(self._run.watch.on_silence(self._link.silent_s()))
+            waited_s = time.monotonic() - run.since
+            self._end(run, run.watch.on_time(waited_s, self._link.silent_s()))
 
-    def _on_goal(self, handle: Handle) -> None:
+    def _on_goal(self, handle: actionlib.ServerGoalHandle) -> None:
         goal = handle.get_goal()
         try:
             request = start_request(
                 self._library,
                 goal.behavior_name,
-                [(k, resolved(v)) for k, v in zip(goal.arg_keys, goal.arg_values, strict=False)],
-                [
-                    (k, resolved(v))
-                    for k, v in zip(goal.input_keys, goal.input_values, strict=False)
-                ],
+                _pairs(goal.arg_keys, goal.arg_values),
+                _pairs(goal.input_keys, goal.input_values),
             )
         except RequestError as error:
             rospy.logerr("goal rejected: %s", error)
@@ -151,15 +168,16 @@ class BehaviorActionServer:
         else:
             self._stop(self._run)
 
-    def _on_cancel(self, handle: Handle) -> None:
+    def _on_cancel(self, handle: actionlib.ServerGoalHandle) -> None:
+        run = self._run
         if self._next is not None and handle == self._next.handle:
             self._next = None
             handle.set_canceled(BehaviorExecutionResult(), "cancelled before it was started")
-        elif self._run is not None and handle == self._run.handle:
-            if self._run.watch is None:
-                self._end(Ending(End.PREEMPTED, "preempted"))
+        elif run is not None and handle == run.handle:
+            if run.watch is None:
+                self._end(run, Ending(End.PREEMPTED, PREEMPTED))
             else:
-                self._stop(self._run)
+                self._stop(run)
 
     def _begin_next(self) -> None:
         self._run, self._next = self._next, None
@@ -167,26 +185,24 @@ class BehaviorActionServer:
             self._run.handle.set_accepted()
             self._run.since = time.monotonic()
 
-    def _ask(self) -> None:
+    def _ask(self, run: _Run) -> None:
         """Ask the engine, as soon as it is there."""
-        run = self._run
         if self._link.is_there:
             run.watch = RunWatch(run.request.behavior_checksum)
             self._link.start(run.request)
         elif time.monotonic() - run.since > _ENGINE_LIMIT_S:
-            self._finish(
-                run.handle.set_aborted,
-                "",
+            text = (
                 f"no behavior engine for {_ENGINE_LIMIT_S:g} s; "
-                "start it with: roslaunch flexbe_onboard behavior_onboard.launch",
+                "start it with: roslaunch flexbe_onboard behavior_onboard.launch"
             )
+            self._finish(run, Act.ABORT, "", text)
 
-    def _on_status(self, run: _Run, status: Status) -> None:
-        was_running = run.watch.is_running
-        ending = run.watch.on_status(status.code, status.behavior_id, status.args)
-        if run.is_stopping and run.watch.is_running and not was_running:
+    def _on_status(self, run: _Run, watch: RunWatch, status: Status) -> None:
+        was_running = watch.is_running
+        ending = watch.on_status(status.code, status.behavior_id, status.args)
+        if run.is_stopping and watch.is_running and not was_running:
             self._link.preempt()
-        self._end(ending)
+        self._end(run, ending)
 
     def _stop(self, run: _Run) -> None:
         """Stop the behavior, now or as soon as it runs."""
@@ -195,22 +211,27 @@ class BehaviorActionServer:
             if run.watch is not None and run.watch.is_running:
                 self._link.preempt()
 
-    def _end(self, ending: Ending | None) -> None:
+    def _end(self, run: _Run, ending: Ending | None) -> None:
         """End the goal, if its run has ended."""
         if ending is None:
             return
-        name = self._run.handle.get_goal().behavior_name
-        why = self._link.why() if ending.end in (End.FAILED, End.REFUSED) else ""
-        handle = self._run.handle
-        act, text = {
-            End.FINISHED: (handle.set_succeeded, ""),
-            End.PREEMPTED: (handle.set_canceled, f"{name!r} was stopped"),
-            End.FAILED: (handle.set_aborted, f"{name!r} failed: {why}"),
-            End.REFUSED: (handle.set_aborted, f"{name!r} was not started: {why}"),
-            End.RESTARTED: (handle.set_aborted, "the behavior engine was started anew"),
-            End.LOST: (handle.set_aborted, "the behavior engine gives no sign of life"),
-        }[ending.end]
-        self._finish(act, ending.outcome, text)
+        if ending.end is End.LATE:
+            self._link.preempt()
+        act, text = _ENDS[ending.end]
+        why = self._link.why() if "{why}" in text else ""
+        name = run.handle.get_goal().behavior_name
+        self._finish(run, act, ending.outcome, text.format(name=name, why=why))
+
+    def _finish(self, run: _Run, act: Act, outcome: str, text: str) -> None:
+        result = BehaviorExecutionResult(outcome)
+        if act is Act.SUCCEED:
+            run.handle.set_succeeded(result, text)
+        elif act is Act.CANCEL:
+            run.handle.set_canceled(result, text)
+        else:
+            run.handle.set_aborted(result, text)
+        self._run = None
+        self._begin_next()
 
     def _abort(self) -> None:
         """Leave no client waiting when the node is shut down."""
@@ -219,7 +240,7 @@ class BehaviorActionServer:
                 text = "be_action_server was shut down; what runs in the engine goes on"
                 run.handle.set_aborted(BehaviorExecutionResult(), text)
 
-    def _finish(self, act: Callable[[Message, str], None], outcome: str, text: str) -> None:
-        act(BehaviorExecutionResult(outcome), text)
-        self._run = None
-        self._begin_next()
+
+def _pairs(keys: Sequence[str], values: Sequence[str]) -> list[tuple[str, str]]:
+    """Return keys with their values, read from files where they name some."""
+    return [(key, resolved(value)) for key, value in zip(keys, values, strict=False)]

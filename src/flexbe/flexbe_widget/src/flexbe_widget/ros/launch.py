@@ -9,7 +9,7 @@ import time
 from flexbe_msgs.msg import BehaviorLog, BehaviorSelection
 
 from flexbe_widget.core.exit_code import ExitCode, exit_code
-from flexbe_widget.core.run_watch import End, Ending, RunWatch, is_busy
+from flexbe_widget.core.run_watch import START_LIMIT_S, End, Ending, RunWatch, is_busy
 from flexbe_widget.ros.engine_link import EngineLink, Entered, Logged, Status
 
 # [s] Wall time between two looks at the heartbeat.
@@ -65,12 +65,13 @@ class Launch:
 
     def _hindrance(self) -> str:
         """Return why the behavior cannot be started now; empty if it can."""
-        if not self._link.is_there:
+        status = self._link.last_status
+        if status is None or not self._link.is_there:
             return (
                 "there is no behavior engine "
                 "(start it with: roslaunch flexbe_onboard behavior_onboard.launch)"
             )
-        if is_busy(self._link.last_status.code):
+        if is_busy(status.code):
             return (
                 "the engine runs another behavior "
                 "(stop it with: rostopic pub -1 /flexbe/commands/preempt std_msgs/Empty)"
@@ -79,6 +80,7 @@ class Launch:
 
     def _follow(self, watch: RunWatch) -> Ending:
         ending = None
+        asked = time.monotonic()
         while ending is None:
             event = self._next_event(_LOOK_EVERY_S)
             if isinstance(event, Status):
@@ -91,7 +93,9 @@ class Launch:
             elif isinstance(event, Logged):
                 self._tell_log(event)
             else:
-                ending = watch.on_silence(self._link.silent_s())
+                ending = watch.on_time(time.monotonic() - asked, self._link.silent_s())
+        if ending.end is End.LATE:
+            self._link.preempt()
         return ending
 
     def _tell_log(self, event: Logged) -> None:
@@ -117,6 +121,7 @@ class Launch:
             End.PREEMPTED: "was stopped",
             End.FAILED: "failed",
             End.REFUSED: "was not started",
+            End.LATE: f"is not started after {START_LIMIT_S:g} s, and is called off",
             End.RESTARTED: "is gone: the engine was started anew",
             End.LOST: "is gone: the engine gives no sign of life",
         }[ending.end]

@@ -1,0 +1,1 @@
+"""Behaviors that the benchmarks of the engine time."""

@@ -1,0 +1,1 @@
+"""Where behaviors are on disk: packages, manifests, source files."""

@@ -1,1 +1,0 @@
-"""Where behaviors are: packages, manifests, source files."""

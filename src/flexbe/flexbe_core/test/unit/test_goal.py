@@ -1,0 +1,55 @@
+"""A goal as its client knows it."""
+
+from actionlib_msgs.msg import GoalStatus
+
+from flexbe_core.proxy.goal import Goal
+
+
+def status(code, text=""):
+    return GoalStatus(status=code, text=text)
+
+
+def test_a_goal_is_pending_then_active_then_answered():
+    goal = Goal("1")
+    assert (goal.simple_status, goal.is_active) == (GoalStatus.PENDING, True)
+    assert goal.take_status(status(GoalStatus.ACTIVE, "go"))
+    assert (goal.status, goal.text) == (GoalStatus.ACTIVE, "go")
+    goal.take_result(status(GoalStatus.SUCCEEDED, "well"), "result")
+    assert (goal.status, goal.text, goal.result) == (GoalStatus.SUCCEEDED, "well", "result")
+    assert not goal.is_active
+
+
+def test_a_goal_that_the_server_does_not_know_yet_is_waited_for():
+    goal = Goal("1")
+    assert not goal.take_status(None)
+    assert goal.is_active
+
+
+def test_a_goal_that_the_server_knew_and_forgot_is_lost():
+    goal = Goal("1")
+    goal.take_status(status(GoalStatus.ACTIVE))
+    assert goal.take_status(None)
+    assert (goal.status, goal.is_active) == (GoalStatus.LOST, False)
+
+
+def test_a_terminal_status_waits_for_its_result():
+    goal = Goal("1")
+    goal.take_status(status(GoalStatus.ACTIVE))
+    assert not goal.take_status(status(GoalStatus.SUCCEEDED))
+    assert goal.is_active
+
+
+def test_what_comes_after_the_end_is_ignored():
+    goal = Goal("1")
+    goal.take_result(status(GoalStatus.ABORTED), "result")
+    assert not goal.take_status(None)
+    assert goal.status == GoalStatus.ABORTED
+
+
+def test_states_between_look_as_to_a_simple_client():
+    goal = Goal("1")
+    goal.take_status(status(GoalStatus.PREEMPTING))
+    assert goal.simple_status == GoalStatus.ACTIVE
+    goal = Goal("2")
+    goal.take_status(status(GoalStatus.RECALLING))
+    assert goal.simple_status == GoalStatus.PENDING

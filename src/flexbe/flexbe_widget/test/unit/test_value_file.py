@@ -1,0 +1,57 @@
+"""Values that are kept in files."""
+
+import pytest
+
+from flexbe_widget.edge.value_file import resolved, yaml_text
+from flexbe_widget.errors import RequestError
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "values.yaml"
+    path.write_text("outer: {inner: [1, 2], text: a b}\nnumber: 5\n")
+    return path
+
+
+def test_a_plain_value_is_itself():
+    assert resolved("5:6") == "5:6"
+
+
+def test_a_whole_file_is_its_text(file):
+    assert resolved(f"file://{file}") == file.read_text()
+
+
+@pytest.mark.parametrize(
+    ("entry", "text"), [("number", "5"), ("outer/text", "a b"), ("outer/inner", "[1, 2]")]
+)
+def test_an_entry_of_a_file_is_chosen(file, entry, text):
+    assert resolved(f"file://{file}:{entry}") == text
+    assert yaml_text(f"{file}:{entry}") == text
+
+
+def test_a_whole_yaml_file_is_one_line(file):
+    assert yaml_text(str(file)) == "{number: 5, outer: {inner: [1, 2], text: a b}}"
+
+
+def test_a_file_is_found_from_home_and_in_packages(file, monkeypatch):
+    monkeypatch.setenv("HOME", str(file.parent))
+    assert resolved("file://~/values.yaml:number") == "5"
+    assert "<package" in resolved("file://flexbe_widget/package.xml")
+
+
+@pytest.mark.parametrize(
+    ("place", "text"),
+    [
+        ("/no/such/file", "cannot read file /no/such/file"),
+        ("no_such_package/x.yaml", "there is no ROS package 'no_such_package'"),
+        ("{file}:other", "has no entry 'other'; at 'other' there are: outer, number"),
+        ("{file}:number/deeper", "at 'deeper' there are: no entries"),
+        ("{broken}:x", "is no YAML"),
+        ("{binary}", "cannot read file"),
+    ],
+)
+def test_what_cannot_be_read_is_explained(file, place, text):
+    (broken := file.with_name("broken.yaml")).write_text("{")
+    (binary := file.with_name("binary")).write_bytes(b"\xff\xfe")
+    with pytest.raises(RequestError, match=text):
+        resolved("file://" + place.format(file=file, broken=broken, binary=binary))
