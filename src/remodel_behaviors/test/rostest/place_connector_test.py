@@ -12,13 +12,13 @@ from actionlib_msgs.msg import GoalStatus
 from flexbe_msgs.msg import BehaviorExecutionAction, BehaviorExecutionGoal
 from flexbe_msgs.srv import GetUserdata
 from remodel_msgs.msg import AbilityRecord, ErrorCode, InsertCableActionFeedback
-from remodel_msgs.srv import GetGroundTruth, InjectFault
+from remodel_msgs.srv import FeedWire, GetGroundTruth, InjectFault
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty
 from std_srvs.srv import Trigger
 
 WALL_LIMIT_S = 90.0
-COMPONENT, TERMINAL, WIRE = "X1", "1", "W1"
+COMPONENT, TERMINAL, WIRE, CHANNEL = "X1", "1", "W1", "A"
 
 
 class PlaceConnectorTest(unittest.TestCase):
@@ -28,6 +28,7 @@ class PlaceConnectorTest(unittest.TestCase):
             "flexbe/execute_behavior", BehaviorExecutionAction
         )
         cls.reset = rospy.ServiceProxy("cell/reset", Trigger)
+        cls.feed = rospy.ServiceProxy("cell/feed_wire", FeedWire)
         cls.inject = rospy.ServiceProxy("cell/inject_fault", InjectFault)
         cls.truth = rospy.ServiceProxy("cell/ground_truth", GetGroundTruth)
         cls.reset.wait_for_service()
@@ -39,6 +40,8 @@ class PlaceConnectorTest(unittest.TestCase):
         self.on_record = None
         self.subscriber = rospy.Subscriber("remodel/ability_records", AbilityRecord, self._record)
         self.assertTrue(self.reset().success)
+        response = self.feed(WIRE, CHANNEL)
+        self.assertTrue(response.success, response.message)
 
     def tearDown(self):
         self.subscriber.unregister()
@@ -117,7 +120,7 @@ class PlaceConnectorTest(unittest.TestCase):
         seen = {}
 
         def look(record):
-            if record.ability == "ExtractCable":
+            if record.ability == "ExtractCable" and not seen:
                 for key in ("error_code", "error_message"):
                     for info in userdata(key).userdata:
                         seen[key] = info.data

@@ -80,7 +80,7 @@ def test_what_was_done_is_kept(database, url):
     run = database.start_run(database.order("house").first(1))
     operation = Operation("/Connect a/InsertCable", "InsertCable", "failed", 301, "jam", 2.0, 1.0)
     database.add_execution(
-        run, Execution("W1", "Place Wire W1", "failed", False, 1.0, 3.0, (operation,))
+        run, Execution("W1", "Place Wire W1", 2, "failed", False, 1.0, 3.0, (operation,))
     )
     assert rows(url, "SELECT outcome, placed, ended_s FROM executions") == [("failed", 0, 3.0)]
     assert rows(url, "SELECT state_path, error_code, text FROM ability_records") == [

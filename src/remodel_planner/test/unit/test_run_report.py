@@ -21,10 +21,10 @@ GOOD = Operation("/Connect a/InsertCable", "InsertCable", "inserted", 0, "seated
 BAD = Operation("/Connect a/InsertCable", "InsertCable", "failed", 301, "jammed <here>", 9.0, 3.0)
 
 
-def story(name, *operations, placed=True):
+def story(name, *operations, placed=True, attempt=1):
     wire = Wire(name, TerminalRef("Q1", "B1"), TerminalRef("Q2", "T1"), "BU", 1.5, "line 7")
     outcome = "finished" if placed else "failed"
-    execution = Execution(name, f"Place {name}", outcome, placed, 5.0, 15.0, operations)
+    execution = Execution(name, f"Place {name}", attempt, outcome, placed, 5.0, 15.0, operations)
     return WireStory(
         wire,
         0.3,
@@ -45,6 +45,15 @@ def test_a_wire_that_failed_once_is_placed_but_not_at_first_pass():
     assert both.complete
 
 
+def test_a_wire_that_was_fed_anew_is_placed_once_and_has_a_row_for_each_attempt():
+    failed, second = story("W1", BAD, placed=False), story("W1", GOOD, attempt=2)
+    both = report(failed, second, planned=1)
+    assert (both.placed, both.first_pass, both.complete) == (1, 0, True)
+    assert list(timeline(both.stories)) == ["W1", "W1, attempt 2"]
+    tree = html.fromstring(render_html(TEMPLATE, both))
+    assert len(tree.xpath("//details[@id='W1-1' or @id='W1-2']")) == 2
+
+
 def test_a_wire_that_was_never_run_makes_the_report_incomplete():
     assert not report(story("W1", GOOD), planned=2).complete
     assert not report(story("W1", BAD, placed=False)).complete
@@ -53,7 +62,7 @@ def test_a_wire_that_was_never_run_makes_the_report_incomplete():
 def test_the_page_tells_each_wire_and_its_failures():
     page = render_html(TEMPLATE, report(story("W1", GOOD), story("W2", BAD, GOOD)))
     tree = html.fromstring(page)
-    assert len(tree.xpath("//details[@id='W1' or @id='W2']")) == 2
+    assert len(tree.xpath("//details[@id='W1-1' or @id='W2-1']")) == 2
     assert len(tree.xpath("//*[@id='drawing']")) == 2
     assert "error 301" in tree.text_content()
     assert "A <house>" in tree.text_content()

@@ -8,7 +8,7 @@ import pytest
 from flexbe_synthesizer.core.codec import parse_chart, write_chart
 from remodel_planner.core.panel_layout import PanelRules, lay_out
 from remodel_planner.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
-from remodel_planner.core.wire_chart import BEYOND_M, behavior_name, wire_chart
+from remodel_planner.core.wire_chart import BEYOND_M, LAY_DOWN, behavior_name, wire_chart
 from remodel_planner.edge.catalogue_file import read_catalogue
 
 CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
@@ -49,3 +49,15 @@ def test_the_end_is_routed_along_the_channel_to_its_terminal():
     assert abs(y - LAYOUT.wires[0].second_y) == pytest.approx(BEYOND_M)
     assert z > 0
     assert abs(math.sin(yaw)) == pytest.approx(1.0)
+
+
+def test_whatever_is_given_up_with_a_wire_in_the_hand_ends_in_laying_it_down():
+    nodes = {node.id: {t.event: t.target for t in node.transitions} for node in CHART.nodes}
+    for giving_up in (
+        nodes["Connect a"]["failed"],
+        nodes["Pick b"]["command_error"],
+        nodes["Route b"]["command_error"],
+        nodes["Connect b"]["failed"],
+    ):
+        assert giving_up == LAY_DOWN
+    assert set(nodes[LAY_DOWN].values()) == {"failed"}

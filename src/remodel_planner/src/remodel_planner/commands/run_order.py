@@ -63,10 +63,12 @@ def _run(options: argparse.Namespace) -> Report:
     stories = []
     print(f"order {order.name}: {len(order.wires)} wires, {len(order.components)} components")
     started = time.monotonic()
-    with tqdm(total=len(order.wires), unit="wire", file=sys.stdout, leave=False) as bar:
+    with tqdm(
+        total=len(order.wires), unit="wire", file=sys.stdout, leave=False, disable=None
+    ) as bar:
         for wire_run in supervisor.run(database.start_run(order), layout, rules):
             bar.write(_line(wire_run))
-            bar.update()
+            bar.update(wire_run.last)
             stories.append(teller.story(wire_run))
     wall_s = time.monotonic() - started
     overview = teller.overview(supervisor.overview())
@@ -77,16 +79,19 @@ def _run(options: argparse.Namespace) -> Report:
 def _line(wire_run: WireRun) -> str:
     wire, execution = wire_run.cut.wire, wire_run.execution
     result = "placed" if execution.placed else f"NOT placed ({execution.outcome})"
+    if execution.attempt > 1:
+        result += f" at attempt {execution.attempt}"
+    if not wire_run.last:
+        result += ", feeding a new wire"
     head = (
         f"{wire.name:>4}  {wire.a!s:>12} to {wire.b!s:<14} {wire.colour} "
-        f"{wire.section_mm2:g} mm2  {result}, {_insertions(execution)}, "
-        f"{execution.ended_s - execution.started_s:.1f} s"
+        f"{wire.section_mm2:g} mm2  {result}, {_insertions(execution)}, {execution.cell_s:.1f} s"
     )
     return "\n".join([head, *(f"        {failure_line(f)}" for f in execution.failures)])
 
 
 def _insertions(execution: Execution) -> str:
-    count = execution.attempts("InsertCable")
+    count = execution.tries("InsertCable")
     return f"{count} insertion" + ("" if count == 1 else "s")
 
 

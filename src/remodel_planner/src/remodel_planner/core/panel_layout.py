@@ -1,14 +1,9 @@
 """Place an order's components on a panel, and cut its wires to length.
 
-Components stand in rows along y, at most three; between two rows lies a channel, into which the
-bottom terminals of the upper row and the top terminals of the lower row open. Up is +x, away from
-the robot. A wire can be placed if both its ends open into the same channel, so
-
-    bottom of u to top of v        v stands one row below u
-    top to top, bottom to bottom   u and v stand in the same row
-
-which fixes the row of every component relative to those it is wired to. Within a row, components
-stand in the order's order, centred. All of it is deterministic.
+Components stand in rows along y, with a channel between two rows (panel_rows.py). Along y they
+stand such that every wire has some way to go along its channel: rows stand to the left and to the
+right in turn, and the places are the least solution of the constraints on their differences.
+Up is +x, away from the robot. All of it is deterministic.
 
 Panel frame: origin at the centre of the plate's surface, x away from the robot, y to its left,
 z up.
@@ -17,10 +12,13 @@ z up.
 from __future__ import annotations
 
 import math
-from collections import defaultdict, deque
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 from remodel_planner.core.catalogue import Catalogue, WireType
+from remodel_planner.core.difference_constraints import AtLeast, least_solution
+from remodel_planner.core.panel_rows import Row, is_left, ordered_rows
 from remodel_planner.core.production import Component, Order, Side, TerminalRef, Wire
 from remodel_planner.errors import LayoutError
 
@@ -34,23 +32,29 @@ class PanelRules:
 
     rows: int = 3
     row_pitch: float = 0.16
-    width: float = 0.60
+    plate_width: float = 1.00  # loose ends lie on it too, up to reach_y
+    row_width: float = 0.60
     component_depth: float = 0.05
     component_height: float = 0.042
     terminal_pitch: float = 0.016
-    component_margin: float = 0.012
-    component_gap: float = 0.006
+    component_margin: float = 0.010
+    component_gap: float = 0.004
     mouth_height: float = 0.022
-    marker_size: float = 0.026
+    mouth_y: float = 0.29
+    marker_size: float = 0.022
+    label_margin: float = 0.004
     bore_clearance: float = 0.0008
     bore_beyond_ferrule: float = 0.002
     chamfer: float = 0.0015
     retention_force: float = 40.0  # [N]
-    # A wire is longer than the way along the channel by the first, never shorter than the second.
-    # Its loose end is in reach only up to `reach_y` along the channel.
-    wire_slack: float = 0.26
+    # A wire is longer than the way along its channel by `wire_slack`. Its loose end is in reach
+    # only up to `reach_y` along the channel. The way is long enough for a wire that bends easily;
+    # where there is no room for that, each shorter one is tried in turn.
+    wire_slack: float = 0.30
     shortest_wire: float = 0.40
+    longest_wire: float = 0.75
     reach_y: float = 0.52
+    ways_min: tuple[float, ...] = (0.16, 0.12, 0.08, 0.04, 0.0)
 
 
 @dataclass(frozen=True)
@@ -134,153 +138,148 @@ def lay_out(order: Order, catalogue: Catalogue, rules: PanelRules) -> PanelLayou
         LayoutError: if wires contradict each other on the rows, or rows are too many or too wide.
         CatalogueError: if a wire's section is not in the catalogue.
     """
-    rows = _rows(order, rules)
+    rows = ordered_rows(order, rules.rows)
     types = {
         end: catalogue.wire_type(wire.section_mm2)
         for wire in order.wires
         for end in (wire.a, wire.b)
     }
-    components = []
-    for row, members in sorted(rows.items()):
-        components += _place_row(row, len(rows), members, types, len(components), rules)
+    terminals = {
+        component.name: _terminals(component, types, rules) for row in rows for component in row
+    }
+    y = _along_rows(order, rows, terminals, rules)
+    components = tuple(
+        PlacedComponent(
+            component,
+            marker_id,
+            _row_x(row, len(rows), rules),
+            y[component.name],
+            rules.component_depth,
+            _width(component, rules),
+            rules.component_height,
+            terminals[component.name],
+        )
+        for marker_id, (row, component) in enumerate(
+            (row, component) for row, members in enumerate(rows) for component in members
+        )
+    )
     channels = tuple(
         PlacedChannel(
             chr(ord("A") + row),
             _row_x(row, len(rows), rules) - rules.row_pitch / 2,
             rules.row_pitch - rules.component_depth,
-            -rules.width / 2,
-            rules.width / 2,
+            -rules.plate_width / 2,
+            rules.plate_width / 2,
         )
         for row in range(max(1, len(rows) - 1))
     )
     wires = tuple(_cut(wire, components, channels, catalogue, rules) for wire in order.wires)
     depth = (max(1, len(rows) - 1)) * rules.row_pitch + 2 * rules.component_depth
-    return PanelLayout(order.name, depth, rules.width, tuple(components), channels, wires)
-
-
-def _rows(order: Order, rules: PanelRules) -> dict[int, list[Component]]:
-    """Return the components of each row, 0 is the upmost."""
-    sides = {
-        TerminalRef(component.name, terminal.name): terminal.side
-        for component in order.components
-        for terminal in component.terminals
-    }
-    steps: dict[str, list[tuple[str, int, Wire]]] = defaultdict(list)
-    for wire in order.wires:
-        step = (sides[wire.a] is Side.BOTTOM) - (sides[wire.b] is Side.BOTTOM)
-        steps[wire.a.component].append((wire.b.component, step, wire))
-        steps[wire.b.component].append((wire.a.component, -step, wire))
-    row: dict[str, int] = {}
-    for component in order.components:
-        if component.name not in row:
-            group = _group_rows(component.name, steps)
-            top = min(group.values())
-            row.update({name: value - top for name, value in group.items()})
-    count = max(row.values()) + 1
-    if count > rules.rows:
-        raise LayoutError(
-            f"order {order.name}: its wires need {count} rows of components one below the other; "
-            f"the panel has {rules.rows}: choose fewer wires"
-        )
-    rows: dict[int, list[Component]] = {index: [] for index in range(count)}
-    for component in order.components:
-        rows[row[component.name]].append(component)
-    return rows
-
-
-def _group_rows(start: str, steps: dict[str, list[tuple[str, int, Wire]]]) -> dict[str, int]:
-    """Return the rows, relative to the first, of all components wired to each other."""
-    row = {start: 0}
-    queue = deque([start])
-    while queue:
-        name = queue.popleft()
-        for other, step, wire in steps[name]:
-            expected = row[name] + step
-            if other not in row:
-                row[other] = expected
-                queue.append(other)
-            elif row[other] != expected:
-                raise LayoutError(
-                    f"wire {wire.name} ({wire.a} to {wire.b}, {wire.source}): the other wires put "
-                    f"{other} {row[other] - row[name]} row(s) below {name}, where its two ends do "
-                    "not open into one channel; this cell cannot route it around a row"
-                )
-    return row
+    return PanelLayout(order.name, depth, rules.plate_width, components, channels, wires)
 
 
 def _row_x(row: int, count: int, rules: PanelRules) -> float:
     return ((max(count, 2) - 1) / 2 - row) * rules.row_pitch
 
 
-def _place_row(
-    row: int,
-    count: int,
-    members: list[Component],
-    types: dict[TerminalRef, WireType],
-    first_marker: int,
-    rules: PanelRules,
-) -> list[PlacedComponent]:
-    widths = [_width(component, rules) for component in members]
-    total = sum(widths) + rules.component_gap * (len(widths) - 1)
-    if total > rules.width:
-        raise LayoutError(
-            f"row {row + 1} needs {total:.2f} m for {', '.join(c.name for c in members)}; the "
-            f"panel is {rules.width:.2f} m wide: choose fewer wires"
-        )
-    placed = []
-    y = total / 2
-    for offset, (component, width) in enumerate(zip(members, widths, strict=True)):
-        terminals = tuple(
-            terminal for side in Side for terminal in _place_side(component, side, types, rules)
-        )
-        placed.append(
-            PlacedComponent(
-                component,
-                first_marker + offset,
-                _row_x(row, count, rules),
-                y - width / 2,
-                rules.component_depth,
-                width,
-                rules.component_height,
-                terminals,
-            )
-        )
-        y -= width + rules.component_gap
-    return placed
-
-
 def _width(component: Component, rules: PanelRules) -> float:
     most = max(sum(t.side is side for t in component.terminals) for side in Side)
     needed = (most - 1) * rules.terminal_pitch + 2 * rules.component_margin
-    return max(needed, rules.marker_size + 0.010)  # the label with a white border of 5 mm
+    return max(needed, rules.marker_size + 2 * rules.label_margin)
 
 
-def _place_side(
-    component: Component, side: Side, types: dict[TerminalRef, WireType], rules: PanelRules
-) -> list[PlacedTerminal]:
-    """Return the terminals of one side, from left (+y) to right as seen by the robot."""
-    terminals = [terminal for terminal in component.terminals if terminal.side is side]
-    sign = 1 if side is Side.TOP else -1
+def _terminals(
+    component: Component, types: dict[TerminalRef, WireType], rules: PanelRules
+) -> tuple[PlacedTerminal, ...]:
+    """Return a component's terminals, each side from left (+y) to right as seen by the robot."""
     placed = []
-    for index, terminal in enumerate(terminals):
-        wire_type = types[TerminalRef(component.name, terminal.name)]
-        placed.append(
-            PlacedTerminal(
-                terminal.name,
-                sign * rules.component_depth / 2,
-                ((len(terminals) - 1) / 2 - index) * rules.terminal_pitch,
-                rules.mouth_height,
-                math.pi if side is Side.TOP else 0.0,
-                round(wire_type.diameter_m + rules.bore_clearance, 6),
-                round(wire_type.ferrule_m + rules.bore_beyond_ferrule, 6),
+    for side in Side:
+        terminals = [terminal for terminal in component.terminals if terminal.side is side]
+        for index, terminal in enumerate(terminals):
+            wire_type = types[TerminalRef(component.name, terminal.name)]
+            placed.append(
+                PlacedTerminal(
+                    terminal.name,
+                    (1 if side is Side.TOP else -1) * rules.component_depth / 2,
+                    ((len(terminals) - 1) / 2 - index) * rules.terminal_pitch,
+                    rules.mouth_height,
+                    math.pi if side is Side.TOP else 0.0,
+                    round(wire_type.diameter_m + rules.bore_clearance, 6),
+                    round(wire_type.ferrule_m + rules.bore_beyond_ferrule, 6),
+                )
             )
-        )
-    return placed
+    return tuple(placed)
+
+
+def _along_rows(
+    order: Order,
+    rows: tuple[Row, ...],
+    terminals: dict[str, tuple[PlacedTerminal, ...]],
+    rules: PanelRules,
+) -> dict[str, float]:
+    """Return the y [m] of each component's centre."""
+    for index, row in enumerate(rows):
+        needed = sum(_width(c, rules) for c in row) + rules.component_gap * (len(row) - 1)
+        if needed > rules.row_width:
+            raise LayoutError(
+                f"row {index + 1} needs {needed:.2f} m for {', '.join(c.name for c in row)}; the "
+                f"panel has {rules.row_width:.2f} m for it: choose fewer wires"
+            )
+    least, most = {}, {}
+    for component in (component for row in rows for component in row):
+        offsets = [terminal.y for terminal in terminals[component.name]]
+        edge = (rules.row_width - _width(component, rules)) / 2
+        least[component.name] = max(-edge, -rules.mouth_y - min(offsets))
+        most[component.name] = min(edge, rules.mouth_y - max(offsets))
+    in_rows = [*_beside_each_other(rows, rules)]
+    for way_min in rules.ways_min:
+        ways = _ways(order, rows, terminals, way_min, rules)
+        y = least_solution(least, [*in_rows, *ways])
+        if y is not None and all(y[name] <= most[name] + 1e-9 for name in y):
+            to_the_middle = min(most[name] - y[name] for name in y) / 2
+            return {name: value + to_the_middle for name, value in y.items()}
+    raise LayoutError(
+        f"order {order.name}: no places in rows of {rules.row_width:.2f} m leave every wire a way "
+        f"of at most {rules.longest_wire - rules.wire_slack:.2f} m: choose fewer wires"
+    )
+
+
+def _beside_each_other(rows: Iterable[Row], rules: PanelRules) -> Iterator[AtLeast]:
+    for row in rows:
+        for left, right in pairwise(row):
+            pitch = (_width(left, rules) + _width(right, rules)) / 2 + rules.component_gap
+            yield AtLeast(left.name, right.name, pitch)
+
+
+def _ways(
+    order: Order,
+    rows: tuple[Row, ...],
+    terminals: dict[str, tuple[PlacedTerminal, ...]],
+    way_min: float,
+    rules: PanelRules,
+) -> Iterator[AtLeast]:
+    """Say that each wire's left end is left of its right one, neither too little nor too much."""
+    rank = {
+        component.name: (not is_left(index), place)
+        for index, row in enumerate(rows)
+        for place, component in enumerate(row)
+    }
+    offset = {
+        TerminalRef(name, terminal.name): terminal.y
+        for name, placed in terminals.items()
+        for terminal in placed
+    }
+    way_max = rules.longest_wire - rules.wire_slack
+    for wire in order.wires:
+        left, right = sorted((wire.a, wire.b), key=lambda end: rank[end.component])
+        already = offset[left] - offset[right]
+        yield AtLeast(left.component, right.component, way_min - already)
+        yield AtLeast(right.component, left.component, already - way_max)
 
 
 def _cut(
     wire: Wire,
-    components: list[PlacedComponent],
+    components: tuple[PlacedComponent, ...],
     channels: tuple[PlacedChannel, ...],
     catalogue: Catalogue,
     rules: PanelRules,
@@ -307,7 +306,7 @@ def _loose_end(first_y: float, second_y: float, length: float) -> float:
     return length + first_y * (1 if second_y >= first_y else -1)
 
 
-def _mouth(end: TerminalRef, components: list[PlacedComponent]) -> tuple[float, float]:
+def _mouth(end: TerminalRef, components: tuple[PlacedComponent, ...]) -> tuple[float, float]:
     """Return the mouth's x, y [m] in the panel frame."""
     for placed in components:
         if placed.component.name == end.component:

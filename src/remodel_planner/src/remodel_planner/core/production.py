@@ -34,10 +34,16 @@ class TerminalRef:
 
 @dataclass(frozen=True)
 class Terminal:
-    """A clamp that takes one wire end; `name` is unique in its component."""
+    """A clamp that takes one wire end; `name` is unique in its component.
+
+    Attributes:
+        point: at which the drawing joins its wire, with the component's other clamps of that point;
+            empty if the clamp is its only one.
+    """
 
     name: str
     side: Side
+    point: str = ""
 
 
 @dataclass(frozen=True)

@@ -298,9 +298,12 @@ class _Reader:
             refs = []
             for end in conductor.ends:
                 taken[end] += 1
-                label = f"{'T' if end.side is Side.TOP else 'B'}{end.number}"
-                label += f".{taken[end]}" if uses[end] > 1 else ""
-                terminals[end.element].append(Terminal(label, end.side))
+                label = point = f"{'T' if end.side is Side.TOP else 'B'}{end.number}"
+                if uses[end] > 1:
+                    label += f".{taken[end]}"
+                terminals[end.element].append(
+                    Terminal(label, end.side, point if label != point else "")
+                )
                 refs.append(TerminalRef(names[end.element], label))
             colour, section = self._colour(conductor), self._section(conductor)
             wires.append(Wire(f"W{number}", *refs, colour, section, conductor.source))

@@ -35,6 +35,7 @@ class Execution:
     Attributes:
         wire: its name.
         behavior: name of the behavior.
+        attempt: at placing the wire, from 1; each takes a newly fed wire.
         outcome: of the behavior, or how it ended without one.
         placed: whether the cell's ground truth finds both ends fixed in their terminals.
         started_s: [s] ROS time.
@@ -44,6 +45,7 @@ class Execution:
 
     wire: str
     behavior: str
+    attempt: int
     outcome: str
     placed: bool
     started_s: float
@@ -51,10 +53,15 @@ class Execution:
     operations: tuple[Operation, ...]
 
     @property
+    def cell_s(self) -> float:
+        """[s] ROS time that it took."""
+        return self.ended_s - self.started_s
+
+    @property
     def failures(self) -> tuple[Operation, ...]:
         """The operations that did not succeed."""
         return tuple(operation for operation in self.operations if operation.error_code)
 
-    def attempts(self, ability: str) -> int:
+    def tries(self, ability: str) -> int:
         """Return how often an ability was tried."""
         return sum(operation.ability == ability for operation in self.operations)

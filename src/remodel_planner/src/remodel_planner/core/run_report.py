@@ -62,13 +62,24 @@ class Drawing:
 
 @dataclass(frozen=True)
 class WireStory:
-    """All that the report tells of one wire."""
+    """All that the report tells of one attempt at a wire."""
 
     wire: Wire
     length_m: float
     execution: Execution
     drawings: tuple[Drawing, ...]
     pictures: tuple[Picture, ...]
+
+    @property
+    def label(self) -> str:
+        """The wire's name, and the attempt if it is not the first."""
+        attempt = self.execution.attempt
+        return self.wire.name if attempt == 1 else f"{self.wire.name}, attempt {attempt}"
+
+    @property
+    def anchor(self) -> str:
+        """What the page's links lead to."""
+        return f"{self.wire.name}-{self.execution.attempt}"
 
 
 @dataclass(frozen=True)
@@ -94,10 +105,9 @@ class Report:
 
     @property
     def first_pass(self) -> int:
-        """The number of wires placed without one failed operation."""
-        return sum(
-            story.execution.placed and not story.execution.failures for story in self.stories
-        )
+        """The number of wires placed at the first attempt without one failed operation."""
+        first = (story.execution for story in self.stories if story.execution.attempt == 1)
+        return sum(execution.placed and not execution.failures for execution in first)
 
     @property
     def failures(self) -> int:
@@ -112,7 +122,7 @@ class Report:
     @property
     def cell_s(self) -> float:
         """[s] ROS time that the executions took together."""
-        return sum(s.execution.ended_s - s.execution.started_s for s in self.stories)
+        return sum(story.execution.cell_s for story in self.stories)
 
 
 @dataclass(frozen=True)
@@ -127,13 +137,13 @@ class Bar:
 
 
 def timeline(stories: tuple[WireStory, ...]) -> dict[str, tuple[Bar, ...]]:
-    """Return for each wire its operations as bars over the longest wire's duration."""
-    longest = max((s.execution.ended_s - s.execution.started_s for s in stories), default=0.0)
+    """Return for each story's label its operations as bars over the longest one's duration."""
+    longest = max((story.execution.cell_s for story in stories), default=0.0)
     scale = 100 / longest if longest else 0.0
     rows = {}
     for story in stories:
         start = story.execution.started_s
-        rows[story.wire.name] = tuple(
+        rows[story.label] = tuple(
             Bar(
                 round((operation.ended_s - operation.elapsed_s - start) * scale, 3),
                 round(max(operation.elapsed_s * scale, 0.2), 3),
@@ -190,11 +200,12 @@ def _story_data(story: WireStory) -> Mapping[str, object]:
         "length_m": story.length_m,
         "source": story.wire.source,
         "behavior": execution.behavior,
+        "attempt": execution.attempt,
         "outcome": execution.outcome,
         "placed": execution.placed,
-        "insertions": execution.attempts("InsertCable"),
+        "insertions": execution.tries("InsertCable"),
         "failures": [failure_line(operation) for operation in execution.failures],
-        "cell_s": round(execution.ended_s - execution.started_s, 2),
+        "cell_s": round(execution.cell_s, 2),
         "operations": [asdict(operation) for operation in execution.operations],
     }
 

@@ -3,7 +3,8 @@
     Find wire ─► Connect a ─► Pick b ─► Route b ─► Connect b ─► finished
                  (Place Connector)      (along its channel)  (Place Connector)
 
-Each step that looks or grasps is tried a few times; Place Connector has its own recovery.
+Each step that looks or grasps is tried a few times; Place Connector has its own recovery. What is
+given up ends in Lay down, so that the hand is empty when the task has failed.
 """
 
 from __future__ import annotations
@@ -26,12 +27,20 @@ from remodel_planner.core.panel_layout import CutWire, PanelLayout
 
 CONNECT = "Place Connector"
 
+# The outcome of a task that did what it should.
+FINISHED = "finished"
+
+LAY_DOWN = "Lay down"
+
 # [m] height of the tool centre over the plate while end b is carried: clear of wires lying there,
 # and low enough for the wire to stay in its channel.
 CARRY_HEIGHT_M = 0.040
 
 # [m] by which the tool goes past b's terminal, so that the wire comes back to it in a bend.
 BEYOND_M = 0.030
+
+# [m] height of the tool centre over the plate where a wire that is given up is laid down.
+LAY_DOWN_HEIGHT_M = 0.008
 
 _LOOK_ATTEMPTS, _PICK_ATTEMPTS = 3, 3
 
@@ -56,24 +65,40 @@ def wire_chart(cut: CutWire, layout: PanelLayout) -> Chart:
         Input("b_component", "string", cut.second.component),
         Input("b_terminal", "string", cut.second.terminal),
     )
+    carried = _over_channel(cut, layout, CARRY_HEIGHT_M)
     nodes = (
         _retried("Find wire", "DetectCableState", "detected", "Connect a", _LOOK_ATTEMPTS),
         _connect("Connect a", "Pick b"),
-        _retried("Pick b", "PickCableState", "picked", "Route b", _PICK_ATTEMPTS, "cable_end"),
+        _retried(
+            "Pick b",
+            "PickCableState",
+            "picked",
+            "Route b",
+            _PICK_ATTEMPTS,
+            "cable_end",
+            otherwise=LAY_DOWN,
+        ),
         State(
             id="Route b",
             type="RouteWireState",
-            params=(Param("path", _path(cut, layout)),),
+            params=(Param("path", (carried,)),),
             inputs=(Input("cable_id", "string"),),
             outputs=_ERRORS,
-            transitions=_transitions(routed="Connect b", failed="Pick b", command_error="failed"),
+            transitions=_transitions(routed="Connect b", failed="Pick b", command_error=LAY_DOWN),
         ),
-        _connect("Connect b", "finished"),
+        _connect("Connect b", FINISHED),
+        State(
+            id=LAY_DOWN,
+            type="PlaceCableState",
+            params=(Param("target", _over_channel(cut, layout, LAY_DOWN_HEIGHT_M)),),
+            inputs=(Input("cable_id", "string"),),
+            transitions=_transitions(placed="failed", failed="failed", command_error="failed"),
+        ),
     )
     return Chart(
         name=name,
         initial="Find wire",
-        outcomes=(Outcome("finished"), Outcome("failed")),
+        outcomes=(Outcome(FINISHED), Outcome("failed")),
         inputs=inputs,
         outputs=_ERRORS,
         nodes=nodes,
@@ -90,7 +115,13 @@ def wire_chart(cut: CutWire, layout: PanelLayout) -> Chart:
 
 
 def _retried(
-    node_id: str, kind: str, done: str, target: str, attempts: int, *more_inputs: str
+    node_id: str,
+    kind: str,
+    done: str,
+    target: str,
+    attempts: int,
+    *more_inputs: str,
+    otherwise: str = "failed",
 ) -> State:
     """Return a state that is tried again when it fails."""
     return State(
@@ -100,7 +131,7 @@ def _retried(
         outputs=_ERRORS,
         attempts=attempts,
         transitions=_transitions(
-            **{done: target}, failed=node_id, command_error="failed", exhausted="failed"
+            **{done: target}, failed=node_id, command_error=otherwise, exhausted="failed"
         ),
     )
 
@@ -112,7 +143,7 @@ def _connect(node_id: str, target: str) -> Node:
         type=CONNECT,
         inputs=tuple(Input(key, "string") for key in keys),
         outputs=_ERRORS,
-        transitions=_transitions(finished=target, failed="failed"),
+        transitions=_transitions(finished=target, failed=LAY_DOWN),
     )
 
 
@@ -129,9 +160,9 @@ def _transitions(**targets: str) -> tuple[Transition, ...]:
     return tuple(Transition(event, target) for event, target in targets.items())
 
 
-def _path(cut: CutWire, layout: PanelLayout) -> tuple[tuple[float, ...], ...]:
-    """Return tool poses [x, y, z, yaw] in the panel frame: along the channel, past b's terminal."""
+def _over_channel(cut: CutWire, layout: PanelLayout, height: float) -> tuple[float, ...]:
+    """Return the tool pose [x, y, z, yaw] in the panel frame, past b's terminal in the channel."""
     channel = next(channel for channel in layout.channels if channel.name == cut.channel)
     onwards = 1 if cut.second_y >= cut.first_y else -1
     y = cut.second_y + onwards * BEYOND_M
-    return ((round(channel.x, 4), round(y, 4), CARRY_HEIGHT_M, round(onwards * math.pi / 2, 4)),)
+    return (round(channel.x, 4), round(y, 4), height, round(onwards * math.pi / 2, 4))

@@ -76,6 +76,7 @@ class TerminalRow(Base):
     component_id = Column(ForeignKey("components.id"), nullable=False)
     name = Column(String, nullable=False)
     side = Column(String, nullable=False, doc="top or bottom")
+    point = Column(String, nullable=False, doc="shared with other clamps, or empty")
     component = relationship("ComponentRow", back_populates="terminals")
 
 
@@ -125,6 +126,7 @@ class ExecutionRow(Base):
     run_id = Column(ForeignKey("runs.id"), nullable=False)
     wire_id = Column(ForeignKey("wires.id"), nullable=False)
     behavior = Column(String, nullable=False)
+    attempt = Column(Integer, nullable=False, doc="at placing the wire, from 1")
     outcome = Column(String, nullable=False, doc="of the behavior, or how it ended without one")
     placed = Column(Boolean, nullable=False, doc="by the simulated cell's ground truth")
     started_s = Column(Float, nullable=False, doc="ROS time")
@@ -223,6 +225,7 @@ class ProductionDatabase:
                 ExecutionRow(
                     wire_id=wire.id,
                     behavior=execution.behavior,
+                    attempt=execution.attempt,
                     outcome=execution.outcome,
                     placed=execution.placed,
                     started_s=execution.started_s,
@@ -248,7 +251,10 @@ def _order_row(order: Order) -> OrderRow:
         ComponentRow(
             name=component.name,
             kind=component.kind,
-            terminals=[TerminalRow(name=t.name, side=t.side.value) for t in component.terminals],
+            terminals=[
+                TerminalRow(name=t.name, side=t.side.value, point=t.point)
+                for t in component.terminals
+            ],
         )
         for component in order.components
     ]
@@ -283,7 +289,7 @@ def _order(row: OrderRow) -> Order:
         Component(
             component.name,
             component.kind,
-            tuple(Terminal(t.name, Side(t.side)) for t in component.terminals),
+            tuple(Terminal(t.name, Side(t.side), t.point) for t in component.terminals),
         )
         for component in row.components
     )

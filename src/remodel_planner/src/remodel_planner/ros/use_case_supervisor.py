@@ -12,7 +12,7 @@ from flexbe_synthesizer.core.codec import write_chart
 from flexbe_synthesizer.core.model import Chart
 from remodel_planner.core.panel_layout import CutWire, PanelLayout, PanelRules
 from remodel_planner.core.run import Execution
-from remodel_planner.core.wire_chart import wire_chart
+from remodel_planner.core.wire_chart import FINISHED, wire_chart
 from remodel_planner.core.wire_sequence import sequence
 from remodel_planner.edge.production_database import ProductionDatabase, Run
 from remodel_planner.ros.behavior_synthesizer import BehaviorSynthesizer
@@ -20,11 +20,20 @@ from remodel_planner.ros.cell import Cell
 from remodel_planner.ros.panel_message import panel_message
 from remodel_planner.ros.task_supervisor import Sight, TaskSupervisor
 
+# A wire whose task failed is taken away and fed anew: what a robot can't put right any more, since
+# the end sprang out of reach or out of sight, a fresh wire does.
+ATTEMPTS = 3
+
 
 @dataclass(frozen=True)
 class WireRun:
-    """One wire's task, done: its chart, what happened, and what was seen."""
+    """One attempt at a wire's task, ended: its chart, what happened, and what was seen.
 
+    Attributes:
+        last: whether no other attempt at this wire follows.
+    """
+
+    last: bool
     cut: CutWire
     chart: Chart
     execution: Execution
@@ -54,33 +63,43 @@ class UseCaseSupervisor:
     def run(self, run: Run, layout: PanelLayout, rules: PanelRules) -> Iterator[WireRun]:
         """Build the panel, and place its wires one by one.
 
-        A task that fails leaves its wire where it is; the next one goes on.
+        A task that fails is tried again with a new wire. If the last attempt fails too, the wire
+        stays where it is, and the next one is placed.
 
         Yields:
-            Each wire's run when it is done and recorded.
+            Each attempt when it has ended and is recorded.
 
         Raises:
             CellError: if the cell, the synthesizer or the engine refuses or falls silent.
         """
         self._cell.load(panel_message(layout, rules))
         for cut in sequence(layout.wires):
-            yield self._place(run, cut, layout)
+            chart = self._synthesize(cut, layout)
+            for attempt in range(1, ATTEMPTS + 1):
+                wire_run = self._place(run, cut, chart, attempt)
+                yield wire_run
+                if wire_run.last:
+                    break
 
     def overview(self) -> Image:
         """Return a picture of the whole cell."""
         return self._cell.picture("scene")
 
-    def _place(self, run: Run, cut: CutWire, layout: PanelLayout) -> WireRun:
-        wire = cut.wire.name
+    def _synthesize(self, cut: CutWire, layout: PanelLayout) -> Chart:
         chart = wire_chart(cut, layout)
-        chart_file = self._chart_folder / f"place_wire_{wire.lower()}.xml"
+        chart_file = self._chart_folder / f"place_wire_{cut.wire.name.lower()}.xml"
         chart_file.write_text(write_chart(chart), encoding="utf-8")
         self._synthesizer.synthesize(str(chart_file), chart.name)
+        return chart
+
+    def _place(self, run: Run, cut: CutWire, chart: Chart, attempt: int) -> WireRun:
+        wire = cut.wire.name
         self._cell.feed(wire, cut.channel)
         task = self._tasks.run(chart.name)
         execution = Execution(
             wire,
             chart.name,
+            attempt,
             task.outcome,
             self._cell.placed(wire),
             task.started_s,
@@ -88,4 +107,6 @@ class UseCaseSupervisor:
             task.operations,
         )
         self._database.add_execution(run, execution)
-        return WireRun(cut, chart, execution, task.sights, self._cell.picture("overhead"))
+        last = task.outcome == FINISHED or attempt == ATTEMPTS
+        after = self._cell.picture("overhead")
+        return WireRun(last, cut, chart, execution, task.sights, after)

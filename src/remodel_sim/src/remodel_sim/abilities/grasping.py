@@ -33,6 +33,7 @@ MISSED_SHARE = 0.45
 # Fingers that hold a wire feel tens of newtons; without one, nothing.
 HELD_LOAD_N = 4.0
 APPROACH_Z = 0.06
+LIFT_SPEED = 0.05  # [m/s]; the heavier a wire is made (README), the more a jerk pulls at the grip
 OPEN_SPEED = 0.015  # [m/s]
 CLEAR_SPEED = 0.05  # [m/s]
 CLEAR_OF_WIRE_M = 0.02
@@ -67,7 +68,7 @@ def pick_end(
     station.book.tips.pop(end, None)
     yield from close_on_wire(station, Grip(end, distance, height, flip, tool))
     station.report(f"lifting end {end.value}", first + 0.9 * (last - first))
-    yield from rise(station, CARRY_Z)
+    yield from move_to(station, station.commanded.at(z=CARRY_Z), LIFT_SPEED)
     check_grip(station)
 
 

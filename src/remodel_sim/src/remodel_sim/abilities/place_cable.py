@@ -67,7 +67,7 @@ def lay_down(station: Station, target: ToolPose, shares: tuple[float, float]) ->
         station.book.expected[grip.end] = tip
         station.book.tips.pop(grip.end, None)
         _bring_fork(station, target, grip)
-    yield from release(station, HAND_OPEN_M / 2)
+    yield from release(station, HAND_OPEN_M)
     yield from rise(station)
 
 
