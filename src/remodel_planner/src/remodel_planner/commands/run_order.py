@@ -11,7 +11,8 @@ import rospy
 from tqdm import tqdm
 
 from remodel_planner.commands.database_option import add_database_option
-from remodel_planner.core.panel_layout import PanelRules, lay_out
+from remodel_planner.core.panel_layout import PanelLayout, PanelRules, lay_out
+from remodel_planner.core.production import Order
 from remodel_planner.core.run import Execution
 from remodel_planner.core.run_report import Report, failure_line
 from remodel_planner.edge.catalogue_file import read_catalogue
@@ -28,8 +29,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="run_order",
         description="Place the wires of an order in the cell, one after another, and report.",
-        epilog="Exit code: 0 all wires placed, 1 not all, 2 wrong usage, 3 the cell, the engine or "
-        "the synthesizer is not there or refuses.",
+        epilog="Exit code: 0 all wires placed, 1 not all, 2 wrong usage or no such order, 3 cell, "
+        "engine or synthesizer is not there or refuses.",
     )
     parser.add_argument("order", help="name of the order in the production database")
     parser.add_argument("--wires", type=int, default=6, help="how many, from the first (default 6)")
@@ -40,23 +41,28 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser.parse_args(rospy.myargv()[1:] if arguments is None else arguments)
     if options.wires < 1:
         parser.error(f"--wires must be at least 1, found {options.wires}")
+    try:
+        database = ProductionDatabase(options.database)
+        order = database.order(options.order).first(options.wires)
+        layout = lay_out(order, read_catalogue(catalogue_file()), PanelRules())
+    except PlannerError as error:
+        print(f"run_order: {error}", file=sys.stderr)
+        return 2
     rospy.init_node("use_case_supervisor")
     try:
-        report = _run(options)
+        report = _run(database, order, layout, options.output)
     except PlannerError as error:
         print(f"run_order: {error}", file=sys.stderr)
         return 3
+    finally:
+        database.close()
     page = write_report(report, options.output)
     _sum_up(report, page)
     return 0 if report.complete else 1
 
 
-def _run(options: argparse.Namespace) -> Report:
-    database = ProductionDatabase(options.database)
-    order = database.order(options.order).first(options.wires)
-    rules = PanelRules()
-    layout = lay_out(order, read_catalogue(catalogue_file()), rules)
-    charts = options.output.resolve() / "charts"
+def _run(database: ProductionDatabase, order: Order, layout: PanelLayout, output: Path) -> Report:
+    charts = output.resolve() / "charts"
     charts.mkdir(parents=True, exist_ok=True)
     supervisor = UseCaseSupervisor(database, charts)
     teller = Storyteller()
@@ -66,13 +72,12 @@ def _run(options: argparse.Namespace) -> Report:
     with tqdm(
         total=len(order.wires), unit="wire", file=sys.stdout, leave=False, disable=None
     ) as bar:
-        for wire_run in supervisor.run(database.start_run(order), layout, rules):
+        for wire_run in supervisor.run(database.start_run(order), layout, PanelRules()):
             bar.write(_line(wire_run))
             bar.update(wire_run.last)
             stories.append(teller.story(wire_run))
     wall_s = time.monotonic() - started
     overview = teller.overview(supervisor.overview())
-    database.close()
     return Report(order, len(order.wires), wall_s, tuple(stories), overview)
 
 

@@ -6,7 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remodel_sim.abilities.looking import look_from_above, loose_ends, mark_end
+from remodel_sim.abilities.looking import (
+    look_from_above,
+    look_from_aside,
+    loose_ends,
+    mark_end,
+)
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.book import TipSighting
 from remodel_sim.core.codes import Code
@@ -40,26 +45,35 @@ class CableDetected:
 
 
 def detect_cable(station: Station, goal: DetectGoal) -> Steps[CableDetected]:
-    """Look from above, find the ferrules of the wire, and follow it from one of them."""
+    """Look from above, find the ferrules of the wire, and follow it from one of them.
+
+    An end that is hidden from above is looked for from the hand.
+    """
     station.report("taking the arm out of the picture", 0.0)
     above = yield from look_from_above(station)
     station.report("following the wire", 0.8)
     wire, view = station.wire, above.picture.view
     drawing = Drawing(above.picture.rgb, view)
     wanted = loose_ends(station)
-    missing = [end for end in wanted if end not in above.ends]
-    if not above.ends or missing:
-        drawing.title(
-            f"{wire.id}: " + (f"end {missing[0].value} not seen" if missing else "not seen")
-        )
+    hidden = [end for end in wanted if end not in above.ends]
+    if hidden:
+        text = ", ".join(end.value for end in hidden)
+        drawing.title(f"{wire.id}: end {text} not seen from above")
         station.show("overhead", above.picture, drawing.image)
-        code = Code.TIP_NOT_FOUND if above.ends else Code.CABLE_NOT_FOUND
+    if not above.ends:
         raise AbilityError(
-            code,
-            f"of {wire.id!r} ({wire.colour}) the ends {[e.value for e in wanted]} should lie "
-            "loose, "
-            f"seen: {[e.value for e in above.ends]}; feed the wire again",
+            Code.CABLE_NOT_FOUND,
+            f"no end of {wire.id!r} ({wire.colour}) is seen; feed the wire again",
         )
+    for end in hidden:
+        station.report(f"looking for end {end.value} from aside", 0.85)
+        if not (yield from look_from_aside(station, end)):
+            seen = ", ".join(end.value for end in above.ends)
+            raise AbilityError(
+                Code.TIP_NOT_FOUND,
+                f"end {end.value} of {wire.id!r} ({wire.colour}) is hidden, from above and from "
+                f"aside; seen: {seen}; feed the wire again",
+            )
     paths = {
         end: trace_from(sighting, above.picture, above.likelihood, wire)
         for end, sighting in above.ends.items()
@@ -76,7 +90,7 @@ def detect_cable(station: Station, goal: DetectGoal) -> Steps[CableDetected]:
         f"{wire.id} ({wire.colour}): {length * 1e3:.0f} of {wire.length * 1e3:.0f} mm seen"
     )
     station.show("overhead", above.picture, drawing.image)
-    ends = " and ".join(end.value for end in above.ends)
-    tips = tuple(above.ends[end].tip for end in End if end in above.ends)
+    ends = " and ".join(end.value for end in wanted)
+    tips = tuple(station.book.tips[end] for end in wanted)
     message = f"loose end {ends} of {wire.id} seen, and {length * 1e3:.0f} mm of the wire"
     return CableDetected(message, line, tips, length, confidence, False)

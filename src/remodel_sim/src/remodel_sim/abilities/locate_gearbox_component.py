@@ -60,7 +60,10 @@ def locate_gearbox_component(station: Station, goal: LocateGoal) -> Steps[Compon
         yield
         coarse = _find(station, "overhead", picture, component, goal).world_from_component
     station.report("looking from the hand", 0.4)
-    yield from bring_label_into_view(station, coarse.apply(label_corners(component)))
+    label, goes_to = coarse.apply(label_corners(component)), None
+    if goal.terminal_id:
+        goes_to = (coarse @ component.terminal(goal.terminal_id).component_from_socket).yaw
+    yield from bring_label_into_view(station, label, goes_to)
     picture = station.look_wrist()
     yield
     sighting = _find(station, "wrist", picture, component, goal)

@@ -25,7 +25,8 @@ from remodel_sim.core.book import EndState, TipSighting
 from remodel_sim.core.camera import Picture, View
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.core.geometry import Array, Pose, wrap_angle
+from remodel_sim.core.layout import GRASP_DISTANCE_M
 from remodel_sim.core.panel import End
 from remodel_sim.core.vision.drawing import BLUE, ORANGE, Drawing
 from remodel_sim.core.vision.tracing import at_distance
@@ -36,6 +37,12 @@ from remodel_sim.physics.robot_description import CAMERA_MOUNT
 LOOK_Z = 0.12
 # The arm rings down before a picture is taken [s].
 STILL_S = 0.10
+# Places of the wrist camera beside a hidden end, x and y [m]: the lens is some 0.2 m high, where a
+# wire 50 mm high moves by a third of that in the picture. Wires leave their terminals along x, so
+# it is tried along y first.
+ASIDE_M = ((0.0, 0.07), (0.0, -0.07), (0.07, 0.0), (-0.07, 0.0))
+# Turns of a hand that holds a wire, for a look at a component that it need not go to [rad].
+EITHER_WAY = np.radians([0.0, 45.0, -45.0, 90.0, -90.0])
 # A wire is traced so far behind its tip to find the grasp [m].
 TRACE_M = 0.075
 BORDER_PX = 30.0
@@ -124,7 +131,7 @@ def _find_from_above(station: Station, end: End) -> Steps[None]:
         mark_end(drawing, sighting, f"{wire_id} end {seen.value}")
     drawing.title(f"Looking for end {end.value} of {wire_id}")
     station.show("overhead", above.picture, drawing.image)
-    if end not in above.ends:
+    if end not in above.ends and not (yield from look_from_aside(station, end)):
         raise AbilityError(
             Code.TIP_NOT_FOUND,
             f"end {end.value} of {wire_id!r} is not seen within 150 mm of where it was left; "
@@ -132,29 +139,71 @@ def _find_from_above(station: Station, end: End) -> Steps[None]:
         )
 
 
+def look_from_aside(station: Station, end: End) -> Steps[bool]:
+    """Look with the wrist camera for a loose end that other wires hide from above, and note it.
+
+    A wire in the air hides different places from each side.
+
+    Returns:
+        Whether the end is seen now.
+    """
+    expected = station.book.expected[end]
+    yield from clear_hand(station)
+    for aside in ASIDE_M:
+        try:
+            target = camera_above(expected + aside, math.pi / 2, station.commanded.yaw)
+            yield from swing_to(station, target)
+        except AbilityError as error:
+            if error.code is not Code.UNREACHABLE:
+                raise
+            continue
+        if (yield from _look_for(station, end, expected, GRASP_DISTANCE_M)) is not None:
+            return True
+    return False
+
+
 def _look_close(station: Station, end: End, distance: float) -> Steps[GraspSighting]:
-    coarse, wire = station.book.tips[end], station.wire
+    """Look at an end from straight above it, or from aside where another wire hides it."""
+    coarse = station.book.tips[end]
     out = np.array([math.cos(coarse.out_yaw), math.sin(coarse.out_yaw)])
     middle = coarse.tip[:2] - out * distance / 2
     yield from clear_hand(station)
-    yield from swing_to(station, camera_above(middle, coarse.out_yaw, station.commanded.yaw))
+    for aside in ((0.0, 0.0), *ASIDE_M):
+        try:
+            target = camera_above(middle + aside, coarse.out_yaw, station.commanded.yaw)
+            yield from swing_to(station, target)
+        except AbilityError as error:
+            if error.code is not Code.UNREACHABLE:
+                raise
+            continue
+        seen = yield from _look_for(station, end, coarse.tip[:2], distance)
+        if seen is not None:
+            return seen
+    del station.book.tips[end]
+    raise AbilityError(
+        Code.TIP_NOT_FOUND,
+        f"end {end.value} of {station.wire.id!r} is not seen from the hand; look again",
+    )
+
+
+def _look_for(
+    station: Station, end: End, expected: Array, distance: float
+) -> Steps[GraspSighting | None]:
+    """Take a picture from the hand; return where to grasp an end if it is seen."""
+    wire = station.wire
     yield from wait(station, STILL_S)
     picture = station.look_wrist()
     yield
     try:
-        ends, likelihood = find_ends(picture, wire, {end: coarse.tip[:2]})
+        ends, likelihood = find_ends(picture, wire, {end: expected})
     except AbilityError:
-        del station.book.tips[end]
+        station.book.tips.pop(end, None)
         raise
     drawing = Drawing(picture.rgb, picture.view)
     if end not in ends:
-        del station.book.tips[end]
         drawing.title(f"End {end.value} of {wire.id} not seen")
         station.show("wrist", picture, drawing.image)
-        raise AbilityError(
-            Code.TIP_NOT_FOUND,
-            f"end {end.value} of {wire.id!r} is not seen from the hand; look again",
-        )
+        return None
     sighting = ends[end]
     z = float(sighting.tip.tip[2])
     pixels = trace_from(sighting, picture, likelihood, wire)
@@ -214,35 +263,41 @@ def _camera_offset(yaw: float) -> Array:
     return np.array([x * c + y * s, x * s - y * c])
 
 
-def bring_label_into_view(station: Station, label: Array) -> Steps[None]:
+def bring_label_into_view(station: Station, label: Array, socket_yaw: float | None) -> Steps[None]:
     """Bring the wrist camera to where it sees a label.
 
-    The empty hand goes straight over it. With a wire in the hand the tool moves as little as it
-    can: the wire may be
-    fixed at its other end.
+    The empty hand goes straight over it. With a wire in the hand the tool moves as little as it can
+    and turns only the way it will turn to the socket: the wire may be fixed at its other end, and
+    one that is bent away from where it goes twists out of the fingers.
 
     Args:
         station: the cell.
         label: its corners, (4, 3) [m], world frame.
+        socket_yaw: direction of the bore that a held end goes into [rad], world frame; None if that
+            is not known.
 
     Raises:
         AbilityError: UNREACHABLE when no posture sees it.
     """
-    middle = label.mean(axis=0)
-    if station.book.grip is None:
+    grip = station.book.grip
+    if grip is None:
+        middle = label.mean(axis=0)
         yield from clear_hand(station)
         yield from swing_to(station, camera_above(middle[:2], 0.0, station.commanded.yaw))
     else:
-        target = _held_look(station, label)
+        ahead = 0.0
+        if socket_yaw is not None:
+            ahead = wrap_angle(socket_yaw - grip.flip - station.commanded.yaw)
+        target = _held_look(station, label, np.linspace(0.0, ahead, 5) if ahead else EITHER_WAY)
         yield from move_to(station, station.commanded.at(z=target.z), APPROACH_SPEED)
         yield from move_to(station, target, CARRY_SPEED)
     yield from wait(station, STILL_S)
 
 
-def _held_look(station: Station, label: Array) -> ToolPose:
+def _held_look(station: Station, label: Array, turns: Array) -> ToolPose:
     now, view = station.commanded, station.wrist_view
     best: tuple[float, ToolPose] | None = None
-    for turn in np.radians([0.0, 45.0, -45.0, 90.0, -90.0]):
+    for turn in turns:
         for dx in np.arange(-0.06, 0.061, 0.02):
             for dy in np.arange(-0.16, 0.161, 0.02):
                 cost = math.hypot(dx, dy) + 0.08 * abs(turn)
