@@ -18,7 +18,7 @@ from remodel_sim.core.panel import Channel, Panel, Wire
 
 # Tip a lies this far beyond its terminal: then turning it into the bore hardly drags the rest.
 OVERLAP_M = 0.055
-# Placing end a draws end b back by some 80 mm; the fingers that then grasp it stay clear of the fork.
+# Placing end a draws end b back by some 80 mm; fingers that grasp it then stay clear of the fork.
 FORK_BEHIND_TIP_M = 0.190
 # Around an end that is laid down again, it comes up so far behind the grasp.
 FORK_BEHIND_GRASP_M = 0.045
