@@ -6,7 +6,6 @@ import threading
 from dataclasses import dataclass
 
 import rospy
-from actionlib_msgs.msg import GoalStatus
 from flexbe_msgs.msg import BehaviorExecutionAction, BehaviorExecutionGoal
 from remodel_msgs.msg import AbilityRecord
 from sensor_msgs.msg import Image
@@ -14,7 +13,7 @@ from std_msgs.msg import Empty
 
 from remodel_planner.core.run import Operation
 from remodel_planner.errors import CellError
-from remodel_planner.ros.action_server import connect
+from remodel_planner.ros.action_server import ActionServer, Goal
 
 ACTION = "flexbe/execute_behavior"
 RECORDS = "remodel/ability_records"
@@ -55,7 +54,7 @@ class TaskSupervisor:
         Raises:
             CellError: if the action server is not there in time.
         """
-        self._client = connect(ACTION, BehaviorExecutionAction, "be_action_server")
+        self._server = ActionServer(ACTION, BehaviorExecutionAction, "be_action_server")
         self._operations: list[Operation] = []
         self._sights: list[Sight] = []
         self._alive = threading.Event()
@@ -72,32 +71,23 @@ class TaskSupervisor:
             CellError: if the engine or the cell's clock falls silent; the goal is cancelled.
         """
         self._operations, self._sights = [], []
-        done = threading.Event()
         started_s = rospy.get_time()
-        self._client.send_goal(
-            BehaviorExecutionGoal(behavior_name=behavior), done_cb=lambda *_: done.set()
-        )
-        while not done.wait(SILENCE_LIMIT_S):
+        goal = self._server.send(BehaviorExecutionGoal(behavior_name=behavior))
+        while not goal.wait(SILENCE_LIMIT_S):
             if not self._alive.is_set() or rospy.is_shutdown():
-                self._client.cancel_goal()
+                goal.cancel()
                 raise CellError(
                     f"the engine has been silent for {SILENCE_LIMIT_S:.0f} s while {behavior!r} "
                     "ran; look at its log"
                 )
             self._alive.clear()
         return TaskRun(
-            self._outcome(),
+            _outcome(goal),
             started_s,
             rospy.get_time(),
             tuple(self._operations),
             tuple(self._sights),
         )
-
-    def _outcome(self) -> str:
-        if self._client.get_state() == GoalStatus.SUCCEEDED:
-            return self._client.get_result().outcome
-        state = GoalStatus.to_string(self._client.get_state()).lower()
-        return f"{state}: {self._client.get_goal_status_text()}"
 
     def _on_record(self, record: AbilityRecord) -> None:
         self._operations.append(
@@ -114,3 +104,7 @@ class TaskSupervisor:
 
     def _on_image(self, image: Image, camera: str) -> None:
         self._sights.append(Sight(camera, image.header.stamp.to_sec(), image))
+
+
+def _outcome(goal: Goal) -> str:
+    return goal.result.outcome if goal.succeeded else goal.ending

@@ -108,5 +108,5 @@ class UseCaseSupervisor:
         )
         self._database.add_execution(run, execution)
         last = task.outcome == FINISHED or attempt == ATTEMPTS
-        after = self._cell.picture("overhead")
+        after = self._cell.picture("scene")
         return WireRun(last, cut, chart, execution, task.sights, after)
