@@ -1,5 +1,6 @@
 """The report says what happened, and nothing it was told can break its page."""
 
+import dataclasses
 from pathlib import Path
 
 from lxml import html
@@ -67,6 +68,13 @@ def test_the_page_tells_each_wire_and_its_failures():
     assert "error 301" in tree.text_content()
     assert "A <house>" in tree.text_content()
     assert not tree.xpath("//house | //here")
+
+
+def test_a_run_that_stopped_early_says_why():
+    stopped = dataclasses.replace(report(story("W1", GOOD), planned=2), stopped="the engine <died>")
+    page = html.fromstring(render_html(TEMPLATE, stopped))
+    assert "stopped early: the engine <died>" in page.text_content()
+    assert report_data(stopped)["stopped"] == "the engine <died>"
 
 
 def test_the_data_says_the_same():

@@ -19,7 +19,7 @@ from remodel_planner.edge.catalogue_file import read_catalogue
 from remodel_planner.edge.package_files import catalogue_file
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.report_files import write_report
-from remodel_planner.errors import PlannerError
+from remodel_planner.errors import CellError, PlannerError
 from remodel_planner.ros.storyteller import Storyteller
 from remodel_planner.ros.use_case_supervisor import UseCaseSupervisor, WireRun
 
@@ -58,6 +58,9 @@ def main(arguments: list[str] | None = None) -> int:
         database.close()
     page = write_report(report, options.output)
     _sum_up(report, page)
+    if report.stopped:
+        print(f"run_order: {report.stopped}", file=sys.stderr)
+        return 3
     return 0 if report.complete else 1
 
 
@@ -66,19 +69,22 @@ def _run(database: ProductionDatabase, order: Order, layout: PanelLayout, output
     charts.mkdir(parents=True, exist_ok=True)
     supervisor = UseCaseSupervisor(database, charts)
     teller = Storyteller()
-    stories = []
+    stories, stopped, overview = [], "", ()
     print(f"order {order.name}: {len(order.wires)} wires, {len(order.components)} components")
     started = time.monotonic()
     with tqdm(
         total=len(order.wires), unit="wire", file=sys.stdout, leave=False, disable=None
     ) as bar:
-        for wire_run in supervisor.run(database.start_run(order), layout, PanelRules()):
-            bar.write(_line(wire_run))
-            bar.update(wire_run.last)
-            stories.append(teller.story(wire_run))
+        try:
+            for wire_run in supervisor.run(database.start_run(order), layout, PanelRules()):
+                bar.write(_line(wire_run))
+                bar.update(wire_run.last)
+                stories.append(teller.story(wire_run))
+            overview = teller.overview(supervisor.overview())
+        except CellError as error:
+            stopped = str(error)
     wall_s = time.monotonic() - started
-    overview = teller.overview(supervisor.overview())
-    return Report(order, len(order.wires), wall_s, tuple(stories), overview)
+    return Report(order, len(order.wires), wall_s, tuple(stories), overview, stopped)
 
 
 def _line(wire_run: WireRun) -> str:

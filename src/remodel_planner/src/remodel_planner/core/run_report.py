@@ -90,6 +90,7 @@ class Report:
         planned: number of wires that were to be placed.
         wall_s: [s] wall time from the first task's start to the last one's end.
         overview: pictures of the whole cell.
+        stopped: why the run ended before its time; empty if it did not.
     """
 
     order: Order
@@ -97,6 +98,7 @@ class Report:
     wall_s: float
     stories: tuple[WireStory, ...]
     overview: tuple[Picture, ...]
+    stopped: str = ""
 
     @property
     def placed(self) -> int:
@@ -182,6 +184,7 @@ def report_data(report: Report) -> Mapping[str, object]:
         "first_pass": report.first_pass,
         "failures": report.failures,
         "complete": report.complete,
+        "stopped": report.stopped,
         "wall_s": round(report.wall_s, 1),
         "cell_s": round(report.cell_s, 1),
         "wires": [_story_data(story) for story in report.stories],

@@ -39,8 +39,9 @@ CARRY_HEIGHT_M = 0.040
 # [m] by which the tool goes past b's terminal, so that the wire comes back to it in a bend.
 BEYOND_M = 0.030
 
-# [m] height of the tool centre over the plate where a wire that is given up is laid down.
-LAY_DOWN_HEIGHT_M = 0.008
+# [m] height of the tool centre over the plate where a wire that is given up is let go: it may fall
+# across whatever lies there.
+LAY_DOWN_HEIGHT_M = 0.028
 
 _LOOK_ATTEMPTS, _PICK_ATTEMPTS = 3, 3
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remodel_sim.abilities.looking import bring_label_into_view
+from remodel_sim.abilities.looking import go_and_see, label_views
 from remodel_sim.abilities.motions import disengage, park
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.camera import Picture
@@ -63,9 +63,10 @@ def locate_gearbox_component(station: Station, goal: LocateGoal) -> Steps[Compon
     label, goes_to = coarse.apply(label_corners(component)), None
     if goal.terminal_id:
         goes_to = (coarse @ component.terminal(goal.terminal_id).component_from_socket).yaw
-    yield from bring_label_into_view(station, label, goes_to)
-    picture = station.look_wrist()
-    yield
+    for tool in label_views(station, label, goes_to):
+        picture = yield from go_and_see(station, tool)
+        if component.marker_id in find_labels(picture):
+            break
     sighting = _find(station, "wrist", picture, component, goal)
     pose = sighting.world_from_component
     socket = None

@@ -43,6 +43,9 @@ STILL_S = 0.10
 ASIDE_M = ((0.0, 0.07), (0.0, -0.07), (0.07, 0.0), (-0.07, 0.0))
 # Turns of a hand that holds a wire, for a look at a component that it need not go to [rad].
 EITHER_WAY = np.radians([0.0, 45.0, -45.0, 90.0, -90.0])
+# A label that is hidden from one place of the lens is looked for from others, so far apart [m].
+VIEWS_APART_M = 0.05
+MAX_VIEWS = 4
 # A wire is traced so far behind its tip to find the grasp [m].
 TRACE_M = 0.075
 BORDER_PX = 30.0
@@ -148,16 +151,8 @@ def look_from_aside(station: Station, end: End) -> Steps[bool]:
         Whether the end is seen now.
     """
     expected = station.book.expected[end]
-    yield from clear_hand(station)
-    for aside in ASIDE_M:
-        try:
-            target = camera_above(expected + aside, math.pi / 2, station.commanded.yaw)
-            yield from swing_to(station, target)
-        except AbilityError as error:
-            if error.code is not Code.UNREACHABLE:
-                raise
-            continue
-        if (yield from _look_for(station, end, expected, GRASP_DISTANCE_M)) is not None:
+    for tool in _views_around(station, expected, math.pi / 2)[1:]:
+        if (yield from _look_for(station, tool, end, expected, GRASP_DISTANCE_M)) is not None:
             return True
     return False
 
@@ -167,16 +162,8 @@ def _look_close(station: Station, end: End, distance: float) -> Steps[GraspSight
     coarse = station.book.tips[end]
     out = np.array([math.cos(coarse.out_yaw), math.sin(coarse.out_yaw)])
     middle = coarse.tip[:2] - out * distance / 2
-    yield from clear_hand(station)
-    for aside in ((0.0, 0.0), *ASIDE_M):
-        try:
-            target = camera_above(middle + aside, coarse.out_yaw, station.commanded.yaw)
-            yield from swing_to(station, target)
-        except AbilityError as error:
-            if error.code is not Code.UNREACHABLE:
-                raise
-            continue
-        seen = yield from _look_for(station, end, coarse.tip[:2], distance)
+    for tool in _views_around(station, middle, coarse.out_yaw):
+        seen = yield from _look_for(station, tool, end, coarse.tip[:2], distance)
         if seen is not None:
             return seen
     del station.book.tips[end]
@@ -186,14 +173,20 @@ def _look_close(station: Station, end: End, distance: float) -> Steps[GraspSight
     )
 
 
+def _views_around(station: Station, point: Array, yaw: float) -> list[ToolPose]:
+    """Return tool poses that bring the wrist camera over a point (2,) [m], and beside it."""
+    tools = [
+        camera_above(point + aside, yaw, station.commanded.yaw) for aside in ((0.0, 0.0), *ASIDE_M)
+    ]
+    return [tools[0], *(tool for tool in tools[1:] if reaches(tool))]
+
+
 def _look_for(
-    station: Station, end: End, expected: Array, distance: float
+    station: Station, tool: ToolPose, end: End, expected: Array, distance: float
 ) -> Steps[GraspSighting | None]:
-    """Take a picture from the hand; return where to grasp an end if it is seen."""
+    """Look from a tool pose of the empty hand; return where to grasp an end if it is seen."""
     wire = station.wire
-    yield from wait(station, STILL_S)
-    picture = station.look_wrist()
-    yield
+    picture = yield from go_and_see(station, tool)
     try:
         ends, likelihood = find_ends(picture, wire, {end: expected})
     except AbilityError:
@@ -263,12 +256,13 @@ def _camera_offset(yaw: float) -> Array:
     return np.array([x * c + y * s, x * s - y * c])
 
 
-def bring_label_into_view(station: Station, label: Array, socket_yaw: float | None) -> Steps[None]:
-    """Bring the wrist camera to where it sees a label.
+def label_views(station: Station, label: Array, socket_yaw: float | None) -> list[ToolPose]:
+    """Return tool poses from which the wrist camera should see a label, the nearest first.
 
-    The empty hand goes straight over it. With a wire in the hand the tool moves as little as it can
-    and turns only the way it will turn to the socket: the wire may be fixed at its other end, and
-    one that is bent away from where it goes twists out of the fingers.
+    Several, since a wire in the air may hide the label from one of them. The empty hand goes
+    straight over it, or beside it. With a wire in the hand the tool moves as little as it can and
+    turns only the way it will turn to the socket: the wire may be fixed at its other end, and one
+    that is bent away from where it goes twists out of the fingers.
 
     Args:
         station: the cell.
@@ -279,43 +273,60 @@ def bring_label_into_view(station: Station, label: Array, socket_yaw: float | No
     Raises:
         AbilityError: UNREACHABLE when no posture sees it.
     """
-    grip = station.book.grip
+    grip, now = station.book.grip, station.commanded
     if grip is None:
-        middle = label.mean(axis=0)
-        yield from clear_hand(station)
-        yield from swing_to(station, camera_above(middle[:2], 0.0, station.commanded.yaw))
-    else:
-        ahead = 0.0
-        if socket_yaw is not None:
-            ahead = wrap_angle(socket_yaw - grip.flip - station.commanded.yaw)
-        target = _held_look(station, label, np.linspace(0.0, ahead, 5) if ahead else EITHER_WAY)
-        yield from move_to(station, station.commanded.at(z=target.z), APPROACH_SPEED)
-        yield from move_to(station, target, CARRY_SPEED)
-    yield from wait(station, STILL_S)
-
-
-def _held_look(station: Station, label: Array, turns: Array) -> ToolPose:
-    now, view = station.commanded, station.wrist_view
-    best: tuple[float, ToolPose] | None = None
-    for turn in turns:
-        for dx in np.arange(-0.06, 0.061, 0.02):
-            for dy in np.arange(-0.16, 0.161, 0.02):
-                cost = math.hypot(dx, dy) + 0.08 * abs(turn)
-                if best is not None and cost >= best[0]:
-                    continue
-                yaw = canonical_yaw(now.x + dx, now.y + dy, now.yaw + turn)
-                tool = ToolPose(now.x + dx, now.y + dy, TRAVEL_Z, now.yaw + turn)
-                if yaw is None or abs(yaw - tool.yaw) > 1e-6 or not reaches(tool):
-                    continue
-                if _view_from(tool, view).sees(label, BORDER_PX):
-                    best = cost, tool
-    if best is None:
+        return _views_around(station, label.mean(axis=0)[:2], 0.0)
+    turns = EITHER_WAY
+    if socket_yaw is not None:
+        turns = np.linspace(0.0, wrap_angle(socket_yaw - grip.flip - now.yaw), 5)
+    views: list[ToolPose] = []
+    for tool in _held_looks(station, label, turns):
+        if all(_lenses_apart(tool, view) >= VIEWS_APART_M for view in views):
+            views.append(tool)
+        if len(views) == MAX_VIEWS:
+            break
+    if not views:
         raise AbilityError(
             Code.UNREACHABLE,
             f"from {now} no motion of up to 160 mm brings the label into the wrist camera's view; "
             "route the wire nearer to the component first",
         )
-    return best[1]
+    return views
+
+
+def go_and_see(station: Station, tool: ToolPose) -> Steps[Picture]:
+    """Bring the hand to a tool pose high up, and take a picture with the wrist camera."""
+    if station.book.grip is None:
+        yield from clear_hand(station)
+        yield from swing_to(station, tool)
+    else:
+        yield from move_to(station, station.commanded.at(z=tool.z), APPROACH_SPEED)
+        yield from move_to(station, tool, CARRY_SPEED)
+    yield from wait(station, STILL_S)
+    picture = station.look_wrist()
+    yield
+    return picture
+
+
+def _held_looks(station: Station, label: Array, turns: Array) -> list[ToolPose]:
+    """Return the tool poses near the hand's that bring a label into view, the nearest first."""
+    now, view = station.commanded, station.wrist_view
+    looks: list[tuple[float, ToolPose]] = []
+    for turn in turns:
+        for dx in np.arange(-0.06, 0.061, 0.02):
+            for dy in np.arange(-0.16, 0.161, 0.02):
+                yaw = canonical_yaw(now.x + dx, now.y + dy, now.yaw + turn)
+                tool = ToolPose(now.x + dx, now.y + dy, TRAVEL_Z, now.yaw + turn)
+                if yaw is None or abs(yaw - tool.yaw) > 1e-6 or not reaches(tool):
+                    continue
+                if _view_from(tool, view).sees(label, BORDER_PX):
+                    looks.append((math.hypot(dx, dy) + 0.08 * abs(turn), tool))
+    return [tool for _, tool in sorted(looks, key=lambda look: look[0])]
+
+
+def _lenses_apart(first: ToolPose, second: ToolPose) -> float:
+    places = [np.array([tool.x, tool.y]) + _camera_offset(tool.yaw) for tool in (first, second)]
+    return float(np.linalg.norm(places[0] - places[1]))
 
 
 def _view_from(tool: ToolPose, view: View) -> View:

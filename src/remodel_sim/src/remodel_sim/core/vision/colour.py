@@ -21,6 +21,8 @@ WIRE_SHADES = (0.45, 1.15)
 PLATE_SHADES = (0.88, 1.13)
 # Half of the likelihood is lost at this distance from the wire's colour [grey levels].
 TOLERANCE = 40.0
+# The background's likelihood is taken to be at most this: a picture full of wire keeps contrast.
+MAX_FLOOR = 0.6
 
 # The ferrules' magenta in OpenCV's HSV (hue 0 to 179): the hue of FERRULE_RGB, and saturated as no
 # wire is.
@@ -30,14 +32,20 @@ FERRULE_MIN_VALUE = 60
 
 
 def wire_likelihood(rgb: npt.NDArray[np.uint8], colour: str) -> npt.NDArray[np.float32]:
-    """Return per pixel, 0 to 1, how well a wire's colour explains it and the plate does not."""
+    """Return per pixel, 0 to 1, how well a wire's colour explains it and the plate does not.
+
+    Most of a picture is no wire: its median counts as 0. So a white wire stands out on a light
+    plate, whose likelihood is near a half everywhere.
+    """
     pixels = rgb.astype(np.float32)
     colours = GREEN_AND_YELLOW if colour == "GNYE" else (WIRE_RGB[colour],)
     wire = np.min([_distance(pixels, c, WIRE_SHADES) for c in colours], axis=0)
     plate = _distance(pixels, PLATE_RGB, PLATE_SHADES)
     fit = np.clip(1.0 - wire / (2 * TOLERANCE), 0.0, 1.0)
     contrast = np.clip((plate - wire) / TOLERANCE + 0.5, 0.0, 1.0)
-    return (fit * contrast).astype(np.float32)
+    likelihood = (fit * contrast).astype(np.float32)
+    floor = min(float(np.median(likelihood)), MAX_FLOOR)
+    return np.clip((likelihood - floor) / (1.0 - floor), 0.0, 1.0)
 
 
 def _distance(pixels: npt.NDArray[np.float32], colour: Rgb, shades: tuple[float, float]) -> Array:
