@@ -9,19 +9,18 @@ from pathlib import Path
 def count(folder: Path) -> tuple[int, int, int]:
     """Return the number of passed, failed and skipped tests.
 
-    rostest writes each test twice, once per process and once summed up in `rostest-*.xml`;
-    only the summary is read, since it also knows tests that never reported.
+    A rostest writes its tests to `rosunit-*.xml`, and to `rostest-*.xml` one entry for the whole,
+    which fails only if the tests could not be run: that one counts when it fails.
     """
     passed = failed = skipped = 0
     for path in sorted(folder.rglob("*.xml")):
-        if path.name.startswith("rosunit-"):
-            continue
+        whole = path.name.startswith("rostest-")
         for case in ElementTree.parse(path).getroot().iter("testcase"):
             if case.find("failure") is not None or case.find("error") is not None:
                 failed += 1
             elif case.find("skipped") is not None:
                 skipped += 1
-            else:
+            elif not whole:
                 passed += 1
     return passed, failed, skipped
 
