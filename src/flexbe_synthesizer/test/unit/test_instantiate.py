@@ -49,7 +49,7 @@ def test_a_concurrency_container_lists_its_conditions(machine):
     assert box.state_class == ":CONCURRENCY"
     assert box.initial_state_name == "run"
     assert box.cond_outcome == ("fixed", "failed", "timed_out")
-    assert box.cond_transition == (("run", "fixed"), ("run", "failed"), ("timer", "done"))
+    assert box.cond_transition == ((("run", "fixed"),), (("run", "failed"),), (("timer", "done"),))
     assert box.outcomes == ("fixed", "failed", "timed_out")
     assert box.transitions == ("finished", "Extract", "Extract")
 

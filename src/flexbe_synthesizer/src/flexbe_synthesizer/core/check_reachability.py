@@ -12,6 +12,8 @@ from flexbe_synthesizer.core.resolve import ResolvedChart, label
 
 def check_reachability(resolved: ResolvedChart, graph: Graph) -> Iterator[Problem]:
     """Yield a problem for each state that is never entered, or never left for good."""
+    if resolved.is_concurrent:
+        return
     reached = reachable(
         [graph.initial], lambda name: (edge.target for edge in graph.leaving.get(name, ()))
     )
@@ -25,8 +27,8 @@ def check_reachability(resolved: ResolvedChart, graph: Graph) -> Iterator[Proble
     ending = reachable(ends, lambda name: (edge.source for edge in graph.entering.get(name, ())))
     for name, entry in resolved.by_id.items():
         if name not in ending and name in reached and entry.node.transitions:
-            message = f"from {label(entry.node)} no outcome of the chart can be reached; it leads "
-            message += f"only to {_led_to(name, graph)}. Lead a transition to an outcome."
+            message = f"from {label(entry.node)} no outcome of {resolved.title} can be reached; it "
+            message += f"leads only to {_led_to(name, graph)}. Lead a transition to an outcome."
             yield Problem(entry.node.position(), Code.NO_WAY_OUT, message)
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from flexbe_synthesizer.core.codec import read_chart
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.model import Chart, walk_nodes
 from flexbe_synthesizer.core.problem import Code, Problem
 from flexbe_synthesizer.core.resolve import included_path
 from flexbe_synthesizer.errors import ChartFileError, ChartRefusedError
@@ -48,7 +48,7 @@ def read_charts(paths: Iterable[str], locate: Callable[[str], Path] = Path) -> C
         if chart is None:
             continue
         charts[path] = chart
-        for node in chart.nodes:
+        for node in walk_nodes(chart):
             included = included_path(chart, node)
             if included is None or included in seen:
                 continue

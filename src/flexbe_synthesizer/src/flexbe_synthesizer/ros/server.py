@@ -110,6 +110,7 @@ def _failure(code: ErrorCode) -> BehaviorSynthesisResult:
 def _message(state: Instantiation) -> StateInstantiation:
     fields = asdict(state)
     fields["cond_transition"] = [
-        OutcomeCondition([name], [outcome]) for name, outcome in state.cond_transition
+        OutcomeCondition([name for name, _ in pairs], [outcome for _, outcome in pairs])
+        for pairs in state.cond_transition
     ]
     return StateInstantiation(**fields)
