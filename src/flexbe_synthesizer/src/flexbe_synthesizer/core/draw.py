@@ -145,7 +145,9 @@ def _cluster(node: Container, prefix: str, run: _Run) -> Iterator[str]:
     body, inside = node.body, f"{path}/"
     color = _FAINT if run.is_faint(path) else _CONTAINER
     notes = [_RUNS[node.runs], *_notes(node)]
-    title = f"<b>{escape(node.id)}</b>  <i>{escape(' · '.join(filter(None, notes)))}</i>"
+    title = f"<b>{escape(node.id)}</b>"
+    if any(notes):
+        title += f"  <i>{escape(' · '.join(filter(None, notes)))}</i>"
     yield f"  subgraph {_cluster_id(path)} {{"
     yield f'  graph [label=<{title}>, style="rounded", color="{color}", fontcolor="{color}"];'
     yield _start_point(f"start {path}")
@@ -239,14 +241,17 @@ def _end(name: str, chart: Chart, prefix: str, run: _Run) -> str:
 
 def _arrows(chart: Chart, prefix: str, run: _Run) -> Iterator[_Arrow]:
     """Yield the transitions, those between the same two nodes together."""
-    groups: dict[tuple[str, str, bool, bool], list[str]] = {}
+    groups: dict[tuple[str, str, bool, bool, str], list[str]] = {}
     for node in chart.nodes:
+        # An arrow out of a container starts at the end that it is for, so each has its own.
+        ends = {o.name for o in node.body.outcomes} if isinstance(node, Container) else set()
         for event, target in _leads(node):
             is_taken = (f"{prefix}{node.id}", event) in run.steps
-            key = (node.id, target, _is_failure(event), is_taken)
+            end = event if event in ends else ""
+            key = (node.id, target, _is_failure(event), is_taken, end)
             groups.setdefault(key, []).append(event)
     order = {node.id: index for index, node in enumerate(chart.nodes)}
-    for (source, target, is_failure, _is_taken), events in groups.items():
+    for (source, target, is_failure, *_), events in groups.items():
         is_forward = not is_failure and order.get(target, len(order)) > order[source]
         path = f"{prefix}{source}"
         taken = sorted(number for e in events for number in run.steps.get((path, e), ()))
