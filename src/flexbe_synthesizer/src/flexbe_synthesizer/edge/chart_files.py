@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 import stat
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 from flexbe_synthesizer.core.codec import read_chart
 from flexbe_synthesizer.core.model import Chart, walk_nodes
@@ -25,12 +26,17 @@ class ChartFiles:
     problems: tuple[Problem, ...]
 
 
-def read_charts(paths: Iterable[str], locate: Callable[[str], Path] = Path) -> ChartFiles:
+def read_charts(
+    paths: Iterable[str],
+    locate: Callable[[str], Path] = Path,
+    drafts: Mapping[str, bytes] = MappingProxyType({}),
+) -> ChartFiles:
     """Return the charts of the paths and of all charts that they name.
 
     Args:
         paths: what to read; a path is also the name of the file in messages.
         locate: returns the file to read for a path, or raises ChartFileError to refuse it.
+        drafts: contents that stand for those of the files, by path.
 
     Raises:
         ChartFileError: if one of the paths cannot be read. A chart named by another one that
@@ -39,7 +45,11 @@ def read_charts(paths: Iterable[str], locate: Callable[[str], Path] = Path) -> C
     charts: dict[str, Chart] = {}
     problems: list[Problem] = []
     waiting = list(dict.fromkeys(os.path.normpath(path) for path in paths))
-    sources = {path: _read_bytes(locate(path)) for path in waiting}
+
+    def content(path: str) -> bytes:
+        return drafts[path] if path in drafts else _read_bytes(locate(path))
+
+    sources = {path: content(path) for path in waiting}
     seen = set(waiting)
     while waiting:
         path = waiting.pop(0)
@@ -53,7 +63,7 @@ def read_charts(paths: Iterable[str], locate: Callable[[str], Path] = Path) -> C
             if included is None or included in seen:
                 continue
             try:
-                sources[included] = _read_bytes(locate(included))
+                sources[included] = content(included)
             except ChartFileError as error:
                 message = f"the chart '{node.type}' cannot be used: {error}."
                 problems.append(Problem(node.position("type"), Code.UNKNOWN_BEHAVIOR, message))
