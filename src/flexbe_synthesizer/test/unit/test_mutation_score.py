@@ -275,4 +275,4 @@ def test_what_is_told_to_go_wrong_in_a_run_does_go_wrong(golden, library, charts
             if errors and {error.code for error in errors} <= told:
                 assert explore(chart, interfaces), errors[0]
                 confirmed += 1
-    assert confirmed > 50
+    assert confirmed > 20

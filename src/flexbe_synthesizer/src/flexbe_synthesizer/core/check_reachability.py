@@ -33,13 +33,17 @@ def check_reachability(resolved: ResolvedChart, graph: Graph) -> Iterator[Proble
                 f"leads only to {_led_to(name, graph.edges, graph)}. Lead a transition to an "
             )
             yield Problem(entry.node.position(), Code.NO_WAY_OUT, message + "outcome.")
-        elif name not in spent and entry.node.attempts is not None:
+        elif name not in spent and _is_left_exhausted(name, graph):
             found = _led_to(name, _edges_when_spent(graph, resolved), graph)
             message = f"once {label(entry.node)} has had its attempts, no outcome of "
             message += (
                 f"{resolved.title} can be reached; '{EXHAUSTED}' leads only to {found}. Lead "
             )
             yield Problem(entry.node.position(), Code.NO_WAY_OUT, f"{message}it to an outcome.")
+
+
+def _is_left_exhausted(name: str, graph: Graph) -> bool:
+    return any(edge.is_exhausted for edge in graph.leaving.get(name, ()))
 
 
 def _ending(edges: Iterable[Edge], resolved: ResolvedChart) -> set[str]:
