@@ -115,7 +115,7 @@ def find_chart(name: str, folders: Iterable[Path]) -> str:
         return str(locate(name))
     for home in homes:
         path = locate(os.path.join(home, name))
-        if path.is_file():
+        if os.path.isfile(path):  # unlike Path.is_file, no error for names that are too long
             return str(path)
     searched = ", ".join(map(str, homes)) or "none"
     raise ChartFileError(f"there is no chart '{name}' in the chart folders; searched: {searched}")
