@@ -14,10 +14,8 @@ import pytest
 
 from flexbe_synthesizer.core.check import check_chart
 from flexbe_synthesizer.core.codec import parse_chart, read_chart
-from flexbe_synthesizer.core.interpreter import Interface, explore
-from flexbe_synthesizer.core.model import Behavior, State
+from flexbe_synthesizer.core.interpreter import explore
 from flexbe_synthesizer.core.problem import Code, errors_in
-from flexbe_synthesizer.core.signature import FromParameter, chart_behavior
 
 CHARTS = ("plain.xml", "place_connector.xml", "wire_task.xml", "two_arms.xml")
 SEED, WANTED, ROUNDS = 51, 600, 200
@@ -198,35 +196,12 @@ def mutants(golden):
 
 
 @pytest.fixture(scope="module")
-def charts(golden):
-    path = golden / "charts" / "place_connector.xml"
-    return {path.name: chart_behavior(parse_chart(path.read_text(), path.name), "golden")}
+def knowledge(library, golden_behaviors, interfaces_of_golden):
+    return library, golden_behaviors, interfaces_of_golden
 
 
-@pytest.fixture(scope="module")
-def interfaces(library, charts):
-    """Return what the nodes of the golden charts offer, found without the checker's resolving."""
-
-    def interface(node):
-        if isinstance(node, State):
-            (found,) = library.find_states(node.type)
-            outcomes = found.outcomes
-            if isinstance(outcomes, FromParameter):
-                (outcomes,) = (p.value for p in node.params if p.name == outcomes.parameter)
-            keeps_time = any(p.name == "timeout_s" for p in found.parameters)
-            inputs = tuple(port.name for port in found.inputs)
-            return Interface(outcomes, inputs, tuple(p.name for p in found.outputs), keeps_time)
-        assert isinstance(node, Behavior)
-        found = charts[node.type] if node.type in charts else library.find_behaviors(node.type)[0]
-        inputs = tuple(port.name for port in found.inputs if not port.optional)
-        return Interface(found.outcomes, inputs, tuple(port.name for port in found.outputs))
-
-    return interface
-
-
-def test_the_golden_charts_are_accepted_without_a_warning_and_harmless(
-    golden, library, charts, interfaces
-):
+def test_the_golden_charts_are_accepted_without_a_warning_and_harmless(golden, knowledge):
+    library, charts, interfaces = knowledge
     for name in CHARTS:
         chart = parse_chart((golden / "charts" / name).read_text(), name)
         assert check_chart(chart, library, charts).problems == ()
@@ -248,18 +223,19 @@ def verdict(mutant, library, charts, interfaces):
     return f"missed: {faults[0]}" if faults else "harmless"
 
 
-def test_every_mutant_is_refused_in_its_place_or_harmless(golden, library, charts, interfaces):
+def test_every_mutant_is_refused_in_its_place_or_harmless(golden, knowledge):
     made = mutants(golden)
     assert len(made) >= 500
-    verdicts = [(m.what, m.name, verdict(m, library, charts, interfaces)) for m in made]
+    verdicts = [(m.what, m.name, verdict(m, *knowledge)) for m in made]
     assert [v for v in verdicts if v[2] not in ("refused", "harmless")] == []
     share = Counter(v for _, _, v in verdicts)
     assert share["refused"] > 0.7 * len(made), share
     assert len({what for what, _, _ in verdicts}) >= 40
 
 
-def test_what_is_told_to_go_wrong_in_a_run_does_go_wrong(golden, library, charts, interfaces):
+def test_what_is_told_to_go_wrong_in_a_run_does_go_wrong(golden, knowledge):
     """No false alarm: a run-time error of the checker is a fault that the interpreter finds."""
+    library, charts, interfaces = knowledge
     told = {
         Code.READ_BEFORE_WRITE,
         Code.OVERWRITTEN_VALUE,
