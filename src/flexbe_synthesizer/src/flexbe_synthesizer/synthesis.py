@@ -44,6 +44,7 @@ def check_files(
     package_of: Callable[[str], OutputPackage],
     locate: Callable[[str], Path] = Path,
     drafts: Mapping[str, bytes] = MappingProxyType({}),
+    report: Callable[[str], None] = lambda _path: None,
 ) -> CheckedFiles:
     """Read the charts, and those that they name, and check all.
 
@@ -53,6 +54,7 @@ def check_files(
         package_of: returns the package that the behavior of a chart goes to.
         locate: returns the file to read for a path, or refuses it.
         drafts: contents that stand for those of the files, by path.
+        report: told the path of each chart before it is checked.
 
     Raises:
         SynthesisError: if a file cannot be read, or belongs to no package.
@@ -60,7 +62,7 @@ def check_files(
     files = read_charts(paths, locate, drafts)
     packages = {chart.file: package_of(chart.file) for chart in files.charts}
     units = [Unit(chart, packages[chart.file].name) for chart in files.charts]
-    checked = check_units(units, library)
+    checked = check_units(units, library, report)
     problems = list(files.problems)
     told = {(problem.position, problem.code) for problem in problems}
     for one in checked.values():

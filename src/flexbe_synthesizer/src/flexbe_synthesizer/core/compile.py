@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from flexbe_synthesizer.core import names
@@ -25,11 +25,19 @@ class Unit:
     package: str
 
 
-def check_units(units: Sequence[Unit], library: Library) -> Mapping[str, CheckedChart]:
-    """Return each chart checked, by path; a behavior may be named though it is only a chart yet."""
+def check_units(
+    units: Sequence[Unit], library: Library, report: Callable[[str], None] = lambda _path: None
+) -> Mapping[str, CheckedChart]:
+    """Return each chart checked, by path; a behavior may be named though it is only a chart yet.
+
+    `report` is told the path of each chart before it is checked; what it raises ends the checking.
+    """
     behaviors = {unit.chart.file: chart_behavior(unit.chart, unit.package) for unit in units}
     whole = library.with_behaviors(behaviors.values())
-    checked = {unit.chart.file: check_chart(unit.chart, whole, behaviors) for unit in units}
+    checked = {}
+    for unit in units:
+        report(unit.chart.file)
+        checked[unit.chart.file] = check_chart(unit.chart, whole, behaviors)
     doubled = tuple(_find_doubles(units))
     known = {behavior.name: behavior.contains for behavior in whole.behaviors} | {
         one.resolved.chart.name: _contained(one) for one in checked.values()
