@@ -315,6 +315,8 @@ class _Expansion:
 
     def _passed_counts(self, entry: ResolvedNode) -> tuple[str, ...]:
         """Return the keys of the counts inside a node, which it passes through."""
+        if entry.body is None:
+            return ()
         inside = f"{self._above}{entry.node.id}/"
         return tuple(key for path, key in self._counts.items() if path.startswith(inside))
 

@@ -6,6 +6,7 @@ import posixpath
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
+from functools import cached_property
 from typing import TypeVar
 
 from flexbe_synthesizer.core import names
@@ -84,6 +85,22 @@ class ResolvedNode:
         if self.signature is None or self.signature.outcomes is None:
             return None
         return tuple(dict.fromkeys((*self.signature.outcomes, *self.added_events)))
+
+    @cached_property
+    def inputs(self) -> tuple[Port, ...]:
+        """Return the inputs, with the types that the chart declares for them."""
+        offered = () if self.signature is None else self.signature.inputs
+        types = {port.name: port.type for port in self.node.inputs if port.type}
+        return tuple(
+            Port(p.name, types[p.name], p.optional) if p.name in types else p for p in offered
+        )
+
+    @cached_property
+    def outputs(self) -> tuple[Port, ...]:
+        """Return the outputs, with the types that the chart declares for them."""
+        offered = () if self.signature is None else self.signature.outputs
+        types = {port.name: port.type for port in self.node.outputs if port.type}
+        return tuple(Port(p.name, types[p.name]) if p.name in types else p for p in offered)
 
     def has_own(self, event: str) -> bool:
         """Tell whether the event is an outcome of its class."""
