@@ -63,7 +63,7 @@ def machine(library):
 @pytest.fixture(scope="session")
 def golden_behaviors(golden):
     path = golden / "charts" / "place_connector.xml"
-    return {path.name: chart_behavior(parse_chart(path.read_text(), path.name), "golden")}
+    return {path.name: chart_behavior(parse_chart(path.read_text(), path.name), "golden_behaviors")}
 
 
 @pytest.fixture(scope="session")

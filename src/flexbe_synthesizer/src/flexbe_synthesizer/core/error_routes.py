@@ -13,6 +13,8 @@ ROUTES_RULE = (
 )
 _ROUTE = re.compile(r"\s*([0-9]{1,5})\s*(?:-\s*([0-9]{1,5})\s*)?:\s*(\S(?:.*\S)?)\s*\Z", re.DOTALL)
 _LARGEST = 32767
+FAILED_EVENT = "failed"
+_EVENT = re.compile(r"failed ([0-9]{1,5})(?:-([0-9]{1,5}))?")
 
 
 def parse_routes(text: str) -> tuple[ErrorRoute, ...]:
@@ -50,3 +52,9 @@ def route_event(route: ErrorRoute) -> str:
 
 def _codes(route: ErrorRoute) -> str:
     return str(route.first) if route.first == route.last else f"{route.first}-{route.last}"
+
+
+def read_route_event(text: str) -> tuple[int, int] | None:
+    """Return first and last code of the route that has the name, None if it is no such name."""
+    found = _EVENT.fullmatch(text)
+    return None if found is None else (int(found[1]), int(found[2] or found[1]))

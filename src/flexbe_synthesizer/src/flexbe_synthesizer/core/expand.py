@@ -154,7 +154,7 @@ def _count_keys(resolved: ResolvedChart) -> Mapping[str, str]:
         taken |= {port.name for port in scope.chart.inputs}
         taken |= {port.name for port in scope.chart.outputs}
     counts = {}
-    for path in _counted_paths(resolved, ""):
+    for path in sorted(_counted_paths(resolved, "")):  # whatever order the nodes stand in
         wanted = "_".join((*map(names.snake_case, path.split("/")), "attempts"))
         counts[path] = names.take_unused(wanted, taken)
         taken.add(counts[path])

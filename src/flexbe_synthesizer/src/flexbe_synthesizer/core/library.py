@@ -25,7 +25,8 @@ class Library:
     @cached_property
     def _states_by_name(self) -> Mapping[str, tuple[StateClass | Unreadable, ...]]:
         found: dict[str, tuple[StateClass | Unreadable, ...]] = {}
-        for state in (*self.states, *self.unreadable_states):
+        known: tuple[StateClass | Unreadable, ...] = (*self.states, *self.unreadable_states)
+        for state in known:
             package, name = state.package, state.name
             for spelling in (name, f"{package}__{name}", f"{package}/{name}"):
                 found[spelling] = (*found.get(spelling, ()), state)
