@@ -64,7 +64,7 @@ def test_every_container_names_its_initial_state(machine):
 
 def test_counts_are_written_by_states_since_a_list_carries_no_default_userdata(machine, library):
     root = machine("place_connector.xml").root
-    assert [pair.name for pair in presets(root)] == ["locate_attempts", "insert_attempts"]
+    assert [pair.name for pair in presets(root)] == ["insert_attempts", "locate_attempts"]
     (writer,) = library.find_states("flexbe_states/UserDataState")
     found = states(with_presets_written(root, writer))
     assert found["/"].initial_state_name == "Set insert_attempts"

@@ -11,7 +11,7 @@ from flexbe_synthesizer.core.interpreter import run
 from flexbe_synthesizer.core.scxml import NAMESPACE, ScxmlError, chart_to_scxml, scxml_name
 
 CHARTS = ("plain.xml", "place_connector.xml", "wire_task.xml", "two_arms.xml")
-RUNS, MOST_STEPS = 40, 60
+RUNS, MOST_STEPS = 15, 60
 
 
 @pytest.fixture(params=CHARTS)

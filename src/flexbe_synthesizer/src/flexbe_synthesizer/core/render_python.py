@@ -195,6 +195,7 @@ def _docstring(text: str) -> str:
     """Return a description that cannot be taken for code, by Python or by the FlexBE App."""
     swapped = text.translate(_HARMLESS)
     calm = re.sub(r"\b(class|def)\b(?=\s)", "\u201c\\1\u201d", swapped)
+    calm = re.sub(r"^(\s*)(from|import)\b", "\\1\u201c\\2\u201d", calm, flags=re.MULTILINE)
     lines = ("".join(c for c in line if c.isprintable()) for line in calm.splitlines())
     return "\n".join(_INDENT + line if line else "" for line in lines).strip()
 
