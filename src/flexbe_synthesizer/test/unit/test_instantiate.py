@@ -67,10 +67,10 @@ def test_counts_are_written_by_states_since_a_list_carries_no_default_userdata(m
     assert [pair.name for pair in presets(root)] == ["insert_attempts", "locate_attempts"]
     (writer,) = library.find_states("flexbe_states/UserDataState")
     found = states(with_presets_written(root, writer))
-    assert found["/"].initial_state_name == "Set insert_attempts"
-    first, second = found["/Set insert_attempts"], found["/Set locate_attempts"]
-    assert (first.parameter_values, first.userdata_remapping) == (("0",), ("insert_attempts",))
+    assert found["/"].initial_state_name == "Set locate_attempts"
+    first, second = found["/Set locate_attempts"], found["/Set insert_attempts"]
+    assert (first.parameter_values, first.userdata_remapping) == (("0",), ("locate_attempts",))
     assert (first.transitions, second.transitions) == (
-        ("Set locate_attempts",),
+        ("Set insert_attempts",),
         ("Locate_attempts",),
     )
