@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from collections.abc import Sequence
 from functools import cache
@@ -10,7 +11,11 @@ from pathlib import Path
 from typing import TextIO
 
 from flexbe_synthesizer.core.draw import chart_to_dot
+from flexbe_synthesizer.core.expand import chart_steps
+from flexbe_synthesizer.core.model import Chart
 from flexbe_synthesizer.core.problem import errors_in
+from flexbe_synthesizer.core.scxml import ScxmlError, chart_to_scxml
+from flexbe_synthesizer.edge.atomic_write import write_all
 from flexbe_synthesizer.edge.graphviz import FORMATS, render_dot
 from flexbe_synthesizer.edge.output_package import (
     OutputPackage,
@@ -18,6 +23,7 @@ from flexbe_synthesizer.edge.output_package import (
     output_package,
 )
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
+from flexbe_synthesizer.edge.run_record import read_run
 from flexbe_synthesizer.errors import OutputError, SynthesisError
 from flexbe_synthesizer.synthesis import CheckedFiles, check_files, write_behaviors
 
@@ -28,11 +34,15 @@ def main(arguments: Sequence[str], ros_package_path: str) -> int:
     """Run the command and return its exit code: 0 fine, 1 errors in a chart, 2 usage or files."""
     options = _parser().parse_args(arguments)
     drawing: Path | None = options.draw
-    if drawing is not None and (len(options.charts) > 1 or drawing.suffix not in FORMATS):
-        return _fail("--draw takes one chart, and a file name that ends in .svg or .png")
+    if (drawing or options.scxml) and len(options.charts) > 1:
+        return _fail("--draw and --scxml take one chart")
+    if drawing is not None and drawing.suffix not in FORMATS:
+        return _fail("--draw takes a file name that ends in .svg or .png")
+    if options.run is not None and drawing is None:
+        return _fail("--run is drawn; say with --draw where")
     try:
-        return _run(options.charts, options.check, options.output, drawing, ros_package_path)
-    except SynthesisError as error:
+        return _run(options, ros_package_path)
+    except (SynthesisError, ScxmlError) as error:
         return _fail(str(error))
 
 
@@ -44,6 +54,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("charts", nargs="+", metavar="CHART.xml", help="charts to synthesize")
     parser.add_argument("--check", action="store_true", help="only check; write no behavior")
+    parser.add_argument("--json", action="store_true", help="print what was found as JSON")
     parser.add_argument(
         "--output",
         type=Path,
@@ -53,16 +64,19 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--draw", type=Path, metavar="FILE.svg", help="draw the chart, .svg or .png"
     )
+    parser.add_argument(
+        "--run",
+        type=Path,
+        metavar="RUN.json",
+        help='colour the path of a run: [["/Locate", "located"], ...], paths as the engine says',
+    )
+    parser.add_argument(
+        "--scxml", type=Path, metavar="FILE.scxml", help="write the chart as W3C SCXML"
+    )
     return parser
 
 
-def _run(
-    charts: Sequence[str],
-    is_check: bool,
-    output: Path | None,
-    drawing: Path | None,
-    ros_package_path: str,
-) -> int:
+def _run(options: argparse.Namespace, ros_package_path: str) -> int:
     packages, package_warnings = find_packages(ros_package_path)
     library, library_warnings = read_library(packages)
     for warning in (*package_warnings, *library_warnings):
@@ -70,39 +84,73 @@ def _run(
 
     @cache
     def package_of(path: str) -> OutputPackage:
-        if output is not None:
-            return output_package(output)
+        if options.output is not None:
+            return output_package(options.output)
         try:
             return enclosing_package(Path(path))
         except OutputError:
-            if not is_check:
+            if not options.check:
                 raise
             return OutputPackage("unwritten", Path(path).parent, missing={})
 
-    files = check_files(charts, library, package_of)
-    for problem in files.problems:
-        _say(str(problem), sys.stderr)
+    files = check_files(options.charts, library, package_of, report=_Progress(len(options.charts)))
     errors = errors_in(files.problems)
-    if errors:
+    if not options.json:
+        for problem in files.problems:
+            _say(str(problem), sys.stderr)
+    written: tuple[Path, ...] = ()
+    if not errors:
+        chart = next(iter(files.charts.values())).resolved.chart
+        written = _export(chart, options)
+        if not options.check:
+            written += write_behaviors(files)
+            _warn_of_packages(files)
+    if options.json:
+        _say(json.dumps(_as_json(files, written), indent=2))
+    elif errors:
         _say(f"{len(errors)} error{'s' * (len(errors) > 1)}; nothing was written", sys.stderr)
-        return CHART_ERRORS
-    if drawing is not None:
-        render_dot(chart_to_dot(next(iter(files.charts.values())).resolved.chart), drawing)
-        _say(f"drawn: {drawing}")
+    else:
+        _tell(files, written, options.check)
+    return CHART_ERRORS if errors else FINE
+
+
+class _Progress:
+    """Shows which of many charts is being checked, to a person at a terminal."""
+
+    def __init__(self, count: int) -> None:
+        self._count = count
+        self._done = 0
+
+    def __call__(self, path: str) -> None:
+        self._done += 1
+        if self._count > 1 and sys.stderr.isatty():
+            _say(f"[{self._done}/{max(self._count, self._done)}] {path}", sys.stderr)
+
+
+def _export(chart: Chart, options: argparse.Namespace) -> tuple[Path, ...]:
+    """Draw the chart and write it as SCXML, as far as that was asked for."""
+    made = []
+    if options.draw is not None:
+        path_taken = () if options.run is None else chart_steps(chart, read_run(options.run))
+        render_dot(chart_to_dot(chart, path_taken), options.draw)
+        made.append(options.draw)
+    if options.scxml is not None:
+        write_all({options.scxml: chart_to_scxml(chart)})
+        made.append(options.scxml)
+    return tuple(made)
+
+
+def _tell(files: CheckedFiles, written: Sequence[Path], is_check: bool) -> None:
+    """Say what was written, or that there was nothing to write."""
+    for path in written:
+        _say(f"wrote: {path}")
     if is_check:
         _say(f"{len(files.charts)} chart{'s' * (len(files.charts) > 1)} checked, no errors")
-    else:
-        _write(files)
-    return FINE
-
-
-def _write(files: CheckedFiles) -> None:
-    """Write the behaviors and say what was written."""
-    changed = write_behaviors(files)
-    for path in changed:
-        _say(f"wrote: {path}")
-    if not changed:
+    elif not written:
         _say("unchanged: every behavior is as its chart says")
+
+
+def _warn_of_packages(files: CheckedFiles) -> None:
     for package in {package.name: package for package in files.packages.values()}.values():
         if not package.is_exported:
             _say(
@@ -110,6 +158,28 @@ def _write(files: CheckedFiles) -> None:
                 "FlexBE will not find the behaviors until it does",
                 sys.stderr,
             )
+
+
+def _as_json(files: CheckedFiles, written: Sequence[Path]) -> dict[str, object]:
+    """Return what was found, for programs."""
+    return {
+        "charts": [
+            {"file": path, "name": one.resolved.chart.name} for path, one in files.charts.items()
+        ],
+        "problems": [
+            {
+                "file": problem.position.file,
+                "line": problem.position.line,
+                "column": problem.position.column,
+                "severity": problem.code.severity.value,
+                "code": problem.code.slug,
+                "message": problem.message,
+            }
+            for problem in files.problems
+        ],
+        "errors": len(errors_in(files.problems)),
+        "written": [str(path) for path in written],
+    }
 
 
 def _fail(reason: str) -> int:

@@ -44,6 +44,7 @@ class ErrorCode(IntEnum):
     CANCELLED = 107
     QUEUE_FULL = 108
     INTERNAL = 109
+    OUT_OF_TIME = 110
 
 
 class RequestError(Exception):
@@ -82,7 +83,29 @@ class Answer:
     warnings: tuple[str, ...]
 
 
-def fulfil(request: Request, settings: Settings, report: Callable[[str, float], None]) -> Answer:
+Report = Callable[[str, float], None]
+
+
+def within(limit_s: float, report: Report, now: Callable[[], float]) -> Report:
+    """Return a report that ends the request at its next step once its time is over.
+
+    Args:
+        limit_s: how long it may take from now on [s].
+        report: what is told of each step.
+        now: returns the time [s].
+    """
+    end = now() + limit_s
+
+    def report_in_time(status: str, progress: float) -> None:
+        if now() > end:
+            text = f"the synthesis took more than {limit_s:g} s; it was ended before {status}"
+            raise RequestError(ErrorCode.OUT_OF_TIME, text)
+        report(status, progress)
+
+    return report_in_time
+
+
+def fulfil(request: Request, settings: Settings, report: Report) -> Answer:
     """Synthesize the chart that a request names: write its behavior, return its states.
 
     Args:
@@ -103,16 +126,21 @@ def fulfil(request: Request, settings: Settings, report: Callable[[str, float], 
         raise RequestError(ErrorCode.OUTPUT_FAILED, str(error)) from error
 
 
-def _fulfil(request: Request, settings: Settings, report: Callable[[str, float], None]) -> Answer:
+def _fulfil(request: Request, settings: Settings, report: Report) -> Answer:
     report(f"looking for the chart '{request.goal}'", 0.0)
     path = find_chart(request.goal, settings.chart_folders)
     report("reading the states and behaviors on the ROS package path", 0.1)
     packages, package_warnings = find_packages(settings.ros_package_path)
     library, library_warnings = read_library(packages)
-    report(f"checking {path}", 0.4)
     output = output_package(settings.output)
     locate = confined_to(settings.chart_folders)
-    files = check_files([path], library, lambda _chart: output, locate)
+    files = check_files(
+        [path],
+        library,
+        lambda _chart: output,
+        locate,
+        report=lambda chart: report(f"checking {chart}", 0.4),
+    )
     errors = errors_in(files.problems)
     if errors:
         raise RequestError(ErrorCode.CHART_INVALID, "\n".join(map(str, errors)))

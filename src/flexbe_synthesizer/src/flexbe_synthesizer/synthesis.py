@@ -6,6 +6,7 @@ import ast
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 
 from flexbe_synthesizer.core.check import CheckedChart
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, manifest_of
@@ -42,6 +43,8 @@ def check_files(
     library: Library,
     package_of: Callable[[str], OutputPackage],
     locate: Callable[[str], Path] = Path,
+    drafts: Mapping[str, bytes] = MappingProxyType({}),
+    report: Callable[[str], None] = lambda _path: None,
 ) -> CheckedFiles:
     """Read the charts, and those that they name, and check all.
 
@@ -50,14 +53,16 @@ def check_files(
         library: what is on the ROS package path.
         package_of: returns the package that the behavior of a chart goes to.
         locate: returns the file to read for a path, or refuses it.
+        drafts: contents that stand for those of the files, by path.
+        report: told the path of each chart before it is checked.
 
     Raises:
         SynthesisError: if a file cannot be read, or belongs to no package.
     """
-    files = read_charts(paths, locate)
+    files = read_charts(paths, locate, drafts)
     packages = {chart.file: package_of(chart.file) for chart in files.charts}
     units = [Unit(chart, packages[chart.file].name) for chart in files.charts]
-    checked = check_units(units, library)
+    checked = check_units(units, library, report)
     problems = list(files.problems)
     told = {(problem.position, problem.code) for problem in problems}
     for one in checked.values():
@@ -81,8 +86,14 @@ def started_at(files: CheckedFiles, library: Library, initial: str) -> CheckedCh
     return replace(restarted, problems=problems)
 
 
-def write_behaviors(files: CheckedFiles) -> tuple[Path, ...]:
+def write_behaviors(
+    files: CheckedFiles, beside: Mapping[Path, str] = MappingProxyType({})
+) -> tuple[Path, ...]:
     """Write the behavior and manifest of each chart; return the files that changed.
+
+    Args:
+        files: the charts.
+        beside: texts of files to write together with them.
 
     Raises:
         ChartError: if a chart has errors.
@@ -91,7 +102,7 @@ def write_behaviors(files: CheckedFiles) -> tuple[Path, ...]:
     errors = errors_in(files.problems)
     if errors:
         raise ChartError(errors)
-    texts: dict[Path, str] = {}
+    texts: dict[Path, str] = dict(beside)
     for path, checked in files.charts.items():
         package = files.packages[path]
         machine = compile_chart(checked, package.name)

@@ -6,7 +6,9 @@ import pytest
 from flexbe_synthesizer.core.check import check_chart
 from flexbe_synthesizer.core.codec import parse_chart, read_chart
 from flexbe_synthesizer.core.compile import compile_chart
-from flexbe_synthesizer.core.signature import chart_behavior
+from flexbe_synthesizer.core.interpreter import Interface
+from flexbe_synthesizer.core.model import Behavior, State
+from flexbe_synthesizer.core.signature import FromParameter, chart_behavior
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 
 GOLDEN = Path(__file__).parents[1] / "golden"
@@ -56,3 +58,30 @@ def machine(library):
         return compile_chart(check_chart(chart, library, known), "golden_behaviors")
 
     return machine
+
+
+@pytest.fixture(scope="session")
+def golden_behaviors(golden):
+    path = golden / "charts" / "place_connector.xml"
+    return {path.name: chart_behavior(parse_chart(path.read_text(), path.name), "golden_behaviors")}
+
+
+@pytest.fixture(scope="session")
+def interfaces_of_golden(library, golden_behaviors):
+    """Return what the nodes of the golden charts offer, found without the checker's resolving."""
+
+    def interface(node):
+        if isinstance(node, State):
+            (found,) = library.find_states(node.type)
+            outcomes = found.outcomes
+            if isinstance(outcomes, FromParameter):
+                (outcomes,) = (p.value for p in node.params if p.name == outcomes.parameter)
+            keeps_time = any(p.name == "timeout_s" for p in found.parameters)
+            inputs = tuple(port.name for port in found.inputs)
+            return Interface(outcomes, inputs, tuple(p.name for p in found.outputs), keeps_time)
+        assert isinstance(node, Behavior)
+        found = golden_behaviors.get(node.type) or library.find_behaviors(node.type)[0]
+        inputs = tuple(port.name for port in found.inputs if not port.optional)
+        return Interface(found.outcomes, inputs, tuple(port.name for port in found.outputs))
+
+    return interface

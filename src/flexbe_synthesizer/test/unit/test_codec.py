@@ -1,60 +1,15 @@
 import dataclasses
-import string
 
 import pytest
 from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from flexbe_synthesizer.core.codec import parse_chart, write_chart
-from flexbe_synthesizer.core.model import (
-    Autonomy,
-    Behavior,
-    Chart,
-    Connection,
-    Input,
-    Outcome,
-    Output,
-    Param,
-    State,
-    Transition,
-)
+from flexbe_synthesizer.core.model import Chart, Input, Outcome, Param, State, Transition
 from flexbe_synthesizer.core.problem import ChartError
-
-WORDS = st.text(string.ascii_letters + "äß_é -<>&'\"\t\n", min_size=1, max_size=8)
-TEXTS = st.text(st.characters(codec="utf-8", exclude_categories=["Cc", "Cs", "Cn", "Co"]))
-TYPES = st.none() | st.sampled_from(["int", "string", "geometry_msgs/Pose"])
-VALUES = st.recursive(
-    st.none() | st.booleans() | st.integers(-9999, 9999) | st.floats(-9, 9) | st.text(),
-    lambda inner: st.lists(inner) | st.dictionaries(st.text() | st.integers(0, 9), inner),
-    max_leaves=6,
-)
-NODE_PARTS = {
-    "id": WORDS,
-    "type": WORDS,
-    "transitions": st.lists(
-        st.builds(Transition, WORDS, WORDS, st.none() | st.sampled_from(Autonomy)), max_size=3
-    ).map(tuple),
-    "inputs": st.lists(st.builds(Input, WORDS, TYPES), max_size=2).map(tuple),
-    "outputs": st.lists(st.builds(Output, WORDS, TYPES), max_size=2).map(tuple),
-    "params": st.lists(st.builds(Param, WORDS, VALUES), max_size=2).map(tuple),
-    "attempts": st.none() | st.integers(1, 10**6),
-    "timeout_s": st.none() | st.floats(0.001, 1e9),
-}
-NODES = st.builds(State, topic=st.none() | WORDS, **NODE_PARTS) | st.builds(Behavior, **NODE_PARTS)
-CHARTS = st.builds(
-    Chart,
-    name=WORDS,
-    initial=WORDS,
-    outcomes=st.lists(st.builds(Outcome, WORDS), min_size=1, max_size=3).map(tuple),
-    nodes=st.lists(NODES, min_size=1, max_size=4).map(tuple),
-    inputs=st.lists(st.builds(Input, WORDS, TYPES, VALUES), max_size=2).map(tuple),
-    outputs=st.lists(st.builds(Output, WORDS, TYPES), max_size=2).map(tuple),
-    connections=st.lists(st.builds(Connection, WORDS, WORDS, WORDS, WORDS), max_size=3).map(tuple),
-    description=TEXTS,
-)
+from flexbe_synthesizer.strategies import WILD_NAMES, charts
 
 
-@given(CHARTS)
+@given(charts(WILD_NAMES, WILD_NAMES))
 @settings(max_examples=100, deadline=None, derandomize=True)
 def test_a_chart_that_is_written_is_read_as_the_same_chart(chart):
     text = write_chart(chart)

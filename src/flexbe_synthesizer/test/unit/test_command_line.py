@@ -1,3 +1,4 @@
+import json
 import os
 import shutil
 import subprocess
@@ -71,14 +72,14 @@ def test_a_chart_that_another_one_names_is_written_too(run, charts, tmp_path):
 def test_what_is_written_does_not_depend_on_where_the_command_runs(run, charts, tmp_path):
     run(*sorted(charts.glob("*.xml")), "--output", tmp_path / "a" / "out")
     os.chdir(charts)
-    run("wire_task.xml", "./plain.xml", "--output", tmp_path / "b" / "out")
+    run("wire_task.xml", "./plain.xml", "two_arms.xml", "--output", tmp_path / "b" / "out")
     assert tree(tmp_path / "a") == tree(tmp_path / "b")
 
 
 def test_check_writes_nothing_and_needs_no_package(run, charts, tmp_path):
     before = tree(tmp_path)
     code, out, err = run(*sorted(charts.glob("*.xml")), "--check")
-    assert (code, out, err) == (0, "3 charts checked, no errors\n", "")
+    assert (code, out, err) == (0, "4 charts checked, no errors\n", "")
     assert tree(tmp_path) == before
     lone = tmp_path / "lone.xml"
     shutil.copy(charts / "plain.xml", lone)
@@ -144,7 +145,7 @@ def test_a_chart_is_drawn_beside_writing_or_checking_it(run, charts, tmp_path):
     drawing = tmp_path / "drawn" / "a.svg"
     before = tree(charts.parent)
     code, out, _ = run(charts / "plain.xml", "--check", "--draw", drawing)
-    assert (code, out) == (0, f"drawn: {drawing}\n1 chart checked, no errors\n")
+    assert (code, out) == (0, f"wrote: {drawing}\n1 chart checked, no errors\n")
     assert "</svg>" in drawing.read_text()
     assert tree(charts.parent) == before
 
@@ -203,3 +204,36 @@ def test_the_command_itself_passes_the_exit_code_on(charts, package_path):
     bad = charts / "bad.xml"
     bad.write_text("<statemachine>")
     assert exit_code(bad) == 1
+
+
+def test_what_is_found_can_be_had_as_json(run, charts, golden):
+    code, out, err = run(*sorted(charts.glob("*.xml")), "--check", "--json")
+    found = json.loads(out)
+    assert (code, found["errors"], found["problems"], err) == (0, 0, [], "")
+    assert {chart["name"] for chart in found["charts"]} >= {"Two Arms", "Place Connector"}
+    shutil.copy(golden / "wrong" / "ten_mistakes.xml", charts)
+    code, out, _ = run(charts / "ten_mistakes.xml", "--json")
+    found = json.loads(out)
+    assert (code, found["errors"], found["written"]) == (1, 10, [])
+    assert {"line", "column", "code", "message", "file", "severity"} == found["problems"][0].keys()
+
+
+def test_the_path_of_a_run_is_coloured(run, charts, tmp_path):
+    record, drawing = tmp_path / "run.json", tmp_path / "a.svg"
+    steps = [["/Look_attempts", "counted"], ["/Look/run", "seen"], ["/Place/Insert", "inserted"]]
+    record.write_text(json.dumps([*steps, ["/Place", "placed"]]))
+    arguments = (charts / "two_arms.xml", "--check", "--draw", drawing)
+    assert run(*arguments, "--run", record)[0] == 0
+    assert "#1565c0" in drawing.read_text()
+    record.write_text("[1]")
+    code, _, err = run(*arguments, "--run", record)
+    assert code == 2
+    assert "is no record of a run" in err
+    assert "found 1 in it" in err
+    assert run(charts / "two_arms.xml", "--run", record)[0] == 2
+
+
+def test_a_chart_is_exported_as_scxml(run, charts, tmp_path):
+    code, out, _ = run(charts / "plain.xml", "--check", "--scxml", tmp_path / "a.scxml")
+    assert (code, out.splitlines()[0]) == (0, f"wrote: {tmp_path / 'a.scxml'}")
+    assert "<scxml " in (tmp_path / "a.scxml").read_text()

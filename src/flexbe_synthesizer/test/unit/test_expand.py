@@ -33,9 +33,9 @@ def test_any_other_timeout_puts_a_timer_beside_the_state(machine):
     assert isinstance(box.content, Container)
     assert box.content.kind is Kind.CONCURRENCY
     assert box.content.conditions == (
-        Condition("fixed", "run", "fixed"),
-        Condition("failed", "run", "failed"),
-        Condition("timed_out", "timer", "done"),
+        Condition("fixed", (("run", "fixed"),)),
+        Condition("failed", (("run", "failed"),)),
+        Condition("timed_out", (("timer", "done"),)),
     )
     assert found["/Fix/timer"].content.arguments == (("wait_time", 12.5),)
     assert found["/Fix/timer"].exits == (Exit("done", "timed_out", Autonomy.HIGH),)

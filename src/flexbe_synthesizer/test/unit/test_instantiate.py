@@ -49,7 +49,7 @@ def test_a_concurrency_container_lists_its_conditions(machine):
     assert box.state_class == ":CONCURRENCY"
     assert box.initial_state_name == "run"
     assert box.cond_outcome == ("fixed", "failed", "timed_out")
-    assert box.cond_transition == (("run", "fixed"), ("run", "failed"), ("timer", "done"))
+    assert box.cond_transition == ((("run", "fixed"),), (("run", "failed"),), (("timer", "done"),))
     assert box.outcomes == ("fixed", "failed", "timed_out")
     assert box.transitions == ("finished", "Extract", "Extract")
 
@@ -64,13 +64,13 @@ def test_every_container_names_its_initial_state(machine):
 
 def test_counts_are_written_by_states_since_a_list_carries_no_default_userdata(machine, library):
     root = machine("place_connector.xml").root
-    assert [pair.name for pair in presets(root)] == ["locate_attempts", "insert_attempts"]
+    assert [pair.name for pair in presets(root)] == ["insert_attempts", "locate_attempts"]
     (writer,) = library.find_states("flexbe_states/UserDataState")
     found = states(with_presets_written(root, writer))
-    assert found["/"].initial_state_name == "Set insert_attempts"
-    first, second = found["/Set insert_attempts"], found["/Set locate_attempts"]
-    assert (first.parameter_values, first.userdata_remapping) == (("0",), ("insert_attempts",))
+    assert found["/"].initial_state_name == "Set locate_attempts"
+    first, second = found["/Set locate_attempts"], found["/Set insert_attempts"]
+    assert (first.parameter_values, first.userdata_remapping) == (("0",), ("locate_attempts",))
     assert (first.transitions, second.transitions) == (
-        ("Set locate_attempts",),
+        ("Set insert_attempts",),
         ("Locate_attempts",),
     )

@@ -18,7 +18,7 @@ from flexbe_synthesizer.core.problem import ChartError
 from flexbe_synthesizer.core.render_python import render_python
 from flexbe_synthesizer.testing import app_complaints
 
-CHARTS = ["plain.xml", "place_connector.xml", "wire_task.xml"]
+CHARTS = ["plain.xml", "place_connector.xml", "wire_task.xml", "two_arms.xml"]
 
 
 def rendered(machine, manual=None):

@@ -5,7 +5,15 @@ from pathlib import Path
 
 import pytest
 
-from flexbe_synthesizer.request import ErrorCode, Request, RequestError, Settings, fulfil
+from flexbe_synthesizer.edge.chart_files import LARGEST_FILE
+from flexbe_synthesizer.request import (
+    ErrorCode,
+    Request,
+    RequestError,
+    Settings,
+    fulfil,
+    within,
+)
 
 
 @pytest.fixture
@@ -56,7 +64,7 @@ def test_another_initial_state_changes_the_states_and_not_the_behavior(ask, sett
     first = ask("place_connector.xml")
     answer = ask("place_connector.xml", "Extract")
     assert answer.states[0].initial_state_name.startswith("Set ")
-    (last_preset,) = [s for s in answer.states if s.state_path == "/Set locate_attempts"]
+    (last_preset,) = [s for s in answer.states if s.state_path == "/Set insert_attempts"]
     assert last_preset.transitions == ("Extract",)
     assert first.written != ()
     assert answer.written == ()
@@ -121,4 +129,34 @@ def test_whoever_is_told_of_a_step_can_end_the_request(ask, settings):
             raise RequestError(ErrorCode.CANCELLED, "enough")
 
     assert refusal(ask, "plain.xml", report=stop)[0] is ErrorCode.CANCELLED
+    assert not settings.output.exists()
+
+
+def test_a_request_that_takes_too_long_is_ended_at_its_next_step(ask, settings):
+    times = iter(range(100))
+    report = within(2.5, lambda _status, _progress: None, lambda: next(times))
+    code, text = refusal(ask, "plain.xml", report=report)
+    assert code is ErrorCode.OUT_OF_TIME
+    assert "more than 2.5 s" in text
+    assert not settings.output.exists()
+
+
+def test_links_out_of_the_folders_bombs_and_large_files_are_refused(ask, settings, tmp_path):
+    charts = settings.chart_folders[0]
+    (tmp_path / "secret.xml").write_text("<secret/>")
+    (charts / "link.xml").symlink_to(tmp_path / "secret.xml")
+    assert refusal(ask, "link.xml")[0] is ErrorCode.CHART_REFUSED
+    bomb = "<!DOCTYPE a [<!ENTITY b 'bbbb'><!ENTITY c '&b;&b;&b;'>]>"
+    (charts / "bomb.xml").write_text(f"{bomb}<statemachine>&c;</statemachine>")
+    code, text = refusal(ask, "bomb.xml")
+    assert (code, "[doctype]" in text) == (ErrorCode.CHART_INVALID, True)
+    (charts / "file.xml").write_text(
+        "<!DOCTYPE a [<!ENTITY b SYSTEM 'file:///etc/passwd'>]><statemachine name='&b;'/>"
+    )
+    assert refusal(ask, "file.xml")[0] is ErrorCode.CHART_INVALID
+    with (charts / "large.xml").open("wb") as file:
+        file.truncate(LARGEST_FILE + 1)
+    code, text = refusal(ask, "large.xml")
+    assert (code, "larger than" in text) == (ErrorCode.CHART_NOT_FOUND, True)
+    assert refusal(ask, "a" * 5000)[0] is ErrorCode.CHART_NOT_FOUND
     assert not settings.output.exists()

@@ -20,7 +20,6 @@ def check_connections(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Probl
     wiring = Wiring(resolved)
     yield from _check_inputs(resolved, flow, wiring)
     yield from _check_outputs(resolved, flow, wiring)
-    yield from _check_use(resolved, flow, wiring)
 
 
 def _check_ends(connection: Connection, resolved: ResolvedChart) -> Iterator[Problem]:
@@ -28,13 +27,15 @@ def _check_ends(connection: Connection, resolved: ResolvedChart) -> Iterator[Pro
     chart = resolved.chart
     giver, taker = connection.output_state_id, connection.input_state_id
     if giver == taker == chart.name and connection.output and connection.output != connection.input:
-        message = f"FlexBE cannot copy input '{connection.output}' of the chart to its output "
+        message = (
+            f"FlexBE cannot copy input '{connection.output}' of {resolved.title} to its output "
+        )
         message += f"'{connection.input}'; give both one name, or put a state between that copies."
         yield Problem(connection.position("input"), Code.UNKNOWN_INPUT, message)
         return
     if giver == chart.name:
         known = [port.name for port in chart.inputs]
-        yield from _check_end(connection, "output", "the chart has no input", known)
+        yield from _check_end(connection, "output", f"{resolved.title} has no input", known)
     else:
         yield from _check_state(giver, "output_state_id", connection, resolved)
         if (entry := resolved.by_id.get(giver)) is not None and entry.signature is not None:
@@ -42,7 +43,7 @@ def _check_ends(connection: Connection, resolved: ResolvedChart) -> Iterator[Pro
             yield from _check_end(connection, "output", f"'{giver}' has no output", known)
     if taker == chart.name:
         known = [port.name for port in chart.outputs]
-        yield from _check_end(connection, "input", "the chart has no output", known)
+        yield from _check_end(connection, "input", f"{resolved.title} has no output", known)
     else:
         yield from _check_state(taker, "input_state_id", connection, resolved)
         if (entry := resolved.by_id.get(taker)) is not None and entry.signature is not None:
@@ -66,7 +67,7 @@ def _check_state(
 ) -> Iterator[Problem]:
     if name and name not in resolved.by_id:
         hint = names.allowed(name, [*resolved.by_id, resolved.chart.name])
-        message = f"'{name}' is neither a state, a behavior nor the chart; {hint}"
+        message = f"'{name}' is neither a state, a behavior nor {resolved.title}; {hint}"
         yield Problem(connection.position(attribute), Code.UNKNOWN_STATE, message)
 
 
@@ -87,8 +88,12 @@ def _check_duplicates(resolved: ResolvedChart) -> Iterator[Problem]:
             source = Key(connection.output_state_id, connection.output)
             other, other_line = homes.setdefault(source, (target.name, line))
             if other != target.name:
-                message = f"output '{source.name}' of '{source.node}' feeds the chart's output "
-                message += f"'{other}' in line {other_line} already, and a value has one home; "
+                message = (
+                    f"output '{source.name}' of '{source.node}' feeds the output '{other}' of "
+                )
+                message += (
+                    f"{resolved.title} in line {other_line} already, and a value has one home; "
+                )
                 message += "delete one connection."
                 yield Problem(connection.position(), Code.CONFLICTING_OUTPUT, message)
 
@@ -108,7 +113,7 @@ def _check_inputs(resolved: ResolvedChart, flow: DataFlow, wiring: Wiring) -> It
             given: Input | Port | None
             if connection is None or connection.output_state_id == resolved.chart.name:
                 given = machine_inputs.get(connection.output if connection else port.name)
-                source = f"input '{given.name}' of the chart" if given else ""
+                source = f"input '{given.name}' of {resolved.title}" if given else ""
             else:
                 producer = Key(connection.output_state_id, connection.output)
                 given = outputs.get(producer)
@@ -161,7 +166,9 @@ def _check_outputs(resolved: ResolvedChart, flow: DataFlow, wiring: Wiring) -> I
     for output in resolved.chart.outputs:
         is_fed = output.name in wiring.connected_outputs or output.name in by_home
         if is_known and output.name and not is_fed:
-            message = f"nothing feeds output '{output.name}' of the chart; no state has an output "
+            message = (
+                f"nothing feeds output '{output.name}' of {resolved.title}; no state has an output "
+            )
             message += 'of that name. Add <connection output_state_id="..." output="..." '
             message += f'input_state_id="{resolved.chart.name}" input="{output.name}"/>.'
             yield Problem(output.position(), Code.UNFED_OUTPUT, message)
@@ -184,7 +191,7 @@ def _check_feeds(
         connection = wiring.into_machine.get(key)
         position = output.position() if connection is None else connection.position()
         source = f"output '{key.name}' of '{key.node}'"
-        target = f"output '{output.name}' of the chart"
+        target = f"output '{output.name}' of {resolved.title}"
         problems = tuple(_check_flow(source, port, target, output, position))
         yield from problems
         if problems:
@@ -196,17 +203,6 @@ def _check_pass_through(resolved: ResolvedChart, wiring: Wiring) -> Iterator[Pro
     inputs = {port.name: port for port in resolved.chart.inputs}
     for output in resolved.chart.outputs:
         given = inputs.get(output.name)
-        source = f"input '{output.name}' of the chart"
+        source = f"input '{output.name}' of {resolved.title}"
         target = "its output of the same name, which is the same value,"
         yield from _check_flow(source, given, target, output, output.position())
-
-
-def _check_use(resolved: ResolvedChart, flow: DataFlow, wiring: Wiring) -> Iterator[Problem]:
-    """Yield a warning for each machine input that no state reads."""
-    if any(entry.signature is None for entry in resolved.nodes):
-        return
-    read = {*flow.inputs.values(), *wiring.passed_through}
-    for port in resolved.chart.inputs:
-        if port.name and port.name not in read:
-            message = f"no state reads input '{port.name}' of the chart; delete it or connect it."
-            yield Problem(port.position(), Code.UNUSED_INPUT, message)

@@ -6,19 +6,20 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.expand import added_labels
-from flexbe_synthesizer.core.model import Behavior, Element, Input, Output, State
+from flexbe_synthesizer.core.model import AnyNode, Chart, Container, Element, Input, Output, State
 from flexbe_synthesizer.core.problem import Code, Position, Problem
-from flexbe_synthesizer.core.resolve import ResolvedChart, kind, label
+from flexbe_synthesizer.core.resolve import ResolvedChart, label
 from flexbe_synthesizer.core.signature import TYPES, is_type
 
 
 def check_names(resolved: ResolvedChart) -> Iterator[Problem]:
     """Yield the problems with names of the chart, its data, its states and their parts."""
     chart = resolved.chart
-    yield from _check_name("the chart", chart.name, chart.position("name"))
+    if not resolved.is_inner:
+        yield from _check_name("the chart", chart.name, chart.position("name"))
     yield from _check_outcomes(resolved)
     for ports in (chart.inputs, chart.outputs):
-        yield from _check_ports("the chart", ports)
+        yield from _check_ports(resolved.title, ports)
         for port in ports:
             if port.name and not names.is_key(port.name):
                 message = f"'{port.name}' cannot name userdata; give a Python identifier that does "
@@ -43,9 +44,9 @@ def _check_outcomes(resolved: ResolvedChart) -> Iterator[Problem]:
         position = outcome.position("name")
         yield from _check_name("an outcome", outcome.name, position)
         if outcome.name == names.PREEMPTED:
-            message = "'preempted' is reserved: FlexBE adds it to every behavior; delete it here."
+            message = "'preempted' is reserved: FlexBE adds it everywhere itself; delete it here."
             yield Problem(position, Code.RESERVED_NAME, message)
-    yield from _check_duplicates("the chart", outcomes, [o.name for o in outcomes])
+    yield from _check_duplicates(resolved.title, outcomes, [o.name for o in outcomes])
 
 
 def _check_duplicates(
@@ -78,32 +79,56 @@ def _check_ids(resolved: ResolvedChart) -> Iterator[Problem]:
     first: dict[str, int] = {}
     for index, node in enumerate(chart.nodes):
         position = node.position("id")
-        yield from _check_name(f"a {kind(node)}", node.id, position)
+        yield from _check_name(f"a {node.kind}", node.id, position)
         other = first.setdefault(node.id, index)
         if node.id and other != index:
             line = chart.nodes[other].position("id").line
             message = f"the id '{node.id}' is taken by line {line}; give each its own."
             yield Problem(position, Code.DUPLICATE_ID, message)
-        for taken_by in _meanings(node.id, chart.name, outcomes, added):
-            message = f"'{node.id}' is also {taken_by}; rename the {kind(node)}."
+        for taken_by in _meanings(node.id, resolved, outcomes, added):
+            message = f"'{node.id}' is also {taken_by}; rename the {node.kind}."
             yield Problem(position, Code.RESERVED_NAME, message)
 
 
 def _meanings(
-    name: str, chart_name: str, outcomes: Iterable[str], added: dict[str, str]
+    name: str, resolved: ResolvedChart, outcomes: Iterable[str], added: dict[str, str]
 ) -> Iterator[str]:
     """Yield what else an id means."""
-    if name and name == chart_name:
-        yield "the chart's name, which stands for the chart in connections"
+    if name and name == resolved.chart.name:
+        around = "container" if resolved.is_inner else "chart"
+        yield f"the {around}'s name, which stands for the {around} in connections"
     if name in outcomes:
-        yield "an outcome of the chart, and a transition could mean either"
+        yield f"an outcome of {resolved.title}, and a transition could mean either"
     if name == names.PREEMPTED:
         yield "an outcome that FlexBE adds to every behavior"
     if name in added:
         yield f"the name of a state that the extension adds for '{added[name]}'"
 
 
-def _check_params(node: State | Behavior) -> Iterator[Problem]:
+def check_paths(resolved: ResolvedChart) -> Iterator[Problem]:
+    """Yield a problem for each path that the FlexBE App cannot tell from another one.
+
+    The App joins the parts of a path with '_'. Two ids in one place are told as duplicates.
+    """
+    first: dict[str, tuple[str, AnyNode]] = {}
+    for path, node in _paths(resolved.chart, ""):
+        joined = path.replace("/", "_")
+        other_path, other = first.setdefault(joined, (path, node))
+        if other_path != path:
+            line = other.position("id").line
+            message = f"the FlexBE App cannot tell the path '{path}' from '{other_path}' in line "
+            message += f"{line}: it joins paths with '_'. Rename one of the two."
+            yield Problem(node.position("id"), Code.DUPLICATE_ID, message)
+
+
+def _paths(chart: Chart, above: str) -> Iterator[tuple[str, AnyNode]]:
+    for node in chart.nodes:
+        yield f"{above}/{node.id}", node
+        if isinstance(node, Container):
+            yield from _paths(node.body, f"{above}/{node.id}")
+
+
+def _check_params(node: AnyNode) -> Iterator[Problem]:
     yield from _check_duplicates(label(node), node.params, [param.name for param in node.params])
     given = {"timeout_s"} if node.timeout_s is not None else set()
     if isinstance(node, State) and node.topic is not None:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.literal import Literal, format_literal, type_of
 from flexbe_synthesizer.core.model import Behavior, Input, Node, Output, State
+from flexbe_synthesizer.core.predicates import PARAMETER, PREDICATES
 from flexbe_synthesizer.core.problem import Code, Position, Problem
 from flexbe_synthesizer.core.resolve import ResolvedChart, ResolvedNode, arguments, label
 from flexbe_synthesizer.core.signature import FromParameter, Port, Signature, StateClass, fits
@@ -39,7 +40,8 @@ def _check_values(entry: ResolvedNode, signature: Signature) -> Iterator[Problem
             message = f"{signature.title} has no parameter '{name}'; {hint}"
             yield Problem(position, Code.UNKNOWN_PARAMETER, message)
         elif parameter is not None and parameter.takes_source:
-            yield _source_problem(parameter.name, signature, position)
+            if name != PARAMETER or value not in tuple(PREDICATES):
+                yield _source_problem(parameter.name, signature, position)
         elif parameter is not None and not fits(type_of(value), parameter.type):
             message = f"parameter '{name}' of {signature.title} is {parameter.type}; found "
             message += f"{_shown(value)}.{_as_text(value, parameter.type)}"
@@ -83,9 +85,11 @@ def _holds_dictionary(value: Literal) -> bool:
 
 def _check_required(entry: ResolvedNode, signature: Signature) -> Iterator[Problem]:
     """Yield a problem for each parameter without default that is not given."""
+    known = [parameter.name for parameter in signature.parameters]
     given = arguments(entry.node, entry.is_timed)
+    meant = {names.misspelt(name, known) for name in given if name not in known}
     for parameter in signature.parameters:
-        if parameter.required and parameter.name not in given:
+        if parameter.required and parameter.name not in (*given, *meant):
             if parameter.takes_source:
                 position = entry.node.position("type")
                 yield _source_problem(parameter.name, signature, position)
@@ -98,7 +102,10 @@ def _check_required(entry: ResolvedNode, signature: Signature) -> Iterator[Probl
 
 def _source_problem(name: str, signature: Signature, position: Position) -> Problem:
     message = f"parameter '{name}' of {signature.title} takes Python source, which a chart never "
-    message += "carries; use a state class of your own that does this one thing."
+    if name == PARAMETER:
+        message += f"carries; name one of the predicates {', '.join(PREDICATES)}."
+    else:
+        message += "carries; use a state class of your own that does this one thing."
     return Problem(position, Code.PARAMETER_SOURCE, message)
 
 

@@ -20,6 +20,9 @@ _ADDED_BY = {EXHAUSTED: "attempts", TIMED_OUT: "timeout_s"}
 def check_transitions(resolved: ResolvedChart) -> Iterator[Problem]:
     """Yield the problems with the initial state and the transitions."""
     chart = resolved.chart
+    if resolved.is_concurrent:
+        yield from _check_outcomes(resolved, {condition.outcome for condition in chart.conditions})
+        return
     if chart.initial and chart.initial not in resolved.by_id:
         hint = names.allowed(chart.initial, resolved.by_id)
         message = f"the initial state '{chart.initial}' does not exist; {hint}"
@@ -29,7 +32,13 @@ def check_transitions(resolved: ResolvedChart) -> Iterator[Problem]:
         yield from _check_events(entry)
         yield from _check_targets(entry, known)
     targets = {t.target for node in chart.nodes for t in node.transitions}
-    for outcome in chart.outcomes:
+    targets |= {route.target for node in chart.nodes for route in node.on_error}
+    yield from _check_outcomes(resolved, targets)
+
+
+def _check_outcomes(resolved: ResolvedChart, targets: Collection[str]) -> Iterator[Problem]:
+    """Warn of each outcome that nothing leads to."""
+    for outcome in resolved.chart.outcomes:
         if outcome.name and outcome.name not in targets:
             message = f"no transition leads to the outcome '{outcome.name}'; delete it, or lead a "
             message += "transition to it."

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from flexbe_synthesizer.core import names
@@ -13,6 +13,7 @@ from flexbe_synthesizer.core.machine import BehaviorUse, Machine, walk
 from flexbe_synthesizer.core.manifest import Manifest
 from flexbe_synthesizer.core.model import Chart
 from flexbe_synthesizer.core.problem import ChartError, Code, Problem, errors_in
+from flexbe_synthesizer.core.resolve import ResolvedNode, scopes
 from flexbe_synthesizer.core.signature import BehaviorClass, chart_behavior
 
 
@@ -24,11 +25,19 @@ class Unit:
     package: str
 
 
-def check_units(units: Sequence[Unit], library: Library) -> Mapping[str, CheckedChart]:
-    """Return each chart checked, by path; a behavior may be named though it is only a chart yet."""
+def check_units(
+    units: Sequence[Unit], library: Library, report: Callable[[str], None] = lambda _path: None
+) -> Mapping[str, CheckedChart]:
+    """Return each chart checked, by path; a behavior may be named though it is only a chart yet.
+
+    `report` is told the path of each chart before it is checked; what it raises ends the checking.
+    """
     behaviors = {unit.chart.file: chart_behavior(unit.chart, unit.package) for unit in units}
     whole = library.with_behaviors(behaviors.values())
-    checked = {unit.chart.file: check_chart(unit.chart, whole, behaviors) for unit in units}
+    checked = {}
+    for unit in units:
+        report(unit.chart.file)
+        checked[unit.chart.file] = check_chart(unit.chart, whole, behaviors)
     doubled = tuple(_find_doubles(units))
     known = {behavior.name: behavior.contains for behavior in whole.behaviors} | {
         one.resolved.chart.name: _contained(one) for one in checked.values()
@@ -48,20 +57,26 @@ def check_units(units: Sequence[Unit], library: Library) -> Mapping[str, Checked
 
 def _contained(checked: CheckedChart) -> tuple[str, ...]:
     """Return the display names of the behaviors in a chart."""
-    declarations = (entry.declaration for entry in checked.resolved.nodes)
-    return tuple(d.name for d in declarations if isinstance(d, BehaviorClass))
+    return tuple(behavior.name for _entry, behavior in _behaviors_in(checked))
+
+
+def _behaviors_in(checked: CheckedChart) -> Iterator[tuple[ResolvedNode, BehaviorClass]]:
+    """Yield the behaviors in a chart, those inside containers too."""
+    for scope in scopes(checked.resolved):
+        for entry in scope.nodes:
+            if isinstance(entry.declaration, BehaviorClass):
+                yield entry, entry.declaration
 
 
 def _find_cycles(checked: CheckedChart, known: Mapping[str, Iterable[str]]) -> Iterator[Problem]:
     """Yield a problem for each behavior in a chart that contains the chart again."""
     chart = checked.resolved.chart
-    for entry in checked.resolved.nodes:
-        if isinstance(entry.declaration, BehaviorClass):
-            trail = _trail(entry.declaration.name, chart.name, known)
-            if trail:
-                message = f"the chart would contain itself: {' > '.join((chart.name, *trail))}; "
-                message += "a behavior cannot be built out of itself."
-                yield Problem(entry.node.position("type"), Code.CHART_CYCLE, message)
+    for entry, behavior in _behaviors_in(checked):
+        trail = _trail(behavior.name, chart.name, known)
+        if trail:
+            message = f"the chart would contain itself: {' > '.join((chart.name, *trail))}; "
+            message += "a behavior cannot be built out of itself."
+            yield Problem(entry.node.position("type"), Code.CHART_CYCLE, message)
 
 
 def _trail(start: str, goal: str, known: Mapping[str, Iterable[str]]) -> tuple[str, ...]:
@@ -106,7 +121,7 @@ def compile_chart(checked: CheckedChart, package: str) -> Machine:
     errors = errors_in(checked.problems)
     if errors:
         raise ChartError(errors)
-    return expand(checked.resolved, checked.flow, package)
+    return expand(checked.resolved, package)
 
 
 def manifest_of(machine: Machine) -> Manifest:

@@ -75,16 +75,7 @@ class Wiring:
 
 def ports(entry: ResolvedNode) -> tuple[tuple[Port, ...], tuple[Port, ...]]:
     """Return inputs and outputs of a node, with the types that the chart declares for them."""
-    if entry.signature is None:
-        return (), ()
-    inputs = {port.name: port.type for port in entry.node.inputs}
-    outputs = {port.name: port.type for port in entry.node.outputs}
-    return (
-        tuple(
-            Port(p.name, inputs.get(p.name) or p.type, p.optional) for p in entry.signature.inputs
-        ),
-        tuple(Port(p.name, outputs.get(p.name) or p.type) for p in entry.signature.outputs),
-    )
+    return entry.inputs, entry.outputs
 
 
 def bind_data(resolved: ResolvedChart) -> DataFlow:

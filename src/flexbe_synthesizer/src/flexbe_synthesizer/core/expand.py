@@ -1,38 +1,52 @@
 """Expand a checked chart into a plain FlexBE behavior.
 
 `ext:attempts` on X puts a counting state `X_attempts` before X: all that leads to X leads there,
-and its count lives in the root's userdata, where it starts at 0 in every run. `ext:timeout_s` on
-an X that does not keep time itself makes X a concurrency container of `run`, which is X, and
-`timer`, a state that waits.
+and its count lives in the root's userdata, where it starts at 0 in every run; containers around X
+pass it through. `ext:timeout_s` on an X that does not keep time itself makes X a concurrency
+container of `run`, which is X, and `timer`, a state that waits. `ext:on_error` on X puts a deciding
+state `X_error` behind the outcome `failed` of X.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
-from flexbe_synthesizer.core import names
-from flexbe_synthesizer.core.data_flow import DataFlow, Key, ports
+from flexbe_synthesizer.core import machine, names
+from flexbe_synthesizer.core.data_flow import DataFlow, Key, bind_data, ports
+from flexbe_synthesizer.core.error_routes import route_event
+from flexbe_synthesizer.core.literal import Literal
 from flexbe_synthesizer.core.machine import (
     BehaviorUse,
     Child,
     Condition,
-    Container,
     Exit,
     Kind,
     Machine,
     Pair,
     StateUse,
+    Value,
 )
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.model import Chart, Container, ContainerKind
+from flexbe_synthesizer.core.predicates import PREDICATES, choose_by_code
 from flexbe_synthesizer.core.resolve import (
+    ERROR_CODE,
     EXHAUSTED,
+    FAILED,
     TIMED_OUT,
     ResolvedChart,
     ResolvedNode,
+    Support,
     arguments,
+    scopes,
 )
 from flexbe_synthesizer.core.signature import BehaviorClass, StateClass
 
+_KINDS = {
+    ContainerKind.SEQUENCE: Kind.STATE_MACHINE,
+    ContainerKind.CONCURRENCY: Kind.CONCURRENCY,
+    ContainerKind.PRIORITY: Kind.PRIORITY,
+}
+_OTHER = "other"  # outcome of a chooser for the codes that no route names
 _RUN, _TIMER = "run", "timer"
 _COUNTED = "counted"
 
@@ -42,6 +56,11 @@ def counter_label(node_id: str) -> str:
     return f"{node_id}_attempts"
 
 
+def chooser_label(node_id: str) -> str:
+    """Return the label of the state that parts the failures of another by code."""
+    return f"{node_id}_error"
+
+
 def added_labels(entry: ResolvedNode) -> Iterator[str]:
     """Yield the labels that the expansion of a node takes from the chart's ids.
 
@@ -49,6 +68,8 @@ def added_labels(entry: ResolvedNode) -> Iterator[str]:
     """
     if entry.node.attempts is not None:
         yield counter_label(entry.node.id)
+    if entry.node.on_error:
+        yield chooser_label(entry.node.id)
     if entry.is_timed:
         yield f"{entry.node.id}_{_RUN}"
         yield f"{entry.node.id}_{_TIMER}"
@@ -62,100 +83,191 @@ def chart_steps(chart: Chart, taken: Iterable[tuple[str, str]]) -> tuple[tuple[s
         taken: (path of the state, outcome), such as `("/Locate_attempts", "counted")`, in order.
 
     Returns:
-        (id, event) of each state or behavior of the chart that was left.
+        (id, event) of each node of the chart that was left; the id of one inside containers has
+        theirs before it, `Place/Insert`.
     """
-    counters = {counter_label(n.id): n.id for n in chart.nodes if n.attempts is not None}
-    ids = {node.id for node in chart.nodes}
+    names_by_path = _StepNames(chart)
     steps = []
     for path, outcome in taken:
-        label, _, inner = path.strip("/").partition("/")
-        if label in counters and outcome == EXHAUSTED:
-            steps.append((counters[label], outcome))
-        elif label in ids and inner in ("", _RUN):
-            steps.append((label, outcome))
+        if path in names_by_path.counters and outcome == EXHAUSTED:
+            steps.append((names_by_path.counters[path], outcome))
+        elif path in names_by_path.choosers:
+            event = FAILED if outcome == _OTHER else outcome
+            steps.append((names_by_path.choosers[path], event))
+        elif path in names_by_path.nodes and (path, outcome) not in names_by_path.parted:
+            steps.append((names_by_path.nodes[path], outcome))
     return tuple(steps)
 
 
-def expand(resolved: ResolvedChart, flow: DataFlow, package: str) -> Machine:
+class _StepNames:
+    """What the states of an expanded chart are in the chart, by path."""
+
+    def __init__(self, chart: Chart) -> None:
+        self.nodes: dict[str, str] = {}
+        self.counters: dict[str, str] = {}
+        self.choosers: dict[str, str] = {}
+        self.parted: set[tuple[str, str]] = set()  # steps that a chooser tells of more closely
+        self._add(chart, "", "")
+
+    def _add(self, chart: Chart, above: str, prefix: str) -> None:
+        for node in chart.nodes:
+            path, name = f"{above}/{node.id}", f"{prefix}{node.id}"
+            self.nodes |= {path: name, f"{path}/{_RUN}": name}
+            if node.attempts is not None:
+                self.counters[f"{above}/{counter_label(node.id)}"] = name
+            if node.on_error:
+                self.choosers[f"{above}/{chooser_label(node.id)}"] = name
+                self.parted |= {(path, FAILED), (f"{path}/{_RUN}", FAILED)}
+            if isinstance(node, Container):
+                inside = path if node.timeout_s is None else f"{path}/{_RUN}"
+                self._add(node.body, inside, f"{name}/")
+
+
+def expand(resolved: ResolvedChart, package: str) -> Machine:
     """Return the behavior that a chart without errors becomes."""
     chart = resolved.chart
-    expansion = _Expansion(resolved, flow)
-    entries = sorted(resolved.nodes, key=lambda entry: entry.node.id != chart.initial)
-    children = tuple(child for entry in entries for child in expansion.children(entry))
+    counts = _count_keys(resolved)
+    flow = bind_data(resolved)
+    defaults = {port.name: port.default for port in chart.inputs}
     inputs = tuple(port.name for port in chart.inputs)
     outputs = tuple(port.name for port in chart.outputs)
-    defaults = {port.name: port.default for port in chart.inputs}
     userdata = [Pair(key, defaults.get(key)) for key in dict.fromkeys((*inputs, *outputs))]
-    userdata += [Pair(key, 0) for key in expansion.counts.values()]
-    root = Container(
+    userdata += [Pair(key, 0) for key in counts.values()]
+    root = machine.Container(
         Kind.STATE_MACHINE,
         tuple(outcome.name for outcome in chart.outcomes),
         inputs,
         outputs,
-        children,
+        _Expansion(resolved, flow, "", counts).children(),
         tuple(userdata),
     )
     description = chart.description or f"The state chart {chart.name}."
     return Machine(chart.name, package, description, root)
 
 
-class _Expansion:
-    """The children that the nodes of one chart become."""
+def _count_keys(resolved: ResolvedChart) -> Mapping[str, str]:
+    """Return the userdata key of each count, by the path of the node that it counts."""
+    taken: set[str] = set()
+    for scope in scopes(resolved):
+        flow = bind_data(scope)
+        taken |= {*flow.inputs.values(), *flow.outputs.values()}
+        taken |= {port.name for port in scope.chart.inputs}
+        taken |= {port.name for port in scope.chart.outputs}
+    counts = {}
+    for path in sorted(_counted_paths(resolved, "")):  # whatever order the nodes stand in
+        wanted = "_".join((*map(names.snake_case, path.split("/")), "attempts"))
+        counts[path] = names.take_unused(wanted, taken)
+        taken.add(counts[path])
+    return counts
 
-    def __init__(self, resolved: ResolvedChart, flow: DataFlow) -> None:
+
+def _counted_paths(resolved: ResolvedChart, above: str) -> Iterator[str]:
+    for entry in resolved.nodes:
+        path = f"{above}{entry.node.id}"
+        if entry.node.attempts is not None:
+            yield path
+        if entry.body is not None:
+            yield from _counted_paths(entry.body, f"{path}/")
+
+
+class _Expansion:
+    """The children that the nodes of a chart or container become.
+
+    Attributes:
+        above: path of the container, with a slash at its end; empty for the chart itself.
+        counts: userdata keys of all counts of the chart, by path.
+    """
+
+    def __init__(
+        self, resolved: ResolvedChart, flow: DataFlow, above: str, counts: Mapping[str, str]
+    ) -> None:
         self._resolved = resolved
         self._flow = flow
-        taken = {*flow.inputs.values(), *flow.outputs.values()}
-        taken |= {port.name for port in resolved.chart.inputs}
-        taken |= {port.name for port in resolved.chart.outputs}
-        self.counts: dict[str, str] = {}
-        for entry in resolved.nodes:
-            if entry.node.attempts is not None:
-                wanted = f"{names.snake_case(entry.node.id)}_attempts"
-                self.counts[entry.node.id] = names.take_unused(wanted, taken)
-                taken.add(self.counts[entry.node.id])
+        self._above = above
+        self._counts = counts
 
-    def children(self, entry: ResolvedNode) -> Iterator[Child]:
-        """Yield what a node becomes: its counter, if it has one, and itself."""
+    def children(self) -> tuple[Child, ...]:
+        """Return what the nodes become, the initial one first."""
+        initial = self._resolved.chart.initial
+        entries = sorted(self._resolved.nodes, key=lambda entry: entry.node.id != initial)
+        return tuple(child for entry in entries for child in self._expanded(entry))
+
+    def _expanded(self, entry: ResolvedNode) -> Iterator[Child]:
+        """Yield what a node becomes: its counter, itself, and what parts its failures."""
         node = entry.node
-        exits = {
-            t.event: Exit(t.event, self._entry(t.target), t.autonomy) for t in node.transitions
-        }
-        if node.attempts is not None and self._resolved.counter is not None:
+        exits = self._exits(entry)
+        if node.attempts is not None:
             yield Child(
                 counter_label(node.id),
-                _use(self._resolved.counter, attempts=node.attempts),
+                self._support(Support.COUNTER, attempts=node.attempts),
                 (Exit(_COUNTED, node.id), exits[EXHAUSTED]),
-                (("attempt", self.counts[node.id]),),
+                (("attempt", self._counts[f"{self._above}{node.id}"]),),
             )
-        own = tuple(exits[e] for e in _own_outcomes(entry))
-        if entry.is_timed and self._resolved.timer is not None:
-            yield self._timed(entry, self._resolved.timer, own, exits[TIMED_OUT])
+        if node.on_error:
+            yield self._chooser(entry, exits[FAILED])
+            exits[FAILED] = Exit(FAILED, chooser_label(node.id))
+        own = tuple(exits[event] for event in _own_outcomes(entry))
+        if entry.is_timed:
+            yield self._timed(entry, own, exits[TIMED_OUT])
         else:
             yield Child(node.id, self._content(entry), own, self._remapping(entry))
 
+    def _exits(self, entry: ResolvedNode) -> dict[str, Exit]:
+        """Return where each event of a node leads."""
+        if self._resolved.is_concurrent:
+            return {
+                when.event: Exit(when.event, condition.outcome)
+                for condition in self._resolved.chart.conditions
+                for when in condition.all_of
+                if when.state == entry.node.id
+            }
+        return {
+            t.event: Exit(t.event, self._entry(t.target), t.autonomy)
+            for t in entry.node.transitions
+        }
+
     def _entry(self, target: str) -> str:
         """Return the label that a transition to a target leads to."""
-        return counter_label(target) if target in self.counts else target
+        return counter_label(target) if f"{self._above}{target}" in self._counts else target
 
-    def _timed(
-        self, entry: ResolvedNode, timer: StateClass, own: tuple[Exit, ...], timed_out: Exit
-    ) -> Child:
+    def _chooser(self, entry: ResolvedNode, otherwise: Exit) -> Child:
+        """Return the state that leads a failure to where its code says."""
+        routes = entry.node.on_error
+        events = tuple(route_event(route) for route in routes)
+        ranges = ((r.first, r.last, event) for r, event in zip(routes, events, strict=True))
+        chooser = self._support(
+            Support.CHOOSER, outcomes=(*events, _OTHER), conditions=choose_by_code(ranges, _OTHER)
+        )
+        exits = tuple(
+            Exit(event, self._entry(route.target))
+            for event, route in zip(events, routes, strict=True)
+        )
+        code = self._flow.outputs[Key(entry.node.id, ERROR_CODE)]
+        return Child(
+            chooser_label(entry.node.id),
+            chooser,
+            (*exits, otherwise._replace(outcome=_OTHER)),
+            (("input_value", code),),
+        )
+
+    def _timed(self, entry: ResolvedNode, own: tuple[Exit, ...], timed_out: Exit) -> Child:
         """Return the container of a node and its timer.
 
         The autonomy of a transition stands at the child, where the engine keeps to it.
         """
         remapping = self._remapping(entry)
-        conditions = [Condition(exit_.outcome, _RUN, exit_.outcome) for exit_ in own]
-        conditions.append(Condition(TIMED_OUT, _TIMER, "done"))
+        conditions = [Condition(e.outcome, ((_RUN, e.outcome),)) for e in own]
+        conditions.append(Condition(TIMED_OUT, ((_TIMER, "done"),)))
         inputs, outputs = ports(entry)
         defaulted = {key.name for key in self._flow.defaulted if key.node == entry.node.id}
+        passed = self._passed_counts(entry)
         keys = tuple((key, key) for key, _home in remapping)
-        container = Container(
+        timer = self._support(Support.TIMER, wait_time=entry.node.timeout_s)
+        container = machine.Container(
             Kind.CONCURRENCY,
             tuple(dict.fromkeys(condition.outcome for condition in conditions)),
-            tuple(port.name for port in inputs if port.name not in defaulted),
-            tuple(port.name for port in outputs),
+            (*(port.name for port in inputs if port.name not in defaulted), *passed),
+            (*(port.name for port in outputs), *passed),
             (
                 Child(
                     _RUN,
@@ -163,11 +275,7 @@ class _Expansion:
                     tuple(Exit(e.outcome, e.outcome, e.autonomy) for e in own),
                     keys,
                 ),
-                Child(
-                    _TIMER,
-                    _use(timer, wait_time=entry.node.timeout_s),
-                    (Exit("done", TIMED_OUT, timed_out.autonomy),),
-                ),
+                Child(_TIMER, timer, (Exit("done", TIMED_OUT, timed_out.autonomy),)),
             ),
             conditions=tuple(conditions),
         )
@@ -175,10 +283,12 @@ class _Expansion:
         exits = tuple(Exit(outcome, leaving[outcome]) for outcome in container.outcomes)
         return Child(entry.node.id, container, exits, remapping)
 
-    def _content(self, entry: ResolvedNode) -> StateUse | BehaviorUse:
-        """Return the state or behavior that a node is."""
+    def _content(self, entry: ResolvedNode) -> StateUse | BehaviorUse | machine.Container:
+        """Return the state, behavior or container that a node is."""
         declaration = entry.declaration
-        given = tuple(Pair(*item) for item in arguments(entry.node, entry.is_timed).items())
+        if entry.body is not None:
+            return self._body(entry, entry.body)
+        given = tuple(_pair(item, entry) for item in arguments(entry.node, entry.is_timed).items())
         if isinstance(declaration, BehaviorClass):
             defaulted = (p.name for p in declaration.inputs)
             kept = tuple(k for k in defaulted if Key(entry.node.id, k) in self._flow.defaulted)
@@ -186,6 +296,29 @@ class _Expansion:
         if declaration is None:
             raise AssertionError(f"{entry.node.id} was expanded though its class is not known")
         return StateUse(declaration, _alias(declaration, entry.is_qualified), given)
+
+    def _body(self, entry: ResolvedNode, body: ResolvedChart) -> machine.Container:
+        """Return the container that a container of the chart becomes."""
+        chart, passed = body.chart, self._passed_counts(entry)
+        inside = _Expansion(body, bind_data(body), f"{self._above}{entry.node.id}/", self._counts)
+        return machine.Container(
+            _KINDS[body.runs],
+            tuple(outcome.name for outcome in chart.outcomes),
+            (*(port.name for port in chart.inputs), *passed),
+            (*(port.name for port in chart.outputs), *passed),
+            inside.children(),
+            conditions=tuple(
+                Condition(c.outcome, tuple((when.state, when.event) for when in c.all_of))
+                for c in chart.conditions
+            ),
+        )
+
+    def _passed_counts(self, entry: ResolvedNode) -> tuple[str, ...]:
+        """Return the keys of the counts inside a node, which it passes through."""
+        if entry.body is None:
+            return ()
+        inside = f"{self._above}{entry.node.id}/"
+        return tuple(key for path, key in self._counts.items() if path.startswith(inside))
 
     def _remapping(self, entry: ResolvedNode) -> tuple[tuple[str, str], ...]:
         """Return the home of each key, inputs first."""
@@ -196,7 +329,12 @@ class _Expansion:
                 homes[port.name] = self._flow.inputs[key]
         for port in outputs:
             homes.setdefault(port.name, self._flow.outputs[Key(entry.node.id, port.name)])
-        return tuple(homes.items())
+        return (*homes.items(), *((key, key) for key in self._passed_counts(entry)))
+
+    def _support(self, wanted: Support, **values: Value) -> StateUse:
+        """Return a state that an extension adds."""
+        state = self._resolved.support[wanted]
+        return StateUse(state, state.name, tuple(Pair(*item) for item in values.items()))
 
 
 def _own_outcomes(entry: ResolvedNode) -> tuple[str, ...]:
@@ -204,9 +342,13 @@ def _own_outcomes(entry: ResolvedNode) -> tuple[str, ...]:
     return (entry.signature.outcomes if entry.signature else None) or ()
 
 
-def _use(state: StateClass, **values: float | None) -> StateUse:
-    """Return a state that an extension adds."""
-    return StateUse(state, state.name, tuple(Pair(*item) for item in values.items()))
+def _pair(given: tuple[str, Literal], entry: ResolvedNode) -> Pair:
+    """Return an argument; one that takes Python source has the name of a predicate."""
+    name, value = given
+    known = {p.name: p for p in entry.signature.parameters} if entry.signature else {}
+    if isinstance(value, str) and name in known and known[name].takes_source:
+        return Pair(name, PREDICATES[value])
+    return Pair(name, value)
 
 
 def _alias(state: StateClass, is_qualified: bool) -> str:

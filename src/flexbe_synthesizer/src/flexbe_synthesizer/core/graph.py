@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections import defaultdict, deque
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 from flexbe_synthesizer.core import names
-from flexbe_synthesizer.core.resolve import EXHAUSTED, ResolvedChart
+from flexbe_synthesizer.core.model import AnyNode, Condition
+from flexbe_synthesizer.core.resolve import EXHAUSTED, FAILED, ResolvedChart
 
 
 @dataclass(frozen=True)
@@ -64,13 +65,17 @@ class Graph:
 
 
 def chart_graph(resolved: ResolvedChart) -> Graph:
-    """Return the graph of a chart.
+    """Return the graph of a chart, or of the content of a container.
 
     A misspelt target or initial state stands for the name that was meant, so that one mistake is
-    not reported a second time as an unreachable state.
+    not reported a second time as an unreachable state. What is in a concurrency container has no
+    order: its edges are the events that its conditions wait for, and lead to its outcomes.
     """
-    ids = tuple(resolved.by_id)
-    known = {*ids, *(outcome.name for outcome in resolved.chart.outcomes)}
+    chart, ids = resolved.chart, tuple(resolved.by_id)
+    known = {*ids, *(outcome.name for outcome in chart.outcomes)}
+    if resolved.is_concurrent:
+        conditions = chart.conditions
+        return Graph("", ids, tuple(e for c in conditions for e in condition_edges(c, resolved)))
 
     def meant(name: str, among: Collection[str]) -> str:
         return name if name in among else names.misspelt(name, sorted(among)) or name
@@ -78,18 +83,35 @@ def chart_graph(resolved: ResolvedChart) -> Graph:
     edges = tuple(
         Edge(
             entry.node.id,
-            transition.event,
-            meant(transition.target, known),
-            executed=transition.event not in entry.added_events,
-            is_exhausted=transition.event == EXHAUSTED
+            event,
+            meant(target, known),
+            executed=event not in entry.added_events,
+            is_exhausted=event == EXHAUSTED
             and entry.node.attempts is not None
             and not entry.has_own(EXHAUSTED),
         )
         for entry in resolved.by_id.values()
-        for transition in entry.node.transitions
+        for event, target in _leads(entry.node)
     )
-    initial = meant(resolved.chart.initial, ids)
+    initial = meant(chart.initial, ids)
     return Graph(initial, tuple(sorted(ids, key=lambda name: name != initial)), edges)
+
+
+def _leads(node: AnyNode) -> Iterator[tuple[str, str]]:
+    """Yield event and target of each way out of a node."""
+    for transition in node.transitions:
+        yield transition.event, transition.target
+    for route in node.on_error:
+        yield FAILED, route.target
+
+
+def condition_edges(condition: Condition, resolved: ResolvedChart) -> Iterator[Edge]:
+    """Yield the events that a condition of a concurrency container waits for, as edges."""
+    for when in condition.all_of:
+        entry = resolved.by_id.get(when.state)
+        if entry is not None:
+            executed = when.event not in entry.added_events
+            yield Edge(when.state, when.event, condition.outcome, executed)
 
 
 def reachable(starts: Iterable[str], successors: Callable[[str], Iterable[str]]) -> set[str]:
@@ -121,6 +143,13 @@ def shortest_path(
     while path[-1].source != start:
         path.append(came[path[-1].source])
     return tuple(reversed(path))
+
+
+def path_text(path: tuple[Edge, ...]) -> str:
+    """Return the path as `A -failed-> B -done-> C`."""
+    if not path:
+        return "on some path"
+    return path[0].source + "".join(f" -{edge.event}-> {edge.target}" for edge in path)
 
 
 def _grouped(edges: Iterable[Edge], key: Callable[[Edge], str]) -> Mapping[str, tuple[Edge, ...]]:

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.layout import ORIGIN, Layout
-from flexbe_synthesizer.core.literal import python_literal
 from flexbe_synthesizer.core.machine import (
     Child,
     Container,
@@ -19,13 +18,18 @@ from flexbe_synthesizer.core.machine import (
     Kind,
     Pair,
     StateUse,
+    python_value,
     walk,
 )
 from flexbe_synthesizer.core.model import Autonomy
 from flexbe_synthesizer.core.signature import StateClass
 
 WRITER = ("flexbe_states", "UserDataState")
-_CLASSES = {Kind.STATE_MACHINE: ":STATEMACHINE", Kind.CONCURRENCY: ":CONCURRENCY"}
+_CLASSES = {
+    Kind.STATE_MACHINE: ":STATEMACHINE",
+    Kind.CONCURRENCY: ":CONCURRENCY",
+    Kind.PRIORITY: ":PRIORITY",
+}
 _BEHAVIOR = ":BEHAVIOR"
 _LEVELS = {Autonomy.OFF: 0, Autonomy.LOW: 1, Autonomy.HIGH: 2, Autonomy.FULL: 3}
 _INHERIT = -1
@@ -35,7 +39,7 @@ _INHERIT = -1
 class Instantiation:
     """One state or container, field by field a `flexbe_msgs/StateInstantiation`.
 
-    `cond_transition` holds (state, outcome) of each condition, in the order of `cond_outcome`.
+    `cond_transition` holds the (state, outcome)s of each condition, in the order of `cond_outcome`.
     """
 
     state_path: str
@@ -44,7 +48,7 @@ class Instantiation:
     input_keys: tuple[str, ...] = ()
     output_keys: tuple[str, ...] = ()
     cond_outcome: tuple[str, ...] = ()
-    cond_transition: tuple[tuple[str, str], ...] = ()
+    cond_transition: tuple[tuple[tuple[str, str], ...], ...] = ()
     behavior_class: str = ""
     parameter_names: tuple[str, ...] = ()
     parameter_values: tuple[str, ...] = ()
@@ -107,12 +111,10 @@ def _entry(path: str, child: Child, layout: Layout) -> Instantiation:
         input_keys=container.input_keys if container else (),
         output_keys=container.output_keys if container else (),
         cond_outcome=tuple(c.outcome for c in container.conditions) if container else (),
-        cond_transition=tuple((c.child, c.child_outcome) for c in container.conditions)
-        if container
-        else (),
+        cond_transition=tuple(c.pairs for c in container.conditions) if container else (),
         behavior_class=behavior_class,
         parameter_names=tuple(pair.name for pair in parameters),
-        parameter_values=tuple(python_literal(pair.value) for pair in parameters),
+        parameter_values=tuple(python_value(pair.value) for pair in parameters),
         position=(float(x - ORIGIN[0]), float(y - ORIGIN[1])),
         outcomes=tuple(exit_.outcome for exit_ in child.exits),
         transitions=tuple(exit_.target for exit_ in child.exits),

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from flexbe_synthesizer.core.signature import BehaviorClass, StateClass, Unreadable
 
@@ -19,9 +20,17 @@ class Library:
 
     def find_states(self, name: str) -> tuple[StateClass | Unreadable, ...]:
         """Return the state classes that `Class`, `package__Class` or `package/Class` means."""
+        return self._states_by_name.get(name, ())
+
+    @cached_property
+    def _states_by_name(self) -> Mapping[str, tuple[StateClass | Unreadable, ...]]:
+        found: dict[str, tuple[StateClass | Unreadable, ...]] = {}
         known: tuple[StateClass | Unreadable, ...] = (*self.states, *self.unreadable_states)
-        spellings = ("{0.name}", "{0.package}__{0.name}", "{0.package}/{0.name}")
-        return tuple(s for s in known if name in (spelling.format(s) for spelling in spellings))
+        for state in known:
+            package, name = state.package, state.name
+            for spelling in (name, f"{package}__{name}", f"{package}/{name}"):
+                found[spelling] = (*found.get(spelling, ()), state)
+        return found
 
     def find_behaviors(self, name: str) -> tuple[BehaviorClass | Unreadable, ...]:
         """Return the behaviors of that display name, else those of that class."""

@@ -121,6 +121,8 @@ def python_literal(value: Literal) -> str:
 
 def quote(text: str) -> str:
     """Return a single-quoted Python string, harmless to the FlexBE App."""
+    if text.isidentifier() and text.isascii():  # most are; the rest takes its time
+        return f"'{text}'"
     backslashed = text.replace("\\", "\\\\")
     safe = _UNSAFE_IN_APP.sub(lambda found: f"\\x{ord(found[0][0]):02x}{found[0][1:]}", backslashed)
     return "'" + "".join(c if c.isprintable() else _escape(c) for c in safe) + "'"

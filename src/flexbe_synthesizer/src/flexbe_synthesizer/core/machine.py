@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
-from flexbe_synthesizer.core.literal import Literal
+from flexbe_synthesizer.core.literal import Literal, python_literal
 from flexbe_synthesizer.core.model import Autonomy
 from flexbe_synthesizer.core.signature import BehaviorClass, StateClass
 
@@ -17,6 +17,7 @@ class Kind(Enum):
 
     STATE_MACHINE = "OperatableStateMachine"
     CONCURRENCY = "ConcurrencyContainer"
+    PRIORITY = "PriorityContainer"
 
 
 class Exit(NamedTuple):
@@ -28,18 +29,35 @@ class Exit(NamedTuple):
 
 
 class Condition(NamedTuple):
-    """An outcome of a concurrency container, and the child's outcome that causes it."""
+    """An outcome of a concurrency container, and the outcomes of children that cause it together.
+
+    `pairs` holds (child, outcome).
+    """
 
     outcome: str
-    child: str
-    child_outcome: str
+    pairs: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class Expression:
+    """A Python expression of our own making; nothing that a chart says becomes one."""
+
+    text: str
+
+
+Value: TypeAlias = "Literal | Expression"
 
 
 class Pair(NamedTuple):
     """A name and what belongs to it: a parameter and its value, a key and its default."""
 
     name: str
-    value: Literal
+    value: Value
+
+
+def python_value(value: Value) -> str:
+    """Return the Python expression for a value."""
+    return value.text if isinstance(value, Expression) else python_literal(value)
 
 
 @dataclass(frozen=True)
@@ -62,7 +80,7 @@ class BehaviorUse:
 
 @dataclass(frozen=True)
 class Container:
-    """A state machine or concurrency container; its first child is the initial one.
+    """A container of FlexBE; its first child is the initial one.
 
     Attributes:
         userdata: default userdata, in order.

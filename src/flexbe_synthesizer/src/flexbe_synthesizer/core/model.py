@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
+from typing import TypeAlias
 
 from flexbe_synthesizer.core.literal import Literal, freeze
 from flexbe_synthesizer.core.problem import Position
@@ -23,6 +24,10 @@ class Source:
     element: Position
     attributes: Mapping[str, Position] = field(default_factory=dict)
 
+    def place(self, attribute: str) -> Position:
+        """Return where an attribute stands, else the element."""
+        return self.attributes.get(attribute, self.element)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Element:
@@ -34,7 +39,7 @@ class Element:
         """Return where the attribute stands, else the element; 0:0 for charts built in code."""
         if self.source is None:
             return Position("<chart>", 0, 0)
-        return self.source.attributes.get(attribute, self.source.element)
+        return self.source.place(attribute)
 
 
 class Autonomy(Enum):
@@ -106,12 +111,23 @@ class Connection(Element):
 
 
 @dataclass(frozen=True)
+class ErrorRoute:
+    """Where a failure leads whose error code lies in a range, both ends included."""
+
+    first: int
+    last: int
+    target: str
+
+
+@dataclass(frozen=True)
 class Node(Element):
-    """What states and behaviors have in common.
+    """What states, behaviors and containers have in common.
 
     Attributes:
         attempts: how often it may be entered in one run; adds the event `exhausted`.
         timeout_s: how long one visit may take [s].
+        on_error: where the event `failed` leads for some values of the output `error_code`;
+            for all others its transition says so.
     """
 
     id: str
@@ -122,6 +138,12 @@ class Node(Element):
     params: tuple[Param, ...] = ()
     attempts: int | None = None
     timeout_s: float | None = None
+    on_error: tuple[ErrorRoute, ...] = ()
+
+    @property
+    def kind(self) -> str:
+        """Return the word for it in messages."""
+        return type(self).__name__.lower()
 
 
 @dataclass(frozen=True)
@@ -136,14 +158,55 @@ class Behavior(Node):
     """A behavior inside the chart: a display name, a class, or the path of another chart."""
 
 
+class ContainerKind(Enum):
+    """How a container runs what is in it; the value is the tag of its element."""
+
+    SEQUENCE = "container"
+    CONCURRENCY = "concurrency"
+    PRIORITY = "priority"
+
+
+@dataclass(frozen=True)
+class Container(Node):
+    """A chart inside the chart: `type` is the value of a `ContainerKind`, `body` its content.
+
+    The body has the container's id as its name. What the container offers to the chart around it
+    is the body's datamodel, so its own `inputs`, `outputs` and `params` stay empty.
+    """
+
+    body: Chart = field(default_factory=lambda: Chart("", ""))
+
+    @property
+    def runs(self) -> ContainerKind:
+        """Return how it runs what is in it."""
+        return ContainerKind(self.type)
+
+
+@dataclass(frozen=True)
+class When(Element):
+    """A state of a concurrency container that has ended with an event."""
+
+    state: str
+    event: str
+
+
+@dataclass(frozen=True)
+class Condition(Element):
+    """An outcome of a concurrency container, and all that must have happened for it."""
+
+    outcome: str
+    all_of: tuple[When, ...] = ()
+
+
 @dataclass(frozen=True)
 class Chart(Element):
-    """A state chart.
+    """A state chart, or the content of a container.
 
     Attributes:
-        name: display name of the behavior that it becomes.
-        initial: id of the first state.
-        nodes: states and behaviors, in document order.
+        name: display name of the behavior that it becomes; the id of a container.
+        initial: id of the first state; empty in a concurrency container, which starts all.
+        nodes: states, behaviors and containers, in document order.
+        conditions: of a concurrency container only.
         description: what it does, for people; the comment at the head of the file.
         file: path that it was read from, empty if it was built in code.
     """
@@ -151,10 +214,11 @@ class Chart(Element):
     name: str
     initial: str
     outcomes: tuple[Outcome, ...] = ()
-    nodes: tuple[State | Behavior, ...] = ()
+    nodes: tuple[AnyNode, ...] = ()
     inputs: tuple[Input, ...] = ()
     outputs: tuple[Output, ...] = ()
     connections: tuple[Connection, ...] = ()
+    conditions: tuple[Condition, ...] = ()
     description: str = ""
     file: str = field(default="", compare=False)
 
@@ -163,3 +227,14 @@ class Chart(Element):
         lines = inspect.cleandoc("\n".join(self.description.splitlines())).splitlines()
         tidy = "\n".join(line.rstrip() for line in lines).strip()
         object.__setattr__(self, "description", re.sub(r"-(?=-)", "- ", tidy))
+
+
+AnyNode: TypeAlias = State | Behavior | Container
+
+
+def walk_nodes(chart: Chart) -> Iterator[AnyNode]:
+    """Yield every state, behavior and container of a chart, those inside containers too."""
+    for node in chart.nodes:
+        yield node
+        if isinstance(node, Container):
+            yield from walk_nodes(node.body)

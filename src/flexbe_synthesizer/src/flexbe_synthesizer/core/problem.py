@@ -36,6 +36,7 @@ class Code(Enum):
     UNKNOWN_ELEMENT = ("unknown-element", "an element that the language does not have")
     MISPLACED_ELEMENT = ("misplaced-element", "an element in a place where it means nothing")
     MISSING_ELEMENT = ("missing-element", "no datamodel, no outcome, or no state at all")
+    NESTED_TOO_DEEPLY = ("nested-too-deeply", "more than 16 containers inside each other")
     DUPLICATE_ELEMENT = ("duplicate-element", "an element that may stand once stands twice")
     UNEXPECTED_TEXT = ("unexpected-text", "text between elements")
     UNKNOWN_ATTRIBUTE = ("unknown-attribute", "an attribute that the element does not have")
@@ -73,10 +74,27 @@ class Code(Enum):
     CONFLICTING_OUTPUT = ("conflicting-output", "one value that would have to have two homes")
     UNBOUND_INPUT = ("unbound-input", "an input that nothing feeds")
     UNFED_OUTPUT = ("unfed-output", "an output of the chart that nothing feeds")
+    ENDLESS_CONTAINER = ("endless-container", "states that end together and leave no condition met")
     READ_BEFORE_WRITE = ("read-before-write", "a path on which a value is read but not yet written")
     OVERWRITTEN_VALUE = ("overwritten-value", "a path on which another state's value is read")
     TYPE_CONFLICT = ("type-conflict", "the two ends of a data flow have different types")
     UNUSED_INPUT = ("unused-input", "an input of the chart that no state reads", Severity.WARNING)
+    UNUSED_OUTPUT = (
+        "unused-output",
+        "an output that the chart declares at a state and nothing reads",
+        Severity.WARNING,
+    )
+    SHADOWED_NAME = (
+        "shadowed-name",
+        "an input of the chart that hides another state's output of its name",
+        Severity.WARNING,
+    )
+    UNBOUNDED_LOOP = ("unbounded-loop", "a loop without any limit of attempts", Severity.WARNING)
+    UNCANCELLED_ABILITY = (
+        "uncancelled-ability",
+        "a state that sends a goal and never cancels it",
+        Severity.WARNING,
+    )
     UNUSED_OUTCOME = (
         "unused-outcome",
         "an outcome of the chart that no transition reaches",

@@ -13,7 +13,7 @@ import jinja2
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.layout import Layout, Point
-from flexbe_synthesizer.core.literal import python_literal, quote
+from flexbe_synthesizer.core.literal import quote
 from flexbe_synthesizer.core.machine import (
     BehaviorUse,
     Child,
@@ -23,6 +23,7 @@ from flexbe_synthesizer.core.machine import (
     Machine,
     Pair,
     StateUse,
+    python_value,
     walk,
 )
 from flexbe_synthesizer.core.manifest import AUTHOR, DATE
@@ -154,7 +155,7 @@ def render_python(machine: Machine, layout: Layout, manual: Mapping[str, str]) -
             if isinstance(content, BehaviorUse)
         ],
         userdata=[
-            f"{_ROOT}.userdata.{key} = {python_literal(value)}"
+            f"{_ROOT}.userdata.{key} = {python_value(value)}"
             for key, value in machine.root.userdata
         ],
         root=_container("", machine.root, layout, variables),
@@ -194,6 +195,7 @@ def _docstring(text: str) -> str:
     """Return a description that cannot be taken for code, by Python or by the FlexBE App."""
     swapped = text.translate(_HARMLESS)
     calm = re.sub(r"\b(class|def)\b(?=\s)", "\u201c\\1\u201d", swapped)
+    calm = re.sub(r"^(\s*)(from|import)\b", "\\1\u201c\\2\u201d", calm, flags=re.MULTILINE)
     lines = ("".join(c for c in line if c.isprintable()) for line in calm.splitlines())
     return "\n".join(_INDENT + line if line else "" for line in lines).strip()
 
@@ -257,11 +259,15 @@ def _definition(container: Container) -> str:
     given = [f"{k}={_names(v)}" for k, v in lists.items() if v or k == "outcomes"]
     if container.kind is Kind.CONCURRENCY:
         tuples = f",{_CONTINUED}".join(
-            f"({quote(outcome)}, [({quote(child)}, {quote(child_outcome)})])"
-            for outcome, child, child_outcome in container.conditions
+            f"({quote(outcome)}, [{', '.join(map(_pair, pairs))}])"
+            for outcome, pairs in container.conditions
         )
         given.append(f"conditions=[{_CONTINUED}{tuples}{_CONTINUED}]")
     return f"{container.kind.value}({', '.join(given)})"
+
+
+def _pair(pair: tuple[str, str]) -> str:
+    return f"({quote(pair[0])}, {quote(pair[1])})"
 
 
 def _names(listed: Iterable[str]) -> str:
@@ -291,7 +297,7 @@ def _content(
     if isinstance(content, Container):
         return variables[path]
     if isinstance(content, StateUse):
-        arguments = (f"{name}={python_literal(value)}" for name, value in content.arguments)
+        arguments = (f"{name}={python_value(value)}" for name, value in content.arguments)
         return f"{content.alias}({', '.join(arguments)})"
     parts = [content.behavior.class_name, quote(path.lstrip("/"))]
     if content.defaulted:
@@ -302,7 +308,7 @@ def _content(
 
 
 def _parameters(pairs: Iterable[Pair]) -> str:
-    return _dictionary({name: python_literal(value) for name, value in pairs})
+    return _dictionary({name: python_value(value) for name, value in pairs})
 
 
 def _dictionary(items: Mapping[str, str]) -> str:

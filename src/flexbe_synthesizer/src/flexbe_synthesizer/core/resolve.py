@@ -5,15 +5,27 @@ from __future__ import annotations
 import posixpath
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from enum import Enum
+from functools import cached_property
 from typing import TypeVar
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.literal import Literal
-from flexbe_synthesizer.core.model import Behavior, Chart, Node, State
+from flexbe_synthesizer.core.model import (
+    AnyNode,
+    Behavior,
+    Chart,
+    Container,
+    ContainerKind,
+    Node,
+    State,
+)
+from flexbe_synthesizer.core.names import PREEMPTED
 from flexbe_synthesizer.core.problem import Code, Problem
 from flexbe_synthesizer.core.signature import (
     BehaviorClass,
+    Port,
     Signature,
     StateClass,
     Unreadable,
@@ -23,25 +35,44 @@ from flexbe_synthesizer.core.signature import (
 
 EXHAUSTED = "exhausted"
 TIMED_OUT = "timed_out"
-_COUNTER = ("remodel_states", "CountAttemptsState")
-_TIMER = ("flexbe_states", "WaitState")
+FAILED = "failed"  # the event that ext:on_error parts by code
+ERROR_CODE = "error_code"  # the output that holds the code
+
+
+class Support(Enum):
+    """The state classes that extensions are expanded with: package, class, extension."""
+
+    COUNTER = ("remodel_states", "CountAttemptsState", "attempts")
+    TIMER = ("flexbe_states", "WaitState", "timeout_s")
+    CHOOSER = ("flexbe_states", "DecisionState", "on_error")
+
+    def __init__(self, package: str, class_name: str, extension: str) -> None:
+        """Name the parts of the value."""
+        self.package = package
+        self.class_name = class_name
+        self.extension = extension
+
+
 _Found = TypeVar("_Found", StateClass, BehaviorClass)
 
 
 @dataclass(frozen=True)
 class ResolvedNode:
-    """A state or behavior of a chart with what it names; both None if that was not found.
+    """A node of a chart with what it names; without signature if that was not found.
 
     Attributes:
+        declaration: class of the state or behavior; None of a container.
         is_qualified: the chart names the package of the state class.
         is_timed: its timeout is kept by a timer beside it, not by its own class.
+        body: content of a container.
     """
 
-    node: State | Behavior
+    node: AnyNode
     declaration: StateClass | BehaviorClass | None = None
     signature: Signature | None = None
     is_qualified: bool = False
     is_timed: bool = False
+    body: ResolvedChart | None = None
 
     @property
     def added_events(self) -> tuple[str, ...]:
@@ -55,6 +86,22 @@ class ResolvedNode:
             return None
         return tuple(dict.fromkeys((*self.signature.outcomes, *self.added_events)))
 
+    @cached_property
+    def inputs(self) -> tuple[Port, ...]:
+        """Return the inputs, with the types that the chart declares for them."""
+        offered = () if self.signature is None else self.signature.inputs
+        types = {port.name: port.type for port in self.node.inputs if port.type}
+        return tuple(
+            Port(p.name, types[p.name], p.optional) if p.name in types else p for p in offered
+        )
+
+    @cached_property
+    def outputs(self) -> tuple[Port, ...]:
+        """Return the outputs, with the types that the chart declares for them."""
+        offered = () if self.signature is None else self.signature.outputs
+        types = {port.name: port.type for port in self.node.outputs if port.type}
+        return tuple(Port(p.name, types[p.name]) if p.name in types else p for p in offered)
+
     def has_own(self, event: str) -> bool:
         """Tell whether the event is an outcome of its class."""
         return self.signature is not None and event in (self.signature.outcomes or ())
@@ -65,34 +112,49 @@ class ResolvedChart:
     """A chart with all its names looked up.
 
     Attributes:
-        counter: class of the state that counts attempts, if the chart counts any.
-        timer: class of the state that times others, if the chart times any.
+        runs: how it runs what is in it; the chart of a file is a sequence.
+        is_inner: it is the content of a container.
+        support: the state classes that the extensions it uses are expanded with.
         by_id: the nodes in document order, of two with one id the first.
     """
 
     chart: Chart
     nodes: tuple[ResolvedNode, ...]
-    counter: StateClass | None = None
-    timer: StateClass | None = None
+    runs: ContainerKind = ContainerKind.SEQUENCE
+    support: Mapping[Support, StateClass] = field(default_factory=dict)
     by_id: Mapping[str, ResolvedNode] = field(default_factory=dict)
+    is_inner: bool = False
+
+    @property
+    def title(self) -> str:
+        """Return what messages call it: the chart itself, or a container in it."""
+        return f"container '{self.chart.name}'" if self.is_inner else "the chart"
+
+    @property
+    def is_concurrent(self) -> bool:
+        """Tell whether all that is in it runs at the same time."""
+        return self.runs is ContainerKind.CONCURRENCY
 
 
-def kind(node: Node) -> str:
-    """Return the word for a node in messages."""
-    return "behavior" if isinstance(node, Behavior) else "state"
+def scopes(resolved: ResolvedChart) -> Iterator[ResolvedChart]:
+    """Yield the chart and the content of each container in it, outer ones first."""
+    yield resolved
+    for entry in resolved.nodes:
+        if entry.body is not None:
+            yield from scopes(entry.body)
 
 
 def label(node: Node) -> str:
     """Return kind and id of a node for messages."""
-    return f"{kind(node)} '{node.id}'"
+    return f"{node.kind} '{node.id}'"
 
 
-def arguments(node: State | Behavior, is_timed: bool) -> dict[str, Literal]:
+def arguments(node: AnyNode, is_timed: bool) -> dict[str, Literal]:
     """Return the values that a node gives to its class, by parameter name."""
     values = {param.name: param.value for param in node.params}
     if isinstance(node, State) and node.topic is not None:
         values["topic"] = node.topic
-    if node.timeout_s is not None and not is_timed:
+    if isinstance(node, State) and node.timeout_s is not None and not is_timed:
         values["timeout_s"] = node.timeout_s
     return values
 
@@ -114,52 +176,102 @@ def resolve_chart(
         library: what is on the ROS package path.
         charts: the behaviors that other charts become, by path.
     """
-    problems: list[Problem] = []
-    nodes = tuple(_resolve_node(chart, node, library, charts, problems) for node in chart.nodes)
-    counted = next((n.node for n in nodes if n.node.attempts is not None), None)
-    timed = next((n.node for n in nodes if n.is_timed), None)
-    by_id: dict[str, ResolvedNode] = {}
-    for entry in nodes:
-        if entry.node.id:
-            by_id.setdefault(entry.node.id, entry)
-    resolved = ResolvedChart(
-        chart,
-        nodes,
-        _support(library, _COUNTER, counted, "attempts", problems) if counted else None,
-        _support(library, _TIMER, timed, "timeout_s", problems) if timed else None,
-        by_id,
+    lookup = _Lookup(chart, library, charts)
+    resolved = lookup.scope(chart, ContainerKind.SEQUENCE)
+    lookup.problems.extend(_check_imports(resolved))
+    return resolved, tuple(lookup.problems)
+
+
+class _Lookup:
+    """The search for what the nodes of one file name."""
+
+    def __init__(self, chart: Chart, library: Library, charts: Mapping[str, BehaviorClass]) -> None:
+        self._chart = chart
+        self._library = library
+        self._charts = charts
+        self._support: dict[Support, StateClass | None] = {}
+        self.problems: list[Problem] = []
+
+    def scope(self, chart: Chart, runs: ContainerKind) -> ResolvedChart:
+        """Return a chart, or the content of a container, with its names looked up."""
+        nodes = tuple(self._node(node) for node in chart.nodes)
+        by_id: dict[str, ResolvedNode] = {}
+        support: dict[Support, StateClass] = {}
+        for entry in nodes:
+            if entry.node.id:
+                by_id.setdefault(entry.node.id, entry)
+            for wanted in _wanted_support(entry):
+                found = self._find_support(wanted, entry.node)
+                if found is not None:
+                    support[wanted] = found
+        return ResolvedChart(chart, nodes, runs, support, by_id, chart is not self._chart)
+
+    def _node(self, node: AnyNode) -> ResolvedNode:
+        if isinstance(node, Container):
+            body = self.scope(node.body, node.runs)
+            is_timed = node.timeout_s is not None
+            return ResolvedNode(node, None, _body_signature(node), is_timed=is_timed, body=body)
+        if not node.type:
+            return ResolvedNode(node)
+        if isinstance(node, State):
+            return _resolve_state(node, self._library, self.problems)
+        return self._behavior(node)
+
+    def _behavior(self, node: Behavior) -> ResolvedNode:
+        path = included_path(self._chart, node)
+        if path is not None:
+            if path in self._charts:
+                return _with_behavior(node, self._charts[path])
+            message = f"the chart '{node.type}' could not be read."
+            self.problems.append(Problem(node.position("type"), Code.UNKNOWN_BEHAVIOR, message))
+            return ResolvedNode(node)
+        known = self._library.behaviors
+        candidates = self._library.find_behaviors(node.type)
+        behavior = _only(node, candidates, self.problems)
+        if not candidates:
+            hint = names.allowed(node.type, sorted({b.name for b in known}))
+            message = f"no behavior '{node.type}' on the ROS package path; {hint}"
+            self.problems.append(Problem(node.position("type"), Code.UNKNOWN_BEHAVIOR, message))
+            meant = names.misspelt(node.type, (b.name for b in known))
+            behavior = next((b for b in known if b.name == meant), None)
+        return ResolvedNode(node) if behavior is None else _with_behavior(node, behavior)
+
+    def _find_support(self, wanted: Support, node: AnyNode) -> StateClass | None:
+        """Return the state class that an extension is expanded with; report once if missing."""
+        if wanted in self._support:
+            return self._support[wanted]
+        found = self._library.find_states(f"{wanted.package}/{wanted.class_name}")
+        one = found[0] if len(found) == 1 and isinstance(found[0], StateClass) else None
+        self._support[wanted] = one
+        if one is None:
+            message = f"ext:{wanted.extension} needs the state class {wanted.class_name} of "
+            message += f"package {wanted.package}, which is not on the ROS package path; build and "
+            message += "source the workspace that has it."
+            self.problems.append(
+                Problem(node.position(wanted.extension), Code.UNKNOWN_CLASS, message)
+            )
+        return one
+
+
+def _wanted_support(entry: ResolvedNode) -> Iterator[Support]:
+    """Yield the state classes that a node's extensions need."""
+    if entry.node.attempts is not None:
+        yield Support.COUNTER
+    if entry.is_timed:
+        yield Support.TIMER
+    if entry.node.on_error:
+        yield Support.CHOOSER
+
+
+def _body_signature(node: Container) -> Signature:
+    """Return what a container offers to the chart around it: its datamodel."""
+    return Signature(
+        f"container '{node.id}'",
+        tuple(dict.fromkeys(o.name for o in node.body.outcomes if o.name and o.name != PREEMPTED)),
+        tuple(Port(port.name, port.type) for port in node.body.inputs if port.name),
+        tuple(Port(port.name, port.type) for port in node.body.outputs if port.name),
+        (),
     )
-    problems.extend(_check_imports(resolved))
-    return resolved, tuple(problems)
-
-
-def _resolve_node(
-    chart: Chart,
-    node: State | Behavior,
-    library: Library,
-    charts: Mapping[str, BehaviorClass],
-    problems: list[Problem],
-) -> ResolvedNode:
-    if not node.type:
-        return ResolvedNode(node)
-    if isinstance(node, State):
-        return _resolve_state(node, library, problems)
-    path = included_path(chart, node)
-    if path is not None:
-        if path in charts:
-            return _with_behavior(node, charts[path])
-        message = f"the chart '{node.type}' could not be read."
-        problems.append(Problem(node.position("type"), Code.UNKNOWN_BEHAVIOR, message))
-        return ResolvedNode(node)
-    candidates = library.find_behaviors(node.type)
-    behavior = _only(node, candidates, problems)
-    if not candidates:
-        hint = names.allowed(node.type, sorted({b.name for b in library.behaviors}))
-        message = f"no behavior '{node.type}' on the ROS package path; {hint}"
-        problems.append(Problem(node.position("type"), Code.UNKNOWN_BEHAVIOR, message))
-        meant = names.misspelt(node.type, (b.name for b in library.behaviors))
-        behavior = next((b for b in library.behaviors if b.name == meant), None)
-    return ResolvedNode(node) if behavior is None else _with_behavior(node, behavior)
 
 
 def _resolve_state(node: State, library: Library, problems: list[Problem]) -> ResolvedNode:
@@ -206,25 +318,11 @@ def _only(
     return found
 
 
-def _support(
-    library: Library, wanted: tuple[str, str], node: Node, extension: str, problems: list[Problem]
-) -> StateClass | None:
-    """Return the state class that an extension is expanded with; report it if it is missing."""
-    package, class_name = wanted
-    found = library.find_states(f"{package}/{class_name}")
-    if len(found) == 1 and isinstance(found[0], StateClass):
-        return found[0]
-    message = f"ext:{extension} needs the state class {class_name} of package {package}, which is "
-    message += "not on the ROS package path; build and source the workspace that has it."
-    problems.append(Problem(node.position(extension), Code.UNKNOWN_CLASS, message))
-    return None
-
-
 def _check_imports(resolved: ResolvedChart) -> Iterator[Problem]:
     """Report behaviors that cannot be used side by side, since their classes have one name."""
     chart = resolved.chart
     users = {names.behavior_class(chart.name): chart.name}
-    for entry in resolved.nodes:
+    for entry in (entry for scope in scopes(resolved) for entry in scope.nodes):
         if isinstance(entry.declaration, BehaviorClass):
             class_name, name = entry.declaration.class_name, entry.declaration.name
             if users.setdefault(class_name, name) != name:

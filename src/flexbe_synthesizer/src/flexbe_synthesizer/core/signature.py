@@ -74,7 +74,11 @@ class FromParameter:
 
 @dataclass(frozen=True)
 class StateClass:
-    """A state class as its source text declares it."""
+    """A state class as its source text declares it.
+
+    Attributes:
+        leaves_goals: it sends goals to abilities, and nothing in it cancels one.
+    """
 
     name: str
     package: str
@@ -83,6 +87,7 @@ class StateClass:
     outcomes: tuple[str, ...] | FromParameter
     inputs: tuple[Port, ...] | FromParameter
     outputs: tuple[Port, ...] | FromParameter
+    leaves_goals: bool = False
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,9 @@ from flexbe_synthesizer.core.signature import (
 _MARK = re.compile(r"^\s*(--|>#|#>)\s+(\S+)[ \t]+(\S+)", re.MULTILINE)
 
 
+_CANCELS = {"cancel", "cancel_goal", "cancel_all_goals"}
+
+
 class _UnreadableError(ValueError):
     """The class is outside what can be read from text."""
 
@@ -72,7 +75,18 @@ def _read_class(found: ast.ClassDef, package: str, module: str) -> StateClass:
         outcomes=outcomes,
         inputs=_ports(lists.get("input_keys", ()), lists.get("io_keys", ()), ">#", documented),
         outputs=_ports(lists.get("output_keys", ()), lists.get("io_keys", ()), "#>", documented),
+        leaves_goals=_leaves_goals(found),
     )
+
+
+def _leaves_goals(found: ast.ClassDef) -> bool:
+    """Tell whether a class calls `send_goal` and none of the calls that take a goal back."""
+    called = {
+        node.func.attr
+        for node in ast.walk(found)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
+    }
+    return "send_goal" in called and not called & _CANCELS
 
 
 def _constructor(found: ast.ClassDef) -> ast.FunctionDef:

@@ -20,7 +20,7 @@ _MOST_DUPLICATES = 100  # each costs a pass over the file; this many are enough 
 _ENCODINGS = {"utf-8", "us-ascii", "ascii", "iso-8859-1", "latin-1", "windows-1252"}
 _DECLARATION = re.compile(rb"""<\?xml\s[^>]*?encoding\s*=\s*["']([\w.:-]+)""")
 _TAG_NAME = re.compile(rb"<[^\s/>]+")
-_ATTRIBUTE = re.compile(rb"""([^\s=/>]+)\s*=\s*("[^"]*"|'[^']*')""")
+_ATTRIBUTE = re.compile(rb"""\s*([^\s=/>]+)\s*=\s*("[^"]*"|'[^']*')""")
 
 
 @dataclass(frozen=True)
@@ -196,17 +196,12 @@ class _Reading:
         start = self._parser.CurrentByteIndex
         name = _TAG_NAME.match(self._data, start)
         at = name.end() if name else start
-        while (found := _ATTRIBUTE.match(self._data, self._skip_blanks(at))) is not None:
-            before = self._data[start : found.start()].decode()
+        while (found := _ATTRIBUTE.match(self._data, at)) is not None:
+            before = self._data[start : found.start(1)].decode()
             lines = before.count("\n")
             column = len(before) - before.rfind("\n") if lines else here.column + len(before)
             yield found[1].decode(), Position(self._file, here.line + lines, column)
             at = found.end()
-
-    def _skip_blanks(self, at: int) -> int:
-        while self._data[at : at + 1].isspace():
-            at += 1
-        return at
 
     def _end(self, _name: str) -> None:
         done = self._open.pop()

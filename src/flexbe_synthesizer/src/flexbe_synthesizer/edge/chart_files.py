@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import stat
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 from flexbe_synthesizer.core.codec import read_chart
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.model import Chart, walk_nodes
 from flexbe_synthesizer.core.problem import Code, Problem
 from flexbe_synthesizer.core.resolve import included_path
 from flexbe_synthesizer.errors import ChartFileError, ChartRefusedError
@@ -25,12 +26,17 @@ class ChartFiles:
     problems: tuple[Problem, ...]
 
 
-def read_charts(paths: Iterable[str], locate: Callable[[str], Path] = Path) -> ChartFiles:
+def read_charts(
+    paths: Iterable[str],
+    locate: Callable[[str], Path] = Path,
+    drafts: Mapping[str, bytes] = MappingProxyType({}),
+) -> ChartFiles:
     """Return the charts of the paths and of all charts that they name.
 
     Args:
         paths: what to read; a path is also the name of the file in messages.
         locate: returns the file to read for a path, or raises ChartFileError to refuse it.
+        drafts: contents that stand for those of the files, by path.
 
     Raises:
         ChartFileError: if one of the paths cannot be read. A chart named by another one that
@@ -39,7 +45,11 @@ def read_charts(paths: Iterable[str], locate: Callable[[str], Path] = Path) -> C
     charts: dict[str, Chart] = {}
     problems: list[Problem] = []
     waiting = list(dict.fromkeys(os.path.normpath(path) for path in paths))
-    sources = {path: _read_bytes(locate(path)) for path in waiting}
+
+    def content(path: str) -> bytes:
+        return drafts[path] if path in drafts else _read_bytes(locate(path))
+
+    sources = {path: content(path) for path in waiting}
     seen = set(waiting)
     while waiting:
         path = waiting.pop(0)
@@ -48,12 +58,12 @@ def read_charts(paths: Iterable[str], locate: Callable[[str], Path] = Path) -> C
         if chart is None:
             continue
         charts[path] = chart
-        for node in chart.nodes:
+        for node in walk_nodes(chart):
             included = included_path(chart, node)
             if included is None or included in seen:
                 continue
             try:
-                sources[included] = _read_bytes(locate(included))
+                sources[included] = content(included)
             except ChartFileError as error:
                 message = f"the chart '{node.type}' cannot be used: {error}."
                 problems.append(Problem(node.position("type"), Code.UNKNOWN_BEHAVIOR, message))
@@ -105,7 +115,7 @@ def find_chart(name: str, folders: Iterable[Path]) -> str:
         return str(locate(name))
     for home in homes:
         path = locate(os.path.join(home, name))
-        if path.is_file():
+        if os.path.isfile(path):  # unlike Path.is_file, no error for names that are too long
             return str(path)
     searched = ", ".join(map(str, homes)) or "none"
     raise ChartFileError(f"there is no chart '{name}' in the chart folders; searched: {searched}")

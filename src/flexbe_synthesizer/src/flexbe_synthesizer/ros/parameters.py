@@ -22,6 +22,7 @@ def read_settings() -> Settings:
     folders = [Path(f) for f in rospy.get_param("~chart_folders", "").split(os.pathsep) if f]
     if not folders:
         folders = sorted(p.folder / "charts" for p in packages if p.has_behaviors)
+        folders.append(Path(rospy.get_param("~user_charts", "~/remodel_charts")).expanduser())
     output = rospy.get_param("~output", "remodel_behaviors")
     if os.sep in output:
         return Settings(tuple(folders), Path(output), ros_package_path)
@@ -32,3 +33,8 @@ def read_settings() -> Settings:
         f"there is no package '{output}' on the ROS package path to write behaviors to; set "
         "~output (launch argument output) to a package's name or folder"
     )
+
+
+def read_time_limit() -> float:
+    """Return how long a request may take [s]."""
+    return float(rospy.get_param("~time_limit", 60.0))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import queue
 import threading
+import time
 from dataclasses import asdict
 
 import actionlib
@@ -19,7 +20,15 @@ from flexbe_msgs.msg import (
 )
 
 from flexbe_synthesizer.core.instantiate import Instantiation
-from flexbe_synthesizer.request import Answer, ErrorCode, Request, RequestError, Settings, fulfil
+from flexbe_synthesizer.request import (
+    Answer,
+    ErrorCode,
+    Request,
+    RequestError,
+    Settings,
+    fulfil,
+    within,
+)
 
 ACTION = "flexbe/synthesize"
 _MOST_WAITING = 64  # requests; who has more outstanding has lost count of them
@@ -28,9 +37,10 @@ _MOST_WAITING = 64  # requests; who has more outstanding has lost count of them
 class SynthesisServer:
     """Serves `flexbe_msgs/BehaviorSynthesis` on the relative name `flexbe/synthesize`."""
 
-    def __init__(self, settings: Settings) -> None:
-        """Start serving."""
+    def __init__(self, settings: Settings, time_limit_s: float) -> None:
+        """Start serving; a request may take `time_limit_s` [s] from when it is served."""
         self._settings = settings
+        self._time_limit_s = time_limit_s
         self._waiting: queue.Queue[actionlib.ServerGoalHandle] = queue.Queue(_MOST_WAITING)
         self._worker = threading.Thread(target=self._work, name="synthesis", daemon=True)
         self._server = actionlib.ActionServer(
@@ -73,7 +83,8 @@ class SynthesisServer:
 
         request = Request(asked.goal, asked.initial_condition, tuple(asked.sm_outcomes))
         try:
-            answer = fulfil(request, self._settings, report)
+            in_time = within(self._time_limit_s, report, time.monotonic)  # a client waits
+            answer = fulfil(request, self._settings, in_time)
         except RequestError as error:
             self._fail(handle, error.code, str(error))
         except Exception as error:  # noqa: BLE001 - one request must not end the others
@@ -110,6 +121,7 @@ def _failure(code: ErrorCode) -> BehaviorSynthesisResult:
 def _message(state: Instantiation) -> StateInstantiation:
     fields = asdict(state)
     fields["cond_transition"] = [
-        OutcomeCondition([name], [outcome]) for name, outcome in state.cond_transition
+        OutcomeCondition([name for name, _ in pairs], [outcome for _, outcome in pairs])
+        for pairs in state.cond_transition
     ]
     return StateInstantiation(**fields)

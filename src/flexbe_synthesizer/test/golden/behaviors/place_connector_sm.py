@@ -55,8 +55,8 @@ class PlaceConnectorSM(Behavior):
         _state_machine.userdata.cable_id = None
         _state_machine.userdata.error_code = None
         _state_machine.userdata.error_message = None
-        _state_machine.userdata.locate_attempts = 0
         _state_machine.userdata.insert_attempts = 0
+        _state_machine.userdata.locate_attempts = 0
 
         # Creation code of your own belongs between these tags.
         # [MANUAL_CREATE]

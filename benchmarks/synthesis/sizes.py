@@ -1,0 +1,155 @@
+#!/usr/bin/env python3
+"""How long a chart takes from its bytes to its behavior's, by size, beside the physical floor.
+
+The chart chains states of the golden packages, with inputs, outputs, parameters, attempts and
+connections. The floor is what lxml takes to parse the same bytes and to validate them against the
+schema. Times are the best of a few runs; memory is what the resident set of a fresh process grows.
+
+Usage: sizes.py [SIZE ...]
+"""
+
+import multiprocessing
+import re
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from lxml import etree
+
+from flexbe_synthesizer.core.chart_writer import write_chart
+from flexbe_synthesizer.core.codec import parse_chart
+from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart
+from flexbe_synthesizer.core.layout import lay_out
+from flexbe_synthesizer.core.library import Library
+from flexbe_synthesizer.core.model import (
+    Chart,
+    Connection,
+    Input,
+    Outcome,
+    Output,
+    Param,
+    State,
+    Transition,
+)
+from flexbe_synthesizer.core.problem import errors_in
+from flexbe_synthesizer.core.render_python import render_python
+from flexbe_synthesizer.edge.package_path import find_packages, read_library
+
+PACKAGE = Path(__file__).parents[2] / "src" / "flexbe_synthesizer"
+SIZES = (10, 100, 1000, 10000)
+TIMES_FLOOR, BYTES_PER_BYTE = 5, 100  # what is aimed for: of the floor's time, of the chart's size
+
+
+def chain(count: int) -> Chart:
+    """Return a chart of states, each third of which tries a few times."""
+    nodes, flows = [], []
+    for index in range(count):
+        on = f"S{index + 1}" if index < count - 1 else "finished"
+        node_id = f"S{index}"
+        if index % 3 == 0:
+            exits = (Transition("located", on), Transition("failed", node_id))
+            exits += (Transition("exhausted", "failed"),)
+            nodes.append(State(node_id, "LocateComponentState", exits, attempts=3))
+        else:
+            exits = (Transition("inserted", on), Transition("failed", "failed"))
+            force = (Param("force_limit_n", 20.0),)
+            nodes.append(State(node_id, "InsertCableState", exits, params=force))
+            flows.append(Connection(f"S{index - index % 3}", "pose", node_id, "pose"))
+    return Chart(
+        "Chain",
+        "S0",
+        (Outcome("finished"), Outcome("failed")),
+        tuple(nodes),
+        (Input("component_id", "string"), Input("cable_id", "string")),
+        (Output("error_code", "int"),),
+        tuple(flows),
+    )
+
+
+def best(work: Callable[[], object], runs: int) -> float:
+    """Return the shortest time of a few runs [s]."""
+    times = []
+    for _ in range(runs):
+        start = time.perf_counter()
+        work()
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+def synthesize(text: bytes, library: Library) -> str:
+    """Return the behavior that the text of a chart becomes."""
+    unit = Unit(parse_chart(text, "chain.xml"), "bench")
+    checked = check_units([unit], library)["chain.xml"]
+    machine = compile_chart(checked, "bench")
+    return render_python(machine, lay_out(machine.root), {})
+
+
+def measure(count: int, library: Library, schema: etree.XMLSchema) -> dict[str, float]:
+    """Return the times of each step [s] for a chart of some states."""
+    text = write_chart(chain(count)).encode()
+    runs = 7 if count <= 1000 else 3
+    chart = parse_chart(text, "chain.xml")
+    checked = check_units([Unit(chart, "bench")], library)["chain.xml"]
+    if errors_in(checked.problems):
+        raise SystemExit("\n".join(map(str, checked.problems)))
+
+    def generate() -> str:
+        machine = compile_chart(checked, "bench")
+        return render_python(machine, lay_out(machine.root), {})
+
+    return {
+        "bytes": len(text),
+        "floor": best(lambda: schema.assertValid(etree.fromstring(text)), runs),
+        "parse": best(lambda: parse_chart(text, "chain.xml"), runs),
+        "check": best(lambda: check_units([Unit(chart, "bench")], library), runs),
+        "generate": best(generate, runs),
+        "whole": best(lambda: synthesize(text, library), runs),
+    }
+
+
+def grown_bytes(count: int) -> float:
+    """Return how much a fresh process grows when it synthesizes a chart [bytes per byte]."""
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        return pool.apply(_grow, (count,))
+
+
+def _grow(count: int) -> float:
+    library = _library()
+    text = write_chart(chain(count)).encode()
+    synthesize(write_chart(chain(10)).encode(), library)  # what every process needs once
+    Path("/proc/self/clear_refs").write_text("5")  # the peak counts from here
+    before = _peak_kib()
+    synthesize(text, library)
+    return (_peak_kib() - before) * 1024 / len(text)
+
+
+def _peak_kib() -> int:
+    status = Path("/proc/self/status").read_text()
+    return int(re.search(r"VmHWM:\s+(\d+)", status)[1])
+
+
+def _library() -> Library:
+    packages, _warnings = find_packages(str(PACKAGE / "test" / "golden" / "packages"))
+    return read_library(packages)[0]
+
+
+def main(sizes: list[int]) -> None:
+    """Print a row for each size."""
+    library = _library()
+    schema = etree.XMLSchema(etree.parse(PACKAGE / "schema" / "remodel_statechart.xsd"))
+    steps = ("floor", "parse", "check", "generate", "whole")
+    heads = (*(f"{step} [ms]" for step in steps), "whole/floor", "memory [B/B]")
+    print(f"{'states':>7} {'kB':>6} " + " ".join(f"{head:>13}" for head in heads))  # noqa: T201
+    for count in sizes:
+        found = measure(count, library, schema)
+        ratio = found["whole"] / found["floor"]
+        cells = [f"{found[step] * 1000:.1f}" for step in steps]
+        cells += [f"{ratio:.1f}", f"{grown_bytes(count):.0f}"]
+        row = " ".join(f"{cell:>13}" for cell in cells)
+        print(f"{count:>7} {found['bytes'] / 1000:>6.0f} {row}")  # noqa: T201
+    print(f"aimed for: whole/floor {TIMES_FLOOR}, memory {BYTES_PER_BYTE}")  # noqa: T201
+
+
+if __name__ == "__main__":
+    main([int(size) for size in sys.argv[1:]] or list(SIZES))

@@ -1,0 +1,73 @@
+"""Check that extensions stand where they can be expanded to plain FlexBE."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from flexbe_synthesizer.core import names
+from flexbe_synthesizer.core.data_flow import ports
+from flexbe_synthesizer.core.model import Container, ContainerKind, walk_nodes
+from flexbe_synthesizer.core.problem import Code, Problem
+from flexbe_synthesizer.core.resolve import (
+    ERROR_CODE,
+    FAILED,
+    ResolvedChart,
+    ResolvedNode,
+    label,
+)
+
+
+def check_extensions(resolved: ResolvedChart) -> Iterator[Problem]:
+    """Yield the problems with limits, error routes and nested containers."""
+    for entry in resolved.nodes:
+        if resolved.is_concurrent:
+            yield from _check_side_by_side(entry)
+        elif entry.node.on_error:
+            yield from _check_routes(entry, resolved)
+    if resolved.runs is ContainerKind.PRIORITY:
+        for node in walk_nodes(resolved.chart):
+            if isinstance(node, Container) and node.runs is ContainerKind.PRIORITY:
+                message = f"container '{node.id}' has priority already, since '"
+                message += f"{resolved.chart.name}' around it has, and FlexBE cannot nest them; "
+                message += "make it an <ext:container>."
+                yield Problem(node.position(), Code.MISPLACED_ELEMENT, message)
+
+
+def _check_side_by_side(entry: ResolvedNode) -> Iterator[Problem]:
+    """Yield what cannot stand at a state that starts together with others."""
+    node = entry.node
+    if node.attempts is not None:
+        message = f"ext:attempts at {label(node)}, which is entered with its concurrency container;"
+        message += " put it at the container."
+        yield Problem(node.position("attempts"), Code.UNKNOWN_EXTENSION, message)
+    if node.on_error:
+        message = f"ext:on_error at {label(node)}, which leads nowhere by itself; put the state "
+        message += "into an <ext:container> here, with ext:on_error inside."
+        yield Problem(node.position("on_error"), Code.UNKNOWN_EXTENSION, message)
+    for transition in node.transitions:
+        message = f"a <transition> of {label(node)} inside a concurrency container; what its "
+        message += 'events lead to say <ext:condition outcome="..."> elements of the container.'
+        yield Problem(transition.position(), Code.MISPLACED_ELEMENT, message)
+
+
+def _check_routes(entry: ResolvedNode, resolved: ResolvedChart) -> Iterator[Problem]:
+    """Yield the problems with the error routes of a node."""
+    node, signature = entry.node, entry.signature
+    position = node.position("on_error")
+    if signature is not None and signature.outcomes is not None and not entry.has_own(FAILED):
+        message = f"ext:on_error parts the outcome '{FAILED}' by code, and {signature.title} has "
+        message += f"none; its outcomes: {names.quoted(signature.outcomes)}."
+        yield Problem(position, Code.UNKNOWN_EVENT, message)
+    found = [port.name for port in ports(entry)[1]]
+    if signature is not None and ERROR_CODE not in found:
+        message = f"ext:on_error reads the output '{ERROR_CODE}', and {signature.title} has none; "
+        yield Problem(
+            position, Code.UNKNOWN_OUTPUT, f"{message}its outputs: {names.quoted(found)}."
+        )
+    outcomes = (outcome.name for outcome in resolved.chart.outcomes)
+    known = dict.fromkeys((*resolved.by_id, *outcomes))
+    for route in node.on_error:
+        if route.target not in known:
+            hint = names.allowed(route.target, known)
+            message = f"'{route.target}' is neither a state, a behavior nor an outcome; {hint}"
+            yield Problem(position, Code.UNKNOWN_TARGET, message)

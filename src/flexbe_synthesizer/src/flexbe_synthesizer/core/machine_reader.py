@@ -1,0 +1,243 @@
+"""Read a behavior's file back as the machine that it was rendered from; nothing is imported.
+
+The file is laid out as `render_python` or the FlexBE App writes it. What a machine cannot hold,
+such as code of somebody's own, is told, all at once, each with its line.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping
+
+from flexbe_synthesizer.core.library import Library
+from flexbe_synthesizer.core.literal import freeze
+from flexbe_synthesizer.core.machine import (
+    BehaviorUse,
+    Child,
+    Condition,
+    Container,
+    Exit,
+    Expression,
+    Kind,
+    Machine,
+    Pair,
+    StateUse,
+    Value,
+)
+from flexbe_synthesizer.core.manual_sections import ManualSectionError, read_manual_sections
+from flexbe_synthesizer.core.model import Autonomy
+from flexbe_synthesizer.core.signature import BehaviorClass, StateClass
+
+_KINDS = {kind.value: kind for kind in Kind}
+_LEVELS = {level.value.capitalize(): level for level in Autonomy}
+
+
+class InexpressibleError(ValueError):
+    """A behavior holds what a chart cannot say; `reasons` has a line for each."""
+
+    def __init__(self, reasons: tuple[str, ...]) -> None:
+        """Keep the reasons; the message is their lines."""
+        self.reasons = reasons
+        super().__init__("\n".join(reasons))
+
+
+def read_machine(text: str, file: str, library: Library) -> Machine:
+    """Return the machine that a behavior's file holds.
+
+    Raises:
+        InexpressibleError: if it is no behavior, or holds what a machine cannot.
+    """
+    try:
+        tree = ast.parse(text)
+    except (SyntaxError, ValueError, RecursionError) as error:
+        raise InexpressibleError((f"{file}: no Python: {error}",)) from error
+    reader = _Reader(file, library, dict(_imports(tree)))
+    machine = reader.machine(tree)
+    reader.refuse_manual_sections(text)
+    if reader.reasons or machine is None:
+        raise InexpressibleError(tuple(reader.reasons))
+    return machine
+
+
+def _imports(tree: ast.Module) -> Iterator[tuple[str, tuple[str, str]]]:
+    """Yield what each imported name is: its module and its name there."""
+    for node in tree.body:
+        if isinstance(node, ast.ImportFrom) and node.module:
+            for alias in node.names:
+                yield alias.asname or alias.name, (node.module, alias.name)
+
+
+class _Reader:
+    """Reads one file, and collects what cannot be read."""
+
+    def __init__(self, file: str, library: Library, imports: Mapping[str, tuple[str, str]]) -> None:
+        self._file = file
+        self._library = library
+        self._imports = imports
+        self._containers: dict[str, ast.Call] = {}
+        self._blocks: dict[str, list[ast.Call]] = {}
+        self.reasons: list[str] = []
+
+    def _refuse(self, node: ast.AST, reason: str) -> None:
+        self.reasons.append(f"{self._file}:{getattr(node, 'lineno', 1)}: {reason}")
+
+    def refuse_manual_sections(self, text: str) -> None:
+        try:
+            sections = read_manual_sections(text)
+        except ManualSectionError:
+            return  # written by hand altogether; what matters is told elsewhere
+        for name, content in sections.items():
+            if content.strip():
+                line = text[: text.index(f"# [MANUAL_{name}]")].count("\n") + 1
+                reason = f"code of its own in MANUAL_{name}, which a chart cannot carry"
+                self.reasons.append(f"{self._file}:{line}: {reason}")
+
+    def machine(self, tree: ast.Module) -> Machine | None:
+        classes = [c for c in tree.body if isinstance(c, ast.ClassDef)]
+        found = next((c for c in classes if [*map(ast.unparse, c.bases)] == ["Behavior"]), None)
+        methods = {m.name: m for m in found.body if isinstance(m, ast.FunctionDef)} if found else {}
+        if found is None or not {"__init__", "create"} <= methods.keys():
+            self._refuse(tree, "no class (Behavior) with __init__ and create")
+            return None
+        name = self._name(methods["__init__"])
+        root, userdata = self._scan(methods["create"])
+        if root is None or name is None:
+            return None
+        container = self._container(self._containers[root], self._blocks.get(root, []), userdata)
+        return Machine(name, "", ast.get_docstring(found) or "", container)
+
+    def _name(self, constructor: ast.FunctionDef) -> str | None:
+        """Return the display name; refuse parameters, which charts do not have."""
+        name = None
+        for node in constructor.body:
+            if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "self.name":
+                name = ast.literal_eval(node.value)
+            elif isinstance(node, ast.Expr) and ast.unparse(node).startswith("self.add_parameter"):
+                self._refuse(node, f"a parameter of the behavior: {ast.unparse(node)}")
+        if not isinstance(name, str):
+            self._refuse(constructor, "no self.name")
+            return None
+        return name
+
+    def _scan(self, create: ast.FunctionDef) -> tuple[str | None, tuple[Pair, ...]]:
+        """Sort the statements of create; return the root's variable and the default userdata."""
+        userdata: list[Pair] = []
+        root = None
+        for node in create.body:
+            if isinstance(node, ast.Return) and isinstance(node.value, ast.Name):
+                root = node.value.id
+            elif isinstance(node, ast.With):
+                calls = [e.value for e in node.body if isinstance(e, ast.Expr)]
+                adds = [c for c in calls if isinstance(c, ast.Call)]
+                self._blocks[ast.unparse(node.items[0].context_expr)] = adds
+            elif isinstance(node, ast.Assign) and _is_container(node):
+                self._containers[ast.unparse(node.targets[0])] = _call(node.value)
+            elif isinstance(node, ast.Assign) and ".userdata." in ast.unparse(node.targets[0]):
+                key = ast.unparse(node.targets[0]).rpartition(".")[2]
+                userdata.append(Pair(key, self._value(node.value, f"default of '{key}'")))
+            else:
+                self._refuse(node, f"a statement of its own: {ast.unparse(node).splitlines()[0]}")
+        if root not in self._containers:
+            self._refuse(create, "create does not return a container")
+            return None, ()
+        return root, tuple(userdata)
+
+    def _value(self, node: ast.expr, what: str) -> Value:
+        """Return a value; an expression is kept as text if it is a function."""
+        try:
+            return freeze(ast.literal_eval(node))
+        except (ValueError, TypeError, RecursionError):
+            if isinstance(node, ast.Lambda):
+                return Expression(ast.unparse(node))
+            self._refuse(node, f"{what} is no literal: {ast.unparse(node)}")
+            return None
+
+    def _container(
+        self, call: ast.Call, adds: list[ast.Call], userdata: tuple[Pair, ...] = ()
+    ) -> Container:
+        given = {k.arg: k.value for k in call.keywords}
+
+        def names(key: str) -> tuple[str, ...]:
+            return tuple(ast.literal_eval(given[key])) if key in given else ()
+
+        conditions = ast.literal_eval(given["conditions"]) if "conditions" in given else ()
+        return Container(
+            _KINDS[ast.unparse(call.func)],
+            names("outcomes"),
+            names("input_keys"),
+            names("output_keys"),
+            tuple(child for add in adds if (child := self._child(add)) is not None),
+            userdata,
+            tuple(Condition(outcome, tuple(map(tuple, pairs))) for outcome, pairs in conditions),
+        )
+
+    def _child(self, add: ast.Call) -> Child | None:
+        if ast.unparse(add.func) != "OperatableStateMachine.add" or len(add.args) < 2:
+            self._refuse(add, f"a call of its own: {ast.unparse(add).splitlines()[0]}")
+            return None
+        given = {k.arg: k.value for k in add.keywords}
+        label = str(ast.literal_eval(add.args[0]))
+        content = self._content(add.args[1], label)
+        if content is None:
+            return None
+        targets: dict[str, str] = ast.literal_eval(given.get("transitions", ast.Dict([], [])))
+        levels = dict(_levels(given.get("autonomy"), isinstance(content, StateUse)))
+        homes: dict[str, str] = ast.literal_eval(given.get("remapping", ast.Dict([], [])))
+        exits = tuple(Exit(o, target, levels.get(o)) for o, target in targets.items())
+        return Child(label, content, exits, tuple(homes.items()))
+
+    def _content(self, node: ast.expr, label: str) -> StateUse | BehaviorUse | Container | None:
+        """Return what a child is."""
+        if isinstance(node, ast.Name) and node.id in self._containers:
+            return self._container(self._containers[node.id], self._blocks.get(node.id, []))
+        if not isinstance(node, ast.Call):
+            self._refuse(node, f"'{label}' is neither a state, a behavior nor a container")
+            return None
+        if ast.unparse(node.func) == "self.use_behavior":
+            return self._behavior(node, label)
+        alias = ast.unparse(node.func)
+        module, name = self._imports.get(alias, ("", alias))
+        found = [s for s in self._library.find_states(f"{module.split('.')[0]}/{name}")]
+        if len(found) != 1 or not isinstance(found[0], StateClass) or node.args:
+            self._refuse(node, f"'{label}' is of the class {alias}, whose arguments cannot be read")
+            return None
+        pairs = tuple(
+            Pair(str(k.arg), self._value(k.value, f"'{k.arg}' of '{label}'")) for k in node.keywords
+        )
+        return StateUse(found[0], alias, pairs)
+
+    def _behavior(self, node: ast.Call, label: str) -> BehaviorUse | None:
+        alias = ast.unparse(node.args[0])
+        found = [b for b in self._library.find_behaviors(alias) if isinstance(b, BehaviorClass)]
+        if len(found) != 1:
+            self._refuse(node, f"'{label}' is of the behavior class {alias}, which is not found")
+            return None
+        given = {k.arg: k.value for k in node.keywords}
+        parameters: list[Pair] = []
+        if isinstance(given.get("parameters"), ast.Dict):
+            values = given["parameters"]
+            for key, value in zip(values.keys, values.values, strict=True):  # type: ignore[attr-defined]
+                name = str(ast.literal_eval(key))
+                parameters.append(Pair(name, self._value(value, f"'{name}' of '{label}'")))
+        kept = ast.literal_eval(given.get("default_keys", ast.List([])))
+        return BehaviorUse(found[0], tuple(parameters), tuple(kept))
+
+
+def _is_container(node: ast.Assign) -> bool:
+    return isinstance(node.value, ast.Call) and ast.unparse(node.value.func) in _KINDS
+
+
+def _call(node: ast.expr) -> ast.Call:
+    if not isinstance(node, ast.Call):
+        raise TypeError(node)
+    return node
+
+
+def _levels(node: ast.expr | None, is_state: bool) -> Iterator[tuple[str, Autonomy]]:
+    """Yield the levels of autonomy that are not the default of their kind."""
+    if not isinstance(node, ast.Dict):
+        return
+    for key, value in zip(node.keys, node.values, strict=True):
+        word = ast.unparse(value).rpartition(".")[2]
+        if key is not None and word in _LEVELS and not (is_state and word == "Off"):
+            yield str(ast.literal_eval(key)), _LEVELS[word]

@@ -1,0 +1,134 @@
+"""For property tests: charts of any shape, drawn by Hypothesis, which whoever uses this needs.
+
+The charts have the form of the language; whether they make sense is left to chance.
+"""
+
+from __future__ import annotations
+
+import string
+from typing import TypeVar
+
+from hypothesis import strategies as st
+
+from flexbe_synthesizer.core.model import (
+    AnyNode,
+    Autonomy,
+    Behavior,
+    Chart,
+    Condition,
+    Connection,
+    Container,
+    ContainerKind,
+    ErrorRoute,
+    Input,
+    Outcome,
+    Output,
+    Param,
+    State,
+    Transition,
+    When,
+)
+
+T = TypeVar("T")
+NAMES = st.sampled_from(("A", "B b", "c_1", "d.e-f", "Grün", "done", "failed", "x", "y2"))
+TEXTS = st.text(st.characters(codec="utf-8", exclude_categories=["Cc", "Cs", "Cn", "Co"]))
+TYPES = st.none() | st.sampled_from(["int", "string", "geometry_msgs/Pose"])
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers(-9999, 9999) | st.floats(-9, 9) | st.text(),
+    lambda inner: st.lists(inner) | st.dictionaries(st.text() | st.integers(0, 9), inner),
+    max_leaves=6,
+)
+WILD_NAMES = st.text(string.ascii_letters + "äß_é -<>&'\"\t\n", min_size=1, max_size=8)
+
+
+def charts(
+    ids: st.SearchStrategy[str] = NAMES, types: st.SearchStrategy[str] = NAMES
+) -> st.SearchStrategy[Chart]:
+    """Return charts whose names are drawn from the strategies given."""
+    nodes = st.recursive(_leaves(ids, types), lambda inner: _containers(ids, inner), max_leaves=5)
+    with_defaults = st.builds(Input, ids, TYPES, VALUES)
+    return _bodies(ids, nodes, with_defaults, ids, ids, st.just(()), TEXTS)
+
+
+def _many(
+    strategy: st.SearchStrategy[T], fewest: int = 0, most: int = 2
+) -> st.SearchStrategy[tuple[T, ...]]:
+    return st.lists(strategy, min_size=fewest, max_size=most).map(tuple)
+
+
+def _limits(ids: st.SearchStrategy[str]) -> dict[str, st.SearchStrategy[object]]:
+    targets = ids.filter(lambda text: text == text.strip() and "\n" not in text)
+    routes = st.builds(
+        lambda first, width, target: (ErrorRoute(first, first + width, target),),
+        st.integers(1, 30000),
+        st.integers(0, 99),
+        targets,
+    )
+    return {
+        "attempts": st.none() | st.integers(1, 10**6),
+        "timeout_s": st.none() | st.floats(0.001, 1e9),
+        "on_error": st.just(()) | routes,
+        "transitions": _many(
+            st.builds(Transition, ids, ids, st.none() | st.sampled_from(Autonomy)), most=3
+        ),
+    }
+
+
+def _leaves(
+    ids: st.SearchStrategy[str], types: st.SearchStrategy[str]
+) -> st.SearchStrategy[AnyNode]:
+    parts = {
+        "id": ids,
+        "type": types,
+        "inputs": _many(st.builds(Input, ids, TYPES)),
+        "outputs": _many(st.builds(Output, ids, TYPES)),
+        "params": _many(st.builds(Param, ids, VALUES)),
+        **_limits(ids),
+    }
+    return st.builds(State, topic=st.none() | ids, **parts) | st.builds(Behavior, **parts)
+
+
+def _containers(
+    ids: st.SearchStrategy[str], inner: st.SearchStrategy[AnyNode]
+) -> st.SearchStrategy[AnyNode]:
+    def container(node_id: str) -> st.SearchStrategy[AnyNode]:
+        ports = st.builds(Input, ids, TYPES)
+        conditions = _many(st.builds(Condition, ids, _many(st.builds(When, ids, ids), fewest=1)))
+        name, no_text = st.just(node_id), st.just("")
+        sequence = _bodies(ids, inner, ports, name, ids, st.just(()), no_text)
+        concurrency = _bodies(ids, inner, ports, name, no_text, conditions, no_text)
+        kinds = [kind.value for kind in ContainerKind if kind is not ContainerKind.CONCURRENCY]
+        return st.builds(
+            Container, id=name, type=st.sampled_from(kinds), body=sequence, **_limits(ids)
+        ) | st.builds(
+            Container,
+            id=name,
+            type=st.just(ContainerKind.CONCURRENCY.value),
+            body=concurrency,
+            **_limits(ids),
+        )
+
+    return ids.flatmap(container)
+
+
+def _bodies(
+    ids: st.SearchStrategy[str],
+    nodes: st.SearchStrategy[AnyNode],
+    inputs: st.SearchStrategy[Input],
+    name: st.SearchStrategy[str],
+    initial: st.SearchStrategy[str],
+    conditions: st.SearchStrategy[tuple[Condition, ...]],
+    description: st.SearchStrategy[str],
+) -> st.SearchStrategy[Chart]:
+    return st.builds(
+        Chart,
+        name=name,
+        initial=initial,
+        outcomes=_many(st.builds(Outcome, ids), fewest=1, most=3),
+        nodes=st.lists(nodes, min_size=1, max_size=3, unique_by=lambda node: node.id).map(tuple),
+        inputs=_many(inputs),
+        outputs=_many(st.builds(Output, ids, TYPES)),
+        connections=_many(st.builds(Connection, ids, ids, ids, ids)),
+        conditions=conditions,
+        description=description,
+    )

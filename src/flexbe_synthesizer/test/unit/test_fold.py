@@ -1,0 +1,82 @@
+"""A generated behavior is read back as the chart that gives it again, byte for byte."""
+
+import pytest
+
+from flexbe_synthesizer.core.chart_writer import write_chart
+from flexbe_synthesizer.core.check import check_chart
+from flexbe_synthesizer.core.codec import parse_chart
+from flexbe_synthesizer.core.compile import compile_chart
+from flexbe_synthesizer.core.fold import fold
+from flexbe_synthesizer.core.layout import lay_out
+from flexbe_synthesizer.core.machine_reader import InexpressibleError, read_machine
+from flexbe_synthesizer.core.render_python import render_python
+
+CHARTS = ("plain", "place_connector", "wire_task", "two_arms")
+
+
+@pytest.fixture
+def known(library, golden_behaviors):
+    return library.with_behaviors(golden_behaviors.values())
+
+
+def text_of(golden, name):
+    return (golden / "behaviors" / f"{name}_sm.py").read_text()
+
+
+@pytest.mark.parametrize("name", CHARTS)
+def test_a_golden_behavior_becomes_a_chart_that_becomes_the_behavior(name, golden, known):
+    text = text_of(golden, name)
+    chart = fold(read_machine(text, f"{name}_sm.py", known), f"{name}_sm.py")
+    again = parse_chart(write_chart(chart), "again.xml")
+    checked = check_chart(again, known, {})
+    assert checked.problems == ()
+    machine = compile_chart(checked, "golden_behaviors")
+    rendered = render_python(machine, lay_out(machine.root), {})
+    assert rendered == text
+
+
+INSERT = "InsertCableState(force_limit_n=20)"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        (
+            "# [MANUAL_INIT]\n",
+            "# [MANUAL_INIT]\n        self.x = 1\n",
+            "code of its own",
+        ),
+        (INSERT, "InsertCableState(force_limit_n=self.f)", "no literal"),
+        (INSERT, "NoState()", "class NoState, whose arguments"),
+        (INSERT, "InsertCableState(force_limit_n=lambda: 1)", "is Python source"),
+        (
+            "        # parameters of",
+            "        self.add_parameter('a', 1) #",
+            "a parameter of",
+        ),
+        ("        return _s", "        print()\n        return _s", "a statement of its own"),
+        ("'pose': 'locate_pose', 'force'", "'pose': 'nowhere', 'force'", "which nobody writes"),
+        ("class PlaceConnectorSM(Behavior)", "class PlaceConnectorSM(M)", "no class (Behavior)"),
+        ("self.name = 'Place Connector'", "pass", "no self.name"),
+        ("        return _state_machine", "        return None", "does not return a container"),
+        ("            # x:1080 y:40", "            print()", "a call of its own"),
+        ("class", "clas", "no Python"),
+    ],
+)
+def test_what_a_chart_cannot_say_is_told_with_its_place(old, new, reason, golden, known):
+    text = text_of(golden, "place_connector")
+    assert old in text
+    with pytest.raises(InexpressibleError) as caught:
+        fold(read_machine(text.replace(old, new, 1), "a_sm.py", known), "a_sm.py")
+    assert reason in str(caught.value)
+    assert all(line.startswith("a_sm.py:") for line in caught.value.reasons)
+
+
+def test_userdata_of_its_own_becomes_an_input_with_a_default(golden, known):
+    text = text_of(golden, "place_connector")
+    given = "        _state_machine.userdata.cable_id = None\n"
+    text = text.replace(given, given + "        _state_machine.userdata.reel = 'left'\n")
+    text = text.replace("'cable_id': 'cable_id', 'pose'", "'cable_id': 'reel', 'pose'", 1)
+    chart = fold(read_machine(text, "a_sm.py", known), "a_sm.py")
+    assert [(p.name, p.default) for p in chart.inputs][-1] == ("reel", "left")
+    assert any(flow.output == "reel" and flow.input == "cable_id" for flow in chart.connections)

@@ -1,0 +1,129 @@
+"""Whatever arrives: a closed behavior, or errors with lines; never a traceback or a hang."""
+
+import ast
+import time
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from flexbe_synthesizer.core.chart_writer import write_chart
+from flexbe_synthesizer.core.codec import read_chart
+from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart
+from flexbe_synthesizer.core.layout import lay_out
+from flexbe_synthesizer.core.model import Chart as ChartModel
+from flexbe_synthesizer.core.model import Input, Outcome, Param, State, Transition
+from flexbe_synthesizer.core.problem import errors_in
+from flexbe_synthesizer.core.render_python import render_python
+from flexbe_synthesizer.core.scxml import ScxmlError, chart_to_scxml
+from flexbe_synthesizer.strategies import charts
+from flexbe_synthesizer.testing import app_complaints
+
+LONGEST_S = 5.0
+BOUNDED = settings(max_examples=120, deadline=None, derandomize=True)
+TAGS = ["statemachine", "datamodel", "outcomes", "outcome", "input", "output", "state", "behavior"]
+TAGS += ["param", "transition", "connection", "ext:container", "ext:concurrency", "ext:priority"]
+TAGS += ["ext:condition", "ext:when", "x"]
+ATTRIBUTES = ["name", "initial", "id", "type", "event", "target", "value", "topic", "state"]
+ATTRIBUTES += ["ext:attempts", "ext:timeout_s", "ext:on_error", "ext:default", "outcome", "input"]
+VALUES = ["A", "done", "failed", "3", "UserDataState", "ChooseState", "1-2: A", "", "preempted"]
+CODE = [
+    "__import__('os').system('touch /tmp/pwned')",
+    "'''\nimport os\n'''",
+    "'); raise SystemExit('",
+    "lambda: 1",
+    "{{ 7 * 7 }}",
+    "{% for x in y %}",
+    "# [/MANUAL_INIT]",
+    "\\x27 + 1",
+    "a\nclass B(Behavior): pass",
+    "\u202e\u2028",
+]
+
+
+@pytest.fixture(scope="module")
+def holds(library):
+    """Return a function: it fails unless a text has errors with places, or a good behavior."""
+
+    def holds(text):
+        start = time.perf_counter()
+        chart, problems = read_chart(text, "fuzz.xml")
+        assert chart is not None or errors_in(problems)
+        if chart is not None:
+            checked = check_units([Unit(chart, "fuzzed")], library)["fuzz.xml"]
+            problems = (*problems, *checked.problems)
+            if not errors_in(problems):
+                machine = compile_chart(checked, "fuzzed")
+                source = render_python(machine, lay_out(machine.root), {})
+                assert app_complaints(source) == []
+                classes = [n for n in ast.parse(source).body if isinstance(n, ast.ClassDef)]
+                assert len(classes) == 1
+                try:
+                    chart_to_scxml(chart)
+                except ScxmlError as error:
+                    assert "rename" in str(error)
+        assert all(p.position.line >= 1 and p.position.column >= 1 for p in problems)
+        assert time.perf_counter() - start < LONGEST_S
+        return problems
+
+    return holds
+
+
+@given(st.binary(max_size=300) | st.text(max_size=300).map(ascii).map(str.encode))
+@BOUNDED
+def test_bytes(holds, data):
+    holds(data)
+
+
+@given(st.data())
+@BOUNDED
+def test_trees(holds, data):
+    def element(depth):
+        tag = data.draw(st.sampled_from(TAGS))
+        names = data.draw(st.lists(st.sampled_from(ATTRIBUTES), max_size=4, unique=True))
+        attributes = "".join(f' {n}="{data.draw(st.sampled_from(VALUES))}"' for n in names)
+        count = data.draw(st.integers(0, 3)) if depth else 0
+        return f"<{tag}{attributes}>{''.join(element(depth - 1) for _ in range(count))}</{tag}>"
+
+    space = 'xmlns:ext="urn:remodel:statechart:ext:1"'
+    inside = "".join(element(3) for _ in range(data.draw(st.integers(0, 4))))
+    holds(f'<statemachine {space} name="A" initial="A">{inside}</statemachine>')
+
+
+@given(charts(types=st.sampled_from(["UserDataState", "ChooseState", "CountState", "Clean Up"])))
+@BOUNDED
+def test_models(holds, chart):
+    holds(write_chart(chart))
+
+
+@pytest.mark.parametrize("code", CODE)
+def test_code_in_values_names_and_words_stays_text(holds, code):
+    chart = ChartModel(
+        "Attack",
+        "Set",
+        (Outcome("finished"),),
+        (
+            State(
+                "Set",
+                "UserDataState",
+                (Transition("done", "finished"),),
+                params=(Param("data", {"k": [code, {code: code}]}),),
+            ),
+        ),
+        (Input("given", default=code),),
+        description=code.replace("\u2028", " "),
+    )
+    assert errors_in(holds(write_chart(chart))) == ()
+    for field in ("name", "type", "event", "target", "id"):
+        text = write_chart(chart).replace("UserDataState", f"{field}", 1)
+        holds(text)
+
+
+def test_deep_and_wide_charts_end_in_time(holds):
+    deep = "<ext:container id='a' initial='a'>" * 2000 + "</ext:container>" * 2000
+    head = "<statemachine xmlns:ext='urn:remodel:statechart:ext:1' name='A' initial='a'>"
+    assert errors_in(holds(f"{head}{deep}</statemachine>"))
+    plain = "<x>" * 100_000 + "</x>" * 100_000
+    assert errors_in(holds(f"{head}{plain}</statemachine>"))
+    wide = "<state id='a' type='T'/>" * 20_000
+    assert errors_in(holds(f"{head}{wide}</statemachine>"))

@@ -1,0 +1,85 @@
+"""The published schemas and the codec agree, on our own charts and on generated ones."""
+
+import re
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from lxml import etree
+
+from flexbe_synthesizer.core.chart_writer import write_chart
+from flexbe_synthesizer.core.codec import parse_chart, read_chart
+from flexbe_synthesizer.core.problem import errors_in
+from flexbe_synthesizer.strategies import charts
+
+ROOT = Path(__file__).parents[4]
+PACKAGE = ROOT / "src" / "flexbe_synthesizer"
+OURS = sorted((*PACKAGE.glob("test/golden/charts/*.xml"), *ROOT.glob("src/*/charts/*.xml")))
+ERRORS = (ROOT / "docs" / "reference" / "errors.md").read_text()
+
+
+@pytest.fixture(scope="session")
+def schema():
+    return etree.XMLSchema(etree.parse(PACKAGE / "schema" / "remodel_statechart.xsd"))
+
+
+def complaints(schema, text):
+    schema.validate(etree.fromstring(text.encode()))
+    return [f"{error.line}: {error.message}" for error in schema.error_log]
+
+
+def charts_in_docs():
+    """Yield every chart shown in a document: whole blocks of XML, and mended examples."""
+    for path in sorted((*ROOT.glob("docs/**/*.md"), *ROOT.glob("src/**/README.md"))):
+        for language, text in re.findall(r"```(xml|diff)\n(.*?)```", path.read_text(), re.DOTALL):
+            if language == "diff":
+                lines = text.splitlines(keepends=True)
+                text = "".join(line[1:] for line in lines if line[0] in " +")
+            if re.match(r"\s*(<\?.*\?>\s*|<!--.*-->\s*)*<statemachine", text):
+                yield pytest.param(text, id=f"{path.parent.name}/{path.name}")
+
+
+def test_there_are_charts_to_validate():
+    assert len(OURS) >= 8
+    assert len(list(charts_in_docs())) > 50
+
+
+@pytest.mark.parametrize("path", OURS, ids=[path.name for path in OURS])
+def test_our_charts_are_valid(schema, path):
+    assert complaints(schema, path.read_text().partition("?>")[2]) == []
+
+
+@pytest.mark.parametrize("text", [*charts_in_docs()])
+def test_the_charts_in_the_docs_are_valid(schema, text):
+    assert complaints(schema, text) == []
+
+
+@given(charts())
+@settings(max_examples=80, deadline=None, derandomize=True)
+def test_a_chart_that_is_written_is_valid_and_read_as_the_same(schema, chart):
+    text = write_chart(chart)
+    assert complaints(schema, text.partition("?>")[2]) == []
+    assert parse_chart(text) == chart
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("<datamodel>", '<datamodel name="x">'),
+        ('ext:attempts="2"', 'ext:attempts="0"'),
+        ('ext:timeout_s="40"', 'ext:timeout_s="-40"'),
+        ('ext:timeout_s="40"', 'timeout_s="40"'),
+        ('ext:autonomy="low"', 'ext:autonomy="some"'),
+        ("100-199: given up", "100-199 given up"),
+        ('id="Left"', 'ident="Left"'),
+        ('<ext:when state="Left" event="located"/>', "<ext:whenever/>"),
+        ("</ext:priority>", "<ext:important/></ext:priority>"),
+        ('value="is_true"', 'values="is_true"'),
+    ],
+)
+def test_what_the_schema_refuses_the_codec_refuses_too(schema, golden, old, new):
+    text = (golden / "charts" / "two_arms.xml").read_text().partition("?>")[2]
+    assert old in text
+    wrong = text.replace(old, new)
+    assert complaints(schema, wrong) != []
+    assert errors_in(read_chart(wrong, "chart.xml")[1])

@@ -1,0 +1,81 @@
+"""Charts as SCXML, executed by a library that knows nothing of us (python-statemachine)."""
+
+import random
+
+import pytest
+from lxml import etree
+from statemachine.io import load
+
+from flexbe_synthesizer.core.codec import parse_chart
+from flexbe_synthesizer.core.interpreter import run
+from flexbe_synthesizer.core.scxml import NAMESPACE, ScxmlError, chart_to_scxml, scxml_name
+
+CHARTS = ("plain.xml", "place_connector.xml", "wire_task.xml", "two_arms.xml")
+RUNS, MOST_STEPS = 15, 60
+
+
+@pytest.fixture(params=CHARTS)
+def chart(request, golden):
+    return parse_chart((golden / "charts" / request.param).read_bytes(), request.param)
+
+
+def started(scxml):
+    """Return a machine without its timers: the executor would wait for them in real time."""
+    root = etree.fromstring(scxml.encode())
+    for timed in root.xpath("//s:send | //s:cancel", namespaces={"s": NAMESPACE}):
+        timed.getparent().remove(timed)
+    return load(etree.tostring(root, encoding="unicode"), format="scxml")()
+
+
+def configuration(machine):
+    return {state.id for state in machine.configuration}
+
+
+def test_every_target_exists_and_every_id_stands_once(chart):
+    root = etree.fromstring(chart_to_scxml(chart).encode())
+    ids = root.xpath("//@id[not(parent::*[local-name() = 'send' or local-name() = 'data'])]")
+    assert len(ids) == len(set(ids))
+    assert set(root.xpath("//@target | //@initial")) <= set(ids)
+    events = set(root.xpath("//@event"))
+    assert events
+    assert all(" " not in name for name in (*ids, *events))
+
+
+@pytest.mark.parametrize("seed", range(RUNS))
+def test_another_executor_comes_to_the_same_outcome(chart, seed, interfaces_of_golden):
+    pick = random.Random(seed)
+    outcome, steps = run(
+        chart, interfaces_of_golden, lambda _path, events: pick.choice(events), MOST_STEPS
+    )
+    machine = started(chart_to_scxml(chart))
+    for path, event in steps:
+        if event != "exhausted":
+            parts = [scxml_name(part) for part in (*path.strip("/").split("/"), event)]
+            machine.send(".".join(parts), error_code=0)
+    if outcome is None:
+        assert not machine.is_terminated
+    else:
+        assert configuration(machine) == {scxml_name(outcome)}
+
+
+def test_error_codes_choose_the_route():
+    text = """<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="A" initial="Look">
+      <datamodel><outcome name="found"/><outcome name="blind"/><outcome name="failed"/></datamodel>
+      <state id="Look" type="T" ext:on_error="100-199: blind; 305: Look">
+        <transition event="seen" target="found"/><transition event="failed" target="failed"/>
+      </state></statemachine>"""
+    scxml = chart_to_scxml(parse_chart(text))
+    reached = {99: "failed", 100: "blind", 199: "blind", 305: "Look", 0: "failed"}
+    for code, state in reached.items():
+        machine = started(scxml)
+        machine.send("Look.failed", error_code=code)
+        assert configuration(machine) == {state}, code
+
+
+def test_names_that_become_one_are_refused():
+    text = (
+        '<statemachine name="A" initial="x y"><datamodel><outcome name="o"/></datamodel>'
+        '<state id="x y" type="T"/><state id="x_y" type="T"/></statemachine>'
+    )
+    with pytest.raises(ScxmlError, match="'x_y'"):
+        chart_to_scxml(parse_chart(text))

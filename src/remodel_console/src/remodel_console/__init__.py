@@ -1,0 +1,1 @@
+"""The operator console; so far the part that needs no screen."""

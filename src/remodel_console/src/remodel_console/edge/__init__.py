@@ -1,0 +1,1 @@
+"""The charts and behaviors on the disk."""

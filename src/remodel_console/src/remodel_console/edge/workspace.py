@@ -1,0 +1,131 @@
+"""Where charts and behaviors lie: find them by name, read them, check and write them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from flexbe_synthesizer.core import names
+from flexbe_synthesizer.core.codec import read_chart, write_chart
+from flexbe_synthesizer.core.model import Chart, State, walk_nodes
+from flexbe_synthesizer.core.problem import Problem, errors_in
+from flexbe_synthesizer.core.resolve import scopes
+from flexbe_synthesizer.edge.chart_files import confined_to, find_chart, read_charts
+from flexbe_synthesizer.edge.output_package import OutputPackage, enclosing_package
+from flexbe_synthesizer.edge.package_path import find_packages, read_library
+from flexbe_synthesizer.errors import OutputError, SynthesisError
+from flexbe_synthesizer.synthesis import CheckedFiles, check_files, write_behaviors
+from remodel_console.errors import CommandError
+
+
+@dataclass(frozen=True)
+class Workspace:
+    """The folders that charts are read from, and the ROS package path."""
+
+    chart_folders: tuple[Path, ...]
+    ros_package_path: str
+
+    def find(self, name: str) -> Chart:
+        """Return the chart with a display name.
+
+        Raises:
+            CommandError: if there is none, or if it has not the form of a chart.
+        """
+        found = {chart.name: chart for chart in self._charts()}
+        if name not in found:
+            hint = names.allowed(name, sorted(found))
+            raise CommandError(f"there is no chart of a behavior '{name}'; {hint}")
+        return found[name]
+
+    def read(self, path: str) -> Chart:
+        """Return the chart of a file that lies in the chart folders.
+
+        Raises:
+            CommandError: if it cannot be read, or is wrong.
+        """
+        try:
+            file = find_chart(path, self.chart_folders)
+            self._expect_right(self._check(file))
+            return read_charts([file], confined_to(self.chart_folders)).charts[0]
+        except SynthesisError as error:
+            raise CommandError(str(error)) from error
+
+    def check(self, chart: Chart) -> tuple[Problem, ...]:
+        """Return all that is wrong with a chart and those that it names.
+
+        Raises:
+            CommandError: if a file cannot be read.
+        """
+        return self._checked(chart).problems
+
+    def events(self, chart: Chart) -> dict[str, dict[str, tuple[str, ...]]]:
+        """Return the events of the nodes by id, by the name of the container that they are in."""
+        (checked, *_) = self._checked(chart).charts.values()
+        return {
+            scope.chart.name: {node: entry.events or () for node, entry in scope.by_id.items()}
+            for scope in scopes(checked.resolved)
+        }
+
+    def save(self, chart: Chart) -> tuple[Path, ...]:
+        """Write a chart and its behavior, and return the files that changed.
+
+        Raises:
+            CommandError: if it has errors, or cannot be written; then nothing is.
+        """
+        files = self._checked(chart)
+        self._expect_right(files)
+        try:
+            return write_behaviors(files, {Path(chart.file): write_chart(chart)})
+        except OutputError as error:
+            raise CommandError(str(error)) from error
+
+    def users_of(self, state: str) -> Iterator[str]:
+        """Yield where charts use a state class, `package.Class` or `Class`."""
+        package, _, class_name = state.rpartition(".")
+        spellings = {class_name}
+        spellings |= {f"{package}/{class_name}", f"{package}__{class_name}"} if package else set()
+        for chart in self._charts():
+            for node in walk_nodes(chart):
+                if isinstance(node, State) and node.type in spellings:
+                    yield f"{chart.name}: {node.id} ({chart.file})"
+
+    def _charts(self) -> Iterator[Chart]:
+        for folder in self.chart_folders:
+            for path in sorted(folder.glob("*.xml")):
+                try:
+                    chart, _problems = read_chart(path.read_bytes(), str(path))
+                except OSError:
+                    continue  # what cannot be read cannot be edited
+                if chart is not None:
+                    yield chart
+
+    def _checked(self, chart: Chart) -> CheckedFiles:
+        text = write_chart(chart).encode()
+        return self._check(chart.file, {chart.file: text})
+
+    def _check(self, path: str, drafts: dict[str, bytes] | None = None) -> CheckedFiles:
+        packages, _warnings = find_packages(self.ros_package_path)
+        library, _more = read_library(packages)
+        locate = confined_to((*self.chart_folders, Path(path).parent))
+        try:
+            return check_files([path], library, _package_of, locate, drafts or {})
+        except SynthesisError as error:
+            raise CommandError(str(error)) from error
+
+    @staticmethod
+    def _expect_right(files: CheckedFiles) -> None:
+        errors = errors_in(files.problems)
+        if errors:
+            lines = "\n".join(map(str, errors))
+            raise CommandError(f"{len(errors)} error{'s' * (len(errors) > 1)}:\n{lines}")
+
+
+def _package_of(path: str) -> OutputPackage:
+    return enclosing_package(Path(path))
+
+
+def chart_folders(ros_package_path: str, more: Iterable[Path]) -> tuple[Path, ...]:
+    """Return `charts/` of all packages that export behaviors, and some more folders."""
+    packages, _warnings = find_packages(ros_package_path)
+    return (*(p.folder / "charts" for p in packages if p.has_behaviors), *more)

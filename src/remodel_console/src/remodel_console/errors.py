@@ -1,0 +1,5 @@
+"""What can go wrong with a command."""
+
+
+class CommandError(Exception):
+    """A command cannot be carried out; the message is the answer to whoever gave it."""

@@ -1,0 +1,84 @@
+"""Serve `/flexbe/uicommand`: one command after another, each answered and acknowledged."""
+
+from __future__ import annotations
+
+import queue
+import threading
+
+import rospy
+from flexbe_msgs.msg import UICommand
+from std_msgs.msg import String
+
+from remodel_console.core.answer import DONE, FAILED, REFUSED, Answer
+from remodel_console.core.commands import read_command
+from remodel_console.core.key import is_allowed
+from remodel_console.errors import CommandError
+from remodel_console.ros import topics
+from remodel_console.ros.runtime import Runtime
+from remodel_console.session import Session
+
+_MOST_WAITING = 64  # commands; nobody types faster than they are carried out
+
+
+class CommandServer:
+    """Carries out the commands that arrive, in a thread of its own."""
+
+    def __init__(self, session: Session, runtime: Runtime, key: str) -> None:
+        """Start serving.
+
+        Args:
+            session: what is edited.
+            runtime: the way to the engine.
+            key: what a command must bring; empty if all may give commands.
+        """
+        self._session = session
+        self._runtime = runtime
+        self._key = key
+        self._waiting: queue.Queue[UICommand] = queue.Queue(_MOST_WAITING)
+        self._notification = rospy.Publisher(topics.NOTIFICATION, String, queue_size=10)
+        self._answers = rospy.Publisher(topics.ANSWER, String, queue_size=10)
+        self._worker = threading.Thread(target=self._work, name="commands", daemon=True)
+        self._worker.start()
+        rospy.Subscriber(topics.COMMAND, UICommand, self._take, queue_size=_MOST_WAITING)
+
+    def _take(self, message: UICommand) -> None:
+        try:
+            self._waiting.put_nowait(message)
+        except queue.Full:
+            words = f"{_MOST_WAITING} commands are waiting already; send this one again later"
+            self._tell(Answer(REFUSED, message.command, words))
+
+    def _work(self) -> None:
+        while not rospy.is_shutdown():
+            try:
+                message = self._waiting.get(timeout=1.0)
+            except queue.Empty:
+                continue
+            self._tell(self._answer(message))
+
+    def _answer(self, message: UICommand) -> Answer:
+        """Carry one command out and return what became of it."""
+        text = message.command
+        if not is_allowed(message.key, self._key):
+            rospy.logwarn("a command with a wrong key was refused: %s", text)
+            return Answer(REFUSED, text, "the key is wrong; ask who configured this console")
+        try:
+            command = read_command(text)
+            does = self._runtime if command.verb in Runtime.VERBS else self._session
+            return Answer(DONE, text, does.carry_out(command))
+        except CommandError as error:
+            return Answer(FAILED, text, str(error))
+        except Exception as error:  # noqa: BLE001 - one command must not end the others
+            rospy.logerr("the command '%s' failed", text, exc_info=True)
+            return Answer(FAILED, text, f"internal error: {error!r}; the log has the trace")
+
+    def _tell(self, answer: Answer) -> None:
+        """Publish an answer, and the acknowledgement that the FlexBE App would give."""
+        if answer.state == DONE:
+            rospy.loginfo("%s", answer)
+            self._notification.publish(answer.command)
+        elif answer.state == REFUSED:
+            self._notification.publish("")
+        else:
+            rospy.logwarn("%s", answer)
+        self._answers.publish(str(answer))

@@ -1,0 +1,141 @@
+"""The editing session: one behavior at a time is loaded, changed and saved."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import PurePath
+
+from flexbe_synthesizer.core.codec import write_chart
+from flexbe_synthesizer.core.model import Chart
+from remodel_console.core.commands import Command, Verb, help_lines
+from remodel_console.core.editing import (
+    as_container,
+    change_at,
+    connected,
+    container_at,
+    read_path,
+    with_container,
+)
+from remodel_console.edge.workspace import Workspace
+from remodel_console.errors import CommandError
+
+START = "start"  # what the deliverable's command line writes for "where the chart itself starts"
+
+
+class Session:
+    """What is edited, and where in it; shared by all who give commands.
+
+    Attributes:
+        chart: what is edited, None before the first `load`.
+        is_saved: nothing has changed since it was loaded or saved.
+    """
+
+    def __init__(self, workspace: Workspace) -> None:
+        """Begin with nothing loaded."""
+        self._workspace = workspace
+        self._lock = threading.Lock()
+        self._path: tuple[str, ...] = ()
+        self.chart: Chart | None = None
+        self.is_saved = True
+        self._deeds: Mapping[Verb, Callable[[Mapping[str, str]], str]] = {
+            Verb.HELP: lambda _given: help_lines(),
+            Verb.LOAD: self._load,
+            Verb.SYNTHESIZE: self._synthesize,
+            Verb.SAVE: self._save,
+            Verb.EDIT: self._edit,
+            Verb.SHOW: lambda _given: write_chart(self._loaded()),
+            Verb.CHECK: self._check,
+            Verb.NOTE: self._note,
+            Verb.AUTOCONNECT: self._autoconnect,
+            Verb.AUTOLAYOUT: lambda _given: "save lays every behavior out anew",
+            Verb.UPDATE: self._update,
+            Verb.FIND: self._find,
+        }
+
+    def carry_out(self, command: Command) -> str:
+        """Carry a command out and return the answer.
+
+        Raises:
+            CommandError: if it cannot be carried out; then nothing has changed.
+        """
+        with self._lock:
+            return self._carry_out(command)
+
+    def _carry_out(self, command: Command) -> str:
+        deed = self._deeds.get(command.verb)
+        if deed is None:
+            raise CommandError(f"'{command.text}' {command.verb.help_text}")
+        return deed(command.given)
+
+    def _loaded(self) -> Chart:
+        if self.chart is None:
+            raise CommandError("no behavior is loaded; 'load NAME' loads one")
+        return self.chart
+
+    def _change(self, chart: Chart) -> None:
+        self.is_saved = self.is_saved and chart == self.chart
+        self.chart = chart
+
+    def _load(self, given: Mapping[str, str]) -> str:
+        lost = "" if self.is_saved else ", and what was not saved is gone"
+        self.chart = self._workspace.find(given["name"])
+        self._path, self.is_saved = (), True
+        return f"loaded '{self.chart.name}' from {self.chart.file}{lost}"
+
+    def _synthesize(self, given: Mapping[str, str]) -> str:
+        chart = self._loaded()
+        source = self._workspace.read(given["goal"])
+        initial = "" if given["initial"] == START else given["initial"]
+        folder = str(PurePath(chart.file).parent)
+        container = as_container(source, given["name"], initial, folder)
+        changed = change_at(chart, self._path, lambda scope: with_container(scope, container))
+        self._change(changed)
+        path = "/".join(("", *self._path, container.id))
+        return f"'{source.name}' is in '{chart.name}' as {path}; 'save' checks and writes it"
+
+    def _save(self, _given: Mapping[str, str]) -> str:
+        chart = self._loaded()
+        written = self._workspace.save(chart)
+        self.is_saved = True
+        what = f"wrote {', '.join(map(str, written))}" if written else "nothing had changed"
+        return f"saved '{chart.name}': {what}"
+
+    def _check(self, _given: Mapping[str, str]) -> str:
+        problems = self._workspace.check(self._loaded())
+        return "\n".join(map(str, problems)) or "no errors and no warnings"
+
+    def _edit(self, given: Mapping[str, str]) -> str:
+        path = read_path(given.get("path", "/"))
+        scope = container_at(self._loaded(), path)
+        self._path = path
+        inside = ", ".join(node.id for node in scope.nodes)
+        return f"in /{'/'.join(path)}, which holds {inside}"
+
+    def _note(self, given: Mapping[str, str]) -> str:
+        if "text" not in given:
+            raise CommandError("'note TEXT' needs the text to add to the description")
+        chart = self._loaded()
+        lines = (chart.description, given["text"])
+        self._change(replace(chart, description="\n".join(filter(None, lines))))
+        return f"noted in the description of '{chart.name}'"
+
+    def _autoconnect(self, _given: Mapping[str, str]) -> str:
+        chart = self._loaded()
+        events = self._workspace.events(chart)
+
+        def connect(scope: Chart) -> Chart:
+            return connected(scope, events.get(scope.name, {}))
+
+        changed = change_at(chart, self._path, connect)
+        self._change(changed)
+        return "connected what was open" if changed != chart else "nothing could be connected"
+
+    def _update(self, given: Mapping[str, str]) -> str:
+        chart = self._workspace.find(given["name"])
+        return f"'{chart.name}' is read anew from {chart.file} at every check"
+
+    def _find(self, given: Mapping[str, str]) -> str:
+        users = tuple(self._workspace.users_of(given["state"]))
+        return "\n".join(users) or f"no chart uses {given['state']}"

@@ -1,0 +1,182 @@
+"""Commands, keys and the editing session, on copies of packages; no ROS."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from flexbe_synthesizer.core.codec import parse_chart
+from flexbe_synthesizer.core.model import Container
+from remodel_console.core.answer import DONE, Answer, read_answer
+from remodel_console.core.commands import Verb, help_lines, read_command
+from remodel_console.core.key import is_allowed
+from remodel_console.edge.workspace import Workspace, chart_folders
+from remodel_console.errors import CommandError
+from remodel_console.session import Session
+
+SRC = Path(__file__).parents[3]
+
+
+@pytest.fixture
+def package(tmp_path):
+    """Return a copy of the behaviors that commands may write to."""
+    return Path(shutil.copytree(SRC / "remodel_behaviors", tmp_path / "remodel_behaviors"))
+
+
+@pytest.fixture
+def session(package):
+    path = f"{package}:{SRC / 'remodel_states'}:{SRC / 'flexbe' / 'flexbe_states'}"
+    return Session(Workspace(chart_folders(path, ()), path))
+
+
+@pytest.fixture
+def give(session):
+    return lambda text: session.carry_out(read_command(text))
+
+
+SYNTHESIZE = "synthesize SynthesizedBehavior i: start g: TestBehaviorExample_descpt.xml"
+
+
+def test_the_session_of_the_deliverable_leaves_a_saved_behavior(give, session, package):
+    assert "loaded 'my_first_behavior'" in give("load my_first_behavior")
+    assert "as /SynthesizedBehavior" in give(SYNTHESIZE)
+    assert not session.is_saved
+    assert "saved 'my_first_behavior': wrote" in give("save")
+    assert session.is_saved
+    chart = parse_chart((package / "charts" / "my_first_behavior.xml").read_bytes())
+    assert [node.id for node in chart.nodes] == ["Say hello", "SynthesizedBehavior"]
+    assert chart.nodes[0].transitions[0].target == "SynthesizedBehavior"
+    assert [port.name for port in chart.inputs] == ["placepin_id"]
+    code = package / "src" / "remodel_behaviors" / "my_first_behavior_sm.py"
+    assert "'SynthesizedBehavior'" in code.read_text()
+    assert give("check") == "no errors and no warnings"
+    assert "nothing had changed" in give("save")
+
+
+def test_synthesizing_again_replaces_the_container_and_keeps_its_transitions(give, session):
+    give("load my_first_behavior")
+    give(SYNTHESIZE)
+    once = session.chart
+    give(SYNTHESIZE.replace("i: start", "i: PlacePin"))
+    assert session.chart == once
+
+
+def test_a_container_can_be_entered_and_filled_further(give, session):
+    give("load my_first_behavior")
+    give(SYNTHESIZE)
+    assert give("edit /SynthesizedBehavior") == "in /SynthesizedBehavior, which holds PlacePin"
+    give("synthesize Again i: start g: place_connector.xml")
+    outer = session.chart.nodes[1]
+    assert isinstance(outer.body.nodes[1], Container)
+    assert {"cable_id", "terminal_id"} <= {port.name for port in session.chart.inputs}
+    assert all(port.default is None for port in outer.body.inputs)
+    give("save")
+    assert give("edit") == "in /, which holds Say hello, SynthesizedBehavior"
+    with pytest.raises(CommandError, match="no container 'Other'"):
+        give("edit /Other")
+
+
+def test_what_is_wrong_is_told_with_its_lines_and_nothing_is_saved(give, session, package):
+    before = {path: path.read_bytes() for path in package.rglob("*") if path.is_file()}
+    give("load my_first_behavior")
+    give(SYNTHESIZE.replace("SynthesizedBehavior", "finished"))
+    with pytest.raises(CommandError, match=r"my_first_behavior\.xml:\d+:\d+: \[reserved-name\]"):
+        give("save")
+    assert "[reserved-name]" in give("check")
+    assert {path: path.read_bytes() for path in package.rglob("*") if path.is_file()} == before
+    assert "what was not saved is gone" in give("load Example Behavior")
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("load my_frist_behavior", "Did you mean 'my_first_behavior'"),
+        ("save", "no behavior is loaded"),
+        ("edit /x", "no behavior is loaded"),
+        ("update nothing", "no chart of a behavior 'nothing'"),
+        ("statemachine", "refused here"),
+        ("switch", "refused here"),
+    ],
+)
+def test_a_command_that_cannot_be_carried_out_says_why(give, text, reason):
+    with pytest.raises(CommandError, match=reason):
+        give(text)
+
+
+@pytest.mark.parametrize(
+    "goal", ["/etc/passwd", "../package.xml", "none.xml", "\0", "a" * 5000, "../charts"]
+)
+def test_a_chart_outside_the_folders_is_refused(give, goal):
+    give("load my_first_behavior")
+    with pytest.raises(CommandError):
+        give(f"synthesize X i: start g: {goal}")
+
+
+def test_notes_connections_and_uses(give, session):
+    give("load my_first_behavior")
+    give("note Made by hand.")
+    assert session.chart.description.endswith("Made by hand.")
+    with pytest.raises(CommandError):
+        give("note")
+    assert give("autoconnect") == "nothing could be connected"
+    assert "Say hello" in give("findStateUsage flexbe_states.LogState")
+    assert "no chart uses" in give("findStateUsage flexbe_states.NoState")
+    assert "save lays" in give("autolayout")
+    assert "read anew" in give("update Example Behavior")
+    assert give("show").startswith("<?xml")
+
+
+@pytest.mark.parametrize(
+    ("text", "verb", "given"),
+    [
+        ("cmd", Verb.HELP, {}),
+        ("commands", Verb.HELP, {}),
+        ("load A B", Verb.LOAD, {"name": "A B"}),
+        ("synthesize A i:x g:y z", Verb.SYNTHESIZE, {"name": "A", "initial": "x", "goal": "y z"}),
+        ("attach", Verb.ATTACH, {}),
+        ("attach 2", Verb.ATTACH, {"level": "2"}),
+        ("lock -1", Verb.LOCK, {"level": "-1"}),
+        ("goforit", Verb.SWITCH, {}),
+        ("findStateUsage('p.C')", Verb.FIND, {"state": "p.C"}),
+        ("statemachine('Sub')", Verb.STATEMACHINE, {"name": "Sub"}),
+    ],
+)
+def test_commands_are_spelled_as_in_the_app(text, verb, given):
+    command = read_command(text)
+    assert (command.verb, command.given) == (verb, given)
+
+
+@pytest.mark.parametrize(
+    "text", ["", " help", "Help", "load", "synthesize A i: x", "help me", "\n"]
+)
+def test_what_is_no_command_is_told_how_it_is_written(text):
+    with pytest.raises(CommandError, match="is no command; "):
+        read_command(text)
+
+
+def test_help_lists_every_command():
+    assert len(help_lines().splitlines()) == len(Verb)
+
+
+@pytest.mark.parametrize(
+    ("given", "wanted", "allowed"),
+    [
+        (" ", "", True),
+        ("x", "", True),
+        ("x", " ", True),
+        ("secret", "secret", True),
+        ("Secret", "secret", False),
+        ("", "secret", False),
+        ("sécret", "sécret", True),
+        ("secret1", "secret", False),
+    ],
+)
+def test_keys(given, wanted, allowed):
+    assert is_allowed(given, wanted) is allowed
+
+
+def test_answers_come_back_as_they_were_sent():
+    answer = Answer(DONE, "load a: b", "two\nlines")
+    assert read_answer(str(answer)) == answer
+    with pytest.raises(ValueError, match="no answer"):
+        read_answer("hello")
