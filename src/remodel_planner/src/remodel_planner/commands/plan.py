@@ -1,0 +1,92 @@
+"""`rosrun remodel_planner plan INSTANCE.json`: plan the wiring of a panel."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+import time
+from pathlib import Path
+
+from remodel_planner.commands.stop_signals import stop_on_signals
+from remodel_planner.core.planning.checker import check
+from remodel_planner.core.planning.defects import require_sound
+from remodel_planner.core.planning.instance import problem_from
+from remodel_planner.core.planning.plan_form import plan_data
+from remodel_planner.core.planning.planned import Planned
+from remodel_planner.core.planning.tables import tables_of
+from remodel_planner.edge.anytime_planner import AnytimePlanner, Limits
+from remodel_planner.edge.json_file import read_json, write_json
+from remodel_planner.edge.search_kernel import Kernel
+from remodel_planner.errors import InstanceError, PlannerError
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Plan, check the plan, write it, and return the exit code."""
+    parser = argparse.ArgumentParser(
+        prog="plan",
+        description="Plan the wiring of a panel with one or two arms. The first plan is written at "
+        "once and replaced by better ones only when the time is over, the target is reached, or "
+        "the command gets SIGINT or SIGTERM.",
+        epilog="Exit code: 0 planned, 1 refused (the instance is malformed or has no plan), "
+        "2 wrong usage.",
+    )
+    parser.add_argument("instance", type=Path, help="problem (planbench-1, docs/planning.md)")
+    parser.add_argument("--output", type=Path, required=True, help="file of the plan (JSON)")
+    parser.add_argument(
+        "--time-limit", type=_limit, default=1.0, metavar="S", help="[s] of search (default 1)"
+    )
+    parser.add_argument("--seed", type=_seed, default=1, help="decides among equals (default 1)")
+    parser.add_argument("--target", type=int, metavar="COST", help="stop at this cost")
+    options = parser.parse_args(arguments)
+    try:
+        _plan(options)
+    except PlannerError as error:
+        print(f"plan: {options.instance}: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _limit(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value) or value < 0:
+        raise argparse.ArgumentTypeError(f"expected seconds of at least 0, found {text}")
+    return value
+
+
+def _seed(text: str) -> int:
+    value = int(text)
+    if not 0 <= value < 2**32:
+        raise argparse.ArgumentTypeError(f"expected an integer from 0 to 2^32 - 1, found {text}")
+    return value
+
+
+def _plan(options: argparse.Namespace) -> None:
+    problem = problem_from(read_json(options.instance))
+    require_sound(problem)
+    tables = tables_of(problem)
+    kernel = Kernel()
+    with stop_on_signals() as stopped:
+        started = time.perf_counter()
+        planner = AnytimePlanner(kernel, tables, options.seed)
+        first = planner.first()
+        first_ms = 1e3 * (time.perf_counter() - started)
+        _write(first, options.output)
+        limits = Limits(options.time_limit, options.target, stopped)
+        result = planner.improved(limits)
+    best = min(first, result.planned, key=lambda planned: planned.cost)
+    _write(best, options.output)
+    print(f"{problem.name}: cost {best.cost} (makespan {best.makespan}, penalty {best.penalty})")
+    print(f"first plan: cost {first.cost} after {first_ms:.1f} ms")
+    print(f"search: {'done' if result.complete else 'stopped'}; plan: {options.output}")
+
+
+def _write(planned: Planned, file: Path) -> None:
+    """Write a plan that the checker accepts."""
+    verdict = check(planned.tables.problem, planned.plan)
+    if not verdict.valid or verdict.cost != planned.cost:
+        raise InstanceError(
+            f"the checker refuses the plan, which is a defect of this planner: cost "
+            f"{planned.cost} against {verdict.cost}; {'; '.join(verdict.violations[:3])}"
+        )
+    write_json(file, plan_data(planned.plan))
