@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 import time
 from pathlib import Path
 
+from remodel_planner.commands.limits import seconds, seed
 from remodel_planner.commands.stop_signals import stop_on_signals
 from remodel_planner.core.planning.checker import check
 from remodel_planner.core.planning.defects import require_sound
@@ -34,9 +34,9 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("instance", type=Path, help="problem (planbench-1, docs/planning.md)")
     parser.add_argument("--output", type=Path, required=True, help="file of the plan (JSON)")
     parser.add_argument(
-        "--time-limit", type=_limit, default=1.0, metavar="S", help="[s] of search (default 1)"
+        "--time-limit", type=seconds, default=1.0, metavar="S", help="[s] of search (default 1)"
     )
-    parser.add_argument("--seed", type=_seed, default=1, help="decides among equals (default 1)")
+    parser.add_argument("--seed", type=seed, default=1, help="decides among equals (default 1)")
     parser.add_argument("--target", type=int, metavar="COST", help="stop at this cost")
     options = parser.parse_args(arguments)
     try:
@@ -45,20 +45,6 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"plan: {options.instance}: {error}", file=sys.stderr)
         return 1
     return 0
-
-
-def _limit(text: str) -> float:
-    value = float(text)
-    if not math.isfinite(value) or value < 0:
-        raise argparse.ArgumentTypeError(f"expected seconds of at least 0, found {text}")
-    return value
-
-
-def _seed(text: str) -> int:
-    value = int(text)
-    if not 0 <= value < 2**32:
-        raise argparse.ArgumentTypeError(f"expected an integer from 0 to 2^32 - 1, found {text}")
-    return value
 
 
 def _plan(options: argparse.Namespace) -> None:

@@ -6,6 +6,7 @@ import json
 import os
 from pathlib import Path
 
+from remodel_planner.edge.text_file import read_text
 from remodel_planner.errors import InstanceError
 
 
@@ -16,11 +17,7 @@ def read_json(file: Path) -> object:
         InstanceError: if it cannot be read or is no JSON, with the place.
     """
     try:
-        return json.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InstanceError(f"cannot be read: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        raise InstanceError(f"is no UTF-8 text: {error.reason} at byte {error.start}") from error
+        return json.loads(read_text(file))
     except json.JSONDecodeError as error:
         raise InstanceError(
             f"is no JSON: {error.msg} in line {error.lineno}, column {error.colno}"

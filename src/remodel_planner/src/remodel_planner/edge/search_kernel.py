@@ -14,9 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from remodel_planner.core.planning.tables import Integers, Tables
-from remodel_planner.errors import InstanceError, KernelError
-
-_LIBRARY = "libremodel_planner_kernel.so"
+from remodel_planner.edge.kernel_library import declare, load_library
+from remodel_planner.errors import InstanceError
 
 _SCALARS = (
     *("wires", "components", "segments", "arms", "unders", "pins", "softs", "openings", "speed"),
@@ -66,19 +65,14 @@ class Kernel:
     """The loaded library."""
 
     def __init__(self) -> None:
-        """Load the library from where the workspace's setup file says libraries are.
+        """Load the library.
 
         Raises:
             KernelError: if it is not there.
         """
-        try:
-            self._library: Any = ctypes.CDLL(_LIBRARY)
-        except OSError as error:
-            raise KernelError(
-                f"{_LIBRARY} cannot be loaded ({error}): run `make build` and source "
-                "devel/setup.bash"
-            ) from error
-        for name, result, arguments in (
+        self._library: Any = load_library()
+        declare(
+            self._library,
             ("remodel_problem_new", c_void_p, [POINTER(WiringTables)]),
             ("remodel_problem_delete", None, [c_void_p]),
             ("remodel_follow_ranks", None, [c_void_p] * 4),
@@ -90,9 +84,7 @@ class Kernel:
             ("remodel_search_anneal", c_int32, [c_void_p, c_int64, c_double, c_double]),
             ("remodel_search_return_to_best", None, [c_void_p]),
             ("remodel_search_best", c_int32, [c_void_p] * 3),
-        ):
-            function = getattr(self._library, name)
-            function.restype, function.argtypes = result, arguments
+        )
 
     def load(self, tables: Tables) -> KernelProblem:
         """Hand a problem to the kernel."""
