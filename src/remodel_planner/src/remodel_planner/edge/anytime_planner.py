@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remodel_planner.core.planning.annealing import FIRST_MOVES_PER_WIRE, FIRST_SLICE, slices
+from remodel_planner.core.planning.annealing import first_slice, slices
 from remodel_planner.core.planning.planned import Planned
 from remodel_planner.core.planning.tables import Integers, Tables
 from remodel_planner.edge.search_kernel import Kernel, KernelProblem, KernelSearch
@@ -111,8 +111,8 @@ class AnytimePlanner:
         search = self._problem.search(self._seed * _THREADS + index)
         if start is None:
             search.construct()
-            moves = FIRST_MOVES_PER_WIRE[self._arms] * self._problem.size
-            search.anneal(moves, *FIRST_SLICE)
+            part = first_slice(self._problem.size, self._arms)
+            search.anneal(part.moves, part.start_temperature, part.end_temperature)
         else:
             search.adopt(start.order, start.modes)
         return search

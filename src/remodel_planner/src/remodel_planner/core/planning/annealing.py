@@ -23,12 +23,6 @@ class Slice:
     opens_round: bool
 
 
-# The first plan is improved a little before it is shown: moves for each wire and temperatures. They
-# take about as long as its construction, and bring it below 13 % above the best known cost with two
-# arms, 1.2 % with one (benchmarks/planner).
-FIRST_MOVES_PER_WIRE = {1: 30, 2: 12}
-FIRST_SLICE = (1.0, 0.5)
-
 # Measured on sw1 and sw2 of 30 to 1000 wires. With two arms a wire moved changes a block's whole
 # timing, and costs differ by more.
 _TEMPERATURES = {
@@ -39,6 +33,17 @@ _SHORTEST_ROUND_PER_WIRE = {1: 1_000, 2: 100}
 _LONGEST_ROUND_PER_WIRE = {1: 100_000, 2: 20_000}
 _GROWTH = 4
 _SLICE_S = 0.02
+
+
+def first_slice(wires: int, arms: int) -> Slice:
+    """Return the moves that improve the first plan before it is shown.
+
+    They take as long as its construction, or with two arms some times that, and bring it from 30 %
+    to below 13 % above the best known cost with two arms, below 1.2 % with one
+    (benchmarks/planner).
+    """
+    per_wire = 100.0 if arms == 1 else min(12.0, 6.0 + wires / 40)
+    return Slice(int(per_wire * wires), 1.0, 0.5, True)
 
 
 def moves_per_second(wires: int, arms: int) -> float:
