@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 from pathlib import Path
@@ -37,5 +38,6 @@ def write_json(file: Path, document: object) -> None:
         beside.write_text(json.dumps(document, separators=(",", ":")) + "\n", encoding="utf-8")
         beside.replace(file)
     except OSError as error:
-        beside.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            beside.unlink()
         raise InstanceError(f"{file} cannot be written: {error.strerror}") from error
