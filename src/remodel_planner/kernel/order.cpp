@@ -16,37 +16,61 @@ int likely_mode(const Problem& p, int wire) {
   return mode;
 }
 
-}  // namespace
-
-void follow_ranks(const Problem& p, const int* rank, int* order, int* modes) {
-  using Item = std::pair<int, int>;   // rank, wire
+// Write the wires in the order of their places, as far as the order constraints let them.
+void sort(const Problem& p, const std::vector<int>& place, int* order) {
+  using Item = std::pair<int, int>;   // place, wire
   std::priority_queue<Item, std::vector<Item>, std::greater<Item>> ready;
-  std::vector<int> waiting(p.t.wires), place(p.t.wires);
-  for (int wire = 0; wire < p.t.wires; ++wire) place[wire] = rank[wire];
-  for (int i = 0; i < p.t.openings; ++i) place[p.t.opening[i]] = i - p.t.openings;
+  std::vector<int> waiting(p.t.wires);
   for (int wire = 0; wire < p.t.wires; ++wire) {
-    if (p.t.arms > 1 && (modes[wire] < 0 || !p.has_mode(wire, modes[wire])))
-      modes[wire] = likely_mode(p, wire);
-    else if (p.t.arms == 1)
-      modes[wire] = 0;
     waiting[wire] = static_cast<int>(p.before[wire].size());
-  }
-  for (int wire = 0; wire < p.t.wires; ++wire)
     if (!waiting[wire]) ready.emplace(place[wire], wire);
-  int count = 0;
-  while (!ready.empty()) {
+  }
+  for (int count = 0; !ready.empty(); ++count) {
     const int wire = ready.top().second;
     ready.pop();
-    order[count++] = wire;
+    order[count] = wire;
     for (int next : p.after[wire])
       if (!--waiting[next]) ready.emplace(place[next], next);
   }
-  if (p.t.arms > 1) return;
-  for (int i = 0; i < count; ++i) {
+}
+
+// Whether no arm has anything to do before the wire in its hand.
+bool held_come_first(const Problem& p, const int* order, const int* modes) {
+  bool busy[2] = {};
+  for (int i = 0; i < p.t.wires; ++i) {
+    const int wire = order[i], arm = Mode::arm(modes[wire]);
+    if (p.t.stage[wire] != kStored && busy[arm]) return false;
+    busy[arm] = true;
+    if (Mode::hands_over(modes[wire])) busy[1 - arm] = true;
+  }
+  return true;
+}
+
+void choose_first_ends(const Problem& p, const int* order, int* modes) {
+  const int n = p.t.wires;
+  for (int i = 0; i < n; ++i) {
     int first = 0;
-    Arcs::follow(p, 0, order[i], i + 1 < count ? order[i + 1] : p.t.wires, &first);
+    Arcs::follow(p, 0, order[i], i + 1 < n ? order[i + 1] : n, &first);
     modes[order[i]] = Mode::of(0, first, false);
   }
+}
+
+}  // namespace
+
+void follow_ranks(const Problem& p, const int* rank, bool opening_first, int* order, int* modes) {
+  for (int wire = 0; wire < p.t.wires; ++wire) {
+    if (p.t.arms == 1)
+      modes[wire] = 0;
+    else if (modes[wire] < 0 || !p.has_mode(wire, modes[wire]))
+      modes[wire] = likely_mode(p, wire);
+  }
+  std::vector<int> place(rank, rank + p.t.wires);
+  sort(p, place, order);
+  if (opening_first || !held_come_first(p, order, modes)) {
+    for (int i = 0; i < p.t.openings; ++i) place[p.t.opening[i]] = i - p.t.openings;
+    sort(p, place, order);
+  }
+  if (p.t.arms == 1) choose_first_ends(p, order, modes);
 }
 
 }  // namespace remodel

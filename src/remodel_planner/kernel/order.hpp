@@ -5,9 +5,11 @@
 
 namespace remodel {
 
-// Write the wires in the order of their ranks (at least 0), the opening first; a wire whose
-// predecessors come later by rank waits for them. Wires with modes that are not possible (such as -1) get the first
-// end that suits the wire that follows, for two arms the arm preferred.
-void follow_ranks(const Problem& problem, const int* rank, int* order, int* modes);
+// Write the wires in the order of their ranks (at least 0); a wire whose predecessors come later by
+// rank waits for them. The opening comes first, unless it need not and `opening_first` is false:
+// then an older order is kept as it is. Wires with modes that are not possible (such as -1) get the
+// arm preferred; with one arm, all get the first end that suits the wire that follows.
+void follow_ranks(const Problem& problem, const int* rank, bool opening_first, int* order,
+                  int* modes);
 
 }  // namespace remodel

@@ -17,9 +17,9 @@ Problem* remodel_problem_new(const remodel::WiringTables* tables) { return new P
 void remodel_problem_delete(Problem* problem) { delete problem; }
 
 // Write the order of wires that follows ranks, and modes; see order.hpp.
-void remodel_follow_ranks(const Problem* problem, const std::int32_t* ranks, std::int32_t* order,
-                          std::int32_t* modes) {
-  remodel::follow_ranks(*problem, ranks, order, modes);
+void remodel_follow_ranks(const Problem* problem, const std::int32_t* ranks,
+                          std::int32_t opening_first, std::int32_t* order, std::int32_t* modes) {
+  remodel::follow_ranks(*problem, ranks, opening_first, order, modes);
 }
 
 // Simulate a list of wires. Writes up to `capacity` actions, and makespan and penalty. Returns the

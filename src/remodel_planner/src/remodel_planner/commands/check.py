@@ -7,11 +7,8 @@ import json
 import sys
 from pathlib import Path
 
+from remodel_planner.commands.problem_files import add_problem_options, read_plan, read_problem
 from remodel_planner.core.planning.checker import Verdict, check
-from remodel_planner.core.planning.defects import require_sound
-from remodel_planner.core.planning.instance import problem_from
-from remodel_planner.core.planning.plan_form import plan_from
-from remodel_planner.edge.json_file import read_json
 from remodel_planner.errors import PlannerError
 
 
@@ -22,17 +19,14 @@ def main(arguments: list[str] | None = None) -> int:
         description="Check a plan against its problem with code that the search does not share.",
         epilog="Exit code: 0 valid, 1 not valid, 2 wrong usage, 3 a file is malformed.",
     )
-    parser.add_argument("instance", type=Path, help="problem (planbench-1, docs/planning.md)")
+    add_problem_options(parser)
     parser.add_argument("plan", type=Path, help="plan with a start for every action")
     options = parser.parse_args(arguments)
-    file = options.instance
     try:
-        problem = problem_from(read_json(file))
-        require_sound(problem)
-        file = options.plan
-        plan = plan_from(read_json(file))
+        problem = read_problem(options).problem
+        plan = read_plan(options.plan)
     except PlannerError as error:
-        print(f"check: {file}: {error}", file=sys.stderr)
+        print(f"check: {error}", file=sys.stderr)
         return 3
     verdict = check(problem, plan)
     print(json.dumps(_document(verdict)))

@@ -8,15 +8,14 @@ import time
 from pathlib import Path
 
 from remodel_planner.commands.limits import seconds, seed
+from remodel_planner.commands.problem_files import add_problem_options, read_problem
 from remodel_planner.commands.stop_signals import stop_on_signals
 from remodel_planner.core.planning.checker import check
-from remodel_planner.core.planning.defects import require_sound
-from remodel_planner.core.planning.instance import problem_from
 from remodel_planner.core.planning.plan_form import plan_data
 from remodel_planner.core.planning.planned import Planned
 from remodel_planner.core.planning.tables import tables_of
 from remodel_planner.edge.anytime_planner import AnytimePlanner, Limits
-from remodel_planner.edge.json_file import read_json, write_json
+from remodel_planner.edge.json_file import write_json
 from remodel_planner.edge.search_kernel import Kernel
 from remodel_planner.errors import InstanceError, PlannerError
 
@@ -31,7 +30,7 @@ def main(arguments: list[str] | None = None) -> int:
         epilog="Exit code: 0 planned, 1 refused (the instance is malformed or has no plan), "
         "2 wrong usage.",
     )
-    parser.add_argument("instance", type=Path, help="problem (planbench-1, docs/planning.md)")
+    add_problem_options(parser)
     parser.add_argument("--output", type=Path, required=True, help="file of the plan (JSON)")
     parser.add_argument(
         "--time-limit", type=seconds, default=1.0, metavar="S", help="[s] of search (default 1)"
@@ -42,14 +41,13 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         _plan(options)
     except PlannerError as error:
-        print(f"plan: {options.instance}: {error}", file=sys.stderr)
+        print(f"plan: {error}", file=sys.stderr)
         return 1
     return 0
 
 
 def _plan(options: argparse.Namespace) -> None:
-    problem = problem_from(read_json(options.instance))
-    require_sound(problem)
+    problem = read_problem(options).problem
     tables = tables_of(problem)
     kernel = Kernel()
     with stop_on_signals() as stopped:

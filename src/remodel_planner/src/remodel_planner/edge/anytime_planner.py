@@ -72,16 +72,15 @@ class AnytimePlanner:
         Raises:
             InstanceError: if there is none: the arms would wait for each other.
         """
-        ranks = np.full(self._problem.size, len(order), np.int32)
-        ranks[order] = np.arange(len(order), dtype=np.int32)
-        return self._decoded(*self._problem.follow_ranks(ranks, modes))
+        return self._decoded(*self._following(order, modes, opening_first=False))
 
     def improved(self, limits: Limits, start: Planned | None = None) -> Result:
         """Return the best plan found within the limits, from a plan or from the first plan."""
         deadline = time.monotonic() + limits.time_s
         searches = [self._started(index, start) for index in range(_THREADS)]
-        best = min(map(self._shown, searches), key=lambda planned: planned.cost)
-        offset = best.cost - min(search.best()[0] for search in searches)
+        shown = self._shown(searches[0])
+        offset = shown.cost - searches[0].best()[0]
+        best = shown if start is None else start
         reached = threading.Event()
 
         def over(cost: int) -> bool:
@@ -114,8 +113,15 @@ class AnytimePlanner:
             part = first_slice(self._problem.size, self._arms)
             search.anneal(part.moves, part.start_temperature, part.end_temperature)
         else:
-            search.adopt(start.order, start.modes)
+            search.adopt(*self._following(start.order, start.modes, opening_first=True))
         return search
+
+    def _following(
+        self, order: Integers, modes: Integers, *, opening_first: bool
+    ) -> tuple[Integers, Integers]:
+        ranks = np.full(self._problem.size, len(order), np.int32)
+        ranks[order] = np.arange(len(order), dtype=np.int32)
+        return self._problem.follow_ranks(ranks, modes, opening_first=opening_first)
 
     def _shown(self, search: KernelSearch) -> Planned:
         _, order, modes = search.best()

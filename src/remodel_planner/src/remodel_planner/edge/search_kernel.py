@@ -75,7 +75,7 @@ class Kernel:
             self._library,
             ("remodel_problem_new", c_void_p, [POINTER(WiringTables)]),
             ("remodel_problem_delete", None, [c_void_p]),
-            ("remodel_follow_ranks", None, [c_void_p] * 4),
+            ("remodel_follow_ranks", None, [c_void_p, c_void_p, c_int32, c_void_p, c_void_p]),
             ("remodel_decode", c_int32, [*[c_void_p] * 4, c_int32, c_void_p]),
             ("remodel_search_new", c_void_p, [c_void_p, c_uint64]),
             ("remodel_search_delete", None, [c_void_p]),
@@ -109,16 +109,24 @@ class KernelProblem:
         if hasattr(self, "_handle"):
             self._library.remodel_problem_delete(self._handle)
 
-    def follow_ranks(self, ranks: Integers, modes: Integers) -> tuple[Integers, Integers]:
+    def follow_ranks(
+        self, ranks: Integers, modes: Integers, *, opening_first: bool
+    ) -> tuple[Integers, Integers]:
         """Return an order of the wires that keeps to their ranks, and modes for it.
 
         Args:
             ranks: (wires,) what a smaller value has comes first, where the constraints allow.
             modes: (wires,) mode numbers to keep, or -1.
+            opening_first: whether what opens a plan comes first even where it need not, as a
+                search wants it.
         """
         order, kept = np.empty(self.size, np.int32), modes.copy()
         self._library.remodel_follow_ranks(
-            self._handle, ranks.ctypes.data, order.ctypes.data, kept.ctypes.data
+            self._handle,
+            ranks.ctypes.data,
+            opening_first,
+            order.ctypes.data,
+            kept.ctypes.data,
         )
         return order, kept
 

@@ -38,12 +38,12 @@ _SLICE_S = 0.02
 def first_slice(wires: int, arms: int) -> Slice:
     """Return the moves that improve the first plan before it is shown.
 
-    They take as long as its construction, or with two arms some times that, and bring it from 30 %
-    to below 13 % above the best known cost with two arms, below 1.2 % with one
-    (benchmarks/planner).
+    They take some times as long as its construction, and bring it from 30 % to below 13 % above the
+    best known cost with two arms, below 1.2 % with one (benchmarks/planner).
     """
-    per_wire = 100.0 if arms == 1 else min(12.0, 6.0 + wires / 40)
-    return Slice(int(per_wire * wires), 1.0, 0.5, True)
+    if arms == 1:
+        return Slice(100 * wires, 1.0, 0.5, True)
+    return Slice(min(int(min(12.0, 6.0 + wires / 40) * wires), 5000), 1.0, 0.5, True)
 
 
 def moves_per_second(wires: int, arms: int) -> float:

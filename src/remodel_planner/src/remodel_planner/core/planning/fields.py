@@ -101,6 +101,18 @@ class Fields:
         """Tell whether a field is there and not null."""
         return self._data.get(key) is not None
 
+    def only(self, *keys: str) -> None:
+        """Refuse fields of other names.
+
+        Raises:
+            InstanceError: naming the first one.
+        """
+        for key in self._data:
+            if key not in keys:
+                raise InstanceError(
+                    f"{self.place(key)}: no such field; there are {', '.join(keys)}"
+                )
+
     def keys(self) -> tuple[str, ...]:
         """Return the names of the fields."""
         return tuple(self._data)

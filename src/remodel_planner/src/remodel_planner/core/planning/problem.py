@@ -115,10 +115,15 @@ class Wire:
 
 @dataclass(frozen=True)
 class Under:
-    """Wire `after` lies over wire `before`, which must be routed when its routing starts."""
+    """Wire `after` lies over wire `before`, which must be routed when its routing starts.
+
+    Attributes:
+        reason: the user's name for it; empty for one of the design's.
+    """
 
     before: str
     after: str
+    reason: str = ""
 
 
 @dataclass(frozen=True)
@@ -133,11 +138,16 @@ class Pin:
 
 @dataclass(frozen=True)
 class Wish:
-    """Wire `before` should be picked before wire `after`; else the plan costs the weight."""
+    """Wire `before` should be picked before wire `after`; else the plan costs the weight.
+
+    Attributes:
+        reason: the user's name for it; empty for one of the design's.
+    """
 
     before: str
     after: str
     weight: int
+    reason: str = ""
 
 
 @dataclass(frozen=True)
