@@ -9,9 +9,11 @@ using remodel::CableTreeSearch;
 namespace {
 
 struct Session {
-  explicit Session(const remodel::CableTreeTables& tables) : tree(tables), known(tables.ends) {}
+  explicit Session(const remodel::CableTreeTables& tables)
+      : tree(tables), known(tables.ends), consistent(draw_conclusions(tree, known)) {}
   const remodel::CableTree tree;
   remodel::Precedence known;
+  const bool consistent;
   std::unique_ptr<CableTreeSearch> search;
 };
 
@@ -28,7 +30,7 @@ void remodel_cable_tree_delete(Session* session) { delete session; }
 // Look for an order that obeys the constraints: 0 there is none, 1 found and written, 2 undecided.
 std::int32_t remodel_cable_tree_find(Session* session, std::int64_t most_nodes,
                                      std::int32_t* order) {
-  if (!remodel::draw_conclusions(session->tree, session->known)) return 0;
+  if (!session->consistent) return 0;
   return static_cast<std::int32_t>(
       remodel::find_order(session->tree, session->known, most_nodes, order));
 }

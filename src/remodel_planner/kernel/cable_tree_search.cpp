@@ -57,16 +57,24 @@ void CableTreeSearch::count_order() {
   cost_.longest = longest;
 }
 
-// The places that the items from .. from + count - 1 may move to: their first one's least and
-// greatest place.
+// Whether some of the items from .. from + count - 1 must stay behind an end, or before it.
+bool CableTreeSearch::must_stay_behind(int end, int from, int count) const {
+  for (int i = from; i < from + count; ++i)
+    if (known_.before(end, order_[i])) return true;
+  return false;
+}
+
+bool CableTreeSearch::must_stay_before(int end, int from, int count) const {
+  for (int i = from; i < from + count; ++i)
+    if (known_.before(order_[i], end)) return true;
+  return false;
+}
+
+// The least and the greatest place that the first of some items may move to, the others following.
 void CableTreeSearch::span(int from, int count, int& low, int& high) const {
-  for (low = from; low > 0; --low)
-    for (int i = from; i < from + count; ++i)
-      if (known_.before(order_[low - 1], order_[i])) goto blocked_left;
-blocked_left:
-  for (high = from; high + count < k_; ++high)
-    for (int i = from; i < from + count; ++i)
-      if (known_.before(order_[i], order_[high + count])) return;
+  low = high = from;
+  while (low > 0 && !must_stay_behind(order_[low - 1], from, count)) --low;
+  while (high + count < k_ && !must_stay_before(order_[high + count], from, count)) ++high;
 }
 
 bool CableTreeSearch::propose(int& from, int& count, int& to, bool& reversed) {

@@ -33,7 +33,7 @@ class CableTreeSearch {
   CableTreeSearch(const CableTree& tree, const Precedence& known, const int* order,
                   std::uint64_t seed);
 
-  // How much each part weighs while annealing; see core/cable_tree/annealing.py.
+  // How much each part weighs while annealing; see core/cable_tree/rounds.py.
   struct Weights {
     double broken, stored, open, longest, wishes;
   };
@@ -45,6 +45,8 @@ class CableTreeSearch {
  private:
   bool propose(int& from, int& count, int& to, bool& reversed);
   void span(int from, int count, int& low, int& high) const;
+  bool must_stay_behind(int end, int from, int count) const;
+  bool must_stay_before(int end, int from, int count) const;
   void shift(int from, int count, int to);
   void reverse_pair(int at);
   int passed_wishes(int from, int count, int to) const;

@@ -31,11 +31,9 @@ std::int32_t remodel_decode(const Problem* problem, const std::int32_t* order,
   remodel::WireList list;
   list.order.assign(order, order + n);
   list.mode.assign(modes, modes + n);
-  list.position.resize(n);
   list.block.resize(n);
   int block = 0;
   for (int i = 0; i < n; ++i) {
-    list.position[order[i]] = i;
     list.block[order[i]] = block;
     block += remodel::Mode::hands_over(modes[order[i]]);
   }

@@ -7,10 +7,13 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
 from remodel_planner.commands import check as check_command
+from remodel_planner.commands import draw as draw_command
+from remodel_planner.commands import explain as explain_command
 from remodel_planner.commands import plan as plan_command
 from remodel_planner.commands import sequence as sequence_command
 from remodel_planner.testing.random_panel import random_panel
@@ -152,3 +155,58 @@ def test_sequence_refuses_malformed_files(tmp_path, capsys):
     file.write_text("k = 2; b = 3;")
     assert sequence_command.main([str(file)]) == 1
     assert "nothing is assigned to AtomicConstraints" in capsys.readouterr().err
+
+
+def test_plans_are_drawn_with_every_action_and_wire(instance):
+    _, output = plan(instance, "--time-limit", "0")
+    drawing = instance.with_name("plan.svg")
+    assert draw_command.main([str(instance), str(output), "--output", str(drawing)]) == 0
+    root = ElementTree.fromstring(drawing.read_text())
+    titles = [element.text for element in root.iter("{http://www.w3.org/2000/svg}title")]
+    for action in json.loads(output.read_text())["actions"]:
+        assert any(title.startswith(action["a"]) for title in titles)
+    for number in range(1, 13):
+        assert any(title.startswith(f"{number}: w") for title in titles)
+
+
+def test_preferences_are_taken_and_explained(instance, capsys):
+    preferences = instance.with_name("preferences.yaml")
+    preferences.write_text(
+        "format: remodel-preferences-1\n"
+        "prefer: [{name: all at once, pick: {heavy: false}, before: {heavy: false}, weight: 1}]\n"
+    )
+    _, output = plan(instance, "--preferences", str(preferences), "--time-limit=0.02")
+    capsys.readouterr()
+    options = [str(instance), str(output), "--preferences", str(preferences)]
+    assert explain_command.main(options) == 0
+    text = capsys.readouterr().out
+    assert "wishes broken" in text
+    assert "broken, costs 1: `all at once`: w" in text
+    assert "right before" in text or "cannot be kept" in text
+
+
+def test_preferences_about_unknown_wires_are_refused(instance, capsys):
+    preferences = instance.with_name("preferences.yaml")
+    preferences.write_text(
+        "format: remodel-preferences-1\nrequire: [{name: x, route: w77, before: w1}]\n"
+    )
+    code, _ = plan(instance, "--preferences", str(preferences))
+    assert code == 1
+    assert f"plan: {preferences}: require[0].route: no wire w77" in capsys.readouterr().err
+    preferences.write_text("a: [")
+    assert plan(instance, "--preferences", str(preferences))[0] == 1
+    assert "is no YAML: " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", [explain_command, draw_command])
+def test_plans_that_are_not_valid_are_not_worked_on(instance, capsys, command):
+    _, output = plan(instance, "--time-limit", "0")
+    document = json.loads(output.read_text())
+    document["actions"].pop()
+    output.write_text(json.dumps(document))
+    drawing = instance.with_name("plan.svg")
+    rest = ["--output", str(drawing)] if command is draw_command else []
+    assert command.main([str(instance), str(output), *rest]) == 1
+    assert "the plan is not valid:" in capsys.readouterr().out
+    assert command.main([str(output), str(output), *rest]) == 3
+    assert not drawing.exists()

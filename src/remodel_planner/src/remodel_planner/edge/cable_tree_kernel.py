@@ -40,7 +40,7 @@ class KernelCableTree:
     """A cable tree in the kernel, with one search on it. Ends count from 1, as everywhere."""
 
     def __init__(self, tree: CableTree) -> None:
-        """Hand the tree to the kernel.
+        """Hand the tree to the kernel, which concludes what follows from it at once.
 
         Raises:
             KernelError: if the kernel is not there.
@@ -77,7 +77,7 @@ class KernelCableTree:
             self._library.remodel_cable_tree_delete(self._handle)
 
     def find(self, most_nodes: int) -> tuple[Feasibility, tuple[int, ...]]:
-        """Look for an order that obeys the constraints; must come before all other calls."""
+        """Look for an order that obeys the constraints, in a search of so many nodes."""
         order = np.empty(self._ends, np.int32)
         found = self._library.remodel_cable_tree_find(self._handle, most_nodes, order.ctypes.data)
         feasibility = Feasibility(found)

@@ -16,9 +16,9 @@ from remodel_planner.core.cable_tree.rounds import Round, rounds
 from remodel_planner.edge.cable_tree_kernel import Feasibility, KernelCableTree
 
 _THREADS = 2
-# Of the search for the first order; a second's work at 200 ends, and a thousand times what any
-# public instance takes.
-_MOST_NODES = 1_000_000
+# Of the first search for an order; each further one may take twice as many. Public instances take
+# some hundreds.
+_FIRST_NODES = 1_000
 _SLICES = 16
 
 
@@ -39,12 +39,13 @@ def sequence(
         KernelError: if the kernel is not there.
     """
     deadline = time.monotonic() + limit_s
-    feasibility, order = KernelCableTree(tree).find(_MOST_NODES)
-    if feasibility is not Feasibility.FOUND or tree.ends < 2:
-        return Sequenced(feasibility, order)
 
     def over() -> bool:
         return stopped() or time.monotonic() >= deadline
+
+    feasibility, order = _first_order(tree, over)
+    if feasibility is not Feasibility.FOUND or tree.ends < 2:
+        return Sequenced(feasibility, order)
 
     def search(index: int) -> tuple[int, tuple[int, ...]]:
         return _Search(tree, order, seed * _THREADS + index).run(limit_s, over)
@@ -54,13 +55,21 @@ def sequence(
     return Sequenced(feasibility, best[1])
 
 
+def _first_order(tree: CableTree, over: Callable[[], bool]) -> tuple[Feasibility, tuple[int, ...]]:
+    kernel, nodes = KernelCableTree(tree), _FIRST_NODES
+    feasibility, order = kernel.find(nodes)
+    while feasibility is Feasibility.UNDECIDED and not over():
+        nodes *= 2
+        feasibility, order = kernel.find(nodes)
+    return feasibility, order
+
+
 class _Search:
     """One thread's search."""
 
     def __init__(self, tree: CableTree, order: tuple[int, ...], seed: int) -> None:
         self._tree = tree
         self._kernel = KernelCableTree(tree)
-        self._kernel.find(_MOST_NODES)
         self._best = (cost_of(tree, order).total, order)
         self._seed = seed << 32
 

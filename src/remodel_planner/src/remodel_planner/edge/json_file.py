@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
-import os
 from pathlib import Path
 
-from remodel_planner.edge.text_file import read_text
+from remodel_planner.edge.text_file import read_text, write_text
 from remodel_planner.errors import InstanceError
 
 
@@ -28,16 +26,9 @@ def read_json(file: Path) -> object:
 
 
 def write_json(file: Path, document: object) -> None:
-    """Write a document so that the file always holds the whole old one or the whole new one.
+    """Write a document, all of it or nothing.
 
     Raises:
         InstanceError: if it cannot be written.
     """
-    beside = file.with_name(f".{file.name}.{os.getpid()}")
-    try:
-        beside.write_text(json.dumps(document, separators=(",", ":")) + "\n", encoding="utf-8")
-        beside.replace(file)
-    except OSError as error:
-        with contextlib.suppress(OSError):
-            beside.unlink()
-        raise InstanceError(f"{file} cannot be written: {error.strerror}") from error
+    write_text(file, json.dumps(document, separators=(",", ":")) + "\n")

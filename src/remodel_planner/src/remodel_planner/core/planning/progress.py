@@ -63,6 +63,12 @@ def after_move(
     return replace(left, wires=wires, terminals=terminals, located=left.located - {component})
 
 
+def action_ticks(problem: Problem, plan: Plan) -> tuple[int, ...]:
+    """Return the duration of each action of a valid plan [ticks]."""
+    state = _state_at_start(problem)
+    return tuple(_execute(problem, state, action) for action in plan.actions)
+
+
 def _begun(plan: Plan, index: int, until: int) -> list[Action]:
     """Return the actions begun before a time, without what the failing arm had still to do."""
     failing = plan.actions[index]
@@ -95,14 +101,18 @@ class _State:
     history: list[tuple[str, str]]
 
 
-def _executed(problem: Problem, actions: Sequence[Action], at_least: int = 0) -> Problem:
-    """Return the problem as it is when some of a valid plan's actions have ended."""
-    state = _State(
+def _state_at_start(problem: Problem) -> _State:
+    return _State(
         {arm.name: arm for arm in problem.arms},
         dict(problem.wire),
         set(problem.located),
         list(problem.history),
     )
+
+
+def _executed(problem: Problem, actions: Sequence[Action], at_least: int = 0) -> Problem:
+    """Return the problem as it is when some of a valid plan's actions have ended."""
+    state = _state_at_start(problem)
     now = max(problem.start_ticks, at_least)
     for action in actions:
         now = max(now, action.start_ticks + _execute(problem, state, action))
