@@ -9,14 +9,10 @@ namespace remodel {
 // SplitMix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators, OOPSLA 2014).
 class Random {
  public:
-  explicit Random(std::uint64_t seed) : state_(seed * 0x9E3779B97F4A7C15ull + 1) {}
+  // Mixed, since seeds apart by a multiple of the step would give the same numbers, shifted.
+  explicit Random(std::uint64_t seed) : state_(mix(seed + 1)) {}
 
-  std::uint32_t next() {
-    std::uint64_t z = (state_ += 0x9E3779B97F4A7C15ull);
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ull;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBull;
-    return static_cast<std::uint32_t>((z ^ (z >> 31)) >> 32);
-  }
+  std::uint32_t next() { return static_cast<std::uint32_t>(mix(state_ += kStep) >> 32); }
 
   // Uniform in 0 .. bound - 1; the bias is below bound / 2^32.
   int below(int bound) {
@@ -30,6 +26,14 @@ class Random {
   double allowance(double temperature) { return -std::log(unit()) * temperature; }
 
  private:
+  static constexpr std::uint64_t kStep = 0x9E3779B97F4A7C15ull;
+
+  static std::uint64_t mix(std::uint64_t z) {
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ull;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBull;
+    return z ^ (z >> 31);
+  }
+
   std::uint64_t state_;
 };
 
