@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo test behaviors unit rostest lint bench-synthesis clean
+.PHONY: help build demo test behaviors unit rostest lint bench-planner bench-synthesis clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -45,6 +45,14 @@ lint: .venv/.ready ## Style, types of the pure cores, and XML
 
 bench-synthesis: build ## Time of the synthesis by size of the chart, beside that of lxml and the schema alone
 	@$(SOURCED) benchmarks/synthesis/sizes.py
+
+build/bench-venv/.ready: benchmarks/planner/requirements-bench.txt | build
+	@/usr/bin/python3 -m venv build/bench-venv
+	@build/bench-venv/bin/pip install -qq --disable-pip-version-check -r $<
+	@touch $@
+
+bench-planner: build build/bench-venv/.ready ## Measure the planner beside GTPyhop, against its targets
+	@$(SOURCED) benchmarks/planner/panels.py --gtpyhop build/bench-venv/bin/python $(BENCH)
 
 clean: ## Remove what was built; keeps .venv
 	@rm -rf build devel install out src/CMakeLists.txt

@@ -23,3 +23,11 @@ class OrderError(PlannerError):
 
 class CellError(PlannerError):
     """The cell, the engine or the synthesizer does not answer, or refuses."""
+
+
+class InstanceError(PlannerError):
+    """A planning problem or a plan is malformed, or the problem has no plan."""
+
+
+class KernelError(PlannerError):
+    """The compiled search kernel is not there."""

@@ -1,0 +1,17 @@
+// A first list for two arms, built in the order in which the arms become free.
+#pragma once
+
+#include <vector>
+
+#include "problem.hpp"
+
+namespace remodel {
+
+struct ListPlan {
+  std::vector<int> order, modes;
+};
+
+// `light_surcharge` is what choosing a light wire costs as long as none has been picked.
+ListPlan greedy_list(const Problem& problem, int light_surcharge);
+
+}  // namespace remodel

@@ -1,0 +1,43 @@
+"""`rosrun remodel_planner check INSTANCE.json PLAN.json`: judge a plan."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from remodel_planner.commands.problem_files import add_problem_options, read_plan, read_problem
+from remodel_planner.core.planning.checker import Verdict, check
+from remodel_planner.errors import PlannerError
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Judge the plan, print the verdict as JSON, and return the exit code."""
+    parser = argparse.ArgumentParser(
+        prog="check",
+        description="Check a plan against its problem with code that the search does not share.",
+        epilog="Exit code: 0 valid, 1 not valid, 2 wrong usage, 3 a file is malformed.",
+    )
+    add_problem_options(parser)
+    parser.add_argument("plan", type=Path, help="plan with a start for every action")
+    options = parser.parse_args(arguments)
+    try:
+        problem = read_problem(options).problem
+        plan = read_plan(options.plan)
+    except PlannerError as error:
+        print(f"check: {error}", file=sys.stderr)
+        return 3
+    verdict = check(problem, plan)
+    print(json.dumps(_document(verdict)))
+    return 0 if verdict.valid else 1
+
+
+def _document(verdict: Verdict) -> dict[str, object]:
+    return {
+        "valid": verdict.valid,
+        "cost": verdict.cost,
+        "makespan": verdict.makespan,
+        "penalties": verdict.penalties,
+        "violations": verdict.violations,
+    }

@@ -1,0 +1,39 @@
+"""`rosrun remodel_planner draw INSTANCE.json PLAN.json`: draw a plan."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from remodel_planner.commands.problem_files import add_problem_options, read_plan, read_problem
+from remodel_planner.core.planning.checker import check
+from remodel_planner.core.planning.drawing import draw_plan
+from remodel_planner.edge.text_file import write_text
+from remodel_planner.errors import PlannerError
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Write the drawing, and return the exit code."""
+    parser = argparse.ArgumentParser(
+        prog="draw",
+        description="Draw what each arm does when, and the panel with its wires in their order.",
+        epilog="Exit code: 0 drawn, 1 the plan is not valid, 2 wrong usage, 3 a file is malformed "
+        "or cannot be written.",
+    )
+    add_problem_options(parser)
+    parser.add_argument("plan", type=Path, help="plan of that problem")
+    parser.add_argument("--output", type=Path, required=True, help="file of the drawing (SVG)")
+    options = parser.parse_args(arguments)
+    try:
+        problem = read_problem(options).problem
+        plan = read_plan(options.plan)
+        verdict = check(problem, plan)
+        if not verdict.valid:
+            print("\n".join(("the plan is not valid:", *verdict.violations)))
+            return 1
+        write_text(options.output, draw_plan(problem, plan))
+    except PlannerError as error:
+        print(f"draw: {error}", file=sys.stderr)
+        return 3
+    return 0

@@ -1,0 +1,68 @@
+"""`rosrun remodel_planner explain INSTANCE.json PLAN.json`: say why a plan is as it is."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from remodel_planner.commands.problem_files import add_problem_options, read_plan, read_problem
+from remodel_planner.core.planning.checker import check
+from remodel_planner.core.planning.explanation import broken_wishes, explain
+from remodel_planner.core.planning.listing import Listing, listing_of
+from remodel_planner.core.planning.problem import Plan, Problem
+from remodel_planner.core.planning.tables import tables_of
+from remodel_planner.edge.anytime_planner import AnytimePlanner
+from remodel_planner.edge.search_kernel import Kernel
+from remodel_planner.errors import PlannerError
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Print the explanation, and return the exit code."""
+    parser = argparse.ArgumentParser(
+        prog="explain",
+        description="Say what a plan costs, which preferences it breaks, why, and what keeping "
+        "each of them would cost.",
+        epilog="Exit code: 0 explained, 1 the plan is not valid, 2 wrong usage, 3 a file is "
+        "malformed.",
+    )
+    add_problem_options(parser)
+    parser.add_argument("plan", type=Path, help="plan of that problem")
+    options = parser.parse_args(arguments)
+    try:
+        preferred = read_problem(options)
+        plan = read_plan(options.plan)
+        verdict = check(preferred.problem, plan)
+        if not verdict.valid:
+            print("\n".join(("the plan is not valid:", *verdict.violations)))
+            return 1
+        broken = broken_wishes(preferred.problem, plan, _Mender(preferred.problem, plan))
+    except PlannerError as error:
+        print(f"explain: {error}", file=sys.stderr)
+        return 3
+    print("\n".join(explain(preferred, plan, verdict, broken)))
+    return 0
+
+
+class _Mender:
+    """Simulates the plan with one wire moved before another one."""
+
+    def __init__(self, problem: Problem, plan: Plan) -> None:
+        self._problem = problem
+        self._tables = tables_of(problem)
+        self._planner = AnytimePlanner(Kernel(), self._tables)
+        self._listing = listing_of(problem, plan)
+        self._cost = self._cost_of(self._listing)
+
+    def __call__(self, first: str, second: str) -> int:
+        """Return what the plan would cost more."""
+        listing = self._listing.with_first_before(self._problem, first, second)
+        return self._cost_of(listing) - self._cost
+
+    def _cost_of(self, listing: Listing) -> int:
+        number = {name: i for i, name in enumerate(self._tables.wires)}
+        order = np.array([number[name] for name in listing.wires], np.int32)
+        modes = np.array([listing.modes[name].number for name in self._tables.wires], np.int32)
+        return self._planner.patched(order, modes).cost

@@ -1,0 +1,20 @@
+"""Types of options that bound a search."""
+
+import argparse
+import math
+
+
+def seconds(text: str) -> float:
+    """Read a limit of time."""
+    value = float(text)
+    if not math.isfinite(value) or value < 0:
+        raise argparse.ArgumentTypeError(f"expected seconds of at least 0, found {text}")
+    return value
+
+
+def seed(text: str) -> int:
+    """Read a seed."""
+    value = int(text)
+    if not 0 <= value < 2**31:
+        raise argparse.ArgumentTypeError(f"expected an integer from 0 to 2^31 - 1, found {text}")
+    return value

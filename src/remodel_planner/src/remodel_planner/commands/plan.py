@@ -1,0 +1,76 @@
+"""`rosrun remodel_planner plan INSTANCE.json`: plan the wiring of a panel."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+from remodel_planner.commands.limits import seconds, seed
+from remodel_planner.commands.problem_files import add_problem_options, read_problem
+from remodel_planner.commands.stop_signals import stop_on_signals
+from remodel_planner.core.planning.checker import check
+from remodel_planner.core.planning.plan_form import plan_data
+from remodel_planner.core.planning.planned import Planned
+from remodel_planner.core.planning.tables import tables_of
+from remodel_planner.edge.anytime_planner import AnytimePlanner, Limits
+from remodel_planner.edge.json_file import write_json
+from remodel_planner.edge.search_kernel import Kernel
+from remodel_planner.errors import InstanceError, PlannerError
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Plan, check the plan, write it, and return the exit code."""
+    parser = argparse.ArgumentParser(
+        prog="plan",
+        description="Plan the wiring of a panel with one or two arms. The first plan is written at "
+        "once and replaced by better ones only when the time is over, the target is reached, or "
+        "the command gets SIGINT or SIGTERM.",
+        epilog="Exit code: 0 planned, 1 refused (the instance is malformed or has no plan), "
+        "2 wrong usage.",
+    )
+    add_problem_options(parser)
+    parser.add_argument("--output", type=Path, required=True, help="file of the plan (JSON)")
+    parser.add_argument(
+        "--time-limit", type=seconds, default=1.0, metavar="S", help="[s] of search (default 1)"
+    )
+    parser.add_argument("--seed", type=seed, default=1, help="decides among equals (default 1)")
+    parser.add_argument("--target", type=int, metavar="COST", help="stop at this cost")
+    options = parser.parse_args(arguments)
+    try:
+        _plan(options)
+    except PlannerError as error:
+        print(f"plan: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _plan(options: argparse.Namespace) -> None:
+    problem = read_problem(options).problem
+    tables = tables_of(problem)
+    kernel = Kernel()
+    with stop_on_signals() as stopped:
+        started = time.perf_counter()
+        planner = AnytimePlanner(kernel, tables, options.seed)
+        first = planner.first()
+        first_ms = 1e3 * (time.perf_counter() - started)
+        _write(first, options.output)
+        limits = Limits(options.time_limit, options.target, stopped)
+        result = planner.improved(limits)
+    best = min(first, result.planned, key=lambda planned: planned.cost)
+    _write(best, options.output)
+    print(f"{problem.name}: cost {best.cost} (makespan {best.makespan}, penalty {best.penalty})")
+    print(f"first plan: cost {first.cost} after {first_ms:.1f} ms")
+    print(f"search: {'done' if result.complete else 'stopped'}; plan: {options.output}")
+
+
+def _write(planned: Planned, file: Path) -> None:
+    """Write a plan that the checker accepts."""
+    verdict = check(planned.tables.problem, planned.plan)
+    if not verdict.valid or verdict.cost != planned.cost:
+        raise InstanceError(
+            f"the checker refuses the plan, which is a defect of this planner: cost "
+            f"{planned.cost} against {verdict.cost}; {'; '.join(verdict.violations[:3])}"
+        )
+    write_json(file, plan_data(planned.plan))

@@ -1,0 +1,80 @@
+"""`rosrun remodel_planner sequence INSTANCE.dzn`: order the insertions of a cable tree."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from dataclasses import asdict
+from pathlib import Path
+
+from remodel_planner.commands.limits import seconds, seed
+from remodel_planner.commands.stop_signals import stop_on_signals
+from remodel_planner.core.cable_tree.dzn import parse_cable_tree
+from remodel_planner.core.cable_tree.order import broken_constraints, cost_of
+from remodel_planner.core.cable_tree.problem import CableTree
+from remodel_planner.edge.cable_tree_kernel import Feasibility
+from remodel_planner.edge.cable_tree_planner import sequence
+from remodel_planner.edge.text_file import read_text
+from remodel_planner.errors import KernelError, PlannerError
+
+_STATUS = {
+    Feasibility.NONE: "unsatisfiable",
+    Feasibility.FOUND: "found",
+    Feasibility.UNDECIDED: "undecided",
+}
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Search, judge what is found, print it, and return the exit code."""
+    parser = argparse.ArgumentParser(
+        prog="sequence",
+        description="Find the order in which the ends of a harness's cables are inserted (Cable "
+        "Tree Wiring). SIGINT or SIGTERM stops the search and prints the best order so far.",
+        epilog="Exit code: 0 found, or proved that there is none; 1 refused (the file is "
+        "malformed); 2 wrong usage; 3 undecided.",
+    )
+    parser.add_argument("instance", type=Path, help="MiniZinc data (.dzn)")
+    parser.add_argument(
+        "--time-limit", type=seconds, default=10.0, metavar="S", help="[s] of search (default 10)"
+    )
+    parser.add_argument("--seed", type=seed, default=1, help="decides among equals (default 1)")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    options = parser.parse_args(arguments)
+    try:
+        tree = parse_cable_tree(read_text(options.instance))
+        with stop_on_signals() as stopped:
+            found = sequence(tree, options.time_limit, options.seed, stopped)
+        document = _document(options.instance.stem, tree, found.feasibility, found.order)
+    except PlannerError as error:
+        print(f"sequence: {options.instance}: {error}", file=sys.stderr)
+        return 1
+    print(json.dumps(document) if options.json else _text(document))
+    return 3 if found.feasibility is Feasibility.UNDECIDED else 0
+
+
+def _document(
+    name: str, tree: CableTree, feasibility: Feasibility, order: tuple[int, ...]
+) -> dict[str, object]:
+    document: dict[str, object] = {"instance": name, "status": _STATUS[feasibility]}
+    if feasibility is not Feasibility.FOUND:
+        return document
+    broken = list(broken_constraints(tree, order))
+    if broken:
+        raise KernelError(f"the order found is refused, which is a defect: {broken[0]}")
+    place = {end: i for i, end in enumerate(order, 1)}
+    cost = asdict(cost_of(tree, order))
+    return {
+        **document,
+        "cost": cost.pop("total"),
+        **cost,
+        "order": order,
+        "pos": [place[end] for end in range(1, tree.ends + 1)],
+    }
+
+
+def _text(document: dict[str, object]) -> str:
+    lines = [f"{key}: {value}" for key, value in document.items() if key not in ("order", "pos")]
+    if "order" in document:
+        lines.append("order: " + " ".join(map(str, document["order"])))  # type: ignore[call-overload]
+    return "\n".join(lines)

@@ -1,0 +1,263 @@
+"""The wiring of one panel by one or two arms, as a planning problem.
+
+Lengths are integers in mm, times integers in ticks of 0.1 s, so that costs are exact and equal on
+every machine. A wire is picked from its slot in the magazine, one end is inserted, the wire is
+routed through ducts to the other terminal, that end is inserted and fixed. What must be known and
+free for each action is told in docs/planning.md.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum, IntEnum
+from functools import cached_property
+
+Point = tuple[int, int]
+
+
+class End(IntEnum):
+    """An end of a wire."""
+
+    A = 0
+    B = 1
+
+    @property
+    def other(self) -> End:
+        """The opposite end."""
+        return End(1 - self)
+
+    @property
+    def letter(self) -> str:
+        """The end as files write it."""
+        return "ab"[self]
+
+
+class Stage(IntEnum):
+    """How far a wire is, in the order in which a wire passes through."""
+
+    STORED = 0  # in the magazine
+    HELD = 1  # in an arm's hand, no end inserted
+    FIRST_IN = 2
+    HALF = 3  # routed to its handover point
+    GIVEN = 4  # handed over
+    ROUTED = 5
+    SECOND_IN = 6
+    FIXED = 7
+
+
+@dataclass(frozen=True)
+class Arm:
+    """An arm, and what it is doing when planning begins.
+
+    Attributes:
+        station_mm: where its tool is changed.
+        reach_mm: the least and the greatest x of its working positions.
+    """
+
+    name: str
+    station_mm: Point
+    reach_mm: tuple[int, int]
+    position_mm: Point
+    tool: str
+    holding: str | None
+
+    def reaches(self, point: Point) -> bool:
+        """Tell whether the arm can work at a position."""
+        return self.reach_mm[0] <= point[0] <= self.reach_mm[1]
+
+
+@dataclass(frozen=True)
+class Terminal:
+    """A clamp of a component that takes one wire end."""
+
+    name: str
+    component: str
+    position_mm: Point
+
+
+@dataclass(frozen=True)
+class Handover:
+    """Where a wire may pass from one arm to the other, and the routing to there from each end."""
+
+    position_mm: Point
+    route_ticks: tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Wire:
+    """A wire to be placed, and how far it is when planning begins.
+
+    Attributes:
+        terminals: names, of end a and of end b.
+        heavy: its gauge is laid before light ones.
+        zone: 0 (left) to 3 (right); work proceeds to the right.
+        insert_ticks: of each end.
+        first: the end inserted first, once that is settled.
+        jammed: the end whose insertion failed; it must be extracted.
+    """
+
+    name: str
+    terminals: tuple[str, str]
+    colour: str
+    tool: str
+    heavy: bool
+    zone: int
+    slot_mm: Point
+    segments: tuple[str, ...]
+    route_ticks: int
+    insert_ticks: int
+    handover: Handover | None = None
+    preferred_arm: str | None = None
+    stage: Stage = Stage.STORED
+    first: End | None = None
+    jammed: End | None = None
+
+
+@dataclass(frozen=True)
+class Under:
+    """Wire `after` lies over wire `before`, which must be routed when its routing starts.
+
+    Attributes:
+        reason: the user's name for it; empty for one of the design's.
+    """
+
+    before: str
+    after: str
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Pin:
+    """An end that would bar the way to another one, and is inserted after it."""
+
+    before: str
+    before_end: End
+    after: str
+    after_end: End
+
+
+@dataclass(frozen=True)
+class Wish:
+    """Wire `before` should be picked before wire `after`; else the plan costs the weight.
+
+    Attributes:
+        reason: the user's name for it; empty for one of the design's.
+    """
+
+    before: str
+    after: str
+    weight: int
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Durations:
+    """Times of the actions that do not depend on the wire [ticks]."""
+
+    pick: int
+    locate: int
+    fix: int
+    change_tool: int
+    extract: int
+    hand_over: int
+
+
+@dataclass(frozen=True)
+class Weights:
+    """What a plan pays besides its time [ticks].
+
+    Attributes:
+        colour: for each pick of another colour than the same arm's last one.
+        zone: for each zone that an arm goes back to the left.
+        start: for each zone that the first arm's first wire is away from the left.
+        tool: for each change of tool.
+        heavy: for each heavy wire picked after a light one.
+        arm: for each wire picked by another arm than its preferred one.
+    """
+
+    colour: int
+    zone: int
+    start: int
+    tool: int
+    heavy: int
+    arm: int
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is to be planned.
+
+    Attributes:
+        speed_mm: what an arm travels in a tick along x and at the same time along y.
+        start_ticks: when the plan begins; the makespan counts from here.
+        located: components whose place is known.
+        history: wires picked before, and the arm of each.
+    """
+
+    name: str
+    speed_mm: int
+    durations: Durations
+    weights: Weights
+    tools: tuple[str, ...]
+    arms: tuple[Arm, ...]
+    components: tuple[str, ...]
+    terminals: tuple[Terminal, ...]
+    wires: tuple[Wire, ...]
+    unders: tuple[Under, ...] = ()
+    pins: tuple[Pin, ...] = ()
+    wishes: tuple[Wish, ...] = ()
+    start_ticks: int = 0
+    located: frozenset[str] = frozenset()
+    history: tuple[tuple[str, str], ...] = ()
+
+    @cached_property
+    def terminal(self) -> dict[str, Terminal]:
+        """Terminals by name."""
+        return {terminal.name: terminal for terminal in self.terminals}
+
+    @cached_property
+    def wire(self) -> dict[str, Wire]:
+        """Wires by name."""
+        return {wire.name: wire for wire in self.wires}
+
+    def end_terminal(self, wire: Wire, end: End) -> Terminal:
+        """Return the terminal of a wire's end."""
+        return self.terminal[wire.terminals[end]]
+
+
+class ActionKind(Enum):
+    """What an arm does; the value is the word that files use."""
+
+    CHANGE_TOOL = "tool"
+    PICK = "pick"
+    LOCATE = "locate"
+    INSERT = "insert"
+    ROUTE = "route"
+    HAND_OVER = "handover"
+    FIX = "fix"
+    EXTRACT = "extract"
+
+
+@dataclass(frozen=True)
+class Action:
+    """One action of a plan; what its kind does not use is None.
+
+    Attributes:
+        end: inserted, extracted, or routed to; None for a route to the handover point.
+        target: the tool changed to, the terminal located, or the receiving arm.
+    """
+
+    kind: ActionKind
+    arm: str
+    start_ticks: int
+    wire: str | None = None
+    end: End | None = None
+    target: str | None = None
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The actions of all arms in the order of their starts."""
+
+    problem: str
+    actions: tuple[Action, ...]

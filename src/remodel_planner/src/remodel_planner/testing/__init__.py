@@ -1,0 +1,1 @@
+"""Problems to test and measure planners with."""

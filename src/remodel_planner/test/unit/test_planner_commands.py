@@ -1,0 +1,212 @@
+"""The commands plan, check and sequence: files in, files and exit codes out."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from remodel_planner.commands import check as check_command
+from remodel_planner.commands import draw as draw_command
+from remodel_planner.commands import explain as explain_command
+from remodel_planner.commands import plan as plan_command
+from remodel_planner.commands import sequence as sequence_command
+from remodel_planner.testing.random_panel import random_panel
+
+DATA = Path(__file__).parent / "data"
+WAIT_S = 20.0
+
+
+@pytest.fixture
+def instance(tmp_path):
+    file = tmp_path / "panel.json"
+    file.write_text(json.dumps(random_panel(12, 1, 2)))
+    return file
+
+
+def plan(instance, *options):
+    output = instance.with_name("plan.json")
+    code = plan_command.main([str(instance), "--output", str(output), *options])
+    return code, output
+
+
+def check(instance, file, capsys):
+    capsys.readouterr()
+    code = check_command.main([str(instance), str(file)])
+    return code, capsys.readouterr()
+
+
+def test_plan_is_written_and_valid(instance, capsys):
+    code, output = plan(instance, "--time-limit", "0.05")
+    assert code == 0
+    told = capsys.readouterr().out
+    code, streams = check(instance, output, capsys)
+    verdict = json.loads(streams.out)
+    assert (code, verdict["valid"], verdict["violations"]) == (0, True, [])
+    assert f"sw2-12-1: cost {verdict['cost']}" in told
+    assert not list(instance.parent.glob(".*"))
+
+
+def test_same_seed_writes_the_same_file(instance):
+    texts = []
+    for _ in range(2):
+        _, output = plan(instance, "--time-limit", "0.2", "--seed", "5")
+        texts.append(output.read_bytes())
+    assert texts[0] == texts[1]
+
+
+def test_check_tells_what_a_broken_plan_breaks(instance, capsys):
+    _, output = plan(instance, "--time-limit", "0")
+    document = json.loads(output.read_text())
+    document["actions"] = [a for a in document["actions"] if a["a"] != "locate"]
+    output.write_text(json.dumps(document))
+    code, streams = check(instance, output, capsys)
+    assert code == 1
+    assert "locating component" in json.loads(streams.out)["violations"][0]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{", "is no JSON: Expecting property name enclosed in double quotes in line 1, column 2"),
+        ("[]", "the document: expected an object, found []"),
+        ("[" * 100_000, "is nested too deeply"),
+        ("\udcff", "is no UTF-8 text"),
+    ],
+)
+def test_malformed_instances_are_refused(instance, capsys, text, message):
+    instance.write_bytes(text.encode("utf-8", "surrogateescape"))
+    code, output = plan(instance)
+    assert (code, output.exists()) == (1, False)
+    error = capsys.readouterr().err
+    assert error.startswith(f"plan: {instance}: ")
+    assert message in error
+    assert check(instance, instance, capsys)[0] == 3
+
+
+def test_missing_files_are_refused(tmp_path, capsys):
+    assert plan(tmp_path / "none.json")[0] == 1
+    assert "cannot be read: No such file or directory" in capsys.readouterr().err
+
+
+def test_output_that_cannot_be_written_is_refused(instance, capsys):
+    code = plan_command.main([str(instance), "--output", str(instance / "plan.json")])
+    assert code == 1
+    assert "plan.json cannot be written: Not a directory" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("option", ["--time-limit=-1", "--time-limit=nan", "--seed=-1"])
+def test_limits_out_of_range_are_wrong_usage(instance, option):
+    with pytest.raises(SystemExit) as caught:
+        plan(instance, option)
+    assert caught.value.code == 2
+
+
+def test_signal_ends_the_search_with_a_valid_plan(instance, capsys):
+    output = instance.with_name("plan.json")
+    program = "import sys; from remodel_planner.commands.plan import main; sys.exit(main())"
+    instance.write_text(json.dumps(random_panel(100, 1, 2)))
+    process = subprocess.Popen(
+        [sys.executable, "-c", program, str(instance), "--output", output, "--time-limit=600"],
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        deadline = time.monotonic() + WAIT_S
+        while not output.exists() and time.monotonic() < deadline:
+            os.sched_yield()
+        process.send_signal(signal.SIGINT)
+        told, _ = process.communicate(timeout=WAIT_S)
+    finally:
+        process.kill()
+        process.wait()
+    assert process.returncode == 0
+    assert "search: stopped" in told
+    assert check(instance, output, capsys)[0] == 0
+
+
+def test_sequence_prints_one_object(capsys):
+    assert sequence_command.main([str(DATA / "harness.dzn"), "--json", "--time-limit=0.05"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert (found["instance"], found["status"]) == ("harness", "found")
+    assert sorted(found["order"]) == list(range(1, 10))
+    assert [found["order"][position - 1] for position in found["pos"]] == list(range(1, 10))
+
+
+def test_sequence_tells_people_too(capsys):
+    assert sequence_command.main([str(DATA / "harness.dzn"), "--time-limit=0.05"]) == 0
+    text = capsys.readouterr().out
+    assert "status: found" in text
+    assert "order: " in text
+
+
+def test_sequence_tells_that_there_is_no_order(capsys):
+    assert sequence_command.main([str(DATA / "harness_without_order.dzn"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["status"] == "unsatisfiable"
+
+
+def test_sequence_refuses_malformed_files(tmp_path, capsys):
+    file = tmp_path / "x.dzn"
+    file.write_text("k = 2; b = 3;")
+    assert sequence_command.main([str(file)]) == 1
+    assert "nothing is assigned to AtomicConstraints" in capsys.readouterr().err
+
+
+def test_plans_are_drawn_with_every_action_and_wire(instance):
+    _, output = plan(instance, "--time-limit", "0")
+    drawing = instance.with_name("plan.svg")
+    assert draw_command.main([str(instance), str(output), "--output", str(drawing)]) == 0
+    root = ElementTree.fromstring(drawing.read_text())
+    titles = [element.text for element in root.iter("{http://www.w3.org/2000/svg}title")]
+    for action in json.loads(output.read_text())["actions"]:
+        assert any(title.startswith(action["a"]) for title in titles)
+    for number in range(1, 13):
+        assert any(title.startswith(f"{number}: w") for title in titles)
+
+
+def test_preferences_are_taken_and_explained(instance, capsys):
+    preferences = instance.with_name("preferences.yaml")
+    preferences.write_text(
+        "format: remodel-preferences-1\n"
+        "prefer: [{name: all at once, pick: {heavy: false}, before: {heavy: false}, weight: 1}]\n"
+    )
+    _, output = plan(instance, "--preferences", str(preferences), "--time-limit=0.02")
+    capsys.readouterr()
+    options = [str(instance), str(output), "--preferences", str(preferences)]
+    assert explain_command.main(options) == 0
+    text = capsys.readouterr().out
+    assert "wishes broken" in text
+    assert "broken, costs 1: `all at once`: w" in text
+    assert "right before" in text or "cannot be kept" in text
+
+
+def test_preferences_about_unknown_wires_are_refused(instance, capsys):
+    preferences = instance.with_name("preferences.yaml")
+    preferences.write_text(
+        "format: remodel-preferences-1\nrequire: [{name: x, route: w77, before: w1}]\n"
+    )
+    code, _ = plan(instance, "--preferences", str(preferences))
+    assert code == 1
+    assert f"plan: {preferences}: require[0].route: no wire w77" in capsys.readouterr().err
+    preferences.write_text("a: [")
+    assert plan(instance, "--preferences", str(preferences))[0] == 1
+    assert "is no YAML: " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", [explain_command, draw_command])
+def test_plans_that_are_not_valid_are_not_worked_on(instance, capsys, command):
+    _, output = plan(instance, "--time-limit", "0")
+    document = json.loads(output.read_text())
+    document["actions"].pop()
+    output.write_text(json.dumps(document))
+    drawing = instance.with_name("plan.svg")
+    rest = ["--output", str(drawing)] if command is draw_command else []
+    assert command.main([str(instance), str(output), *rest]) == 1
+    assert "the plan is not valid:" in capsys.readouterr().out
+    assert command.main([str(output), str(output), *rest]) == 3
+    assert not drawing.exists()
