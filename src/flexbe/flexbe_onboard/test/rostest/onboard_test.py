@@ -349,8 +349,8 @@ class OnboardTest(unittest.TestCase):
         refused = self.assert_ends(BEStatus.ERROR)
         self.assertNotEqual(refused.behavior_id, first.behavior_checksum)
         self.assert_told("behavior 'Quick Test' is running; stop it first")
-        self.assertIsNotNone(self.engine.feedback.wait(lambda m: m.command == "switch"))
-        self.assertEqual(self.engine.feedback.messages[0][1].args, ["failed"])
+        phases = [tuple(m.args) for _, m in self.engine.feedback.messages if m.command == "switch"]
+        self.assertEqual(phases, [("received",), ("not_switchable",)])
         finished = self.engine.status.wait(lambda m: m.code == BEStatus.FINISHED)
         self.assertEqual(finished.behavior_id, first.behavior_checksum)
 
@@ -414,6 +414,57 @@ class OnboardTest(unittest.TestCase):
         self.assertEqual(engine.ended().args, ["finished"])
         self.assertIsNotNone(engine.log.wait(lambda m: m.text == "changed"))
         self.assertEqual(self.engine.log.wait(lambda m: m.text == "changed", 0.0), None)
+
+    # Switching
+
+    def version_of(self, engine, old, new, **parameters):
+        """Return a start request for Goal Test with a piece of its source replaced."""
+        selection = engine.selection("Goal Test", **parameters)
+        text = Path(engine.library.get_sourcecode_filepath(selection.behavior_id)).read_text()
+        begin = text.index(old)
+        changed = text[:begin] + new + text[begin + len(old) :]
+        selection.behavior_checksum = checksum(changed)
+        selection.modifications = [BehaviorModification(begin, begin + len(old), new)]
+        return selection
+
+    def begin_goal(self):
+        engine = Engine("open/")
+        engine.publisher("command/unlock", String)
+        server = HangingServer("open/test_action")
+        first = engine.start("Goal Test", level=3)
+        self.assertTrue(wait_until(lambda: server.goals))
+        return engine, server, first
+
+    def test_a_running_behavior_is_switched_to_another_version(self):
+        engine, server, first = self.begin_goal()
+        second = self.version_of(engine, '"done": "finished"', '"done": "failed"', level=3)
+        engine.send("start_behavior", second)
+        started = engine.status.wait(lambda m: m.code == BEStatus.STARTED and m.args)
+        self.assertIsNotNone(started, [m.text for _, m in engine.log.messages])
+        self.assertEqual((started.behavior_id, started.args), (second.behavior_checksum, ["/Goal"]))
+        switched = engine.status.wait(lambda m: m.code == BEStatus.SWITCHING)
+        self.assertEqual(switched.behavior_id, first.behavior_checksum)
+        phases = [m.args[0] for _, m in engine.feedback.messages if m.command == "switch"]
+        self.assertEqual(phases, ["received", "start", "prepared"])
+        server.answer()
+        self.assertIsNone(engine.ended(0.3), "it stays locked")
+        self.assertEqual(server.cancelled.messages, [])
+        engine.send("command/unlock", String("/Goal"))
+        self.assertEqual(engine.ended().args, ["failed"])
+        told = [m.text for _, m in engine.log.messages]
+        self.assertEqual(told.count("exit of the goal state"), 1)
+        self.assertEqual(told.count("stop of the goal state"), 1)
+
+    def test_a_version_without_the_active_state_is_refused_and_disturbs_nothing(self):
+        engine, server, first = self.begin_goal()
+        engine.send("start_behavior", self.version_of(engine, '"Goal",', '"Other",', level=3))
+        self.assertEqual(engine.ended().code, BEStatus.ERROR)
+        failed = engine.feedback.wait(lambda m: m.args == ["failed"])
+        self.assertIsNotNone(failed)
+        self.assertIsNotNone(engine.log.wait(lambda m: "has no state '/Goal'" in m.text))
+        server.answer()
+        finished = engine.status.wait(lambda m: m.code == BEStatus.FINISHED)
+        self.assertEqual(finished.behavior_id, first.behavior_checksum)
 
     # Supervision
 

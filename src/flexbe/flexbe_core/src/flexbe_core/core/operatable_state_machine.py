@@ -9,6 +9,7 @@ from flexbe_core.core.state import State
 from flexbe_core.core.state_machine import StateMachine
 from flexbe_core.engine.definition import Definition, Kind
 from flexbe_core.engine.errors import StateMachineError
+from flexbe_core.engine.handover import Handover, take_over
 from flexbe_core.engine.structure import definitions_below
 from flexbe_core.engine.supervision import DEFAULT_AUTONOMY, PREEMPTED, UNSUPERVISED
 from flexbe_core.engine.user_data import UserData
@@ -92,12 +93,13 @@ class OperatableStateMachine(PreemptableStateMachine):
         """Return the level that an outcome of the active child needs."""
         return self._autonomy[self.current_state_label][outcome]
 
-    def confirm(self, name: str, id: int) -> None:
+    def confirm(self, name: str, id: int, handover: Handover | None = None) -> None:
         """Begin as the root of a behavior: listen to operators, and start all states.
 
         Args:
             name: the behavior's name.
             id: checksum of the behavior's source.
+            handover: the state of another version with which to begin; it is started already.
         """
         self._name = name
         self.id = id
@@ -106,10 +108,13 @@ class OperatableStateMachine(PreemptableStateMachine):
             self._enable_ros_control()
         try:
             for state in self._all_states():
-                state.on_start()
+                if handover is None or state is not handover.state:
+                    state.on_start()
         except Exception:
             self.destroy()
             raise
+        if handover is not None:
+            take_over(own_session(self).engine, handover)
 
     def destroy(self) -> None:
         """End as the root of a behavior: stop all states, and listen no more.
