@@ -202,6 +202,13 @@ class Behavior:
         """Return the runtime userdata of all containers reached so far, by their paths."""
         return own_session(self._state_machine).userdata() if self._state_machine else {}
 
+    def get_execution(self) -> tuple[str, float] | None:
+        """Return the path of the state that is being executed, and since when by time.monotonic.
+
+        None between executions.
+        """
+        return own_session(self._state_machine).execution() if self._state_machine else None
+
     def get_current_state(self) -> State | None:
         """Return the active state, None if there is none."""
         return self._state_machine.get_deep_state() if self._state_machine else None

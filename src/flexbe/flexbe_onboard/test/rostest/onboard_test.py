@@ -281,6 +281,22 @@ class OnboardTest(unittest.TestCase):
         self.engine.send("command/transition", OutcomeRequest(0, "Faulty"))
         self.assert_ends(BEStatus.FINISHED, ["finished"])
 
+    def test_a_state_that_does_not_return_is_told_and_may_return_after_all(self):
+        self.engine.start("Faulty Test", how="hang", hang_s=1.8)
+        self.assert_told("/Faulty has not returned for 1.")
+        self.assert_ends(BEStatus.FINISHED, ["finished"])
+
+    def test_an_engine_that_hangs_starts_anew_if_that_is_its_policy(self):
+        engine = Engine("open/")
+        engine.start("Faulty Test", how="hang")
+        self.assertEqual(engine.ended().code, BEStatus.FAILED)
+        self.assertIsNotNone(engine.status.wait(lambda m: m.code == BEStatus.READY))
+        wait_until(
+            lambda: engine.publisher("start_behavior", BehaviorSelection).get_num_connections()
+        )
+        engine.start("Quick Test", wait_time=0)
+        self.assertEqual(engine.ended().args, ["finished"])
+
     def lose_server(self, **parameters):
         script = (
             "import rospy, actionlib; from actionlib.msg import TestAction;"

@@ -46,6 +46,7 @@ class Session:
         self._root = root
         self.engine = Engine(root, policy, root.path)
         self._beat: Beat | None = None
+        self._driver: Driver | None = None
         self._inbox: Inbox = queue.SimpleQueue()
         self._is_listening = False
         self._reporter = Reporter(root)
@@ -75,10 +76,13 @@ class Session:
         """Run to the end and return the outcome; see Driver.drive for what it raises."""
         self._refresh()
         self.engine.begin(userdata)
-        driver = Driver(
+        self._driver = Driver(
             self.engine, self._inbox, self._command, self._refresh, self._reporter.report
         )
-        return driver.drive()
+        try:
+            return self._driver.drive()
+        finally:
+            self._driver = None
 
     def execute(self, userdata: UserData | None = None, is_preempted: bool = False) -> str | None:
         """Execute once and return the outcome, if it ends with that.
@@ -103,6 +107,12 @@ class Session:
             self.engine.policy = policy
             Session.priority_by_hand = self.engine.priority
             self._reporter.report(self.engine.take_facts())
+
+    def execution(self) -> tuple[str, float] | None:
+        """Return the path of the state that is being executed, and since when (time.monotonic)."""
+        driver, leaf = self._driver, self.engine.executing
+        since = driver.busy_since if driver is not None else None
+        return None if since is None or leaf is None else (leaf.path, since)
 
     def remaining_s(self) -> float:
         """Return how long [s] until something is due; 0 or less if it is."""

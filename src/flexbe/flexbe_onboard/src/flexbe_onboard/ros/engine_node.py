@@ -12,10 +12,11 @@ the new version, locked. Any other request that comes meanwhile is refused, and 
 
 from __future__ import annotations
 
+import os
 import threading
+import time
 import traceback
 from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import Enum
 
 import rospy
@@ -23,18 +24,27 @@ from flexbe_msgs.msg import BehaviorSelection, BEStatus, CommandFeedback
 
 from flexbe_core import Behavior, BehaviorLibrary, Logger
 from flexbe_core.engine.commands import Command, Preempt
-from flexbe_core.engine.engine import ErrorPolicy
 from flexbe_core.engine.errors import BehaviorFailure, StateMachineError
 from flexbe_core.engine.handover import Handover
+from flexbe_core.proxy.proxy_action_client import cancel_all_goals
 from flexbe_core.ros import session
 from flexbe_core.ros.command_hub import HUB
+from flexbe_onboard.core.hang import HangPolicy
 from flexbe_onboard.core.input_values import read_inputs
 from flexbe_onboard.core.modification import Modification
 from flexbe_onboard.edge.behavior_source import load_behavior
 from flexbe_onboard.edge.module_freshness import ModuleFreshness
 from flexbe_onboard.errors import StartError
+from flexbe_onboard.ros.hang_watch import HangWatch
 from flexbe_onboard.ros.heartbeat import Heartbeat
+from flexbe_onboard.ros.options import Options
 from flexbe_onboard.ros.userdata_service import UserdataService
+
+# [s] Wall time in which the last messages of a node that hangs go out.
+_FAREWELL_S = 0.5
+
+# os.EX_SOFTWARE: the node found a fault in itself.
+_EXIT_HUNG = 70
 
 # [s] Wall time that a running behavior gets to stop when the node is shut down.
 _STOP_LIMIT_S = 3.0
@@ -59,21 +69,6 @@ class SwitchPhase(Enum):
     NOT_SWITCHABLE = "not_switchable"
 
 
-@dataclass(frozen=True)
-class Options:
-    """What the launch file chooses.
-
-    Attributes:
-        modifications: apply source changes that come with a request.
-        enable_clear_imports: import modules of behaviors and states anew for each run.
-        on_error: what happens when a state raises.
-    """
-
-    modifications: bool = False
-    enable_clear_imports: bool = False
-    on_error: ErrorPolicy = ErrorPolicy.AUTO
-
-
 class EngineNode:
     """The behavior engine of one namespace."""
 
@@ -91,6 +86,7 @@ class EngineNode:
         self._feedback = rospy.Publisher("flexbe/command_feedback", CommandFeedback, queue_size=100)
         self._heartbeat = Heartbeat()
         self._userdata_service = UserdataService(lambda: self._behavior)
+        self._hang_watch = HangWatch(options.hang_limit_s, lambda: self._behavior, self._on_hang)
         session.connect()
         HUB.listen(self)
         self._library = BehaviorLibrary()
@@ -269,6 +265,16 @@ class EngineNode:
         outcome = behavior.execute()
         Logger.loginfo("behavior %s ended with %s", behavior.name, outcome)
         return outcome
+
+    def _on_hang(self, behavior: Behavior, path: str) -> None:
+        """End the node if that is the policy; the thread that hangs cannot be ended alone."""
+        if self._options.on_hang is not HangPolicy.RESTART:
+            return
+        Logger.logerr("behavior %s failed: %s hangs; the engine starts anew", behavior.name, path)
+        cancel_all_goals()
+        self._tell(BEStatus.FAILED, behavior.id)
+        time.sleep(_FAREWELL_S)
+        os._exit(_EXIT_HUNG)
 
     def _tell(self, code: int, behavior_id: int, args: Sequence[str] = ()) -> None:
         self._status.publish(BEStatus(behavior_id=behavior_id, code=code, args=list(args)))
