@@ -15,6 +15,7 @@ import actionlib
 import rosnode
 import rospy
 import rostest
+import yaml
 from actionlib.msg import TestAction, TestResult
 from flexbe_msgs.msg import (
     BehaviorLog,
@@ -32,6 +33,7 @@ from std_msgs.msg import Bool, Empty, Int32, String, UInt8
 from flexbe_core import BehaviorLibrary
 from flexbe_core.engine.checksum import checksum
 
+LOGS = Path("/tmp/flexbe_onboard_test_logs")
 LATE_PACKAGES = Path("/tmp/flexbe_onboard_test_packages")
 LIMIT_S = 10.0
 
@@ -243,7 +245,11 @@ class OnboardTest(unittest.TestCase):
         self.preempt_goal("commands/preempt")
 
     def test_a_preempt_while_nothing_runs_stops_nothing_later(self):
+        beats = Recorder("flexbe/heartbeat", Empty)
+        self.assertIsNotNone(beats.wait(lambda m: True))
         self.engine.stop()
+        beats.clear()
+        self.assertIsNotNone(beats.wait(lambda m: True), "by now the preempt has arrived")
         self.engine.start("Quick Test", wait_time=0.1)
         self.assert_ends(BEStatus.FINISHED, ["finished"])
 
@@ -430,6 +436,28 @@ class OnboardTest(unittest.TestCase):
         self.assertEqual(engine.ended().args, ["finished"])
         self.assertIsNotNone(engine.log.wait(lambda m: m.text == "changed"))
         self.assertEqual(self.engine.log.wait(lambda m: m.text == "changed", 0.0), None)
+
+    # Records
+
+    def test_what_states_do_is_recorded_in_a_file(self):
+        engine = Engine("open/")
+        shutil.rmtree(LOGS, ignore_errors=True)
+        engine.start("Quick Test", level=0, wait_time=0)
+        self.assertIsNotNone(engine.requests.wait(lambda m: m.target == "/Say"))
+        engine.send("command/transition", OutcomeRequest(0, "Say"))
+        self.assertIsNotNone(engine.requests.wait(lambda m: m.target == "/Wait"))
+        engine.send("command/autonomy", UInt8(3))
+        self.assertEqual(engine.ended().args, ["finished"])
+        (file,) = LOGS.glob("quick_test_*.yaml")
+        lines = yaml.safe_load(file.read_text())
+        shutil.rmtree(LOGS)
+        self.assertEqual((lines[0]["behavior"], lines[0]["autonomy"]), ("Quick Test", 0))
+        events = [line["event"] for line in lines if line.get("path") == "/Say" and "event" in line]
+        self.assertEqual(events, ["start", "enter", "exit", "stop"])
+        operator = [line["type"] for line in lines if line["logger"] == "flexbe.operator"]
+        self.assertEqual(operator, ["request", "forced", "request"])
+        outcomes = [line["path"] for line in lines if line["logger"] == "flexbe.outcomes"]
+        self.assertEqual(outcomes, ["/Say", "/Wait"])
 
     # Switching
 

@@ -14,6 +14,7 @@ from flexbe_core.engine.structure import definitions_below
 from flexbe_core.engine.supervision import DEFAULT_AUTONOMY, PREEMPTED, UNSUPERVISED
 from flexbe_core.engine.user_data import UserData
 from flexbe_core.ros.session import own_session, run_session
+from flexbe_core.state_logger import StateLogger, record_events
 
 
 class OperatableStateMachine(PreemptableStateMachine):
@@ -104,6 +105,7 @@ class OperatableStateMachine(PreemptableStateMachine):
         self._name = name
         self.id = id
         own_session(self).listen()
+        self._begin_record()
         if self.autonomy_level != UNSUPERVISED:
             self._enable_ros_control()
         try:
@@ -130,6 +132,7 @@ class OperatableStateMachine(PreemptableStateMachine):
             except Exception as error:  # noqa: BLE001 - the other states must be stopped too
                 errors.append(error)
         self._disable_ros_control()
+        StateLogger.shutdown()
         if errors:
             raise errors[0]
 
@@ -138,6 +141,14 @@ class OperatableStateMachine(PreemptableStateMachine):
         record = run_session(self).container(self.path)
         if record is not None:
             record.exit()
+
+    def _begin_record(self) -> None:
+        """Record what all states do, if the node's parameters ask for it."""
+        StateLogger.initialize(self._name, self.autonomy_level)
+        own_session(self).engine.recording = StateLogger.enabled
+        if StateLogger.enabled:
+            for state in self._all_states():
+                record_events(state)
 
     def _all_states(self) -> list[State]:
         return [state for state in definitions_below(self) if type(state).__kind__ is Kind.STATE]

@@ -67,6 +67,7 @@ class Engine:
         root_path: path of the root; empty but for a part of a behavior that is run by itself.
         slow: whether cycles are slowed down, see machine.py; for the driver to set.
         released: whether the active state was handed over to another version.
+        recording: whether facts are told that only a record of the run needs (Ended, Forced).
         sync_pending: whether mirrors are to be told where the run is, as soon as a state is active.
     """
 
@@ -93,6 +94,7 @@ class Engine:
         self.sync_pending = False
         self.policy = policy
         self.released = False
+        self.recording = False
         self._sync_asked = False
         self._pause_claim: tuple[str | None] | None = None
         self.root: Node = self.records[type(root).__kind__](self, root, None, "")

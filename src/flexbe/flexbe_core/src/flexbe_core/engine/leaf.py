@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from flexbe_core.engine import oversight
 from flexbe_core.engine.decision import Act
 from flexbe_core.engine.errors import StateError
-from flexbe_core.engine.facts import Raised
+from flexbe_core.engine.facts import Ended, Raised
 from flexbe_core.engine.node import NEVER, NOW, Node
 from flexbe_core.engine.rate import Rate, is_over, period_s
 from flexbe_core.engine.user_data import UserData
@@ -110,6 +110,8 @@ class Leaf(Node):
         self._leave()
         if supervised:
             oversight.left(self, outcome)
+        if self.engine.recording:
+            self.engine.facts.append(Ended(self.path, outcome))
         return outcome
 
     def exit(self) -> None:
