@@ -223,6 +223,18 @@ class OnboardTest(unittest.TestCase):
         self.engine.ended()
         self.assertFalse(ask("").success)
 
+    def test_two_engines_run_two_behaviors_at_once(self):
+        other, server = Engine("open/"), HangingServer("open/test_action")
+        other.publisher("command/preempt", Empty)
+        self.engine.start("Goal Test")
+        other.start("Goal Test")
+        self.assertTrue(wait_until(lambda: self.server.goals and server.goals))
+        other.stop()
+        self.assertEqual(other.ended().args, ["preempted"])
+        self.assertIsNone(self.engine.ended(0.2), "a preempt is for one engine only")
+        self.server.answer()
+        self.assert_ends(BEStatus.FINISHED, ["finished"])
+
     # Preempt
 
     def preempt_goal(self, topic):
