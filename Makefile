@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo test behaviors unit rostest lint clean
+.PHONY: help build demo test behaviors unit rostest lint bench-engine clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -13,7 +13,7 @@ SOURCED := set +u; . devel/setup.sh; set -u;
 RESULTS := build/test_results
 
 help: ## List the commands
-	@grep -hE '^[a-z]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 12
+	@grep -hE '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 16
 
 .venv/.ready: tools/setup.sh tools/apt-packages.txt requirements.txt requirements-dev.txt
 	@tools/setup.sh
@@ -42,6 +42,14 @@ rostest: build ## Tests of running nodes, each on a roscore of its own
 lint: .venv/.ready ## Style, types of the pure cores, and XML
 	@ruff format --check .
 	@ruff check .
+
+bench-engine: build build/bench-venv/.ready ## Measure the engine, with peers; figures in out/bench/engine.jsonl
+	@$(SOURCED) benchmarks/engine/run.py --py-trees build/bench-venv/bin/python
+
+build/bench-venv/.ready: requirements-bench.txt
+	@/usr/bin/python3 -m venv build/bench-venv
+	@build/bench-venv/bin/pip install -qq --disable-pip-version-check -r requirements-bench.txt
+	@touch $@
 
 clean: ## Remove what was built; keeps .venv
 	@rm -rf build devel install out src/CMakeLists.txt

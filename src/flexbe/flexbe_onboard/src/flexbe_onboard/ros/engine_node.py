@@ -84,9 +84,9 @@ class EngineNode:
         self._successor: Behavior | None = None
         self._status = rospy.Publisher("flexbe/status", BEStatus, latch=True, queue_size=100)
         self._feedback = rospy.Publisher("flexbe/command_feedback", CommandFeedback, queue_size=100)
-        self._heartbeat = Heartbeat()
+        watch = HangWatch(options.hang_limit_s, lambda: self._behavior, self._on_hang)
+        self._heartbeat = Heartbeat(watch.look)
         self._userdata_service = UserdataService(lambda: self._behavior)
-        self._hang_watch = HangWatch(options.hang_limit_s, lambda: self._behavior, self._on_hang)
         session.connect()
         HUB.listen(self)
         self._library = BehaviorLibrary()

@@ -6,21 +6,15 @@ whole node: roslaunch starts it anew, and its clients learn that.
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable
-
-import rospy
 
 from flexbe_core import Behavior, Logger
 from flexbe_onboard.core.hang import Execution, HangAlarm
 
-# [s] Wall time between two looks.
-_LOOK_EVERY_S = 0.25
-
 
 class HangWatch:
-    """Looks at the running behavior from a thread of its own."""
+    """Looks at the running behavior whenever it is asked to, from another thread."""
 
     def __init__(
         self,
@@ -28,7 +22,7 @@ class HangWatch:
         running: Callable[[], Behavior | None],
         on_hang: Callable[[Behavior, str], None],
     ) -> None:
-        """Begin to watch.
+        """Prepare to watch.
 
         Args:
             limit_s: [s] wall time of an execution that counts as a hang; 0 for none.
@@ -38,20 +32,17 @@ class HangWatch:
         self._alarm = HangAlarm(limit_s)
         self._running = running
         self._on_hang = on_hang
-        self._ended = threading.Event()
-        rospy.on_shutdown(self._ended.set)
-        threading.Thread(target=self._watch, name="hang_watch", daemon=True).start()
 
-    def _watch(self) -> None:
-        while not self._ended.wait(_LOOK_EVERY_S):
-            behavior = self._running()
-            found = behavior.get_execution() if behavior is not None else None
-            execution = Execution(*found) if found is not None else None
-            hanging_s = self._alarm.look(execution, time.monotonic())
-            if behavior is not None and execution is not None and hanging_s is not None:
-                Logger.logerr(
-                    "%s has not returned for %.1f s: until it does, nothing else is executed and "
-                    "no command obeyed, not even a preempt",
-                    *(execution.path or "the behavior's only state", hanging_s),
-                )
-                self._on_hang(behavior, execution.path)
+    def look(self) -> None:
+        """Look once."""
+        behavior = self._running()
+        found = behavior.get_execution() if behavior is not None else None
+        execution = Execution(*found) if found is not None else None
+        hanging_s = self._alarm.look(execution, time.monotonic())
+        if behavior is not None and execution is not None and hanging_s is not None:
+            Logger.logerr(
+                "%s has not returned for %.1f s: until it does, nothing else is executed and "
+                "no command obeyed, not even a preempt",
+                *(execution.path or "the behavior's only state", hanging_s),
+            )
+            self._on_hang(behavior, execution.path)
