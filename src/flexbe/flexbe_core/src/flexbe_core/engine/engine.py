@@ -152,7 +152,7 @@ class Engine:
             BehaviorFailure: if a state could not go on and errors end the run.
             Exception: what a root raised that holds no errors.
         """
-        if self.record.preempt:  # the first row of decision.RULES, for all states at once
+        if self.record.preempt:  # the first row of decision.BEFORE, for all states at once
             return self._preempt()
         tick = self.root.tick
         while True:
