@@ -168,7 +168,8 @@ class Behavior:
             )
         state._disable_ros_control()
         if state.parent is not None:
-            state.parent.remove_state(state)
+            former: Any = state.parent
+            former.remove_state(state)
         container.replace_state(state)
         self.requested_state_path = handover.path
         self._handover = handover

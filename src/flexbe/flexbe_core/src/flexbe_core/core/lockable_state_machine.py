@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from flexbe_core.core.ros_state_machine import RosStateMachine
 from flexbe_core.core.state import State
+from flexbe_core.engine.definition import Definition
 from flexbe_core.engine.user_data import UserData
 from flexbe_core.ros.session import run_session
 
@@ -57,7 +58,8 @@ class LockableStateMachine(RosStateMachine):
             return True
         if self.is_locked():
             return False
-        return self._parent is None or self._parent.transition_allowed(self._name, target)
+        container: Definition = self._parent
+        return container is None or bool(container.transition_allowed(self._name, target))
 
     def replace_state(self, state: State) -> None:
         """Put a state of another version of the behavior in the place of the child of its name."""
@@ -74,6 +76,7 @@ class LockableStateMachine(RosStateMachine):
 
     def _set_locked(self, path: str, is_locked: bool) -> bool:
         if path != self.path:
-            return self._parent is not None and self._parent._set_locked(path, is_locked)
+            container: Definition = self._parent
+            return container is not None and bool(container._set_locked(path, is_locked))
         run_session(self).set_locked(path, is_locked)
         return True
