@@ -40,6 +40,10 @@ from flexbe_onboard.ros.heartbeat import Heartbeat
 from flexbe_onboard.ros.options import Options
 from flexbe_onboard.ros.userdata_service import UserdataService
 
+# [s] Wall time that STARTED stands at least, before the status that ends the run replaces it: tools
+# and tests look at the last status a hundred times per second, and must not miss a short run.
+_STARTED_STANDS_S = 0.03
+
 # [s] Wall time in which the last messages of a node that hangs go out.
 _FAREWELL_S = 0.5
 
@@ -80,6 +84,7 @@ class EngineNode:
         self._behavior: Behavior | None = None
         self._worker: threading.Thread | None = None
         self._preempt_asked = False
+        self._started_at = 0.0
         self._switch: BehaviorSelection | None = None
         self._successor: Behavior | None = None
         self._status = rospy.Publisher("flexbe/status", BEStatus, latch=True, queue_size=100)
@@ -137,6 +142,7 @@ class EngineNode:
         self._become_idle(code, behavior.id, args)
 
     def _become_idle(self, code: int, behavior_id: int, args: Sequence[str] = ()) -> None:
+        time.sleep(max(0.0, self._started_at + _STARTED_STANDS_S - time.monotonic()))
         with self._lock:
             late, self._switch = self._switch, None
             self._behavior, self._phase = None, Phase.IDLE
@@ -259,6 +265,7 @@ class EngineNode:
         self._behavior, self._phase = behavior, Phase.RUNNING
         path = behavior.requested_state_path
         self._tell(BEStatus.STARTED, behavior.id, [] if path is None else [path])
+        self._started_at = time.monotonic()
         if self._preempt_asked:
             behavior.preempt()
         Logger.loginfo("behavior %s runs", behavior.name)
