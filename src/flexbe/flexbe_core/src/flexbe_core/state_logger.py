@@ -179,13 +179,16 @@ class StateLogger:
 
 
 def record_events(state: State) -> None:
-    """Log the events and userdata of a state from now on."""
-    for method in ("on_enter", "on_exit"):
-        setattr(
-            state, method, _with_userdata(state, getattr(state, method), "flexbe.userdata", None)
-        )
+    """Log the events and userdata of a state from now on, once however often it is asked for."""
     for event, method in EVENTS.items():
-        setattr(state, method, _logged(state, getattr(state, method), "flexbe.events", event))
+        call = getattr(state, method)
+        call = getattr(call, "recorded", call)
+        with_userdata = call
+        if method in ("on_enter", "on_exit"):
+            with_userdata = _with_userdata(state, call, "flexbe.userdata", None)
+        logged = _logged(state, with_userdata, "flexbe.events", event)
+        logged.recorded = call  # type: ignore[attr-defined]
+        setattr(state, method, logged)
 
 
 def _logged(state: State, call: Callable[..., Any], name: str, event: str) -> Callable[..., None]:

@@ -4,7 +4,7 @@ import pytest
 
 from flexbe_core import Behavior, EventState
 from flexbe_core.core import ConcurrencyContainer, OperatableStateMachine
-from flexbe_core.engine.commands import Release, Unlock
+from flexbe_core.engine.commands import Preempt, Release, Unlock
 from flexbe_core.engine.engine import Engine
 from flexbe_core.engine.errors import StateMachineError
 from flexbe_core.engine.facts import Answered
@@ -142,6 +142,15 @@ def test_before_anything_is_active_there_is_nothing_to_hand_over():
     engine.handle(Release(lambda handover: offered.append(handover)))
     assert offered == [None]
     assert not engine.record.preempt
+
+
+def test_a_behavior_that_is_being_stopped_is_not_handed_over(bench):
+    engine = running(bench, Version([]))
+    offered = []
+    engine.handle(Preempt())
+    engine.handle(Release(lambda handover: offered.append(handover)))
+    assert offered == [None]
+    assert bench.run(engine) == "preempted"
 
 
 def test_stocks_way_to_prepare_keeps_the_state(bench):

@@ -56,6 +56,14 @@ def test_events_are_recorded_with_what_the_state_is(lines):
     assert Ended("/Work", "done") in engine.take_facts()
 
 
+def test_a_state_that_goes_on_in_another_version_is_recorded_once(lines):
+    state = ScriptedState()
+    record_events(state)
+    record_events(state)
+    run(state)
+    assert [line["event"] for line in lines if "event" in line] == ["enter", "exit"]
+
+
 def test_userdata_is_recorded_at_debug_level(lines):
     class Reading(ScriptedState):
         def __init__(self):

@@ -113,7 +113,8 @@ class Engine:
         elif isinstance(command, commands.Sync):
             self._sync_asked = True
         elif isinstance(command, commands.Release):
-            if command.offer(active_state(self)):
+            active = None if self.record.preempt else active_state(self)
+            if command.offer(active):
                 let_go(self)
         elif isinstance(command, commands.StateCommand) and self._is_supervised():
             self.commands.append(command)
