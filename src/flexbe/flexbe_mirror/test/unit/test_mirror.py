@@ -60,10 +60,17 @@ def test_a_structure_that_does_not_come_is_asked_for_and_then_where_the_behavior
     assert mirror.on_outcome(0) == [Show("/A")]
 
 
+def test_each_run_needs_its_structure_anew_since_asking_makes_the_engine_tell_outcomes():
+    mirror = following()
+    status(mirror, Code.FINISHED)
+    assert status(mirror, Code.STARTED, now=10.0) == []
+    assert mirror.on_time(10.0 + ASK_AFTER_S) == [AskForStructure(BEHAVIOR)]
+
+
 def test_a_switched_behavior_is_followed_from_the_state_that_goes_on():
     mirror = following()
-    assert status(mirror, Code.SWITCHING) == [Show("")]
     mirror.on_structure(8, TREE)
+    assert status(mirror, Code.SWITCHING) == [Show("")]
     assert status(mirror, Code.STARTED, 8, ("/B",)) == [Show("/B")]
 
 
@@ -96,6 +103,7 @@ def test_an_engine_that_falls_silent_is_followed_again_when_it_is_heard():
     mirror = following()
     assert mirror.on_time(SILENCE_S + 0.1) == [Show("")]
     assert mirror.on_time(SILENCE_S + 1) == []
-    assert mirror.on_heartbeat(20.0) == [AskWhere()]
-    assert mirror.on_heartbeat(20.1) == []
+    assert mirror.on_heartbeat(20.0) == []
+    assert mirror.on_time(20.0 + ASK_AFTER_S) == [AskForStructure(BEHAVIOR)]
+    assert mirror.on_structure(BEHAVIOR, TREE) == [AskWhere()]
     assert mirror.on_sync(BEHAVIOR, checksum("/B")) == [Show("/B")]

@@ -83,7 +83,7 @@ class Mirror:
         """Take a sign of life of the engine; `now` [s] is wall time."""
         self._heard_at = now
         lost, self._lost = self._lost, None
-        return [] if lost is None else self._begin(lost, None, now, is_late=True)
+        return [] if lost is None else self._begin(lost, None, now)
 
     def on_status(
         self, code: int, behavior_id: int, args: tuple[str, ...], now: float
@@ -132,12 +132,10 @@ class Mirror:
         self._has_asked = True
         return [AskForStructure(self._behavior_id) if self._tree is None else AskWhere()]
 
-    def _begin(
-        self, behavior_id: int, resume_at: str | None, now: float, is_late: bool = False
-    ) -> list[Deed]:
+    def _begin(self, behavior_id: int, resume_at: str | None, now: float) -> list[Deed]:
         self._behavior_id, self._resume_at = behavior_id, resume_at
         self._tree, self.path = None, ""
-        self._ask_at, self._has_asked = now + ASK_AFTER_S, is_late
+        self._ask_at, self._has_asked = now + ASK_AFTER_S, False
         tree = self._buffered.get(behavior_id)
         return [] if tree is None else self._follow(tree)
 
@@ -152,5 +150,8 @@ class Mirror:
         return [Show(self.path)]
 
     def _end(self) -> list[Deed]:
+        # To ask for a structure makes the engine supervise the run: the next run needs that anew.
+        if self._behavior_id is not None:
+            self._buffered.pop(self._behavior_id, None)
         self._behavior_id = self._tree = None
         return self._show("")
