@@ -43,7 +43,6 @@ class Recorder:
 class MirrorTest(unittest.TestCase):
     def setUp(self):
         self.status = Recorder("flexbe/status", BEStatus)
-        self.updates = Recorder("flexbe/behavior_update", String)
         self.start = rospy.Publisher("flexbe/start_behavior", BehaviorSelection, queue_size=1)
         self.preempt = rospy.Publisher("flexbe/command/preempt", Empty, queue_size=1)
         self.assertTrue(self.status.wait(lambda m: m.code != BEStatus.STARTED))
@@ -53,9 +52,9 @@ class MirrorTest(unittest.TestCase):
         self.preempt.publish()
         self.status.wait(lambda m: m.code in (BEStatus.FINISHED, BEStatus.READY))
         self.status.close()
-        self.updates.close()
 
     def begin(self):
+        """Start a behavior under supervision, so that only the mirror tells where it is."""
         library = BehaviorLibrary()
         behavior_id, _ = library.find_behavior("Quick Test")
         with open(library.get_sourcecode_filepath(behavior_id)) as file:
@@ -64,40 +63,36 @@ class MirrorTest(unittest.TestCase):
             rospy.sleep(0.01)
         self.status.messages.clear()
         self.start.publish(
-            BehaviorSelection(
-                behavior_id, behavior_checksum, 255, ["wait_time"], ["60"], [], [], []
-            )
+            BehaviorSelection(behavior_id, behavior_checksum, 3, ["wait_time"], ["60"], [], [], [])
         )
         self.assertTrue(self.status.wait(lambda m: m.code == BEStatus.STARTED))
 
-    def late_updates(self, path):
-        """Return whether somebody who joins now learns this path."""
+    def assert_shown(self, path):
+        """Check that who joins now learns this path."""
         late = Recorder("flexbe/behavior_update", String)
-        found = late.wait(lambda m: m.data == path)
+        self.assertTrue(late.wait(lambda m: m.data == path), late.messages)
         late.close()
-        return found
 
     def kill(self, node):
         uri = rosgraph.Master(rospy.get_name()).lookupNode(node)
         os.kill(ServerProxy(uri).getPid(rospy.get_name())[2], signal.SIGKILL)
 
     def test_who_joins_late_learns_where_the_behavior_is_and_when_it_ended(self):
-        self.assertTrue(self.late_updates("/Wait"))
+        self.assert_shown("/Wait")
         self.preempt.publish()
         self.assertTrue(self.status.wait(lambda m: m.args == ["preempted"]))
-        self.assertTrue(self.updates.wait(lambda m: m.data == ""))
-        self.assertTrue(self.late_updates(""))
+        self.assert_shown("")
 
     def test_a_mirror_that_is_killed_finds_the_behavior_again(self):
-        self.assertTrue(self.late_updates("/Wait"))
+        self.assert_shown("/Wait")
         self.kill("/behavior_mirror")
-        self.assertTrue(self.late_updates("/Wait"))
+        self.assert_shown("/Wait")
 
     def test_an_engine_that_is_killed_runs_nothing_any_more(self):
-        self.assertTrue(self.late_updates("/Wait"))
+        self.assert_shown("/Wait")
         self.kill("/behavior")
-        self.assertTrue(self.updates.wait(lambda m: m.data == ""))
         self.assertTrue(self.status.wait(lambda m: m.code == BEStatus.READY))
+        self.assert_shown("")
 
 
 if __name__ == "__main__":

@@ -81,6 +81,12 @@ def test_every_end_shows_that_nothing_runs_once(code):
     assert status(mirror, code) == []
 
 
+def test_a_new_mirror_shows_that_nothing_runs():
+    mirror = Mirror()
+    assert status(mirror, Code.READY) == [Show("")]
+    assert status(mirror, Code.FINISHED) == []
+
+
 def test_a_refused_start_of_another_behavior_changes_nothing():
     mirror = following()
     assert status(mirror, Code.ERROR, behavior_id=99) == []

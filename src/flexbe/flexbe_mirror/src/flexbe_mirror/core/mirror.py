@@ -70,6 +70,7 @@ class Mirror:
     def __init__(self) -> None:
         """Begin without a behavior."""
         self.path = ""
+        self._is_new = True
         self._behavior_id: int | None = None
         self._resume_at: str | None = None
         self._tree: Tree | None = None
@@ -92,8 +93,10 @@ class Mirror:
         self._heard_at, self._lost = now, None
         if code == Code.STARTED.value:
             return self._begin(behavior_id, args[0] if args else None, now)
+        if self._behavior_id is None:
+            return self._show("") if self._is_new else []
         is_end = code in _ENDS or (code == Code.ERROR.value and behavior_id == self._behavior_id)
-        return self._end() if is_end and self._behavior_id is not None else []
+        return self._end() if is_end else []
 
     def on_structure(self, behavior_id: int, tree: Tree) -> list[Deed]:
         """Take the structure of a behavior; it may come before the behavior is started."""
@@ -146,6 +149,7 @@ class Mirror:
         return self._show(self._resume_at if self._resume_at in tree.parts else tree.first_state())
 
     def _show(self, path: str | None) -> list[Deed]:
+        self._is_new = False
         self.path = path or ""
         return [Show(self.path)]
 
