@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo test behaviors unit rostest lint bench-planner bench-synthesis clean
+.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -43,16 +43,19 @@ lint: .venv/.ready ## Style, types of the pure cores, and XML
 	@ruff format --check .
 	@ruff check .
 
-bench-synthesis: build ## Time of the synthesis by size of the chart, beside that of lxml and the schema alone
-	@$(SOURCED) benchmarks/synthesis/sizes.py
-
-build/bench-venv/.ready: benchmarks/planner/requirements-bench.txt | build
-	@/usr/bin/python3 -m venv build/bench-venv
-	@build/bench-venv/bin/pip install -qq --disable-pip-version-check -r $<
-	@touch $@
+bench-engine: build build/bench-venv/.ready ## Measure the engine, with peers; figures in out/bench/engine.jsonl
+	@$(SOURCED) benchmarks/engine/run.py --py-trees build/bench-venv/bin/python
 
 bench-planner: build build/bench-venv/.ready ## Measure the planner beside GTPyhop, against its targets
 	@$(SOURCED) benchmarks/planner/panels.py --gtpyhop build/bench-venv/bin/python $(BENCH)
+
+bench-synthesis: build ## Time of the synthesis by size of the chart, beside that of lxml and the schema alone
+	@$(SOURCED) benchmarks/synthesis/sizes.py
+
+build/bench-venv/.ready: requirements-bench.txt | build
+	@/usr/bin/python3 -m venv build/bench-venv
+	@build/bench-venv/bin/pip install -qq --disable-pip-version-check -r $<
+	@touch $@
 
 clean: ## Remove what was built; keeps .venv
 	@rm -rf build devel install out src/CMakeLists.txt

@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
-# ruff: noqa: T201 - a benchmark prints
 """Time the engine node from outside, on a roscore of its own: what operators and servers notice.
 
-Prints medians [ms]. "floor" is a plain actionlib client in place of the engine.
+Figures are medians. The floor of goals is a plain actionlib client in place of the engine.
 """
 
 from __future__ import annotations
@@ -24,6 +23,7 @@ import rosgraph
 import rospy
 from actionlib.msg import TestAction, TestGoal, TestResult
 from flexbe_msgs.msg import BehaviorSelection, BEStatus
+from row import Row
 from std_msgs.msg import Empty, Float64, Int32, String, UInt8
 
 from flexbe_core import BehaviorLibrary
@@ -149,7 +149,7 @@ def goal_latency(bench: Bench, delay: Callable[[], float], count: int, by_engine
         bench.run("Bench Goals", count=count)
         bench.until(BEStatus.FINISHED)
     else:
-        with process(sys.executable, __file__, "client", str(count)) as client:
+        with process(sys.executable, __file__, str(count)) as client:
             client.wait(LIMIT_S)
     return statistics.median(bench.latencies)
 
@@ -255,11 +255,20 @@ def launcher_latency(bench: Bench, count: int) -> float:
     return statistics.median(latencies)
 
 
-def main() -> None:
-    """Print the table."""
-    if sys.argv[1:2] == ["client"]:
-        plain_client(int(sys.argv[2]))
-        return
+def bare_node_start(count: int) -> float:
+    """Return the median of what a process takes to become a node, and do nothing else [s]."""
+    become_node = "import os, rospy; rospy.init_node('bare', anonymous=True); os._exit(0)"
+    times = []
+    for _ in range(count):
+        begin = time.time()
+        subprocess.run([sys.executable, "-c", become_node], check=True, timeout=LIMIT_S)
+        times.append(time.time() - begin)
+    return statistics.median(times)
+
+
+@contextmanager
+def workplace() -> Iterator[None]:
+    """Make this process a node on a roscore of its own."""
     port = free_port()
     os.environ["ROS_MASTER_URI"] = f"http://localhost:{port}"
     packages = [str(HERE / "packages"), os.environ.get("ROS_PACKAGE_PATH", "")]
@@ -271,37 +280,60 @@ def main() -> None:
         # A server lists each goal for 5 s after its end, and publishes the list with each change:
         # after hundreds of goals this is all that one would time.
         rospy.set_param("bench/action/status_list_timeout", 0.05)
-        bench = Bench()
-        begin = time.time()
-        with process("rosrun", "flexbe_onboard", "start_behavior"):
-            rows = [("engine start -> READY", bench.until(BEStatus.READY) - begin)]
-            warm_up(bench)
-            at_once, a_while = (lambda: 0.0), (lambda: random.uniform(0.02, 0.12))
-            for name, delay, count in (
-                ("at once", at_once, 500),
-                ("after 20 to 120 ms", a_while, 60),
-            ):
-                for by_engine in (False, True):
-                    who = "engine" if by_engine else "floor"
-                    text = f"result -> next goal, server answers {name}, {who}"
-                    rows.append((text, goal_latency(bench, delay, count, by_engine)))
-            rows.append(("message -> next state entered", message_latency(bench, 60)))
-            rows.append(("wait of 130 ms: overshoot", overshoot(bench, 20)))
-            to_cancel, to_end = preempt_latencies(bench, 15)
-            rows.append(("preempt -> cancel at the server", to_cancel))
-            rows.append(("preempt -> FINISHED", to_end))
-            for states in (10, 1000):
-                rows.append(
-                    (
-                        f"start request -> first on_enter, {states} states",
-                        start_latency(bench, states, 9),
-                    )
-                )
-            rows.append(("supervised transition", supervised_transition(bench, 1000)))
-            rows.append(("be_launcher start -> first on_enter", launcher_latency(bench, 7)))
-        for name, seconds in rows:
-            print(f"{name:<62}{seconds * 1e3:9.3f} ms", flush=True)
+        yield
+
+
+@contextmanager
+def engine() -> Iterator[subprocess.Popen[bytes]]:
+    """Run an engine node."""
+    node = subprocess.check_output(
+        ["catkin_find", "--first-only", "--libexec", "flexbe_onboard", "start_behavior"], text=True
+    ).strip()
+    with process(sys.executable, node) as child:
+        yield child
+
+
+def rows() -> Iterator[Row]:
+    """Yield the figures."""
+    bench = Bench()
+    bare_ms = bare_node_start(5) * 1e3
+    yield Row("floor: start of a bare rospy node", bare_ms, "ms")
+    begin = time.time()
+    with engine():
+        ready_ms = (bench.until(BEStatus.READY) - begin) * 1e3
+        yield Row("engine start -> READY", ready_ms, "ms", 550.0, bare_ms)
+        warm_up(bench)
+        yield from goal_rows(bench)
+        yield ms("message -> next state entered", message_latency(bench, 60), 0.5)
+        yield ms("wait of 130 ms: overshoot", overshoot(bench, 20), 1.0)
+        to_cancel, to_end = preempt_latencies(bench, 15)
+        yield ms("preempt -> cancel at the server", to_cancel, 2.0)
+        yield ms("preempt -> FINISHED", to_end, 6.0)
+        for states, target_ms in ((10, 10.0), (1000, 60.0)):
+            text = f"start request -> first on_enter, {states} states"
+            yield ms(text, start_latency(bench, states, 9), target_ms)
+        yield ms("one supervised transition", supervised_transition(bench, 1000), 0.25)
+        launched_ms = launcher_latency(bench, 7) * 1e3
+        yield Row("be_launcher start -> first on_enter", launched_ms, "ms", 550.0, bare_ms)
+
+
+def goal_rows(bench: Bench) -> Iterator[Row]:
+    """Yield the latencies from a result to the next goal, of the floor and of the engine."""
+    for name, delay, count, target_ms in (
+        ("at once", lambda: 0.0, 500, 0.4),
+        ("after 20 to 120 ms", lambda: random.uniform(0.02, 0.12), 60, 0.9),
+    ):
+        text = f"result -> next goal, server answers {name}"
+        floor_s = goal_latency(bench, delay, count, by_engine=False)
+        yield ms(f"floor: {text}", floor_s)
+        engine_s = goal_latency(bench, delay, count, by_engine=True)
+        yield Row(text, engine_s * 1e3, "ms", target_ms, floor_s * 1e3)
+
+
+def ms(text: str, seconds: float, target_ms: float | None = None) -> Row:
+    """Return a figure in [ms]."""
+    return Row(text, seconds * 1e3, "ms", target_ms)
 
 
 if __name__ == "__main__":
-    main()
+    plain_client(int(sys.argv[1]))

@@ -11,6 +11,7 @@ from flexbe_core.core import (
 )
 from flexbe_core.logger import Logger
 from flexbe_core.ros.waiting import wake_at
+from flexbe_core.state_logger import StateLogger
 
 __all__ = [
     "Autonomy",
@@ -21,5 +22,6 @@ __all__ = [
     "Logger",
     "OperatableStateMachine",
     "PriorityContainer",
+    "StateLogger",
     "wake_at",
 ]

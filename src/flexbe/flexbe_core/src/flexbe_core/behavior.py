@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
 import yaml
 
 from flexbe_core.core.operatable_state_machine import OperatableStateMachine
 from flexbe_core.core.state import State
-from flexbe_core.engine.commands import Preempt
+from flexbe_core.engine.commands import Preempt, Release
+from flexbe_core.engine.definition import Kind
 from flexbe_core.engine.engine import ErrorPolicy
 from flexbe_core.engine.errors import StateMachineError
+from flexbe_core.engine.handover import Handover
 from flexbe_core.engine.supervision import DEFAULT_AUTONOMY
 from flexbe_core.logger import Logger
 from flexbe_core.ros.session import own_session
@@ -34,6 +36,7 @@ class Behavior:
         self._autonomy_level = DEFAULT_AUTONOMY
         self._debug = False
         self._on_error = ErrorPolicy.AUTO
+        self._handover: Handover | None = None
 
     def create(self) -> OperatableStateMachine:
         """Build and return the root container; parameters have their final values."""
@@ -137,7 +140,39 @@ class Behavior:
 
     def confirm(self) -> None:
         """Begin: listen to operators and start all states."""
-        self._prepared().confirm(self.name, self.id)
+        self._prepared().confirm(self.name, self.id, self._handover)
+
+    def prepare_for_switch(self, state: State) -> None:
+        """Take over the active state of another version; it goes on here, locked, under its path.
+
+        Raises:
+            StateMachineError: if there is no state at its path here.
+        """
+        self.take_over(Handover(state.path, state, entered=True, userdata={}))
+
+    def take_over(self, handover: Handover) -> None:
+        """Take over the active state of another version, with the userdata around it.
+
+        Raises:
+            StateMachineError: if there is no state at its path here.
+        """
+        state: State = handover.state
+        container: Any = self._prepared()
+        *labels, label = handover.path.split("/")[1:]
+        for name in labels:
+            container = container[name] if name in getattr(container, "_labels", ()) else None
+        found = getattr(container, "_labels", {}).get(label)
+        if found is None or type(found).__kind__ is not Kind.STATE:
+            raise StateMachineError(
+                f"this version of {self.name!r} has no state {handover.path!r}, which is active"
+            )
+        state._disable_ros_control()
+        if state.parent is not None:
+            former: Any = state.parent
+            former.remove_state(state)
+        container.replace_state(state)
+        self.requested_state_path = handover.path
+        self._handover = handover
 
     def execute(self) -> str:
         """Run to the end and stop all states.
@@ -155,6 +190,10 @@ class Behavior:
         finally:
             machine.destroy()
 
+    def release(self, offer: Callable[[Handover | None], bool]) -> None:
+        """Let go of the active state and end, if `offer` takes it over; see commands.Release."""
+        own_session(self._prepared()).post(Release(offer))
+
     def preempt(self) -> None:
         """Stop as soon as possible; may be called from any thread."""
         if self._state_machine is not None:
@@ -163,6 +202,13 @@ class Behavior:
     def get_userdata(self) -> dict[str, dict[str, Any]]:
         """Return the runtime userdata of all containers reached so far, by their paths."""
         return own_session(self._state_machine).userdata() if self._state_machine else {}
+
+    def get_execution(self) -> tuple[str, float] | None:
+        """Return the path of the state that is being executed, and since when by time.monotonic.
+
+        None between executions.
+        """
+        return own_session(self._state_machine).execution() if self._state_machine else None
 
     def get_current_state(self) -> State | None:
         """Return the active state, None if there is none."""

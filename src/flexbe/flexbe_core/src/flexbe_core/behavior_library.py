@@ -27,6 +27,7 @@ class BehaviorLibrary:
     def __init__(self) -> None:
         """Look at all packages."""
         self._warned: set[str] = set()
+        self._added: list[tuple[str, str | None]] = []
         self.parse_packages()
 
     def parse_packages(self) -> None:
@@ -35,7 +36,9 @@ class BehaviorLibrary:
         self._files: dict[int, tuple[Path, int]] = {}
         self._folders = packages_exporting("flexbe_behaviors", self._warn)
         for package, folder in self._folders.items():
-            self._add_behavior_manifests(str(folder), package)
+            self._read_manifests(str(folder), package)
+        for path, pkg in self._added:
+            self._read_manifests(path, pkg)
 
     def get_behavior(self, behavior_id: int) -> dict[str, str] | None:
         """Return a behavior's name, package, file and class; None if there is none with this id."""
@@ -78,12 +81,16 @@ class BehaviorLibrary:
         return str(file.with_name(f"{file.stem}_tmp.py") if add_tmp else file)
 
     def _add_behavior_manifests(self, path: str, pkg: str | None = None) -> None:
-        """Add all behaviors whose manifests lie below a folder.
+        """Add all behaviors whose manifests lie below a folder, besides those of packages.
 
         Args:
             path: the folder.
             pkg: package whose behaviors are added; None for all.
         """
+        self._added.append((path, pkg))
+        self._read_manifests(path, pkg)
+
+    def _read_manifests(self, path: str, pkg: str | None) -> None:
         for file in _xml_files(Path(path)):
             try:
                 manifest = _read(file)
@@ -129,7 +136,11 @@ class BehaviorLibrary:
 
 def _xml_files(folder: Path) -> Iterator[Path]:
     """Yield the files that may be manifests, in a fixed order."""
-    for entry in sorted(folder.iterdir()):
+    try:
+        entries = sorted(folder.iterdir())
+    except OSError:
+        return
+    for entry in entries:
         if entry.name.startswith((".", "#")):
             continue
         if entry.is_dir():

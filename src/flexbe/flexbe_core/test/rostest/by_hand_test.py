@@ -10,7 +10,12 @@ import rostest
 from flexbe_msgs.msg import CommandFeedback, OutcomeRequest
 from std_msgs.msg import Bool, Empty, String, UInt8
 
-from flexbe_core import ConcurrencyContainer, EventState, OperatableStateMachine
+from flexbe_core import (
+    ConcurrencyContainer,
+    EventState,
+    OperatableStateMachine,
+    PriorityContainer,
+)
 from flexbe_core.core import PreemptableState, UserData
 from flexbe_core.core.exceptions import StateMachineError, UserDataError
 from flexbe_core.engine.errors import BehaviorFailure
@@ -88,6 +93,16 @@ class ByHandTest(unittest.TestCase):
         self.assertEqual(Sum().execute(data), "done")
         self.assertEqual((data.x, data.y), (4, 5))
 
+    def test_a_lone_state_sleeps_to_its_beat_whether_or_not_it_is_executed(self):
+        state = ScriptedState()
+        begin = time.monotonic()
+        for _ in range(3):
+            state.sleep()
+        self.assertAlmostEqual(time.monotonic() - begin, 0.3, delta=0.03)
+        self.assertAlmostEqual(state.sleep_duration, 0.1, delta=0.02)
+        state.set_rate(20)
+        self.assertAlmostEqual(state.sleep_duration, 0.05, delta=0.02)
+
     def test_an_error_of_a_lone_state_is_the_callers(self):
         with self.assertRaisesRegex(ValueError, "no"):
             ScriptedState([ValueError("no")]).execute(UserData())
@@ -130,6 +145,31 @@ class ByHandTest(unittest.TestCase):
         self.assertEqual(self.command(state, "unlock", String("")), "done")
         self.assertFalse(state.is_locked())
 
+    def test_a_lock_that_comes_before_the_first_execution_holds(self):
+        state = ScriptedState(["done"])
+        machine = one_state(state)
+        state._enable_ros_control()
+        state._sub._callback(String("/a"), "flexbe/command/lock")
+        self.assertIsNone(machine.execute(None))
+        self.assertTrue(state._locked)
+        self.assert_feedback("lock", "/a", "/a")
+        state._sub._callback(String("/a"), "flexbe/command/unlock")
+        self.assertEqual(machine.execute(None), "finished")
+
+    def test_a_container_may_be_locked_from_code(self):
+        state = ScriptedState(["done"])
+        machine = one_state(state)
+        state._enable_ros_control()
+        machine._locked = True
+        self.assertIsNone(machine.execute(None))
+        self.assertTrue(machine.is_locked() and machine.is_locked_inside())
+        self.assertIs(machine.get_locked_state(), machine)
+        self.assertFalse(machine.transition_allowed("a", "done"))
+        self.assertTrue(machine.unlock(""))
+        self.assertFalse(machine.lock("/nowhere"))
+        self.assertTrue(machine.transition_allowed("a", "done"))
+        self.assertEqual(machine.execute(None), "finished")
+
     def test_breakpoints_follow_their_parameter(self):
         state = ScriptedState()
         one_state(state)._enable_ros_control()
@@ -167,6 +207,7 @@ class ByHandTest(unittest.TestCase):
 
     def test_a_held_error_can_be_looked_at(self):
         machine = one_state(ScriptedState([UserDataError("what"), None]))
+        machine.autonomy_level = 255
         self.assertIsNone(machine.execute(None))
         self.assertIsInstance(machine._last_exception, UserDataError)
         self.assertIsNone(machine.execute(None))
@@ -206,6 +247,45 @@ class ByHandTest(unittest.TestCase):
             container.execute(None)
             container.sleep()
         self.assertGreater(fast.log.count(("a", "execute")), 3 * slow.log.count(("b", "execute")))
+
+    def test_a_rate_of_a_tests_own_has_every_execution_execute_the_state(self):
+        class Always:
+            def remaining(self):
+                return rospy.Duration(0)
+
+        state = ScriptedState([None])
+        container = ConcurrencyContainer([("end", [("a", "done")])], outcomes=["end"])
+        with container:
+            OperatableStateMachine.add("a", state, {"done": "end"})
+        container.execute(None)
+        container.execute(None)
+        self.assertEqual(state.log.count(("a", "execute")), 1)
+        state._rate = Always()
+        container.execute(None)
+        container.execute(None)
+        self.assertEqual(state.log.count(("a", "execute")), 3)
+
+    def test_a_part_of_a_behavior_can_be_executed_by_itself(self):
+        inner = one_state(ScriptedState([None, "done"]))
+        outer = OperatableStateMachine(outcomes=["ended"])
+        with outer:
+            OperatableStateMachine.add("box", inner, {"finished": "ended"})
+        self.assertIsNone(inner.execute(None))
+        self.assertEqual(inner.current_state_label, "a")
+        self.assertIs(inner.get_deep_state(), inner["a"])
+        self.assertEqual(inner.execute(None), "finished")
+
+    def test_a_priority_container_is_named_by_its_class(self):
+        alone = PriorityContainer(outcomes=["finished"])
+        with alone:
+            OperatableStateMachine.add("a", ScriptedState([None, "done"]), {"done": "finished"})
+        machine = OperatableStateMachine(outcomes=["ended"])
+        with machine:
+            OperatableStateMachine.add("alone", alone, {"finished": "ended"})
+        self.assertIsNone(machine.execute(None))
+        self.assertEqual(PriorityContainer.active_container, "/alone")
+        self.assertEqual(machine.execute(None), "ended")
+        self.assertIsNone(PriorityContainer.active_container)
 
     def test_waiting_for_a_condition(self):
         machine = one_state(ScriptedState())

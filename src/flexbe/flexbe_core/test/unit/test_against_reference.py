@@ -1,13 +1,13 @@
-"""Random behaviors with random outcomes and commands, against a reference interpreter.
+"""Random behaviors with random outcomes, failures and commands, against a reference interpreter.
 
 The reference runs each state and container as a generator that yields once per tick; closing a
-generator ends the visit. It shares no code with the engine.
+generator ends the visit. It shares no code with the engine. All of a run follows from its seed.
 """
 
+import random
 from dataclasses import dataclass, field
 
-from hypothesis import given, settings
-from hypothesis import strategies as st
+import pytest
 
 from flexbe_core.core import ConcurrencyContainer, OperatableStateMachine, PriorityContainer
 from flexbe_core.engine import commands as c
@@ -17,10 +17,16 @@ from flexbe_core.engine.structure import definitions_below
 from flexbe_core.engine.supervision import Supervision
 from flexbe_core.testing import ScriptedState
 
+RUNS = 3000
+RUNS_PER_TEST = 250
+
 OUTCOMES = ("x", "y")
 BOOM = "boom"
 UNDECLARED = "undeclared"
 EVENTS = {"enter", "exit", "execute"}
+SCRIPT = (None, None, "x", "y", "x", BOOM, UNDECLARED)
+PREEMPT = "preempt"
+FORCE = "force"
 
 
 # What is run
@@ -29,8 +35,10 @@ EVENTS = {"enter", "exit", "execute"}
 @dataclass(frozen=True)
 class StateSpec:
     label: str
-    script: tuple
+    script: tuple  # of each execution
     levels: tuple
+    enter_fails: tuple  # of each visit, over and over
+    exit_fails: tuple
 
 
 @dataclass(frozen=True)
@@ -48,50 +56,54 @@ class ConcurrencySpec:
     conditions: tuple
 
 
-@st.composite
-def state_specs(draw, label):
-    items = st.sampled_from([None, None, "x", "y", "x", BOOM, UNDECLARED])
-    script = tuple(draw(st.lists(items, min_size=1, max_size=4)))
-    return StateSpec(label, script, tuple(draw(st.integers(0, 3)) for _ in OUTCOMES))
+def some(rng, choices, least, most):
+    return tuple(rng.choice(choices) for _ in range(rng.randint(least, most)))
 
 
-@st.composite
-def specs(draw, label, depth):
-    kind = (
-        draw(st.sampled_from(["state", "machine", "priority", "concurrency"])) if depth else "state"
+def random_state(rng, label):
+    rarely = (False,) * 7 + (True,)
+    levels = tuple(rng.randint(0, 3) for _ in OUTCOMES)
+    return StateSpec(
+        label, some(rng, SCRIPT, 1, 4), levels, some(rng, rarely, 1, 3), some(rng, rarely, 1, 3)
     )
+
+
+def random_spec(rng, label, depth):
+    kind = rng.choice(("state", "machine", "priority", "concurrency")) if depth else "state"
     if kind == "state":
-        return draw(state_specs(label))
-    return draw(container_specs(label, depth, kind))
+        return random_state(rng, label)
+    return random_container(rng, label, depth, kind)
 
 
-@st.composite
-def container_specs(draw, label, depth, kind):
-    labels = [f"{label}{letter}" for letter in "abc"[: draw(st.integers(1, 3))]]
-    children = tuple(draw(specs(name, depth - 1)) for name in labels)
+def random_container(rng, label, depth, kind):
+    labels = [f"{label}{letter}" for letter in "abc"[: rng.randint(1, 3)]]
+    children = tuple(random_spec(rng, name, depth - 1) for name in labels)
     if kind == "concurrency":
-        pairs = st.lists(
-            st.tuples(st.sampled_from(labels), st.sampled_from(OUTCOMES)), min_size=1, max_size=2
+        pairs = [(name, outcome) for name in labels for outcome in OUTCOMES]
+        conditions = tuple(
+            (rng.choice(OUTCOMES), some(rng, pairs, 1, 2)) for _ in range(rng.randint(0, 3))
         )
-        conditions = draw(st.lists(st.tuples(st.sampled_from(OUTCOMES), pairs), max_size=3))
-        return ConcurrencySpec(label, children, tuple(conditions))
+        return ConcurrencySpec(label, children, conditions)
     targets = {
-        (name, outcome): draw(st.sampled_from([*labels, *OUTCOMES]))
-        for name in labels
-        for outcome in OUTCOMES
+        (name, outcome): rng.choice([*labels, *OUTCOMES]) for name in labels for outcome in OUTCOMES
     }
     return MachineSpec(label, children, targets, kind == "priority")
 
 
-COMMANDS = st.one_of(
-    st.just(c.Pause()),
-    st.just(c.Resume()),
-    st.just(c.Repeat()),
-    st.just(c.Lock("")),
-    st.just(c.Unlock("")),
-    st.builds(c.SetAutonomy, st.integers(0, 3)),
-    st.just("force"),
-)
+def random_command(rng):
+    choices = (c.Pause(), c.Resume(), c.Repeat(), c.Lock(""), c.Unlock(""), FORCE, None)
+    command = rng.choice(choices)
+    return c.SetAutonomy(rng.randint(0, 3)) if command is None else command
+
+
+def random_orders(rng):
+    """Return the commands before each tick; a preempt comes in one run of three, at any moment."""
+    orders = [
+        [random_command(rng) for _ in range(rng.randint(0, 2))] for _ in range(rng.randint(0, 25))
+    ]
+    if orders and rng.random() < 0.33:
+        rng.choice(orders).append(PREEMPT)
+    return orders
 
 
 # The reference
@@ -108,7 +120,7 @@ class World:
     supervised: bool
     trace: list = field(default_factory=list)
     queue: list = field(default_factory=list)
-    steps: dict = field(default_factory=dict)
+    counts: dict = field(default_factory=dict)
     paused: bool = False
     locks: set = field(default_factory=set)
     priority: str | None = None
@@ -117,6 +129,15 @@ class World:
     def fail(self):
         if not self.holds:
             raise FailedError
+
+    def tell(self, spec, event, fails=(False,)):
+        """Note an event of a state, and return whether it fails."""
+        self.trace.append((spec.label, event))
+        count = self.counts[spec.label, event] = self.counts.get((spec.label, event), -1) + 1
+        if fails[count % len(fails)]:
+            self.fail()
+            return True
+        return False
 
 
 def inside(path, other):
@@ -151,12 +172,13 @@ def run_state(spec, path, world, is_first):
                 continue
             if not entered:
                 entered = True
-                world.trace.append((spec.label, "enter"))
+                if world.tell(spec, "enter", spec.enter_fails):
+                    yield
+                    continue
             outcome, stored = stored if stored is not None else forced, None
             if outcome is None:
-                world.trace.append((spec.label, "execute"))
-                step = world.steps.get(path, 0)
-                world.steps[path] = step + 1
+                world.tell(spec, "execute")
+                step = world.counts[spec.label, "execute"]
                 outcome = spec.script[min(step, len(spec.script) - 1)]
             if outcome in (BOOM, UNDECLARED):
                 world.fail()
@@ -171,11 +193,12 @@ def run_state(spec, path, world, is_first):
                 needed = spec.levels[OUTCOMES.index(outcome)]
                 blocked = outcome != forced and needed >= world.level
             if supervised and repeat and (outcome is None or blocked):
-                world.trace.append((spec.label, "exit"))
                 entered = repeat = False
-                outcome = None
-            if outcome is not None and not blocked:
-                return outcome
+                world.tell(spec, "exit", spec.exit_fails)
+            elif outcome is not None and not blocked:
+                entered = False
+                if not world.tell(spec, "exit", spec.exit_fails):
+                    return outcome
             yield
     finally:
         if entered:
@@ -238,10 +261,30 @@ def run_spec(spec, path, world, is_first):
 # The engine
 
 
+class FailingState(ScriptedState):
+    """A scripted state whose events fail as its specification says."""
+
+    def __init__(self, spec, log):
+        script = [ValueError(BOOM) if item == BOOM else item for item in spec.script]
+        super().__init__(script, OUTCOMES, log)
+        self.spec = spec
+
+    def on_enter(self, userdata):
+        super().on_enter(userdata)
+        self.fail("enter", self.spec.enter_fails)
+
+    def on_exit(self, userdata):
+        super().on_exit(userdata)
+        self.fail("exit", self.spec.exit_fails)
+
+    def fail(self, event, fails):
+        if fails[(self.log.count((self.name, event)) - 1) % len(fails)]:
+            raise ValueError(BOOM)
+
+
 def build(spec, log):
     if isinstance(spec, StateSpec):
-        script = [ValueError(BOOM) if item == BOOM else item for item in spec.script]
-        return ScriptedState(script, OUTCOMES, log)
+        return FailingState(spec, log)
     if isinstance(spec, ConcurrencySpec):
         container = ConcurrencyContainer(spec.conditions, outcomes=OUTCOMES)
     else:
@@ -282,16 +325,17 @@ def tick_reference(run):
     return "runs"
 
 
-@settings(max_examples=400, deadline=None, derandomize=True)
-@given(
-    spec=container_specs("r", 3, "machine"),
-    holds=st.booleans(),
-    supervised=st.booleans(),
-    level=st.integers(0, 4),
-    orders=st.lists(st.lists(COMMANDS, max_size=2), max_size=25),
-)
-def test_the_engine_does_what_the_reference_does(spec, holds, supervised, level, orders):
+@pytest.mark.parametrize("first_seed", range(0, RUNS, RUNS_PER_TEST))
+def test_the_engine_does_what_the_reference_does(first_seed):
+    for seed in range(first_seed, first_seed + RUNS_PER_TEST):
+        check_run(seed)
+
+
+def check_run(seed):
+    rng = random.Random(seed)
     log = []
+    spec = random_container(rng, "r", 3, "machine")
+    holds, supervised, level = rng.random() < 0.5, rng.random() < 0.5, rng.randint(0, 4)
     root = build(spec, log)
     engine = Engine(root, ErrorPolicy.HOLD if holds else ErrorPolicy.FAIL)
     engine.record = Supervision(autonomy_level=level)
@@ -301,34 +345,42 @@ def test_the_engine_does_what_the_reference_does(spec, holds, supervised, level,
     world = World(holds, level, supervised)
     reference = run_machine(spec, "", world, True)
 
-    ends = ["runs"]
-    for tick, batch in enumerate(orders):
+    end = "runs"
+    for tick, batch in enumerate(random_orders(rng)):
         for command in batch:
             order(engine, world, command)
-        ends = [tick_engine(engine, float(tick)), tick_reference(reference)]
-        assert ends[0] == ends[1], tick
-        if ends[0] != "runs":
+        if PREEMPT in batch:
             break
-        assert [entry for entry in log if entry[1] in EVENTS] == world.trace
-    if ends[0] == "runs":
+        end = tick_engine(engine, float(tick))
+        assert end == tick_reference(reference), (seed, tick)
+        if end != "runs":
+            break
+        assert [entry for entry in log if entry[1] in EVENTS] == world.trace, (seed, tick)
+    if end == "runs":
         engine.handle(c.Preempt())
-        assert engine.run(1000.0) == "preempted"
+        assert engine.run(1000.0) == "preempted", seed
         reference.close()
+    root.destroy()
     # In which order siblings are exited at the end is nobody's business.
-    assert sorted(entry for entry in log if entry[1] in EVENTS) == sorted(world.trace)
-    assert engine.priority is None or world.paused
+    assert sorted(entry for entry in log if entry[1] in EVENTS) == sorted(world.trace), seed
+    assert engine.priority is None or world.paused, seed
     for state in definitions_below(root):
         if isinstance(state, ScriptedState):
             events = [event for label, event in log if label == state.name]
-            assert events.count("enter") == events.count("exit")
+            assert events.count("enter") == events.count("exit"), (seed, state.path)
+            assert events.count("stop") == 1, (seed, state.path)
 
 
 def order(engine, world, command):
     """Give a command to both; an outcome is forced in the state that is active in the engine."""
     leaf = engine.root.leaf()
-    if command == "force":
+    if command == PREEMPT:
+        command = c.Preempt()
+    if command == FORCE:
         command = c.ForceOutcome(leaf.label if leaf else "none", 1)
     engine.handle(command)
+    if isinstance(command, c.Preempt):
+        return
     if isinstance(command, c.SetAutonomy):
         world.level = command.level
     elif world.supervised and (leaf is None or leaf.definition._is_controlled):

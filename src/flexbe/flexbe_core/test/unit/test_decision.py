@@ -5,11 +5,11 @@ import itertools
 
 import pytest
 
-from flexbe_core.engine.decision import PENDING, RULES, Act, Moment, decide
+from flexbe_core.engine.decision import AFTER, BEFORE, PENDING, Act, Moment, decide
 from flexbe_core.engine.supervision import Supervision
 
 NOTHING = Supervision(autonomy_level=3)
-BEFORE = Moment("/a", supervised=True)
+WAITING = Moment("/a", supervised=True)
 DONE = Moment("/a", supervised=True, outcome="done", required_autonomy=0)
 NOT_DONE = Moment("/a", supervised=True, outcome=None)
 
@@ -24,19 +24,19 @@ def moment(base, **changes):
 
 ROWS = [
     # name of the rule, record, moment, act
-    ("preempted", record(preempt=True), BEFORE, Act.PREEMPT),
-    ("shadowed", NOTHING, moment(BEFORE, supervised=False, shadowed=True), Act.SKIP),
-    ("paused", record(paused=True), BEFORE, Act.SKIP),
+    ("preempted", record(preempt=True), WAITING, Act.PREEMPT),
+    ("shadowed", NOTHING, moment(WAITING, supervised=False, shadowed=True), Act.SKIP),
+    ("paused", record(paused=True), WAITING, Act.SKIP),
     (
         "locked, no longer asking",
         record(stored="done", locks=frozenset({"/a"}), requested="done"),
-        BEFORE,
+        WAITING,
         Act.WITHDRAW,
     ),
-    ("locked with an outcome", record(stored="done", locks=frozenset({"/a"})), BEFORE, Act.STAY),
-    ("unlocked with an outcome", record(stored="done"), BEFORE, Act.RELEASE),
-    ("forced", record(forced="done"), BEFORE, Act.FORCE),
-    ("free to run", NOTHING, BEFORE, Act.EXECUTE),
+    ("locked with an outcome", record(stored="done", locks=frozenset({"/a"})), WAITING, Act.STAY),
+    ("unlocked with an outcome", record(stored="done"), WAITING, Act.RELEASE),
+    ("forced", record(forced="done"), WAITING, Act.FORCE),
+    ("free to run", NOTHING, WAITING, Act.EXECUTE),
     ("preempted itself", NOTHING, moment(DONE, outcome="preempted"), Act.LEAVE),
     ("locked", record(locks=frozenset({"/a"})), DONE, Act.STORE),
     ("repeated", record(repeat=True), NOT_DONE, Act.REPEAT),
@@ -49,37 +49,38 @@ ROWS = [
 
 
 def test_every_rule_has_a_row_here():
-    assert [rule.name for rule in RULES] == [row[0] for row in ROWS]
+    assert [rule.name for rule in BEFORE + AFTER] == [row[0] for row in ROWS]
 
 
 @pytest.mark.parametrize(("name", "in_force", "now", "act"), ROWS, ids=[row[0] for row in ROWS])
 def test_each_rule_decides_its_row(name, in_force, now, act):
-    first = next(rule for rule in RULES if rule.applies(in_force, now))
+    rules = BEFORE if now.outcome is PENDING else AFTER
+    first = next(rule for rule in rules if rule.applies(in_force, now))
     assert first.name == name
     assert decide(in_force, now) is act
 
 
 PRECEDENCE = [
     # (stronger, weaker): both are in force
-    ("preempt wins over pause", record(preempt=True, paused=True), BEFORE, Act.PREEMPT),
+    ("preempt wins over pause", record(preempt=True, paused=True), WAITING, Act.PREEMPT),
     (
         "preempt wins over the shadow of a priority container",
         record(preempt=True),
-        moment(BEFORE, shadowed=True),
+        moment(WAITING, shadowed=True),
         Act.PREEMPT,
     ),
     (
         "preempt wins over a lock",
         record(preempt=True, stored="done", locks=frozenset({"/a"})),
-        BEFORE,
+        WAITING,
         Act.PREEMPT,
     ),
-    ("pause wins over a forced outcome", record(paused=True, forced="done"), BEFORE, Act.SKIP),
-    ("pause wins over an unlocked outcome", record(paused=True, stored="done"), BEFORE, Act.SKIP),
+    ("pause wins over a forced outcome", record(paused=True, forced="done"), WAITING, Act.SKIP),
+    ("pause wins over an unlocked outcome", record(paused=True, stored="done"), WAITING, Act.SKIP),
     (
         "a lock wins over a forced outcome before execution",
         record(stored="done", forced="done", locks=frozenset({"/a"})),
-        BEFORE,
+        WAITING,
         Act.STAY,
     ),
     (

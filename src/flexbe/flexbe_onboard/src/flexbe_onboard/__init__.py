@@ -1,1 +1,5 @@
-"""The node that runs behaviors when it is asked to."""
+"""The behavior engine as a ROS node."""
+
+from flexbe_onboard.flexbe_onboard import FlexbeOnboard
+
+__all__ = ["FlexbeOnboard"]

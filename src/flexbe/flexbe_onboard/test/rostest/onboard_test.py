@@ -15,6 +15,7 @@ import actionlib
 import rosnode
 import rospy
 import rostest
+import yaml
 from actionlib.msg import TestAction, TestResult
 from flexbe_msgs.msg import (
     BehaviorLog,
@@ -32,6 +33,7 @@ from std_msgs.msg import Bool, Empty, Int32, String, UInt8
 from flexbe_core import BehaviorLibrary
 from flexbe_core.engine.checksum import checksum
 
+LOGS = Path("/tmp/flexbe_onboard_test_logs")
 LATE_PACKAGES = Path("/tmp/flexbe_onboard_test_packages")
 LIMIT_S = 10.0
 
@@ -221,6 +223,18 @@ class OnboardTest(unittest.TestCase):
         self.engine.ended()
         self.assertFalse(ask("").success)
 
+    def test_two_engines_run_two_behaviors_at_once(self):
+        other, server = Engine("open/"), HangingServer("open/test_action")
+        other.publisher("command/preempt", Empty)
+        self.engine.start("Goal Test")
+        other.start("Goal Test")
+        self.assertTrue(wait_until(lambda: self.server.goals and server.goals))
+        other.stop()
+        self.assertEqual(other.ended().args, ["preempted"])
+        self.assertIsNone(self.engine.ended(0.2), "a preempt is for one engine only")
+        self.server.answer()
+        self.assert_ends(BEStatus.FINISHED, ["finished"])
+
     # Preempt
 
     def preempt_goal(self, topic):
@@ -243,7 +257,11 @@ class OnboardTest(unittest.TestCase):
         self.preempt_goal("commands/preempt")
 
     def test_a_preempt_while_nothing_runs_stops_nothing_later(self):
+        beats = Recorder("flexbe/heartbeat", Empty)
+        self.assertIsNotNone(beats.wait(lambda m: True))
         self.engine.stop()
+        beats.clear()
+        self.assertIsNotNone(beats.wait(lambda m: True), "by now the preempt has arrived")
         self.engine.start("Quick Test", wait_time=0.1)
         self.assert_ends(BEStatus.FINISHED, ["finished"])
 
@@ -280,6 +298,22 @@ class OnboardTest(unittest.TestCase):
         self.assertIsNone(self.engine.ended(0.5))
         self.engine.send("command/transition", OutcomeRequest(0, "Faulty"))
         self.assert_ends(BEStatus.FINISHED, ["finished"])
+
+    def test_a_state_that_does_not_return_is_told_and_may_return_after_all(self):
+        self.engine.start("Faulty Test", how="hang", hang_s=2.6)
+        self.assert_told("/Faulty has not returned for ")
+        self.assert_ends(BEStatus.FINISHED, ["finished"])
+
+    def test_an_engine_that_hangs_starts_anew_if_that_is_its_policy(self):
+        engine = Engine("open/")
+        engine.start("Faulty Test", how="hang")
+        self.assertEqual(engine.ended().code, BEStatus.FAILED)
+        self.assertIsNotNone(engine.status.wait(lambda m: m.code == BEStatus.READY))
+        wait_until(
+            lambda: engine.publisher("start_behavior", BehaviorSelection).get_num_connections()
+        )
+        engine.start("Quick Test", wait_time=0)
+        self.assertEqual(engine.ended().args, ["finished"])
 
     def lose_server(self, **parameters):
         script = (
@@ -349,8 +383,8 @@ class OnboardTest(unittest.TestCase):
         refused = self.assert_ends(BEStatus.ERROR)
         self.assertNotEqual(refused.behavior_id, first.behavior_checksum)
         self.assert_told("behavior 'Quick Test' is running; stop it first")
-        self.assertIsNotNone(self.engine.feedback.wait(lambda m: m.command == "switch"))
-        self.assertEqual(self.engine.feedback.messages[0][1].args, ["failed"])
+        phases = [tuple(m.args) for _, m in self.engine.feedback.messages if m.command == "switch"]
+        self.assertEqual(phases, [("received",), ("not_switchable",)])
         finished = self.engine.status.wait(lambda m: m.code == BEStatus.FINISHED)
         self.assertEqual(finished.behavior_id, first.behavior_checksum)
 
@@ -414,6 +448,79 @@ class OnboardTest(unittest.TestCase):
         self.assertEqual(engine.ended().args, ["finished"])
         self.assertIsNotNone(engine.log.wait(lambda m: m.text == "changed"))
         self.assertEqual(self.engine.log.wait(lambda m: m.text == "changed", 0.0), None)
+
+    # Records
+
+    def test_what_states_do_is_recorded_in_a_file(self):
+        engine = Engine("open/")
+        shutil.rmtree(LOGS, ignore_errors=True)
+        engine.start("Quick Test", level=0, wait_time=0)
+        self.assertIsNotNone(engine.requests.wait(lambda m: m.target == "/Say"))
+        engine.send("command/transition", OutcomeRequest(0, "Say"))
+        self.assertIsNotNone(engine.requests.wait(lambda m: m.target == "/Wait"))
+        engine.send("command/autonomy", UInt8(3))
+        self.assertEqual(engine.ended().args, ["finished"])
+        (file,) = LOGS.glob("quick_test_*.yaml")
+        lines = yaml.safe_load(file.read_text())
+        shutil.rmtree(LOGS)
+        self.assertEqual((lines[0]["behavior"], lines[0]["autonomy"]), ("Quick Test", 0))
+        events = [line["event"] for line in lines if line.get("path") == "/Say" and "event" in line]
+        self.assertEqual(events, ["start", "enter", "exit", "stop"])
+        operator = [line["type"] for line in lines if line["logger"] == "flexbe.operator"]
+        self.assertEqual(operator, ["request", "forced", "request"])
+        outcomes = [line["path"] for line in lines if line["logger"] == "flexbe.outcomes"]
+        self.assertEqual(outcomes, ["/Say", "/Wait"])
+
+    # Switching
+
+    def version_of(self, engine, old, new, **parameters):
+        """Return a start request for Goal Test with a piece of its source replaced."""
+        selection = engine.selection("Goal Test", **parameters)
+        text = Path(engine.library.get_sourcecode_filepath(selection.behavior_id)).read_text()
+        begin = text.index(old)
+        changed = text[:begin] + new + text[begin + len(old) :]
+        selection.behavior_checksum = checksum(changed)
+        selection.modifications = [BehaviorModification(begin, begin + len(old), new)]
+        return selection
+
+    def begin_goal(self):
+        engine = Engine("open/")
+        engine.publisher("command/unlock", String)
+        server = HangingServer("open/test_action")
+        first = engine.start("Goal Test", level=3)
+        self.assertTrue(wait_until(lambda: server.goals))
+        return engine, server, first
+
+    def test_a_running_behavior_is_switched_to_another_version(self):
+        engine, server, first = self.begin_goal()
+        second = self.version_of(engine, '"done": "finished"', '"done": "failed"', level=3)
+        engine.send("start_behavior", second)
+        started = engine.status.wait(lambda m: m.code == BEStatus.STARTED and m.args)
+        self.assertIsNotNone(started, [m.text for _, m in engine.log.messages])
+        self.assertEqual((started.behavior_id, started.args), (second.behavior_checksum, ["/Goal"]))
+        switched = engine.status.wait(lambda m: m.code == BEStatus.SWITCHING)
+        self.assertEqual(switched.behavior_id, first.behavior_checksum)
+        phases = [m.args[0] for _, m in engine.feedback.messages if m.command == "switch"]
+        self.assertEqual(phases, ["received", "start", "prepared"])
+        server.answer()
+        self.assertIsNone(engine.ended(0.3), "it stays locked")
+        self.assertEqual(server.cancelled.messages, [])
+        engine.send("command/unlock", String("/Goal"))
+        self.assertEqual(engine.ended().args, ["failed"])
+        told = [m.text for _, m in engine.log.messages]
+        self.assertEqual(told.count("exit of the goal state"), 1)
+        self.assertEqual(told.count("stop of the goal state"), 1)
+
+    def test_a_version_without_the_active_state_is_refused_and_disturbs_nothing(self):
+        engine, server, first = self.begin_goal()
+        engine.send("start_behavior", self.version_of(engine, '"Goal",', '"Other",', level=3))
+        self.assertEqual(engine.ended().code, BEStatus.ERROR)
+        failed = engine.feedback.wait(lambda m: m.args == ["failed"])
+        self.assertIsNotNone(failed)
+        self.assertIsNotNone(engine.log.wait(lambda m: "has no state '/Goal'" in m.text))
+        server.answer()
+        finished = engine.status.wait(lambda m: m.code == BEStatus.FINISHED)
+        self.assertEqual(finished.behavior_id, first.behavior_checksum)
 
     # Supervision
 

@@ -15,7 +15,13 @@ import rosgraph
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
-from flexbe_msgs.msg import BehaviorExecutionAction, BehaviorExecutionGoal, BEStatus
+from flexbe_msgs.msg import (
+    BehaviorExecutionAction,
+    BehaviorExecutionGoal,
+    BEStatus,
+    CommandFeedback,
+)
+from std_msgs.msg import String, UInt8
 
 LIMIT_S = 20.0
 
@@ -120,6 +126,28 @@ class ActionServerTest(unittest.TestCase):
         self.assertIn("engine", text)
         self.assertTrue(wait_until(lambda: self.statuses[-1].code == BEStatus.READY))
         self.assert_ends(self.send("Quick Test"), GoalStatus.SUCCEEDED, "finished")
+
+    def test_an_operator_may_join_with_the_line_of_the_deliverable(self):
+        handle = self.send("Quick Test", wait_time="60")
+        self.assertTrue(wait_until(self.is_running))
+        attach = rospy.Publisher("flexbe/command/attach", UInt8, queue_size=1)
+        answers, paths = [], []
+        rospy.Subscriber("flexbe/command_feedback", CommandFeedback, answers.append)
+        rospy.Subscriber("flexbe/behavior_update", String, lambda m: paths.append(m.data))
+        line = ["roslaunch", "flexbe_widget", "behavior_ocs.launch"]
+        ocs = subprocess.Popen(line, stdout=subprocess.DEVNULL)
+        try:
+            self.assertTrue(wait_until(lambda: "/Wait" in paths), "the mirror tells nothing")
+            attach.publish(3)
+            self.assertTrue(wait_until(lambda: any(a.command == "attach" for a in answers)))
+            (answer,) = [a.args for a in answers if a.command == "attach"]
+            self.assertEqual(answer, ["Quick Test"])
+            handle.cancel()
+            self.assert_ends(handle, GoalStatus.PREEMPTED, "preempted")
+            self.assertTrue(wait_until(lambda: paths[-1] == ""))
+        finally:
+            ocs.send_signal(signal.SIGINT)
+            ocs.wait(LIMIT_S)
 
     def test_without_an_engine_a_goal_is_aborted(self):
         alone = self.connect("alone/flexbe/execute_behavior")

@@ -40,6 +40,16 @@ ROWS = [
     ("the engine is started anew before it began", [(Code.READY, 0)], Ending(End.RESTARTED)),
     ("the engine is started anew in between", [STARTED, (Code.READY, 0)], Ending(End.RESTARTED)),
     ("a second request for it is refused", [STARTED, (Code.ERROR, MINE)], None),
+    (
+        "switched to another version, which ends",
+        [STARTED, (Code.SWITCHING, MINE), (Code.STARTED, OTHER), (Code.FINISHED, OTHER, "done")],
+        Ending(End.FINISHED, "done"),
+    ),
+    (
+        "a switch of another behavior",
+        [STARTED, (Code.SWITCHING, OTHER), (Code.STARTED, OTHER)],
+        None,
+    ),
     ("another behavior is refused", [(Code.ERROR, OTHER)], None),
     ("a launcher knows no behavior", [(Code.ERROR, 0)], None),
     ("another behavior ends", [STARTED, (Code.FINISHED, OTHER, "done")], None),

@@ -9,6 +9,15 @@ from flexbe_core.ros.session import run_session
 class LockableState(ManuallyTransitionableState):
     """A state that an operator can lock."""
 
+    @property
+    def _locked(self) -> bool:
+        """Whether the state is kept from being left; stock FlexBE's attribute."""
+        return self.is_locked()
+
+    @_locked.setter
+    def _locked(self, value: bool) -> None:
+        run_session(self).set_locked(self.path, value)
+
     def is_locked(self) -> bool:
         """Return whether the state is kept from being left."""
         return run_session(self).is_locked(self.path)

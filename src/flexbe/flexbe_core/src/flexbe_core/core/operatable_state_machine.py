@@ -9,10 +9,12 @@ from flexbe_core.core.state import State
 from flexbe_core.core.state_machine import StateMachine
 from flexbe_core.engine.definition import Definition, Kind
 from flexbe_core.engine.errors import StateMachineError
+from flexbe_core.engine.handover import Handover, take_over
 from flexbe_core.engine.structure import definitions_below
 from flexbe_core.engine.supervision import DEFAULT_AUTONOMY, PREEMPTED, UNSUPERVISED
 from flexbe_core.engine.user_data import UserData
 from flexbe_core.ros.session import own_session, run_session
+from flexbe_core.state_logger import StateLogger, record_events
 
 
 class OperatableStateMachine(PreemptableStateMachine):
@@ -92,24 +94,29 @@ class OperatableStateMachine(PreemptableStateMachine):
         """Return the level that an outcome of the active child needs."""
         return self._autonomy[self.current_state_label][outcome]
 
-    def confirm(self, name: str, id: int) -> None:
+    def confirm(self, name: str, id: int, handover: Handover | None = None) -> None:
         """Begin as the root of a behavior: listen to operators, and start all states.
 
         Args:
             name: the behavior's name.
             id: checksum of the behavior's source.
+            handover: the state of another version with which to begin; it is started already.
         """
         self._name = name
         self.id = id
         own_session(self).listen()
+        self._begin_record()
         if self.autonomy_level != UNSUPERVISED:
             self._enable_ros_control()
         try:
             for state in self._all_states():
-                state.on_start()
+                if handover is None or state is not handover.state:
+                    state.on_start()
         except Exception:
             self.destroy()
             raise
+        if handover is not None:
+            take_over(own_session(self).engine, handover)
 
     def destroy(self) -> None:
         """End as the root of a behavior: stop all states, and listen no more.
@@ -125,6 +132,7 @@ class OperatableStateMachine(PreemptableStateMachine):
             except Exception as error:  # noqa: BLE001 - the other states must be stopped too
                 errors.append(error)
         self._disable_ros_control()
+        StateLogger.shutdown()
         if errors:
             raise errors[0]
 
@@ -133,6 +141,14 @@ class OperatableStateMachine(PreemptableStateMachine):
         record = run_session(self).container(self.path)
         if record is not None:
             record.exit()
+
+    def _begin_record(self) -> None:
+        """Record what all states do, if the node's parameters ask for it."""
+        StateLogger.initialize(self._name, self.autonomy_level)
+        own_session(self).engine.recording = StateLogger.enabled
+        if StateLogger.enabled:
+            for state in self._all_states():
+                record_events(state)
 
     def _all_states(self) -> list[State]:
         return [state for state in definitions_below(self) if type(state).__kind__ is Kind.STATE]

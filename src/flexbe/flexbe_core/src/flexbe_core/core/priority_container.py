@@ -6,9 +6,19 @@ from typing import ClassVar
 
 from flexbe_core.core.operatable_state_machine import OperatableStateMachine
 from flexbe_core.engine.definition import Kind
+from flexbe_core.ros.session import Session
 
 
-class PriorityContainer(OperatableStateMachine):
+class _Priority(type):
+    """Tells, as an attribute of the class, what runs alone; each run has a priority of its own."""
+
+    @property
+    def active_container(cls) -> str | None:
+        """Path of the priority container that is active in what was last executed by hand."""
+        return Session.priority_by_hand
+
+
+class PriorityContainer(OperatableStateMachine, metaclass=_Priority):
     """A state machine that runs alone: while it is active, states beside it are paused."""
 
     __kind__: ClassVar[Kind] = Kind.PRIORITY

@@ -8,7 +8,7 @@ from flexbe_core.engine.user_data import UserData
 from flexbe_core.proxy.proxy_publisher import ProxyPublisher
 from flexbe_core.proxy.proxy_subscriber_cached import ProxySubscriberCached
 from flexbe_core.ros import breakpoints
-from flexbe_core.ros.session import own_session
+from flexbe_core.ros.session import own_session, run_session
 
 
 class RosState(State):
@@ -47,8 +47,7 @@ class RosState(State):
     def _enable_ros_control(self) -> None:
         """Let operators supervise the state."""
         super()._enable_ros_control()
-        if self._parent is None:
-            own_session(self).listen()
+        run_session(self).listen()
 
     def __execute_by_hand(self, userdata: UserData) -> str | None:
         is_preempted = getattr(type(self), "preempt", False)

@@ -11,7 +11,7 @@ from flexbe_core.core.state import State
 from flexbe_core.core.state_machine import StateMachine
 from flexbe_core.proxy.proxy_publisher import ProxyPublisher
 from flexbe_core.proxy.proxy_subscriber_cached import ProxySubscriberCached
-from flexbe_core.ros.session import own_session
+from flexbe_core.ros.session import run_session
 
 # [s] Wall time between two looks at the condition of `wait`.
 _LOOK_EVERY_S = 0.01
@@ -35,10 +35,9 @@ class RosStateMachine(StateMachine):
     def _enable_ros_control(self) -> None:
         """Let operators supervise the container and everything in it."""
         super()._enable_ros_control()
+        run_session(self).listen()
         for state in self._supervised_children():
             state._enable_ros_control()
-        if self._parent is None:
-            own_session(self).listen()
 
     def _disable_ros_control(self) -> None:
         """Let the container and everything in it run by itself."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,5 +73,17 @@ class Repeat:
     """Leave the active state and enter it again."""
 
 
+@dataclass(frozen=True, slots=True)
+class Release:
+    """Let go of the active state, for another version of the behavior, and end.
+
+    Attributes:
+        offer: told what is active (None if nothing is), and returns whether that was taken over;
+            if not, the run goes on.
+    """
+
+    offer: Callable[[Any], bool]
+
+
 StateCommand = ForceOutcome | Lock | Unlock | Pause | Resume | Repeat
-Command = Preempt | SetAutonomy | Attach | Sync | ShowStructure | StateCommand
+Command = Preempt | SetAutonomy | Attach | Sync | ShowStructure | Release | StateCommand

@@ -87,6 +87,10 @@ class Container(Node):
             node = self.children[label] = record(self.engine, definition, self, label)
         return node
 
+    def resume(self, label: str) -> Node:
+        """Go on with the child that was active in another version; for a visit that has begun."""
+        return self.child(label)
+
     def hold(self, now: float) -> None:
         """Try to begin again after one period."""
         self.due = now + DEFAULT_PERIOD_S

@@ -1,10 +1,11 @@
-"""What a state may do now: the precedence of all supervision, as one table.
+"""What a state may do now: the precedence of all supervision, as two tables.
 
-A state is asked about twice per execution. First before it is executed (its outcome is PENDING):
-is it executed at all? Then with the outcome it returned: may it leave? The first rule of RULES
-that applies decides. A rule may read the record, the moment, and nothing else.
+A state is asked about twice per execution. BEFORE it is executed (its outcome is PENDING): is it
+executed at all? AFTER, with the outcome it returned: may it leave? The first rule of the table that
+applies decides. A rule may read the record, the moment, and nothing else.
 
 Leaves and containers carry out the act (leaf.py, oversight.py); a new act needs a branch there.
+docs/engine.md draws both tables; tools/draw_engine.py writes them there.
 """
 
 from __future__ import annotations
@@ -68,15 +69,11 @@ class Moment:
 
 @dataclass(frozen=True)
 class Rule:
-    """One row of the table."""
+    """One row of a table."""
 
     name: str
     act: Act
     applies: Callable[[Supervision, Moment], bool]
-
-
-def _before(moment: Moment) -> bool:
-    return moment.outcome is PENDING
 
 
 def _locked(record: Supervision, moment: Moment) -> bool:
@@ -84,7 +81,7 @@ def _locked(record: Supervision, moment: Moment) -> bool:
 
 
 def _kept(record: Supervision, moment: Moment) -> bool:
-    return _before(moment) and moment.supervised and record.stored is not None
+    return moment.supervised and record.stored is not None
 
 
 def _blocked(record: Supervision, moment: Moment) -> bool:
@@ -97,10 +94,10 @@ def _blocked(record: Supervision, moment: Moment) -> bool:
     )
 
 
-RULES: tuple[Rule, ...] = (
-    Rule("preempted", Act.PREEMPT, lambda r, m: _before(m) and r.preempt),
-    Rule("shadowed", Act.SKIP, lambda r, m: _before(m) and m.shadowed),
-    Rule("paused", Act.SKIP, lambda r, m: _before(m) and m.supervised and r.paused),
+BEFORE: tuple[Rule, ...] = (
+    Rule("preempted", Act.PREEMPT, lambda r, m: r.preempt),
+    Rule("shadowed", Act.SKIP, lambda r, m: m.shadowed),
+    Rule("paused", Act.SKIP, lambda r, m: m.supervised and r.paused),
     Rule(
         "locked, no longer asking",
         Act.WITHDRAW,
@@ -108,8 +105,11 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule("locked with an outcome", Act.STAY, lambda r, m: _kept(r, m) and _locked(r, m)),
     Rule("unlocked with an outcome", Act.RELEASE, _kept),
-    Rule("forced", Act.FORCE, lambda r, m: _before(m) and m.supervised and r.forced is not None),
-    Rule("free to run", Act.EXECUTE, lambda r, m: _before(m)),
+    Rule("forced", Act.FORCE, lambda r, m: m.supervised and r.forced is not None),
+    Rule("free to run", Act.EXECUTE, lambda r, m: True),
+)
+
+AFTER: tuple[Rule, ...] = (
     Rule("preempted itself", Act.LEAVE, lambda r, m: m.outcome == PREEMPTED),
     Rule("locked", Act.STORE, lambda r, m: m.outcome is not None and _locked(r, m)),
     Rule(
@@ -131,4 +131,5 @@ RULES: tuple[Rule, ...] = (
 
 def decide(record: Supervision, moment: Moment) -> Act:
     """Return what is done with the state: the act of the first rule that applies."""
-    return next(rule.act for rule in RULES if rule.applies(record, moment))
+    rules = BEFORE if moment.outcome is PENDING else AFTER
+    return next(rule.act for rule in rules if rule.applies(record, moment))

@@ -24,10 +24,12 @@ from flexbe_core.engine import commands
 from flexbe_core.engine.concurrency import Concurrency
 from flexbe_core.engine.definition import Definition, Kind
 from flexbe_core.engine.facts import Answered, Entered, Fact, Synced
+from flexbe_core.engine.handover import active_state, let_go
 from flexbe_core.engine.leaf import Leaf
 from flexbe_core.engine.machine import Machine
 from flexbe_core.engine.node import NOW, Node
 from flexbe_core.engine.priority import Priority, is_inside
+from flexbe_core.engine.structure import first_state
 from flexbe_core.engine.supervision import PREEMPTED, UNSUPERVISED, Supervision
 
 if TYPE_CHECKING:
@@ -62,7 +64,10 @@ class Engine:
         entries: paths of the states entered since then; when it is full, older ones are forgotten.
         moved: whether a transition was taken since somebody set it to False.
         executing: the state that is being executed, or was last.
+        root_path: path of the root; empty but for a part of a behavior that is run by itself.
         slow: whether cycles are slowed down, see machine.py; for the driver to set.
+        released: whether the active state was handed over to another version.
+        recording: whether facts are told that only a record of the run needs (Ended, Forced).
         sync_pending: whether mirrors are to be told where the run is, as soon as a state is active.
     """
 
@@ -73,8 +78,11 @@ class Engine:
         Kind.PRIORITY: Priority,
     }
 
-    def __init__(self, root: Definition, policy: ErrorPolicy = ErrorPolicy.AUTO) -> None:
-        """Prepare to run the definition `root`."""
+    def __init__(
+        self, root: Definition, policy: ErrorPolicy = ErrorPolicy.AUTO, path: str = ""
+    ) -> None:
+        """Prepare to run the definition `root`, which is at `path` of the behavior."""
+        self.root_path = path
         self.record = Supervision()
         self.priority: str | None = None
         self.commands: deque[commands.StateCommand] = deque()
@@ -85,6 +93,8 @@ class Engine:
         self.slow = False
         self.sync_pending = False
         self.policy = policy
+        self.released = False
+        self.recording = False
         self._sync_asked = False
         self._pause_claim: tuple[str | None] | None = None
         self.root: Node = self.records[type(root).__kind__](self, root, None, "")
@@ -102,6 +112,10 @@ class Engine:
             self.sync_pending = True
         elif isinstance(command, commands.Sync):
             self._sync_asked = True
+        elif isinstance(command, commands.Release):
+            active = None if self.record.preempt else active_state(self)
+            if command.offer(active):
+                let_go(self)
         elif isinstance(command, commands.StateCommand) and self._is_supervised():
             self.commands.append(command)
         leaf = self.root.leaf()
@@ -139,7 +153,7 @@ class Engine:
             BehaviorFailure: if a state could not go on and errors end the run.
             Exception: what a root raised that holds no errors.
         """
-        if self.record.preempt:  # the first row of decision.RULES, for all states at once
+        if self.record.preempt:  # the first row of decision.BEFORE, for all states at once
             return self._preempt()
         tick = self.root.tick
         while True:
@@ -191,10 +205,12 @@ class Engine:
             self._pause_claim = None
 
     def _is_supervised(self) -> bool:
-        return bool((self.root.leaf() or self.root).definition._is_controlled)
+        leaf = self.root.leaf()
+        state = leaf.definition if leaf else first_state(self.root.definition)
+        return bool(state._is_controlled)
 
     def _preempt(self) -> str:
-        if self._is_supervised():
+        if self._is_supervised() and not self.released:
             self.facts.append(Answered("preempt"))
         self.record = replace(self.record, preempt=False)
         self.root.exit()

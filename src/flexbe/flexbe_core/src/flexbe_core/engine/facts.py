@@ -69,4 +69,24 @@ class Raised:
     held: bool
 
 
-Fact = Entered | Left | Requested | Answered | Synced | Refused | Raised
+@dataclass(frozen=True, slots=True)
+class Forced:
+    """An operator made a state take an outcome; `requested` is what he had been asked for.
+
+    Told only for a record (Engine.recording).
+    """
+
+    path: str
+    outcome: str
+    requested: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """A state took an outcome, supervised or not; told only for a record (Engine.recording)."""
+
+    path: str
+    outcome: str
+
+
+Fact = Entered | Left | Requested | Answered | Synced | Refused | Raised | Forced | Ended

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 from flexbe_core.engine import oversight
 from flexbe_core.engine.decision import Act
 from flexbe_core.engine.errors import StateError
-from flexbe_core.engine.facts import Raised
+from flexbe_core.engine.facts import Ended, Raised
 from flexbe_core.engine.node import NEVER, NOW, Node
-from flexbe_core.engine.rate import period_s
+from flexbe_core.engine.rate import Rate, is_over, period_s
 from flexbe_core.engine.user_data import UserData
 
 if TYPE_CHECKING:
@@ -62,6 +62,14 @@ class Leaf(Node):
         """See this userdata from now on; for a state without a parent."""
         self.view = _NOTHING if userdata is None else userdata
 
+    def go_on(self, entered: bool) -> None:
+        """Go on with a visit that began in another version of the behavior, or is about to."""
+        self.entered = entered
+        if self.parent is not None:
+            self.view._reference = self.parent.userdata
+        if entered and self.shown:
+            self.engine.entries.append(self.path)
+
     def tick(self, now: float) -> str | None:
         """Execute the state once.
 
@@ -102,6 +110,8 @@ class Leaf(Node):
         self._leave()
         if supervised:
             oversight.left(self, outcome)
+        if self.engine.recording:
+            self.engine.facts.append(Ended(self.path, outcome))
         return outcome
 
     def exit(self) -> None:
@@ -133,7 +143,8 @@ class Leaf(Node):
 
     def next_due(self) -> float:
         """Return when the state wants to be executed."""
-        return self.due
+        rate = self.definition._rate
+        return NOW if type(rate) is not Rate and is_over(rate) else self.due
 
     def leaf(self) -> Leaf | None:
         """Return itself."""

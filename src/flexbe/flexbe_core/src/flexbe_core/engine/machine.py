@@ -50,6 +50,12 @@ class Machine(Container):
         self.current = self.child(self.definition.initial_state_label)
         self.current.due = NOW
 
+    def resume(self, label: str) -> Node:
+        """Go on with this child in place of the initial state."""
+        self.current = super().resume(label)
+        self.current.due = NOW
+        return self.current
+
     def tick(self, now: float) -> str | None:
         """Execute the active child once; a transition is taken in the same tick."""
         node = self.current

@@ -64,7 +64,7 @@ class Node(ABC):
         self.label = label
         self.due = NOW
         if parent is None:
-            self.path = ""
+            self.path = engine.root_path
             self.shown = True
             self.targets: Mapping[str, str] = {}
         else:

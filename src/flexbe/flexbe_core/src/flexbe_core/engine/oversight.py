@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from flexbe_core.engine.commands import StateCommand
 from flexbe_core.engine.decision import PENDING, Act, Moment, Pending, decide
-from flexbe_core.engine.facts import NO_OUTCOME, Left, Requested
+from flexbe_core.engine.facts import NO_OUTCOME, Forced, Left, Requested
 from flexbe_core.engine.obey import ActiveState, obey
 
 if TYPE_CHECKING:
@@ -29,6 +29,8 @@ def before(leaf: Leaf) -> tuple[Act, str | None]:
         engine.record = replace(record, stored=None)
         return act, record.stored
     if act is Act.FORCE:
+        if engine.recording:
+            engine.facts.append(Forced(leaf.path, record.forced or "", record.requested))
         return act, record.forced
     if act is Act.WITHDRAW:
         _withdraw(leaf)

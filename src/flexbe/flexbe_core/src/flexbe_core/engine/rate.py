@@ -40,3 +40,14 @@ def period_s(rate: object) -> float:
     to_sec = getattr(getattr(rate, "sleep_dur", None), "to_sec", None)
     seconds = float(to_sec()) if to_sec is not None else 0.0
     return seconds if seconds > 0 else DEFAULT_PERIOD_S
+
+
+def is_over(rate: object) -> bool:
+    """Return whether a rate of a user's own class, which only tells what remains, is over.
+
+    Tests of states put such rates there, to have every tick execute the state.
+    """
+    remaining = getattr(rate, "remaining", None)
+    if remaining is None or hasattr(rate, "sleep_dur"):
+        return False
+    return bool(remaining().to_sec() <= 0)

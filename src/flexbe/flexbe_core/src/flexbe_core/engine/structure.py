@@ -42,6 +42,20 @@ def definitions_below(root: Definition) -> Iterator[Definition]:
             yield from definitions_below(child)
 
 
+def definition_at(root: Definition, path: str) -> Definition:
+    """Return the state or container at a path below the root."""
+    for label in path.split("/")[1:]:
+        root = root._labels[label]
+    return root
+
+
+def first_state(root: Definition) -> Definition:
+    """Return the state that is active first; a container without states stands for itself."""
+    while type(root).__kind__ is not Kind.STATE and root._labels:
+        root = next(iter(root._labels.values()))
+    return root
+
+
 def _walk(definition: Definition, path: str, parent: Definition, label: str) -> Iterator[Part]:
     is_container = type(definition).__kind__ is not Kind.STATE
     children = tuple(definition._labels) if is_container else ()

@@ -103,6 +103,12 @@ class ActionConnection:
         """Ask the server to stop working on a goal."""
         self._cancel_publisher.publish(GoalID(id=goal.goal_id))
 
+    def cancel_all(self) -> None:
+        """Ask the server to stop working on all goals of this process."""
+        for goal in list(self._goals.values()):
+            if goal.is_active:
+                self.cancel(goal)
+
     def _is_connected(self) -> bool:
         servers = [_established(subscriber) for subscriber in self._subscribers]
         return any(

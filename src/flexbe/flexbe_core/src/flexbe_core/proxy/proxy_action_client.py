@@ -157,6 +157,12 @@ class ProxyActionClient:
             )
 
 
+def cancel_all_goals() -> None:
+    """Ask all servers to stop working on what this process asked for."""
+    for connection in tuple(ProxyActionClient._connections.values()):
+        connection.cancel_all()
+
+
 def _gone_for(goal: Goal) -> float:
     """Return how long [s] the goal's server has been known to be missing."""
     if goal.gone_since is None:

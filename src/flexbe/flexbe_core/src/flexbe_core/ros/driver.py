@@ -41,6 +41,7 @@ class Driver:
 
     Attributes:
         engine: what it drives.
+        busy_since: by time.monotonic, when the engine was let run; None while it waits.
     """
 
     def __init__(
@@ -61,6 +62,7 @@ class Driver:
             report: publishes facts.
         """
         self.engine = engine
+        self.busy_since: float | None = None
         self._inbox = inbox
         self._command = command
         self._refresh = refresh
@@ -106,8 +108,10 @@ class Driver:
         while not rospy.is_shutdown():
             if engine.record.preempt or engine.next_due() <= self._now():
                 self._refresh()
-                self._slice_end = time.monotonic() + _REPORT_EVERY_S
+                self.busy_since = time.monotonic()
+                self._slice_end = self.busy_since + _REPORT_EVERY_S
                 outcome = engine.run(clock.now(), self._is_enough)
+                self.busy_since = None
                 self._report_facts()
                 if outcome is not None:
                     return outcome

@@ -20,19 +20,23 @@ from std_msgs.msg import String, UInt8
 from flexbe_core.core.state import State
 from flexbe_core.engine.checksum import checksum
 from flexbe_core.engine.facts import (
+    NO_OUTCOME,
     Answered,
+    Ended,
     Entered,
     Fact,
+    Forced,
     Left,
     Raised,
     Refused,
     Requested,
     Synced,
 )
-from flexbe_core.engine.structure import structure_of
+from flexbe_core.engine.structure import definition_at, structure_of
 from flexbe_core.logger import Logger
 from flexbe_core.proxy.proxy_publisher import ProxyPublisher
 from flexbe_core.ros import topics
+from flexbe_core.state_logger import StateLogger
 
 # [s] Wall time for which the same error of a held state, tried again and again, is not logged anew.
 _SAME_ERROR_S = 10.0
@@ -93,6 +97,18 @@ class Reporter:
     @_publish.register
     def _(self, fact: Requested) -> None:
         self._send(topics.OUTCOME_REQUEST, OutcomeRequest(fact.index, fact.path))
+        if StateLogger.enabled and fact.index != NO_OUTCOME:
+            self._record_request(fact)
+
+    @_publish.register
+    def _(self, fact: Forced) -> None:
+        about = {"type": "forced", "forced": fact.outcome, "requested": fact.requested}
+        StateLogger.log("flexbe.operator", definition_at(self._root, fact.path), **about)
+
+    @_publish.register
+    def _(self, fact: Ended) -> None:
+        state = definition_at(self._root, fact.path)
+        StateLogger.log("flexbe.outcomes", state, outcome=fact.outcome)
 
     @_publish.register
     def _(self, fact: Answered) -> None:
@@ -118,6 +134,18 @@ class Reporter:
         then = "; it stays active and is tried again" if fact.held else ""
         Logger.logerr("%s: %s%s", fact.path or "root", text, then)
         Logger.local(trace, Logger.REPORT_ERROR)
+
+    def _record_request(self, fact: Requested) -> None:
+        state: State = definition_at(self._root, fact.path)
+        outcome = state.outcomes[fact.index]
+        levels = getattr(state.parent, "_autonomy", {}).get(state.name, {})
+        about = {
+            "type": "request",
+            "request": outcome,
+            "autonomy": getattr(self._root, "autonomy_level", None),
+            "required": levels.get(outcome, -1),
+        }
+        StateLogger.log("flexbe.operator", state, **about)
 
     def _behavior_id(self) -> int:
         return getattr(self._root, "id", None) or 0

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import queue
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import rospy
 
@@ -20,6 +20,7 @@ from flexbe_core.engine.leaf import Leaf
 from flexbe_core.engine.node import Node
 from flexbe_core.logger import Logger
 from flexbe_core.ros import breakpoints, clock
+from flexbe_core.ros.beat import Beat
 from flexbe_core.ros.command_hub import HUB
 from flexbe_core.ros.driver import Driver, Inbox
 from flexbe_core.ros.reporter import Reporter, advertise
@@ -34,12 +35,18 @@ class Session:
 
     Attributes:
         engine: what runs it.
+        priority_by_hand: path of what runs alone in what was last executed by hand; None if
+            nothing does.
     """
+
+    priority_by_hand: ClassVar[str | None] = None
 
     def __init__(self, root: Definition, policy: ErrorPolicy = ErrorPolicy.AUTO) -> None:
         """Prepare to run `root`."""
         self._root = root
-        self.engine = Engine(root, policy)
+        self.engine = Engine(root, policy, root.path)
+        self._beat: Beat | None = None
+        self._driver: Driver | None = None
         self._inbox: Inbox = queue.SimpleQueue()
         self._is_listening = False
         self._reporter = Reporter(root)
@@ -69,13 +76,20 @@ class Session:
         """Run to the end and return the outcome; see Driver.drive for what it raises."""
         self._refresh()
         self.engine.begin(userdata)
-        driver = Driver(
+        self._driver = Driver(
             self.engine, self._inbox, self._command, self._refresh, self._reporter.report
         )
-        return driver.drive()
+        try:
+            return self._driver.drive()
+        finally:
+            self._driver = None
 
     def execute(self, userdata: UserData | None = None, is_preempted: bool = False) -> str | None:
-        """Execute once and return the outcome, if it ends with that."""
+        """Execute once and return the outcome, if it ends with that.
+
+        A container holds the errors of its states at any level, unless told otherwise: its caller
+        looks at them.
+        """
         self._refresh()
         while not self._inbox.empty():
             event = self._inbox.get()
@@ -84,21 +98,35 @@ class Session:
         if is_preempted:
             self._command(Preempt())
         self.engine.begin(userdata)
+        policy = self.engine.policy
+        if policy is ErrorPolicy.AUTO:
+            self.engine.policy = ErrorPolicy.HOLD
         try:
             return self.engine.run(clock.now())
         finally:
+            self.engine.policy = policy
+            Session.priority_by_hand = self.engine.priority
             self._reporter.report(self.engine.take_facts())
+
+    def execution(self) -> tuple[str, float] | None:
+        """Return the path of the state that is being executed, and since when (time.monotonic)."""
+        driver, leaf = self._driver, self.engine.executing
+        since = driver.busy_since if driver is not None else None
+        return None if since is None or leaf is None else (leaf.path, since)
 
     def remaining_s(self) -> float:
         """Return how long [s] until something is due; 0 or less if it is."""
+        if isinstance(self.engine.root, Leaf):
+            return self._steady_beat().remaining_s()
         due = self.engine.next_due()
         return 0.0 if due == float("-inf") else due - clock.now()
 
     def sleep(self) -> None:
         """Sleep until something is due."""
-        remaining_s = self.remaining_s()
-        if remaining_s > 0:
-            rospy.sleep(remaining_s)
+        if isinstance(self.engine.root, Leaf):
+            self._steady_beat().sleep()
+        elif self.remaining_s() > 0:
+            rospy.sleep(self.remaining_s())
 
     def active_leaf(self) -> State | None:
         """Return the active state that mirrors show."""
@@ -115,13 +143,19 @@ class Session:
     def container(self, path: str) -> Container | None:
         """Return the record of the container at this path; None if it has not been reached."""
         node: Node | None = self.engine.root
-        for label in path.split("/")[1:]:
+        for label in path.removeprefix(self.engine.root_path).split("/")[1:]:
             node = node.children.get(label) if isinstance(node, Container) else None
         return node if isinstance(node, Container) else None
 
     def is_locked(self, path: str) -> bool:
         """Return whether the operator has locked the state or container at this path."""
         return path in self.engine.record.locks
+
+    def set_locked(self, path: str, is_locked: bool) -> None:
+        """Lock or unlock the state or container at this path, as an operator would."""
+        record = self.engine.record
+        locks = record.locks | {path} if is_locked else record.locks - {path}
+        self.engine.record = replace(record, locks=locks)
 
     def userdata(self) -> dict[str, dict[str, Any]]:
         """Return the runtime userdata of all containers reached so far, by their paths."""
@@ -137,6 +171,12 @@ class Session:
     def publish_structure(self) -> None:
         """Tell mirrors what the definition is made of."""
         self._reporter.structure()
+
+    def _steady_beat(self) -> Beat:
+        rate = self._root._rate
+        if self._beat is None or self._beat.rate is not rate:
+            self._beat = Beat(rate)
+        return self._beat
 
     def _command(self, command: Command) -> None:
         if isinstance(command, ShowStructure):
@@ -172,7 +212,15 @@ def own_session(definition: State) -> Session:
 
 
 def run_session(definition: State) -> Session:
-    """Return the session of the outermost container around this definition."""
+    """Return the session in which this definition runs.
+
+    That of the outermost container around it; but if a part of a behavior is run by itself, as in
+    tests, that of the part.
+    """
+    session: Session | None = definition.__session__
     while definition.parent is not None:
+        if session is not None and session.engine.root.active:
+            return session
         definition = definition.parent
+        session = definition.__session__
     return own_session(definition)

@@ -1,18 +1,22 @@
 """Run behaviors when asked to, one at a time, and tell how they go.
 
     idle --start request--> preparing --STARTED--> running --FINISHED or FAILED--> idle
-                                |
-                                +--ERROR--> idle
+                                |                    | ^
+                                +--ERROR--> idle     | +--ERROR-- (the switch is refused)
+                                                     v |
+      preparing <--SWITCHING-- (the old version) -- switching
 
-A request that comes while one is prepared or runs is refused, and changes nothing.
+A request for another version of the behavior that runs switches to it: its active state goes on in
+the new version, locked. Any other request that comes meanwhile is refused, and changes nothing.
 """
 
 from __future__ import annotations
 
+import os
 import threading
+import time
 import traceback
 from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import Enum
 
 import rospy
@@ -20,17 +24,31 @@ from flexbe_msgs.msg import BehaviorSelection, BEStatus, CommandFeedback
 
 from flexbe_core import Behavior, BehaviorLibrary, Logger
 from flexbe_core.engine.commands import Command, Preempt
-from flexbe_core.engine.engine import ErrorPolicy
-from flexbe_core.engine.errors import BehaviorFailure
+from flexbe_core.engine.errors import BehaviorFailure, StateMachineError
+from flexbe_core.engine.handover import Handover
+from flexbe_core.proxy.proxy_action_client import cancel_all_goals
 from flexbe_core.ros import session
 from flexbe_core.ros.command_hub import HUB
+from flexbe_onboard.core.hang import HangPolicy
 from flexbe_onboard.core.input_values import read_inputs
 from flexbe_onboard.core.modification import Modification
 from flexbe_onboard.edge.behavior_source import load_behavior
 from flexbe_onboard.edge.module_freshness import ModuleFreshness
 from flexbe_onboard.errors import StartError
+from flexbe_onboard.ros.hang_watch import HangWatch
 from flexbe_onboard.ros.heartbeat import Heartbeat
+from flexbe_onboard.ros.options import Options
 from flexbe_onboard.ros.userdata_service import UserdataService
+
+# [s] Wall time that STARTED stands at least, before the status that ends the run replaces it: tools
+# and tests look at the last status a hundred times per second, and must not miss a short run.
+_STARTED_STANDS_S = 0.03
+
+# [s] Wall time in which the last messages of a node that hangs go out.
+_FAREWELL_S = 0.5
+
+# os.EX_SOFTWARE: the node found a fault in itself.
+_EXIT_HUNG = 70
 
 # [s] Wall time that a running behavior gets to stop when the node is shut down.
 _STOP_LIMIT_S = 3.0
@@ -42,21 +60,17 @@ class Phase(Enum):
     IDLE = "idle"
     PREPARING = "preparing"
     RUNNING = "running"
+    SWITCHING = "switching"
 
 
-@dataclass(frozen=True)
-class Options:
-    """What the launch file chooses.
+class SwitchPhase(Enum):
+    """What is told, as feedback, about a request that comes while a behavior runs."""
 
-    Attributes:
-        modifications: apply source changes that come with a request.
-        enable_clear_imports: import modules of behaviors and states anew for each run.
-        on_error: what happens when a state raises.
-    """
-
-    modifications: bool = False
-    enable_clear_imports: bool = False
-    on_error: ErrorPolicy = ErrorPolicy.AUTO
+    RECEIVED = "received"
+    START = "start"
+    PREPARED = "prepared"
+    FAILED = "failed"
+    NOT_SWITCHABLE = "not_switchable"
 
 
 class EngineNode:
@@ -70,9 +84,13 @@ class EngineNode:
         self._behavior: Behavior | None = None
         self._worker: threading.Thread | None = None
         self._preempt_asked = False
+        self._started_at = 0.0
+        self._switch: BehaviorSelection | None = None
+        self._successor: Behavior | None = None
         self._status = rospy.Publisher("flexbe/status", BEStatus, latch=True, queue_size=100)
         self._feedback = rospy.Publisher("flexbe/command_feedback", CommandFeedback, queue_size=100)
-        self._heartbeat = Heartbeat()
+        watch = HangWatch(options.hang_limit_s, lambda: self._behavior, self._on_hang)
+        self._heartbeat = Heartbeat(watch.look)
         self._userdata_service = UserdataService(lambda: self._behavior)
         session.connect()
         HUB.listen(self)
@@ -90,34 +108,53 @@ class EngineNode:
 
     def _on_request(self, request: BehaviorSelection) -> None:
         with self._lock:
-            is_free = self._phase is Phase.IDLE
-            if is_free:
+            phase = self._phase
+            if phase is Phase.IDLE:
                 self._phase = Phase.PREPARING
                 self._preempt_asked = False
-        if is_free:
+            elif phase is Phase.RUNNING:
+                self._phase, self._switch = Phase.SWITCHING, request
+        if phase is Phase.IDLE:
             self._worker = threading.Thread(target=self._work, args=(request,), name="behavior")
             self._worker.start()
+        elif phase is Phase.RUNNING:
+            threading.Thread(target=self._prepare_switch, args=(request,), name="switch").start()
         else:
-            self._refuse(request)
-
-    def _refuse(self, request: BehaviorSelection) -> None:
-        behavior = self._behavior
-        which = f"behavior {behavior.name!r}" if behavior is not None else "another behavior"
-        Logger.logerr("start request refused: %s is %s; stop it first", which, self._phase.value)
-        self._feedback.publish("switch", ["failed"])
-        self._tell(BEStatus.ERROR, request.behavior_checksum)
+            text = f"the engine is {phase.value} another; try again"
+            self._refuse(request, SwitchPhase.FAILED, text)
 
     def _work(self, request: BehaviorSelection) -> None:
-        """Prepare and run the behavior of a request; the thread of one run."""
-        code, args = BEStatus.ERROR, []
+        """Prepare and run the behavior of a request, and its successors; the thread of one run."""
         try:
             behavior = self._prepare(request)
-            code = BEStatus.FAILED
-            args = [self._run(behavior)]
-            code = BEStatus.FINISHED
         except StartError as error:
             Logger.logerr("behavior is not started: %s", error)
             Logger.local(traceback.format_exc(), Logger.REPORT_DEBUG)
+            self._become_idle(BEStatus.ERROR, request.behavior_checksum)
+            return
+        while True:
+            code, args = self._run_whole(behavior)
+            successor, self._successor = self._successor, None
+            if successor is None:
+                break
+            self._tell(BEStatus.SWITCHING, behavior.id)
+            behavior = successor
+        self._become_idle(code, behavior.id, args)
+
+    def _become_idle(self, code: int, behavior_id: int, args: Sequence[str] = ()) -> None:
+        time.sleep(max(0.0, self._started_at + _STARTED_STANDS_S - time.monotonic()))
+        with self._lock:
+            late, self._switch = self._switch, None
+            self._behavior, self._phase = None, Phase.IDLE
+            self._tell(code, behavior_id, args)
+        if late is not None:
+            text = "the running version ended before it could be switched"
+            self._refuse(late, SwitchPhase.FAILED, text)
+
+    def _run_whole(self, behavior: Behavior) -> tuple[int, list[str]]:
+        """Run a behavior to its end, and return the status that tells how it went."""
+        try:
+            return BEStatus.FINISHED, [self._run(behavior)]
         except BehaviorFailure as failure:
             Logger.logerr("behavior failed at %s", failure)
             trace = "".join(traceback.format_exception(failure.cause))
@@ -125,9 +162,58 @@ class EngineNode:
         except (Exception, SystemExit) as error:  # noqa: BLE001 - users' code; the engine lives on
             Logger.logerr("behavior failed: %s: %s", type(error).__name__, error)
             Logger.local(traceback.format_exc(), Logger.REPORT_ERROR)
+        return BEStatus.FAILED, []
+
+    def _refuse(self, request: BehaviorSelection, phase: SwitchPhase, why: str) -> None:
+        Logger.logerr("start request refused: %s", why)
+        self._feedback.publish("switch", [phase.value])
+        self._tell(BEStatus.ERROR, request.behavior_checksum)
+
+    # A switch: prepared on a thread of its own, then offered to the running behavior.
+
+    def _prepare_switch(self, request: BehaviorSelection) -> None:
+        """Prepare another version of the behavior, and offer it the active state."""
+        running = self._behavior
+        self._feedback.publish("switch", [SwitchPhase.RECEIVED.value])
+        name = (self._library.get_behavior(request.behavior_id) or {}).get("name")
+        if running is not None and name not in (None, running.name):
+            text = f"behavior {running.name!r} is running; stop it first"
+            self._call_off(request, SwitchPhase.NOT_SWITCHABLE, text)
+            return
+        try:
+            behavior = self._prepare(request)
+        except StartError as error:
+            self._call_off(request, SwitchPhase.FAILED, str(error))
+            return
+        self._feedback.publish("switch", [SwitchPhase.START.value])
+        if running is not None:
+            running.release(lambda handover: self._offer(request, behavior, handover))
+
+    def _offer(
+        self, request: BehaviorSelection, behavior: Behavior, handover: Handover | None
+    ) -> bool:
+        """Take the active state over; called by the thread of the run, between two executions."""
+        if handover is None:
+            self._call_off(request, SwitchPhase.FAILED, "no state is active")
+            return False
+        try:
+            behavior.take_over(handover)
+        except StateMachineError as error:
+            self._call_off(request, SwitchPhase.FAILED, str(error))
+            return False
         with self._lock:
-            self._behavior, self._phase = None, Phase.IDLE
-            self._tell(code, request.behavior_checksum, args)
+            self._phase, self._switch, self._successor = Phase.PREPARING, None, behavior
+            self._preempt_asked = False
+        self._feedback.publish("switch", [SwitchPhase.PREPARED.value])
+        return True
+
+    def _call_off(self, request: BehaviorSelection, phase: SwitchPhase, why: str) -> None:
+        """Refuse a switch, unless that was done because the behavior ended; what runs goes on."""
+        with self._lock:
+            if self._switch is not request:
+                return
+            self._phase, self._switch = Phase.RUNNING, None
+        self._refuse(request, phase, why)
 
     def _prepare(self, request: BehaviorSelection) -> Behavior:
         """Return the behavior, built and with its parameters and inputs.
@@ -177,13 +263,25 @@ class EngineNode:
         """Run a behavior and return its outcome."""
         behavior.confirm()
         self._behavior, self._phase = behavior, Phase.RUNNING
-        self._tell(BEStatus.STARTED, behavior.id)
+        path = behavior.requested_state_path
+        self._tell(BEStatus.STARTED, behavior.id, [] if path is None else [path])
+        self._started_at = time.monotonic()
         if self._preempt_asked:
             behavior.preempt()
         Logger.loginfo("behavior %s runs", behavior.name)
         outcome = behavior.execute()
         Logger.loginfo("behavior %s ended with %s", behavior.name, outcome)
         return outcome
+
+    def _on_hang(self, behavior: Behavior, path: str) -> None:
+        """End the node if that is the policy; the thread that hangs cannot be ended alone."""
+        if self._options.on_hang is not HangPolicy.RESTART:
+            return
+        Logger.logerr("behavior %s failed: %s hangs; the engine starts anew", behavior.name, path)
+        cancel_all_goals()
+        self._tell(BEStatus.FAILED, behavior.id)
+        time.sleep(_FAREWELL_S)
+        os._exit(_EXIT_HUNG)
 
     def _tell(self, code: int, behavior_id: int, args: Sequence[str] = ()) -> None:
         self._status.publish(BEStatus(behavior_id=behavior_id, code=code, args=list(args)))

@@ -1,13 +1,14 @@
 """Follow one run by what the engine says about it.
 
-    SENT --STARTED--> RUNNING --FINISHED, FAILED--> ended
+    SENT --STARTED--> RUNNING --FINISHED, FAILED--> ended    (--SWITCHING, STARTED--> RUNNING)
       |                  |
       +--ERROR----> ended (refused)
       +--READY-----------+----> ended (the engine was started anew)
       +--silence---------+----> ended (the engine is gone)
       +--START_LIMIT_S--> ended (the engine is still preparing it)
 
-Statuses carry the checksum of the behavior's source; those of other behaviors are left alone. Any
+Statuses carry the checksum of the behavior's source; those of other behaviors are left alone. An
+operator may switch the behavior to another version: from then on that one is followed. Any
 number of statuses may have come before the request was sent; they tell what the engine is doing.
 """
 
@@ -68,16 +69,21 @@ class RunWatch:
     def __init__(self, behavior_id: int) -> None:
         """Follow the run of the behavior whose source has this checksum; it was just asked for."""
         self._behavior_id = behavior_id
+        self._is_switching = False
         self.is_running = False
 
     def on_status(self, code: int, behavior_id: int, args: tuple[str, ...]) -> Ending | None:
         """Return how the run ended, if a status says so."""
         if code == Code.READY.value:
             return Ending(End.RESTARTED)
+        if self._is_switching and code == Code.STARTED.value:
+            self._behavior_id, self._is_switching = behavior_id, False
         if behavior_id != self._behavior_id:
             return None
         if code == Code.STARTED.value:
             self.is_running = True
+        elif code == Code.SWITCHING.value:
+            self._is_switching = True
         elif code == Code.ERROR.value and not self.is_running:
             return Ending(End.REFUSED)
         elif self.is_running and code == Code.FAILED.value:

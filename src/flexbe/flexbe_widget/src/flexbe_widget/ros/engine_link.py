@@ -80,15 +80,23 @@ class EngineLink:
             queue_size=100,
         )
         self._preempt = rospy.Publisher("flexbe/command/preempt", Empty, queue_size=100)
-        rospy.Subscriber("flexbe/status", BEStatus, self._on_status, tcp_nodelay=True)
+        self._news = [
+            rospy.Subscriber(f"flexbe/{topic}", message_type, callback, tcp_nodelay=True)
+            for topic, message_type, callback in (
+                ("status", BEStatus, self._on_status),
+                ("log", BehaviorLog, self._on_log),
+            )
+        ]
         rospy.Subscriber("flexbe/heartbeat", Empty, self._on_heartbeat)
         rospy.Subscriber("flexbe/behavior_update", String, self._on_update, tcp_nodelay=True)
-        rospy.Subscriber("flexbe/log", BehaviorLog, self._on_log)
 
     @property
     def is_there(self) -> bool:
-        """Return whether an engine has said what it is doing, and hears requests."""
-        return self.last_status is not None and self._start.get_num_connections() > 0
+        """Return whether an engine has said what it is doing, hears requests, and is heard."""
+        senders = (_senders(subscriber) for subscriber in self._news)
+        return self.last_status is not None and any(
+            self._start.impl.has_connection(node) for node in set.intersection(*senders)
+        )
 
     def start(self, request: BehaviorSelection) -> None:
         """Ask for a behavior."""
@@ -129,3 +137,8 @@ class EngineLink:
                 self.last_error = message.text
                 self._told.notify_all()
         self._on_event(Logged(message.status_code, message.text))
+
+
+def _senders(subscriber: rospy.Subscriber) -> set[str]:
+    """Return the names of the nodes from which the subscriber receives."""
+    return {connection.callerid_pub for connection in subscriber.impl.connections}

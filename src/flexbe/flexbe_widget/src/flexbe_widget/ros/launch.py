@@ -18,6 +18,11 @@ _LOOK_EVERY_S = 0.5
 # [s] Wall time after which waiting for the engine is told.
 _TELL_AFTER_S = 0.5
 
+# [s] Wall time by which news may come behind a status that was sent after them, at most and until
+# there is a gap.
+_LATE_NEWS_S = 0.5
+_GAP_S = 0.05
+
 _TOLD = {BehaviorLog.WARN: "warning", BehaviorLog.ERROR: "error", BehaviorLog.HINT: "hint"}
 
 
@@ -44,7 +49,7 @@ class Launch:
         ending = self._follow(watch)
         if ending.end in (End.FAILED, End.REFUSED):
             self._link.why()
-            self._tell_rest()
+        self._tell_rest()
         say(self._told(ending))
         return exit_code(ending)
 
@@ -103,8 +108,9 @@ class Launch:
             say(f"{_TOLD[event.severity]}: {event.text}")
 
     def _tell_rest(self) -> None:
-        """Tell what was logged until now."""
-        while (event := self._next_event(0.0)) is not None:
+        """Tell what was logged before the behavior ended, and comes behind its last status."""
+        end = time.monotonic() + _LATE_NEWS_S
+        while time.monotonic() < end and (event := self._next_event(_GAP_S)) is not None:
             if isinstance(event, Logged):
                 self._tell_log(event)
 

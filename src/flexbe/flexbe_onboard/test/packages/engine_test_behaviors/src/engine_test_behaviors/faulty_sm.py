@@ -11,6 +11,7 @@ class FaultySM(Behavior):
         super().__init__()
         self.name = "Faulty Test"
         self.add_parameter("how", "raise")
+        self.add_parameter("hang_s", 60.0)
 
     def create(self):
         if self.how == "build":
@@ -19,7 +20,7 @@ class FaultySM(Behavior):
         with root:
             OperatableStateMachine.add(
                 "Faulty",
-                FaultyState(self.how),
+                FaultyState(self.how, self.hang_s),
                 transitions={"done": "finished"},
                 autonomy={"done": Autonomy.Off},
             )

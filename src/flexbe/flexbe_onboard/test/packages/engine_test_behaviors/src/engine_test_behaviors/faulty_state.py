@@ -1,24 +1,31 @@
 """Go wrong."""
 
+import time
+
 from flexbe_core import EventState
 
 
 class FaultyState(EventState):
     """Raise, or return an outcome that is not declared.
 
-    -- how  string  "raise" or "undeclared".
+    -- how  string  "raise", "undeclared" or "hang".
+    -- hang_s  float  How long it hangs.
 
-    <= done  Never.
+    <= done  It hung, and returned after all.
 
     """
 
-    def __init__(self, how):
+    def __init__(self, how, hang_s=60.0):
         """Take the way."""
         super().__init__(outcomes=["done"])
         self._how = how
+        self._hang_s = hang_s
 
     def execute(self, userdata):
         """Go wrong."""
         if self._how == "raise":
             raise RuntimeError("no camera image")
+        if self._how == "hang":
+            time.sleep(self._hang_s)
+            return "done"
         return "undeclared"

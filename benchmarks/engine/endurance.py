@@ -1,0 +1,93 @@
+"""The engine over a long time: memory over many runs and a simulated day, load while it waits."""
+
+from __future__ import annotations
+
+import queue
+import time
+from collections.abc import Iterator
+from contextlib import suppress
+
+import rospy
+from flexbe_msgs.msg import BEStatus
+from footprint import load, resident_mb
+from latencies import Bench, engine
+from rosgraph_msgs.msg import Clock
+from row import Row
+
+RUNS = 1_000
+WARM_UP_RUNS = 100
+DAY_S = 24 * 3600
+# [s] Simulated time between two messages of the clock, as long as each wait of the behavior.
+STEP_S = 10.0
+WATCHED_S = 8.0
+FOLLOWED_WITHIN_S = 0.02
+
+
+def rows() -> Iterator[Row]:
+    """Yield the figures."""
+    with engine() as child:
+        bench = Bench()
+        bench.until(BEStatus.READY)
+        yield from _many_runs(bench, child.pid)
+        yield from _waiting(bench, child.pid)
+    rospy.set_param("/use_sim_time", True)
+    try:
+        yield from _a_day()
+    finally:
+        rospy.delete_param("/use_sim_time")
+
+
+def _many_runs(bench: Bench, pid: int) -> Iterator[Row]:
+    before = 0.0
+    for run in range(RUNS):
+        if run == WARM_UP_RUNS:
+            before = resident_mb(pid)
+        bench.run("Bench Chain")
+        bench.until(BEStatus.FINISHED)
+    grown = resident_mb(pid) - before
+    # Python's table of interned names doubles once, by 2 MB; stock FlexBE grows by 2 MB each run.
+    yield Row(f"memory grown over {RUNS - WARM_UP_RUNS} runs", grown, "MB", 4.0)
+
+
+def _waiting(bench: Bench, pid: int) -> Iterator[Row]:
+    idle = load(pid, WATCHED_S)
+    yield Row("idle: processor", idle.cpu_percent, "%", 0.2)
+    yield Row("idle: wake-ups", idle.wakeups_hz, "1/s", 7.0)
+    bench.run("Bench Waits", count=2, wait_s=600.0)
+    bench.until(BEStatus.STARTED)
+    waiting = load(pid, WATCHED_S)
+    bench.preempt.publish()
+    bench.until(BEStatus.FINISHED)
+    yield Row("in a long wait: processor", waiting.cpu_percent, "%", 0.2)
+    yield Row("in a long wait: wake-ups", waiting.wakeups_hz, "1/s", 8.0)
+
+
+def _a_day() -> Iterator[Row]:
+    """Let a behavior wait through a day whose clock goes as fast as it follows."""
+    with engine() as child:
+        bench = Bench()
+        bench.until(BEStatus.READY)
+        clock = rospy.Publisher("/clock", Clock, queue_size=10, tcp_nodelay=True)
+        while not clock.get_num_connections():
+            time.sleep(0.01)
+        clock.publish(rospy.Time.from_sec(STEP_S))
+        steps = int(DAY_S / STEP_S)
+        bench.run("Bench Waits", count=steps, wait_s=STEP_S)
+        bench.until(BEStatus.STARTED)
+        time.sleep(0.5)  # by now it waits
+        before, begin, waits = 0.0, time.monotonic(), 0
+        for step in range(1, steps):
+            if step == steps // 24:
+                before = resident_mb(child.pid)
+            clock.publish(rospy.Time.from_sec((step + 1) * STEP_S))
+            # A step that comes before the next wait begins ends none.
+            with suppress(queue.Empty):
+                bench.marks.get(timeout=FOLLOWED_WITHIN_S)
+                waits += 1
+        grown = resident_mb(child.pid) - before
+        took_s = time.monotonic() - begin
+        bench.preempt.publish()
+        bench.until(BEStatus.FINISHED)
+        yield Row("simulated day: memory grown after its first hour", grown, "MB", 1.0)
+        yield Row("simulated day: waits", waits, "")
+        yield Row("simulated day: wall time", took_s, "s")

@@ -1,0 +1,1 @@
+"""Questions of states to the operator, and his answers."""

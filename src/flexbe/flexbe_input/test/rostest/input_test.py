@@ -1,0 +1,101 @@
+#!/usr/bin/env python3
+"""InputState asks, the node passes it on, the operator answers."""
+
+import threading
+import unittest
+
+import actionlib
+import rospy
+import rostest
+from flexbe_msgs.msg import BehaviorInputAction, BehaviorInputResult
+
+from flexbe_core import OperatableStateMachine
+from flexbe_core.engine.commands import Preempt
+from flexbe_core.ros.session import own_session
+from flexbe_states.input_state import InputState
+
+LIMIT_S = 15.0
+
+
+class Operator:
+    """An operator's interface that answers as the test says; None leaves the question open."""
+
+    def __init__(self, code, data):
+        self.goals, self.cancelled = [], threading.Event()
+        self.on_goal = lambda: None
+        self._answer = None if code is None else BehaviorInputResult(code, data)
+        self._server = actionlib.ActionServer(
+            "flexbe/operator_input",
+            BehaviorInputAction,
+            self._on_goal,
+            self._on_cancel,
+            auto_start=False,
+        )
+        self._server.start()
+
+    def _on_goal(self, handle):
+        handle.set_accepted()
+        self.goals.append(handle.get_goal())
+        self.on_goal()
+        if self._answer is not None:
+            handle.set_succeeded(self._answer)
+
+    def _on_cancel(self, handle):
+        handle.set_canceled()
+        self.cancelled.set()
+
+    def close(self):
+        for topic in (self._server.goal_sub, self._server.cancel_sub, self._server.status_pub):
+            topic.unregister()
+        self._server.result_pub.unregister()
+        self._server.feedback_pub.unregister()
+
+
+class InputTest(unittest.TestCase):
+    def setUp(self):
+        state = InputState(3, "Which pin?")
+        self.machine = OperatableStateMachine(outcomes=[f"it {name}" for name in state.outcomes])
+        self.machine.autonomy_level = 255
+        with self.machine:
+            OperatableStateMachine.add(
+                "Ask", state, {name: f"it {name}" for name in state.outcomes}
+            )
+
+    def ask(self, code, data=""):
+        """Return the outcome, the value, and what the operator was asked."""
+        operator = Operator(code, data)
+        try:
+            outcome = self.machine.spin()
+            return outcome, self.machine._userdata["data"], operator.goals
+        finally:
+            operator.close()
+
+    def test_an_answer_is_read_as_a_literal(self):
+        outcome, data, goals = self.ask(BehaviorInputResult.RESULT_OK, "{'pin': [7, 1.5]}")
+        self.assertEqual((outcome, data), ("it received", {"pin": [7, 1.5]}))
+        self.assertEqual((goals[0].request_type, goals[0].msg), (3, "Which pin?"))
+
+    def test_an_answer_that_is_no_literal_is_an_error(self):
+        outcome, data, _ = self.ask(BehaviorInputResult.RESULT_OK, "__import__('os')")
+        self.assertEqual((outcome, data), ("it data_error", None))
+
+    def test_an_operator_may_refuse(self):
+        outcome, data, _ = self.ask(BehaviorInputResult.RESULT_ABORTED)
+        self.assertEqual((outcome, data), ("it aborted", None))
+
+    def test_without_an_interface_nobody_waits_for_ever(self):
+        self.assertEqual(self.machine.spin(), "it aborted")
+
+    def test_a_question_that_is_stopped_is_cancelled_at_the_operator(self):
+        operator = Operator(None, "")
+        try:
+            operator.on_goal = lambda: own_session(self.machine).post(Preempt())
+            self.assertEqual(self.machine.spin(), "preempted")
+            self.assertTrue(operator.cancelled.wait(LIMIT_S))
+        finally:
+            operator.close()
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_input")
+    rostest.rosrun("flexbe_input", "test_input", InputTest)

@@ -1,0 +1,161 @@
+"""Follow one behavior after the other.
+
+    idle --STARTED--> waiting for the structure --structure--> following
+      ^                     |  (asks for it after ASK_AFTER_S)     |
+      +---------------------+-------- any end, silence -----------+
+
+An engine that falls silent shows nothing; if its heartbeat comes back, the mirror follows it again.
+What has been told is answered with what to do: Show, AskForStructure, AskWhere. A mirror that joins
+late knows the structure, but not where the behavior is: it asks.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from flexbe_mirror.core.tree import Tree
+
+# [s] The structure comes by itself with a behavior that an operator starts; otherwise it is asked
+# for after this long, and again until it comes.
+ASK_AFTER_S = 0.2
+ASK_AGAIN_S = 1.0
+
+# [s] The engine beats once per second.
+SILENCE_S = 5.0
+
+
+class Code(Enum):
+    """Codes of flexbe_msgs/BEStatus."""
+
+    STARTED = 0
+    FINISHED = 1
+    FAILED = 2
+    SWITCHING = 6
+    ERROR = 11
+    READY = 20
+
+
+@dataclass(frozen=True)
+class Show:
+    """Tell viewers that this state is active; empty if none is."""
+
+    path: str
+
+
+@dataclass(frozen=True)
+class AskForStructure:
+    """Ask the engine what the behavior with this id is made of."""
+
+    behavior_id: int
+
+
+@dataclass(frozen=True)
+class AskWhere:
+    """Ask the engine which state is active."""
+
+
+Deed = Show | AskForStructure | AskWhere
+
+_ENDS = {Code.FINISHED.value, Code.FAILED.value, Code.SWITCHING.value, Code.READY.value}
+
+
+class Mirror:
+    """Where the running behavior is.
+
+    Attributes:
+        path: the active state; empty if none is, or it is not known.
+    """
+
+    def __init__(self) -> None:
+        """Begin without a behavior."""
+        self.path = ""
+        self._is_new = True
+        self._behavior_id: int | None = None
+        self._resume_at: str | None = None
+        self._tree: Tree | None = None
+        self._buffered: dict[int, Tree] = {}
+        self._ask_at = 0.0
+        self._has_asked = False
+        self._heard_at = 0.0
+        self._lost: int | None = None
+
+    def on_heartbeat(self, now: float) -> list[Deed]:
+        """Take a sign of life of the engine; `now` [s] is wall time."""
+        self._heard_at = now
+        lost, self._lost = self._lost, None
+        return [] if lost is None else self._begin(lost, None, now)
+
+    def on_status(
+        self, code: int, behavior_id: int, args: tuple[str, ...], now: float
+    ) -> list[Deed]:
+        """Take what the engine says about itself; `now` [s] is wall time."""
+        self._heard_at, self._lost = now, None
+        if code == Code.STARTED.value:
+            return self._begin(behavior_id, args[0] if args else None, now)
+        if self._behavior_id is None:
+            return self._show("") if self._is_new else []
+        is_end = code in _ENDS or (code == Code.ERROR.value and behavior_id == self._behavior_id)
+        return self._end() if is_end else []
+
+    def on_structure(self, behavior_id: int, tree: Tree) -> list[Deed]:
+        """Take the structure of a behavior; it may come before the behavior is started."""
+        self._buffered = {behavior_id: tree}
+        if behavior_id == self._behavior_id and self._tree is None:
+            return self._follow(tree)
+        return []
+
+    def on_outcome(self, index: int) -> list[Deed]:
+        """Take the outcome of the active state."""
+        if self._tree is None or not self.path:
+            return []
+        try:
+            following = self._tree.follow(self.path, index)
+        except IndexError:
+            return [AskWhere()]
+        return [] if following is None else self._show(following)
+
+    def on_sync(self, behavior_id: int, path_checksum: int) -> list[Deed]:
+        """Take where the engine says that it is."""
+        if self._tree is None or behavior_id != self._behavior_id:
+            return []
+        path = self._tree.state_with(path_checksum)
+        return [] if path is None else self._show(path)
+
+    def on_time(self, now: float) -> list[Deed]:
+        """Ask for what is missing, once it is late; `now` [s] is wall time."""
+        if self._behavior_id is None:
+            return []
+        if now - self._heard_at > SILENCE_S:
+            self._lost = self._behavior_id
+            return self._end()
+        if self.path or now < self._ask_at:
+            return []
+        self._ask_at = now + ASK_AGAIN_S
+        self._has_asked = True
+        return [AskForStructure(self._behavior_id) if self._tree is None else AskWhere()]
+
+    def _begin(self, behavior_id: int, resume_at: str | None, now: float) -> list[Deed]:
+        self._behavior_id, self._resume_at = behavior_id, resume_at
+        self._tree, self.path = None, ""
+        self._ask_at, self._has_asked = now + ASK_AFTER_S, False
+        tree = self._buffered.get(behavior_id)
+        return [] if tree is None else self._follow(tree)
+
+    def _follow(self, tree: Tree) -> list[Deed]:
+        self._tree = tree
+        if self._has_asked:
+            return [AskWhere()]
+        return self._show(self._resume_at if self._resume_at in tree.parts else tree.first_state())
+
+    def _show(self, path: str | None) -> list[Deed]:
+        self._is_new = False
+        self.path = path or ""
+        return [Show(self.path)]
+
+    def _end(self) -> list[Deed]:
+        # To ask for a structure makes the engine supervise the run: the next run needs that anew.
+        if self._behavior_id is not None:
+            self._buffered.pop(self._behavior_id, None)
+        self._behavior_id = self._tree = None
+        return self._show("")

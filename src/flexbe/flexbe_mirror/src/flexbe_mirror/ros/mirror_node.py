@@ -1,0 +1,89 @@
+"""Take in what the engine tells, publish which state is active.
+
+`flexbe/behavior_update` is latched: who joins late learns at once where the behavior is. Callbacks
+of ROS put what they get into a queue, and one thread takes it out, so that nothing overtakes.
+"""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from collections.abc import Callable
+
+import rospy
+from flexbe_msgs.msg import BehaviorSync, BEStatus, ContainerStructure
+from genpy import Message
+from std_msgs.msg import Empty, Int32, String, UInt8
+
+from flexbe_core.ros import topics
+from flexbe_mirror.core.mirror import AskForStructure, AskWhere, Deed, Mirror, Show
+from flexbe_mirror.core.tree import Part, StructureError, Tree
+
+# [s] Wall time between two looks at what is late.
+_LOOK_EVERY_S = 0.1
+
+
+class FlexbeMirror:
+    """The mirror of the engine of one namespace."""
+
+    def __init__(self) -> None:
+        """Begin to follow what runs, or the next behavior that is started."""
+        self._mirror = Mirror()
+        self._arrived: queue.SimpleQueue[Callable[[], list[Deed]]] = queue.SimpleQueue()
+        self._update = rospy.Publisher(topics.BEHAVIOR_UPDATE, String, queue_size=100, latch=True)
+        self._request = rospy.Publisher(topics.REQUEST_STRUCTURE, Int32, queue_size=10)
+        self._ask_where = rospy.Publisher(topics.SYNC, Empty, queue_size=10)
+        for topic, message_type, handle in (
+            (topics.MIRROR_STRUCTURE, ContainerStructure, self._on_structure),
+            (topics.MIRROR_OUTCOME, UInt8, self._on_outcome),
+            (topics.MIRROR_SYNC, BehaviorSync, self._on_sync),
+            ("flexbe/status", BEStatus, self._on_status),
+            ("flexbe/heartbeat", Empty, lambda m: self._mirror.on_heartbeat(time.monotonic())),
+        ):
+            rospy.Subscriber(topic, message_type, self._put, handle, tcp_nodelay=True)
+        threading.Thread(target=self._work, name="mirror", daemon=True).start()
+
+    def _put(self, message: Message, handle: Callable[[Message], list[Deed]]) -> None:
+        self._arrived.put(lambda: handle(message))
+
+    def _work(self) -> None:
+        while not rospy.is_shutdown():
+            deeds: list[Deed] = []
+            try:
+                deeds = self._arrived.get(timeout=_LOOK_EVERY_S)()
+            except queue.Empty:
+                pass
+            except StructureError as error:
+                rospy.logwarn("a structure is left alone: %s", error)
+            for deed in [*deeds, *self._mirror.on_time(time.monotonic())]:
+                self._do(deed)
+
+    def _do(self, deed: Deed) -> None:
+        if isinstance(deed, Show):
+            self._update.publish(deed.path)
+        elif isinstance(deed, AskForStructure):
+            self._request.publish(deed.behavior_id)
+        elif isinstance(deed, AskWhere):
+            self._ask_where.publish()
+
+    def _on_status(self, message: BEStatus) -> list[Deed]:
+        args = tuple(message.args)
+        return self._mirror.on_status(message.code, message.behavior_id, args, time.monotonic())
+
+    def _on_structure(self, message: ContainerStructure) -> list[Deed]:
+        tree = Tree(
+            Part(
+                part.path,
+                tuple(part.children),
+                tuple(zip(part.outcomes, part.transitions, strict=False)),
+            )
+            for part in message.containers
+        )
+        return self._mirror.on_structure(message.behavior_id, tree)
+
+    def _on_outcome(self, message: UInt8) -> list[Deed]:
+        return self._mirror.on_outcome(message.data)
+
+    def _on_sync(self, message: BehaviorSync) -> list[Deed]:
+        return self._mirror.on_sync(message.behavior_id, message.current_state_checksum)

@@ -1,0 +1,100 @@
+#!/usr/bin/env python3
+"""The mirror beside a real engine: who joins late learns the truth."""
+
+import os
+import signal
+import threading
+import unittest
+from xmlrpc.client import ServerProxy
+
+import rosgraph
+import rospy
+import rostest
+from flexbe_msgs.msg import BehaviorSelection, BEStatus
+from std_msgs.msg import Empty, String
+
+from flexbe_core import BehaviorLibrary
+from flexbe_core.engine.checksum import checksum
+
+LIMIT_S = 15.0
+
+
+class Recorder:
+    """Remembers what comes on a topic."""
+
+    def __init__(self, topic, message_type):
+        self.messages = []
+        self._arrived = threading.Condition()
+        self._subscriber = rospy.Subscriber(topic, message_type, self._on_message)
+
+    def _on_message(self, message):
+        with self._arrived:
+            self.messages.append(message)
+            self._arrived.notify_all()
+
+    def wait(self, matches):
+        with self._arrived:
+            return self._arrived.wait_for(lambda: any(map(matches, self.messages)), LIMIT_S)
+
+    def close(self):
+        self._subscriber.unregister()
+
+
+class MirrorTest(unittest.TestCase):
+    def setUp(self):
+        self.status = Recorder("flexbe/status", BEStatus)
+        self.start = rospy.Publisher("flexbe/start_behavior", BehaviorSelection, queue_size=1)
+        self.preempt = rospy.Publisher("flexbe/command/preempt", Empty, queue_size=1)
+        self.assertTrue(self.status.wait(lambda m: m.code != BEStatus.STARTED))
+        self.begin()
+
+    def tearDown(self):
+        self.preempt.publish()
+        self.status.wait(lambda m: m.code in (BEStatus.FINISHED, BEStatus.READY))
+        self.status.close()
+
+    def begin(self):
+        """Start a behavior under supervision, so that only the mirror tells where it is."""
+        library = BehaviorLibrary()
+        behavior_id, _ = library.find_behavior("Quick Test")
+        with open(library.get_sourcecode_filepath(behavior_id)) as file:
+            behavior_checksum = checksum(file.read())
+        while not self.start.get_num_connections() or not self.preempt.get_num_connections():
+            rospy.sleep(0.01)
+        self.status.messages.clear()
+        self.start.publish(
+            BehaviorSelection(behavior_id, behavior_checksum, 3, ["wait_time"], ["60"], [], [], [])
+        )
+        self.assertTrue(self.status.wait(lambda m: m.code == BEStatus.STARTED))
+
+    def assert_shown(self, path):
+        """Check that who joins now learns this path."""
+        late = Recorder("flexbe/behavior_update", String)
+        self.assertTrue(late.wait(lambda m: m.data == path), late.messages)
+        late.close()
+
+    def kill(self, node):
+        uri = rosgraph.Master(rospy.get_name()).lookupNode(node)
+        os.kill(ServerProxy(uri).getPid(rospy.get_name())[2], signal.SIGKILL)
+
+    def test_who_joins_late_learns_where_the_behavior_is_and_when_it_ended(self):
+        self.assert_shown("/Wait")
+        self.preempt.publish()
+        self.assertTrue(self.status.wait(lambda m: m.args == ["preempted"]))
+        self.assert_shown("")
+
+    def test_a_mirror_that_is_killed_finds_the_behavior_again(self):
+        self.assert_shown("/Wait")
+        self.kill("/behavior_mirror")
+        self.assert_shown("/Wait")
+
+    def test_an_engine_that_is_killed_runs_nothing_any_more(self):
+        self.assert_shown("/Wait")
+        self.kill("/behavior")
+        self.assertTrue(self.status.wait(lambda m: m.code == BEStatus.READY))
+        self.assert_shown("")
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_mirror")
+    rostest.rosrun("flexbe_mirror", "test_mirror", MirrorTest)

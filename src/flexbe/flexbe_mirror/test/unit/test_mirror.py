@@ -1,0 +1,115 @@
+"""What a mirror does about what it is told."""
+
+import pytest
+
+from flexbe_core.engine.checksum import checksum
+from flexbe_mirror.core.mirror import (
+    ASK_AFTER_S,
+    ASK_AGAIN_S,
+    SILENCE_S,
+    AskForStructure,
+    AskWhere,
+    Code,
+    Mirror,
+    Show,
+)
+from flexbe_mirror.core.tree import Part, Tree
+
+TREE = Tree(
+    [
+        Part("", ("A", "B"), ()),
+        Part("/A", (), (("done", "B"),)),
+        Part("/B", (), (("done", "A"), ("end", "finished"))),
+    ]
+)
+BEHAVIOR = 7
+
+
+def status(mirror, code, behavior_id=BEHAVIOR, args=(), now=0.0):
+    return mirror.on_status(code.value, behavior_id, args, now)
+
+
+def following():
+    mirror = Mirror()
+    mirror.on_structure(BEHAVIOR, TREE)
+    assert status(mirror, Code.STARTED) == [Show("/A")]
+    return mirror
+
+
+def test_a_behavior_whose_structure_came_before_is_followed_at_once():
+    mirror = following()
+    assert mirror.on_outcome(0) == [Show("/B")]
+    assert mirror.on_outcome(0) == [Show("/A")]
+    mirror.on_outcome(0)
+    assert mirror.on_outcome(1) == [], "the end is told by a status"
+    assert status(mirror, Code.FINISHED) == [Show("")]
+
+
+def test_a_structure_that_does_not_come_is_asked_for_and_then_where_the_behavior_is():
+    mirror = Mirror()
+    assert status(mirror, Code.STARTED, now=10.0) == []
+    assert mirror.on_time(10.0 + 0.9 * ASK_AFTER_S) == []
+    asked = 10.0 + ASK_AFTER_S
+    assert mirror.on_time(asked) == [AskForStructure(BEHAVIOR)]
+    assert mirror.on_time(asked + 0.9 * ASK_AGAIN_S) == []
+    assert mirror.on_time(asked + ASK_AGAIN_S) == [AskForStructure(BEHAVIOR)]
+    assert mirror.on_structure(99, TREE) == [], "that of another behavior"
+    assert mirror.on_structure(BEHAVIOR, TREE) == [AskWhere()]
+    assert mirror.on_outcome(0) == [], "of which state is not known yet"
+    assert mirror.on_sync(BEHAVIOR, checksum("/B")) == [Show("/B")]
+    assert mirror.on_outcome(0) == [Show("/A")]
+
+
+def test_each_run_needs_its_structure_anew_since_asking_makes_the_engine_tell_outcomes():
+    mirror = following()
+    status(mirror, Code.FINISHED)
+    assert status(mirror, Code.STARTED, now=10.0) == []
+    assert mirror.on_time(10.0 + ASK_AFTER_S) == [AskForStructure(BEHAVIOR)]
+
+
+def test_a_switched_behavior_is_followed_from_the_state_that_goes_on():
+    mirror = following()
+    mirror.on_structure(8, TREE)
+    assert status(mirror, Code.SWITCHING) == [Show("")]
+    assert status(mirror, Code.STARTED, 8, ("/B",)) == [Show("/B")]
+
+
+@pytest.mark.parametrize("code", [Code.FINISHED, Code.FAILED, Code.ERROR, Code.READY])
+def test_every_end_shows_that_nothing_runs_once(code):
+    mirror = following()
+    assert status(mirror, code) == [Show("")]
+    assert status(mirror, code) == []
+
+
+def test_a_new_mirror_shows_that_nothing_runs():
+    mirror = Mirror()
+    assert status(mirror, Code.READY) == [Show("")]
+    assert status(mirror, Code.FINISHED) == []
+
+
+def test_a_refused_start_of_another_behavior_changes_nothing():
+    mirror = following()
+    assert status(mirror, Code.ERROR, behavior_id=99) == []
+    assert mirror.path == "/A"
+
+
+def test_an_impossible_outcome_makes_it_ask_where_the_behavior_is():
+    mirror = following()
+    assert mirror.on_outcome(5) == [AskWhere()]
+    assert mirror.path == "/A"
+
+
+def test_syncs_of_another_behavior_or_an_unknown_state_change_nothing():
+    mirror = following()
+    assert mirror.on_sync(99, checksum("/B")) == []
+    assert mirror.on_sync(BEHAVIOR, 5) == []
+
+
+def test_an_engine_that_falls_silent_is_followed_again_when_it_is_heard():
+    mirror = following()
+    assert mirror.on_time(SILENCE_S + 0.1) == [Show("")]
+    assert mirror.on_time(SILENCE_S + 1) == []
+    assert mirror.on_heartbeat(20.0) == []
+    assert mirror.on_time(20.0 + ASK_AFTER_S) == [AskForStructure(BEHAVIOR)]
+    assert mirror.on_structure(BEHAVIOR, TREE) == [AskWhere()]
+    assert mirror.on_sync(BEHAVIOR, checksum("/B")) == [Show("/B")]

@@ -1,0 +1,1 @@
+"""Test states and behaviors with cases in YAML."""

@@ -1,0 +1,1 @@
+"""What a test case says; no ROS, no disk."""

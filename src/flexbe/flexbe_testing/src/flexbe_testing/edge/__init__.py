@@ -1,0 +1,1 @@
+"""Test cases and recorded messages on disk."""

@@ -1,0 +1,1 @@
+"""Run test cases in a ROS node."""
