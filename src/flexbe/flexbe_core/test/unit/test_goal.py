@@ -2,7 +2,7 @@
 
 from actionlib_msgs.msg import GoalStatus
 
-from flexbe_core.proxy.goal import Goal
+from flexbe_core.proxy.goal import UNNOTICED_S, Goal
 
 
 def status(code, text=""):
@@ -23,6 +23,13 @@ def test_a_goal_that_the_server_does_not_know_yet_is_waited_for():
     goal = Goal("1")
     assert not goal.take_status(None)
     assert goal.is_active
+
+
+def test_a_goal_that_the_server_never_lists_is_lost():
+    goal = Goal("1", sent_at=10.0)
+    assert not goal.take_status(None, 10.0 + 0.9 * UNNOTICED_S)
+    assert goal.take_status(None, 10.0 + UNNOTICED_S)
+    assert (goal.status, goal.text) == (GoalStatus.LOST, "the server never got the goal")
 
 
 def test_a_goal_that_the_server_knew_and_forgot_is_lost():

@@ -90,7 +90,7 @@ class ActionConnection:
         """Send a goal, given as the goal message of the action."""
         # The wall clock keeps ids apart when simulated time begins anew.
         goal_id = f"{rospy.get_name()}-{next(_goal_numbers)}-{time.time():.6f}"
-        sent = Goal(goal_id)
+        sent = Goal(goal_id, time.monotonic())
         self._goals[goal_id] = sent
         self.latest = sent
         message = self._goal_type(goal=goal)
@@ -122,7 +122,8 @@ class ActionConnection:
         self._changed.set()
         listed = {status.goal_id.id: status for status in message.status_list}
         goals = list(self._goals.values())
-        if any([goal.take_status(listed.get(goal.goal_id)) for goal in goals]):
+        now = self._heard_wall
+        if any([goal.take_status(listed.get(goal.goal_id), now) for goal in goals]):
             self.for_status.wake_all()
 
     def _on_feedback(self, message: Message) -> None:

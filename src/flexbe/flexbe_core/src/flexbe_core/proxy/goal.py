@@ -20,11 +20,17 @@ _TERMINAL = frozenset(
 _SIMPLE = {GoalStatus.RECALLING: GoalStatus.PENDING, GoalStatus.PREEMPTING: GoalStatus.ACTIVE}
 
 
+# [s] A server lists a goal as soon as it has it. One that tells its list for this long without the
+# goal never got it: it was sent into a connection that was about to end.
+UNNOTICED_S = 5.0
+
+
 class Goal:
     """The client's view of a goal.
 
     Attributes:
         goal_id: its name on the wire.
+        sent_at: [s] when it was sent, by time.monotonic.
         status: a constant of GoalStatus.
         text: what the server says about the status.
         result: the server's answer, until somebody removes it.
@@ -32,9 +38,10 @@ class Goal:
         gone_since: [s] when the server was first found missing; None while it is there.
     """
 
-    def __init__(self, goal_id: str) -> None:
+    def __init__(self, goal_id: str, sent_at: float = 0.0) -> None:
         """Begin as a goal that is being sent."""
         self.goal_id = goal_id
+        self.sent_at = sent_at
         self.status: int = GoalStatus.PENDING
         self.text = ""
         self.result: Message | None = None
@@ -52,11 +59,12 @@ class Goal:
         """Return the status as actionlib's simple client tells it."""
         return _SIMPLE.get(self.status, self.status)
 
-    def take_status(self, listed: GoalStatus | None) -> bool:
-        """Take what the server lists about the goal; None if it lists nothing.
+    def take_status(self, listed: GoalStatus | None, now: float = 0.0) -> bool:
+        """Take what the server lists about the goal at `now` [s]; None if it lists nothing.
 
-        A goal that the server knew and no longer lists is lost: the server was started anew. A
-        terminal status counts only with its result, which comes on another topic.
+        A goal that the server knew and no longer lists is lost: the server was started anew. So is
+        one that it never lists. A terminal status counts only with its result, which comes on
+        another topic.
 
         Returns:
             whether the status changed.
@@ -64,10 +72,14 @@ class Goal:
         if not self.is_active:
             return False
         if listed is None:
-            if not self._is_known:
+            if not self._is_known and now - self.sent_at < UNNOTICED_S:
                 return False
             self.status = GoalStatus.LOST
-            self.text = "the server no longer knows the goal; it was started anew"
+            self.text = (
+                "the server no longer knows the goal; it was started anew"
+                if self._is_known
+                else "the server never got the goal"
+            )
             return True
         self._is_known = True
         if listed.status in _TERMINAL or listed.status == self.status:

@@ -12,6 +12,7 @@ A client of stock FlexBE looks at the result code alone, so nobody waits for eve
 from __future__ import annotations
 
 import threading
+import time
 
 import actionlib
 import rospy
@@ -21,6 +22,10 @@ DEFAULT_OPERATOR_LIMIT_S = 10.0
 
 # [s] Wall time between two looks whether the interface is still there.
 _LOOK_EVERY_S = 1.0
+
+
+# [s] Wall time after which an interface that does not take notice of a question never got it.
+_NOTICED_LIMIT_S = 5.0
 
 
 class Relay:
@@ -80,8 +85,12 @@ class Relay:
                 answered.set()
 
         asked = self._operator.send_goal(goal, on_transition)
+        asked_at = time.monotonic()
         while not answered.wait(_LOOK_EVERY_S):
-            if not self._operator.wait_for_server(rospy.Duration.from_sec(_LOOK_EVERY_S)):
+            is_waiting = asked.get_comm_state() == actionlib.CommState.WAITING_FOR_GOAL_ACK
+            is_lost = is_waiting and time.monotonic() - asked_at > _NOTICED_LIMIT_S
+            limit = rospy.Duration.from_sec(_LOOK_EVERY_S)
+            if is_lost or not self._operator.wait_for_server(limit):
                 gone = BehaviorInputResult(result_code=BehaviorInputResult.RESULT_ABORTED)
                 return gone, "the operator's interface has gone away"
         if asked.get_comm_state() != actionlib.CommState.DONE:

@@ -41,7 +41,7 @@ from flexbe_widget.ros.engine_link import EngineLink, Entered, Status
 from flexbe_widget.ros.start_request import start_request
 
 # [s] Wall time between two looks at what takes too long.
-_LOOK_EVERY_S = 0.5
+_LOOK_EVERY_S = 0.1
 
 # [s] Wall time that a goal waits for an engine.
 _ENGINE_LIMIT_S = 10.0
@@ -85,6 +85,7 @@ class _Run:
         request: what the engine is asked for.
         since: [s] when it came.
         watch: how it goes; None until the engine has been asked.
+        older: statuses up to this number were told before the engine was asked.
         is_stopping: whether it is to be stopped.
     """
 
@@ -92,6 +93,7 @@ class _Run:
     request: BehaviorSelection
     since: float
     watch: RunWatch | None = None
+    older: int = 0
     is_stopping: bool = False
 
 
@@ -142,7 +144,8 @@ class BehaviorActionServer:
         elif isinstance(event, Entered):
             run.handle.publish_feedback(BehaviorExecutionFeedback(event.path))
         elif isinstance(event, Status):
-            self._on_status(run, run.watch, event)
+            if event.number > run.older:
+                self._on_status(run, run.watch, event)
         else:
             waited_s = time.monotonic() - run.since
             self._end(run, run.watch.on_time(waited_s, self._link.silent_s()))
@@ -189,7 +192,7 @@ class BehaviorActionServer:
         """Ask the engine, as soon as it is there."""
         if self._link.is_there:
             run.watch = RunWatch(run.request.behavior_checksum)
-            self._link.start(run.request)
+            run.older = self._link.start(run.request)
         elif time.monotonic() - run.since > _ENGINE_LIMIT_S:
             text = (
                 f"no behavior engine for {_ENGINE_LIMIT_S:g} s; "

@@ -15,13 +15,23 @@ from std_msgs.msg import Empty, String
 _LOG_LIMIT_S = 0.5
 
 
+# [s] Wall time by which a sender knows a connection that its receiver has already: rospy's sender
+# adds it after it has answered.
+_SETTLING_S = 0.03
+
+
 @dataclass(frozen=True)
 class Status:
-    """The engine says what it is doing."""
+    """The engine says what it is doing.
+
+    Attributes:
+        number: counts statuses, so that old ones are known as such: the first may be an old one.
+    """
 
     code: int
     behavior_id: int
     args: tuple[str, ...]
+    number: int
 
 
 @dataclass(frozen=True)
@@ -73,6 +83,7 @@ class EngineLink:
         self._on_event = on_event
         self._heard = time.monotonic()
         self._told = threading.Condition()
+        self._connected_at: float | None = None
         self._start = rospy.Publisher(
             "flexbe/start_behavior",
             BehaviorSelection,
@@ -94,14 +105,27 @@ class EngineLink:
     def is_there(self) -> bool:
         """Return whether an engine has said what it is doing, hears requests, and is heard."""
         senders = (_senders(subscriber) for subscriber in self._news)
-        return self.last_status is not None and any(
+        is_connected = self.last_status is not None and any(
             self._start.impl.has_connection(node) for node in set.intersection(*senders)
         )
+        now = time.monotonic()
+        if not is_connected:
+            self._connected_at = None
+        elif self._connected_at is None:
+            self._connected_at = now
+        return self._connected_at is not None and now - self._connected_at >= _SETTLING_S
 
-    def start(self, request: BehaviorSelection) -> None:
-        """Ask for a behavior."""
+    @property
+    def last_number(self) -> int:
+        """Return the number of the last status; 0 if there was none."""
+        return 0 if self.last_status is None else self.last_status.number
+
+    def start(self, request: BehaviorSelection) -> int:
+        """Ask for a behavior; statuses with the number that is returned, or less, are older."""
         self.last_error = ""
+        older = self.last_number
         self._start.publish(request)
+        return older
 
     def preempt(self) -> None:
         """Ask to stop what runs."""
@@ -122,7 +146,8 @@ class EngineLink:
 
     def _on_status(self, message: BEStatus) -> None:
         self._heard = time.monotonic()
-        self.last_status = Status(message.code, message.behavior_id, tuple(message.args))
+        number = self.last_number + 1
+        self.last_status = Status(message.code, message.behavior_id, tuple(message.args), number)
         self._on_event(self.last_status)
 
     def _on_heartbeat(self, message: Empty) -> None:

@@ -15,6 +15,9 @@ from flexbe_widget.ros.engine_link import EngineLink, Entered, Logged, Status
 # [s] Wall time between two looks at the heartbeat.
 _LOOK_EVERY_S = 0.5
 
+# [s] Wall time between two looks whether the engine is there and free.
+_LOOK_FOR_ENGINE_S = 0.01
+
 # [s] Wall time after which waiting for the engine is told.
 _TELL_AFTER_S = 0.5
 
@@ -45,8 +48,7 @@ class Launch:
         if not self._wait_for_engine(wait_s):
             return ExitCode.NO_ENGINE
         watch = RunWatch(request.behavior_checksum)
-        self._link.start(request)
-        ending = self._follow(watch)
+        ending = self._follow(watch, self._link.start(request))
         if ending.end in (End.FAILED, End.REFUSED):
             self._link.why()
         self._tell_rest()
@@ -65,7 +67,7 @@ class Launch:
             if waited_s >= _TELL_AFTER_S and told != self._hindrance():
                 told = self._hindrance()
                 say(f"{told}; waiting up to {wait_s:g} s")
-            self._next_event(min(_TELL_AFTER_S, wait_s - waited_s))
+            self._next_event(min(_LOOK_FOR_ENGINE_S, wait_s - waited_s))
         return True
 
     def _hindrance(self) -> str:
@@ -83,11 +85,13 @@ class Launch:
             )
         return ""
 
-    def _follow(self, watch: RunWatch) -> Ending:
+    def _follow(self, watch: RunWatch, older: int) -> Ending:
         ending = None
         asked = time.monotonic()
         while ending is None:
             event = self._next_event(_LOOK_EVERY_S)
+            if isinstance(event, Status) and event.number <= older:
+                continue
             if isinstance(event, Status):
                 was_running = watch.is_running
                 ending = watch.on_status(event.code, event.behavior_id, event.args)

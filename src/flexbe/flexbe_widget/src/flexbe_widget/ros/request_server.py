@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 
 import rospy
 from flexbe_msgs.msg import BehaviorRequest, BEStatus, ContainerStructure
@@ -16,6 +17,9 @@ from flexbe_widget.ros.engine_link import EngineLink, Event
 from flexbe_widget.ros.start_request import start_request
 
 _YAML = "/YAML:"
+
+# [s] Wall time between two looks whether the engine is there.
+_LOOK_EVERY_S = 0.05
 
 # Versions of the FlexBE App before this one speak another protocol.
 _OLDEST_APP = (2, 2, 0)
@@ -32,7 +36,7 @@ class RequestServer:
         """
         self._wait_s = wait_s
         self._library = BehaviorLibrary()
-        self._changed = threading.Condition()
+        self._changed = threading.Event()
         self._link = EngineLink(self._on_engine)
         self._status = rospy.Publisher("flexbe/status", BEStatus, queue_size=100)
         self._structure = rospy.Publisher(
@@ -62,16 +66,18 @@ class RequestServer:
         self._link.start(request)
 
     def _wait_for_engine(self) -> None:
-        with self._changed:
-            if not self._changed.wait_for(lambda: self._link.is_there, self._wait_s):
+        end = time.monotonic() + self._wait_s
+        while not self._link.is_there:
+            if time.monotonic() > end:
                 raise RequestError(
                     f"there is no behavior engine; gave up after {self._wait_s:g} s "
                     "(start it with: roslaunch flexbe_onboard behavior_onboard.launch)"
                 )
+            self._changed.wait(_LOOK_EVERY_S)
+            self._changed.clear()
 
     def _on_engine(self, event: Event) -> None:
-        with self._changed:
-            self._changed.notify_all()
+        self._changed.set()
 
     def _on_version(self, message: String) -> None:
         parts = message.data.split(".")
