@@ -98,6 +98,7 @@ class _Folding:
                 node = _with_routes(node, chooser, entries)
             nodes.append(node)
         first = container.children[0].label
+        nodes.sort(key=lambda node: node.id != entries.get(first, first))
         chart = Chart(
             name,
             "" if is_concurrent else entries.get(first, first),
