@@ -121,7 +121,9 @@ def test_a_behavior_without_a_chart_is_read_back_from_its_code(give, session, pa
     assert session.chart.nodes[0].attempts == 3
     assert str(chart) in give("save")
     assert code.read_bytes() == before
-    code.write_text(code.read_text().replace("# [MANUAL_INIT]\n", "# [MANUAL_INIT]\nself.x = 1\n"))
+    code.write_text(
+        code.read_text().replace("# [MANUAL_INIT]\n", "# [MANUAL_INIT]\n        self.x = 1\n")
+    )
     chart.unlink()
     with pytest.raises(CommandError, match="has no chart, and its code is none"):
         give("load Place Connector")
