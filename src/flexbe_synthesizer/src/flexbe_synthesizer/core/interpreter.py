@@ -14,7 +14,6 @@ is visited once, in any order, until a condition holds.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -179,14 +178,15 @@ class _Explorer:
                 raise TooManyRunsError(path)
             seen.add(done)
             ended = dict(done)
-            fulfilled = fulfilled_outcome(
-                chart.conditions, {n: end.event for n, end in ended.items()}
-            )
+            events = {node_id: end.event for node_id, end in ended.items()}
+            fulfilled = fulfilled_outcome(chart.conditions, events)
             if fulfilled is not None:
                 memory = values.given()
                 for node_id, end in ended.items():
                     memory = values.written(nodes[node_id], end.written, memory)
-                visits = dict(itertools.chain.from_iterable(end.counts for end in ended.values()))
+                visits: dict[str, int] = {}
+                for count_path, count in {c for end in ended.values() for c in end.counts}:
+                    visits[count_path] = max(count, visits.get(count_path, 0))
                 yield End(fulfilled, values.outputs(memory), frozenset(visits.items()))
             elif len(ended) == len(nodes):
                 told = ", ".join(f"{node_id} {event}" for node_id, event in sorted(events.items()))
