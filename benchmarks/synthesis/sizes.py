@@ -35,6 +35,7 @@ from flexbe_synthesizer.core.model import (
 from flexbe_synthesizer.core.problem import errors_in
 from flexbe_synthesizer.core.render_python import render_python
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
+from flexbe_synthesizer.synthesis import garbage_kept
 
 PACKAGE = Path(__file__).parents[2] / "src" / "flexbe_synthesizer"
 SIZES = (10, 100, 1000, 10000)
@@ -77,6 +78,7 @@ def best(work: Callable[[], object], runs: int) -> float:
     return min(times)
 
 
+@garbage_kept()
 def synthesize(text: bytes, library: Library) -> str:
     """Return the behavior that the text of a chart becomes."""
     unit = Unit(parse_chart(text, "chain.xml"), "bench")
@@ -85,6 +87,7 @@ def synthesize(text: bytes, library: Library) -> str:
     return render_python(machine, lay_out(machine.root), {})
 
 
+@garbage_kept()
 def measure(count: int, library: Library, schema: etree.XMLSchema) -> dict[str, float]:
     """Return the times of each step [s] for a chart of some states."""
     text = write_chart(chain(count)).encode()

@@ -13,8 +13,8 @@ from flexbe_core import EventState
 from flexbe_core.core.operatable_state_machine import OperatableStateMachine
 from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.engine.user_data import UserData
+from flexbe_synthesizer.core.chart_run import run
 from flexbe_synthesizer.core.codec import parse_chart
-from flexbe_synthesizer.core.interpreter import run
 
 CHARTS = ("place_connector", "two_arms")
 SEEDS, MOST_STEPS = 40, 200

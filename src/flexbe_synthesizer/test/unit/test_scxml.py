@@ -6,8 +6,8 @@ import pytest
 from lxml import etree
 from statemachine.io import load
 
+from flexbe_synthesizer.core.chart_run import run
 from flexbe_synthesizer.core.codec import parse_chart
-from flexbe_synthesizer.core.interpreter import run
 from flexbe_synthesizer.core.scxml import NAMESPACE, ScxmlError, chart_to_scxml, scxml_name
 
 CHARTS = ("plain.xml", "place_connector.xml", "wire_task.xml", "two_arms.xml")

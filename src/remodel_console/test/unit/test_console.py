@@ -93,7 +93,7 @@ def test_what_is_wrong_is_told_with_its_lines_and_nothing_is_saved(give, session
         ("load my_frist_behavior", "Did you mean 'my_first_behavior'"),
         ("save", "no behavior is loaded"),
         ("edit /x", "no behavior is loaded"),
-        ("update nothing", "no chart of a behavior 'nothing'"),
+        ("update nothing", "no behavior 'nothing'"),
         ("statemachine", "refused here"),
         ("switch", "refused here"),
     ],
@@ -110,6 +110,23 @@ def test_a_chart_outside_the_folders_is_refused(give, goal):
     give("load my_first_behavior")
     with pytest.raises(CommandError):
         give(f"synthesize X i: start g: {goal}")
+
+
+def test_a_behavior_without_a_chart_is_read_back_from_its_code(give, session, package):
+    chart = package / "charts" / "place_connector.xml"
+    code = package / "src" / "remodel_behaviors" / "place_connector_sm.py"
+    before = code.read_bytes()
+    chart.unlink()
+    give("load Place Connector")
+    assert session.chart.nodes[0].attempts == 3
+    assert str(chart) in give("save")
+    assert code.read_bytes() == before
+    code.write_text(
+        code.read_text().replace("# [MANUAL_INIT]\n", "# [MANUAL_INIT]\n        self.x = 1\n")
+    )
+    chart.unlink()
+    with pytest.raises(CommandError, match="has no chart, and its code is none"):
+        give("load Place Connector")
 
 
 def test_notes_connections_and_uses(give, session):

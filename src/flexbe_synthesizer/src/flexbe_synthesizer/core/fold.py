@@ -20,6 +20,7 @@ from flexbe_synthesizer.core.machine import (
     Kind,
     Machine,
     StateUse,
+    Value,
 )
 from flexbe_synthesizer.core.machine import Container as Machinery
 from flexbe_synthesizer.core.machine_reader import InexpressibleError
@@ -98,6 +99,7 @@ class _Folding:
                 node = _with_routes(node, chooser, entries)
             nodes.append(node)
         first = container.children[0].label
+        nodes.sort(key=lambda node: node.id != entries.get(first, first))
         chart = Chart(
             name,
             "" if is_concurrent else entries.get(first, first),
@@ -142,16 +144,16 @@ class _Folding:
         leading = (e._replace(target=targets[e.outcome]) for e in exits)
         node = self._node(replace(run, label=child.label), path, entries)
         transitions = {e.outcome: _transition(e, entries) for e in leading}
-        seconds = _argument(timer, "wait_time")
-        return replace(node, transitions=tuple(transitions.values()), timeout_s=float(str(seconds)))
+        seconds = float(_number(timer, "wait_time"))
+        return replace(node, transitions=tuple(transitions.values()), timeout_s=seconds)
 
-    def _param(self, name: str, value: object, path: str) -> Param:
+    def _param(self, name: str, value: Value, path: str) -> Param:
         if isinstance(value, Expression):
             if value.text in _PREDICATE_NAMES:
                 return Param(name, _PREDICATE_NAMES[value.text])
             self._refuse(path, f"parameter '{name}' is Python source: {value.text}")
             return Param(name, None)
-        return Param(name, value)  # type: ignore[arg-type]
+        return Param(name, value)
 
     def _with_flows(self, chart: Chart, parts: Iterable[Child], path: str) -> Chart:
         """Return the chart with the connections that its children's remappings mean."""
@@ -240,10 +242,13 @@ def _is_a(child: Child, package: str, name: str) -> bool:
     )
 
 
-def _argument(child: Child, name: str) -> object:
-    if not isinstance(child.content, StateUse):
-        raise TypeError(child)
-    return next(pair.value for pair in child.content.arguments if pair.name == name)
+def _number(child: Child, name: str) -> float:
+    """Return an argument of a state that an extension has added."""
+    arguments = child.content.arguments if isinstance(child.content, StateUse) else ()
+    value = next((pair.value for pair in arguments if pair.name == name), None)
+    if not isinstance(value, int | float):
+        raise InexpressibleError((f"{child.label}: '{name}' is no number",))
+    return value
 
 
 def _is_counter(child: Child, by_label: dict[str, Child]) -> bool:
@@ -298,7 +303,7 @@ def _timed(child: Child) -> tuple[Child, Child] | None:
 def _with_attempts(node: AnyNode, counter: Child, entries: dict[str, str]) -> AnyNode:
     exhausted = next(e for e in counter.exits if e.outcome == "exhausted")
     transitions = (*node.transitions, _transition(exhausted, entries))
-    attempts = int(str(_argument(counter, "attempts")))
+    attempts = int(_number(counter, "attempts"))
     return replace(node, transitions=transitions, attempts=attempts)
 
 

@@ -1,9 +1,9 @@
 """Run a chart by the meaning of its language: the reference that everything else is held to.
 
 `explore` follows every run of a chart, with every event of every state, and tells what goes wrong;
-`run` follows one. Nothing is shared with the checker or the expansion but the chart and what its
-states offer, so that a mistake in one of them shows. This is written to be obviously right, not
-fast: it takes charts of a few dozen states.
+`chart_run` follows one. Nothing is shared with the checker or the expansion but the chart and what
+its states offer, so that a mistake in one of them shows. This is written to be obviously right,
+not fast: it takes charts of a few dozen states.
 
 A visit to a state: with `attempts`, the visit is counted, and one too many gives `exhausted`.
 Otherwise the inputs are read, and the state ends with an event of its own and writes its outputs,
@@ -14,7 +14,6 @@ is visited once, in any order, until a condition holds.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -95,7 +94,7 @@ class _Explorer:
         if key not in self._known:
             self._known[key] = frozenset(
                 self._simultaneous(chart, path, counts)
-                if _is_concurrent(chart)
+                if is_concurrent(chart)
                 else self._sequential(chart, path, counts)
             )
         return self._known[key]
@@ -179,16 +178,19 @@ class _Explorer:
                 raise TooManyRunsError(path)
             seen.add(done)
             ended = dict(done)
-            fulfilled = _fulfilled(chart.conditions, {n: end.event for n, end in ended.items()})
+            events = {node_id: end.event for node_id, end in ended.items()}
+            fulfilled = fulfilled_outcome(chart.conditions, events)
             if fulfilled is not None:
                 memory = values.given()
                 for node_id, end in ended.items():
                     memory = values.written(nodes[node_id], end.written, memory)
-                visits = dict(itertools.chain.from_iterable(end.counts for end in ended.values()))
+                visits: dict[str, int] = {}
+                for count_path, count in {c for end in ended.values() for c in end.counts}:
+                    visits[count_path] = max(count, visits.get(count_path, 0))
                 yield End(fulfilled, values.outputs(memory), frozenset(visits.items()))
             elif len(ended) == len(nodes):
-                events = ", ".join(f"{n} {end.event}" for n, end in sorted(ended.items()))
-                self.faults.append(Fault(path, f"waits for ever after {events}"))
+                told = ", ".join(f"{node_id} {event}" for node_id, event in sorted(events.items()))
+                self.faults.append(Fault(path, f"waits for ever after {told}"))
             else:
                 for node_id in nodes.keys() - ended.keys():
                     waiting.extend(done | {(node_id, end)} for end in ends[node_id])
@@ -213,11 +215,12 @@ class _Explorer:
                 self.faults.append(Fault(f"{path}/{place.target}", "leads to no outcome"))
 
 
-def _is_concurrent(chart: Chart) -> bool:
+def is_concurrent(chart: Chart) -> bool:
+    """Tell whether a chart is the content of a concurrency container."""
     return not chart.initial
 
 
-def _fulfilled(conditions: Iterable[Condition], events: Mapping[str, str]) -> str | None:
+def fulfilled_outcome(conditions: Iterable[Condition], events: Mapping[str, str]) -> str | None:
     """Return the outcome of the first condition that holds, None if none does."""
     for condition in conditions:
         if all(events.get(when.state) == when.event for when in condition.all_of):
@@ -320,69 +323,3 @@ def _writes(node: AnyNode, interfaces: Interfaces) -> tuple[str, ...]:
     if isinstance(node, Container):
         return tuple(port.name for port in node.body.outputs)
     return interfaces(node).outputs
-
-
-Chooser = Callable[[str, tuple[str, ...]], str]
-
-
-def run(
-    chart: Chart, interfaces: Interfaces, choose: Chooser, most_steps: int
-) -> tuple[str | None, tuple[tuple[str, str], ...]]:
-    """Follow one run of a chart; containers with states side by side take them in their order.
-
-    Args:
-        chart: what to run.
-        interfaces: what its states offer.
-        choose: returns the event that a state ends with, from its path and its events.
-        most_steps: where to stop.
-
-    Returns:
-        The outcome, None if the steps ran out; and (path, event) of each state that was visited.
-    """
-    runner = _Runner(interfaces, choose, most_steps)
-    return runner.outcome(chart, ""), tuple(runner.steps)
-
-
-class _Runner:
-    """Follows one run."""
-
-    def __init__(self, interfaces: Interfaces, choose: Chooser, most_steps: int) -> None:
-        self._interfaces = interfaces
-        self._choose = choose
-        self._most_steps = most_steps
-        self._visits: dict[str, int] = {}
-        self.steps: list[tuple[str, str]] = []
-
-    def outcome(self, chart: Chart, path: str) -> str | None:
-        if _is_concurrent(chart):
-            events: dict[str, str] = {}
-            for node in chart.nodes:
-                event = self._event(node, f"{path}/{node.id}")
-                if event is None:
-                    return None
-                events[node.id] = event
-                fulfilled = _fulfilled(chart.conditions, events)
-                if fulfilled is not None:
-                    return fulfilled
-            return None
-        nodes, target = {node.id: node for node in chart.nodes}, chart.initial
-        while target in nodes:
-            event = self._event(nodes[target], f"{path}/{target}")
-            if event is None:
-                return None
-            target = next(t.target for t in nodes[target].transitions if t.event == event)
-        return target
-
-    def _event(self, node: AnyNode, here: str) -> str | None:
-        if len(self.steps) == self._most_steps:
-            return None
-        if node.attempts is not None:
-            self._visits[here] = self._visits.get(here, 0) + 1
-            if self._visits[here] > node.attempts:
-                self.steps.append((here, "exhausted"))
-                return "exhausted"
-        if isinstance(node, Container):
-            return self.outcome(node.body, here)
-        event = self._choose(here, self._interfaces(node).events)
-        self.steps.append((here, event))
-        return event

@@ -214,10 +214,10 @@ class _Reader:
             return None
         given = {k.arg: k.value for k in node.keywords}
         parameters: list[Pair] = []
-        if isinstance(given.get("parameters"), ast.Dict):
-            values = given["parameters"]
-            for key, value in zip(values.keys, values.values, strict=True):  # type: ignore[attr-defined]
-                name = str(ast.literal_eval(key))
+        listed = given.get("parameters")
+        if isinstance(listed, ast.Dict):
+            for key, value in zip(listed.keys, listed.values, strict=True):
+                name = str(ast.literal_eval(key or ast.Constant("")))
                 parameters.append(Pair(name, self._value(value, f"'{name}' of '{label}'")))
         kept = ast.literal_eval(given.get("default_keys", ast.List([])))
         return BehaviorUse(found[0], tuple(parameters), tuple(kept))

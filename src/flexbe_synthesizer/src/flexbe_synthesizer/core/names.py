@@ -6,6 +6,7 @@ import difflib
 import keyword
 import re
 from collections.abc import Collection, Iterable
+from functools import lru_cache
 
 NAME_RULE = (
     "letters, digits, '_', '-', '.' and single blanks, starting with a letter; "
@@ -48,6 +49,7 @@ def behavior_module(name: str) -> str:
     return behavior_file(name) + "_sm"
 
 
+@lru_cache(maxsize=4096)  # the same names are asked for at each look at the data
 def snake_case(name: str) -> str:
     """Return the name as a part of a Python identifier: `LocateGearbox 2` -> `locate_gearbox_2`."""
     parted = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name)

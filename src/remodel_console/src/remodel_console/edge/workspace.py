@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.codec import read_chart, write_chart
+from flexbe_synthesizer.core.fold import fold
+from flexbe_synthesizer.core.machine_reader import read_machine
 from flexbe_synthesizer.core.model import Chart, State, walk_nodes
 from flexbe_synthesizer.core.problem import Problem, errors_in
 from flexbe_synthesizer.core.resolve import scopes
@@ -27,16 +29,30 @@ class Workspace:
     ros_package_path: str
 
     def find(self, name: str) -> Chart:
-        """Return the chart with a display name.
+        """Return the chart of a behavior; one without a chart is read back from its code.
 
         Raises:
-            CommandError: if there is none, or if it has not the form of a chart.
+            CommandError: if there is no such behavior, or no chart says what it does.
         """
         found = {chart.name: chart for chart in self._charts()}
-        if name not in found:
-            hint = names.allowed(name, sorted(found))
-            raise CommandError(f"there is no chart of a behavior '{name}'; {hint}")
-        return found[name]
+        if name in found:
+            return found[name]
+        packages, _warnings = find_packages(self.ros_package_path)
+        library, _more = read_library(packages)
+        behaviors = {behavior.name: behavior for behavior in library.behaviors}
+        if name not in behaviors:
+            hint = names.allowed(name, sorted({*found, *behaviors}))
+            raise CommandError(f"there is no behavior '{name}'; {hint}")
+        behavior = behaviors[name]
+        package = next(p for p in packages if p.name == behavior.package)
+        code = package.module_folder.joinpath(*behavior.module.split(".")[1:]).with_suffix(".py")
+        try:
+            machine = read_machine(code.read_text(encoding="utf-8"), str(code), library)
+            chart = fold(machine, str(code))
+        except (OSError, ValueError) as error:
+            raise CommandError(f"'{name}' has no chart, and its code is none: {error}") from error
+        file = package.folder / "charts" / f"{names.behavior_file(name)}.xml"
+        return replace(chart, file=str(file))
 
     def read(self, path: str) -> Chart:
         """Return the chart of a file that lies in the chart folders.
