@@ -8,7 +8,6 @@ namespace remodel {
 namespace {
 // Parts with handovers that would cross more blocks than these are not worth their simulation.
 constexpr int kMostBlocks = 6;
-constexpr int kLongestPart = 8;
 }  // namespace
 
 TwoArmSearch::TwoArmSearch(const Problem& problem, std::uint64_t seed)
@@ -245,74 +244,82 @@ void TwoArmSearch::exchange(int left, int middle, int right) {
               list_.order.begin() + right + 1);
 }
 
+// Give the part its new modes, and let it change places with its neighbour.
+void TwoArmSearch::make(const Move& move) {
+  for (int i = move.first; i <= move.last; ++i)
+    list_.mode[list_.order[i]] = move.modes[i - move.first];
+  exchange(move.left, move.middle, move.right);
+}
+
 bool TwoArmSearch::try_move(const Move& move, double allowance) {
-  const int count = move.last - move.first + 1;
-  int wires[kLongestPart], modes[kLongestPart];
-  int handovers = 0, change_of_count = 0;
-  for (int i = 0; i < count; ++i) {
-    wires[i] = list_.order[move.first + i];
-    modes[i] = list_.mode[wires[i]];
-    handovers += Mode::hands_over(modes[i]) + Mode::hands_over(move.modes[i]);
-    change_of_count += Mode::hands_over(move.modes[i]) - Mode::hands_over(modes[i]);
+  Part part;
+  part.count = move.last - move.first + 1;
+  int handovers_more = 0;
+  for (int i = 0; i < part.count; ++i) {
+    const int wire = part.wires[i] = list_.order[move.first + i];
+    part.modes[i] = list_.mode[wire];
+    part.blocks[i] = list_.block[wire];
+    for (int end = 0; end < 2; ++end)
+      part.first_blocks[i][end] = first_block(p_.component(wire, end));
+    const int now = Mode::hands_over(part.modes[i]), then = Mode::hands_over(move.modes[i]);
+    part.hands_over = part.hands_over || now || then;
+    handovers_more += then - now;
   }
-  const int old_cost = cost_, old_wishes = wishes_;
-  if (change_of_count != 0) {
-    const std::vector<int> old_order = list_.order;
-    for (int i = 0; i < count; ++i) list_.mode[wires[i]] = move.modes[i];
-    exchange(move.left, move.middle, move.right);
-    if (evaluate_all() && cost_ - old_cost <= allowance) return true;
-    list_.order = old_order;
-    for (int i = 0; i < count; ++i) list_.mode[wires[i]] = modes[i];
-    evaluate_all();
-    return false;
-  }
+  if (handovers_more != 0) return try_with_other_blocks(move, part, allowance);
   const int low = list_.block[list_.order[move.left]];
   const int high = list_.second_block(list_.order[move.right]);
-  if (handovers && high - low > kMostBlocks) return false;
+  if (part.hands_over && high - low > kMostBlocks) return false;
 
-  int old_blocks[kLongestPart], old_first[2 * kLongestPart];
-  for (int i = 0; i < count; ++i) {
-    old_blocks[i] = list_.block[wires[i]];
-    for (int end = 0; end < 2; ++end) old_first[2 * i + end] = first_block(p_.component(wires[i], end));
-  }
-  for (int i = 0; i < count; ++i) list_.mode[wires[i]] = move.modes[i];
-  exchange(move.left, move.middle, move.right);
+  const int old_cost = cost_, old_wishes = wishes_;
+  make(move);
   renumber(move.left, move.right);
-
   replaced_.clear();
-  int from = low;
-  bool moved = handovers > 0;
-  if (handovers) {
-    for (int b = low; b <= std::min(high + 1, static_cast<int>(blocks_.size()) - 1); ++b) mark(b);
-  }
-  for (int i = 0; i < count; ++i) {
-    const int block = list_.block[wires[i]];
-    moved = moved || block != old_blocks[i];
-    mark(old_blocks[i]);
-    mark(block);
-    from = std::min({from, old_blocks[i], block});
-    for (int end = 0; end < 2; ++end) {
-      const int now = first_block(p_.component(wires[i], end));
-      if (now != old_first[2 * i + end]) mark(std::max(now, old_first[2 * i + end]));
-    }
-  }
-  if (moved) {
+  if (mark_touched(part, low, high)) {
     wishes_ = broken_wishes_across_blocks();
     cost_ += wishes_ - old_wishes;
   }
-  if (simulate_marked(from) && cost_ - old_cost <= allowance) return true;
+  if (simulate_marked(low) && cost_ - old_cost <= allowance) return true;
 
-  for (int i = 0; i < count; ++i) list_.mode[wires[i]] = modes[i];
+  for (int i = 0; i < part.count; ++i) list_.mode[part.wires[i]] = part.modes[i];
   exchange(move.left, move.left + move.right - move.middle - 1, move.right);
   renumber(move.left, move.right);
-  for (auto it = replaced_.rbegin(); it != replaced_.rend(); ++it) {
-    Block& block = blocks_[it->first];
-    block.entry = it->second.entry;
-    block.exit = it->second.exit;
-    block.cost = it->second.cost;
+  for (const auto& [b, old] : replaced_) {
+    blocks_[b].entry = old.entry;
+    blocks_[b].exit = old.exit;
+    blocks_[b].cost = old.cost;
   }
   cost_ = old_cost;
   wishes_ = old_wishes;
+  return false;
+}
+
+// Mark the blocks that a move has touched; true if a wire is in another block than before.
+bool TwoArmSearch::mark_touched(const Part& part, int low, int high) {
+  bool moved = part.hands_over;
+  if (part.hands_over)
+    for (int b = low; b <= std::min(high + 1, static_cast<int>(blocks_.size()) - 1); ++b) mark(b);
+  for (int i = 0; i < part.count; ++i) {
+    const int wire = part.wires[i], block = list_.block[wire];
+    moved = moved || block != part.blocks[i];
+    mark(part.blocks[i]);
+    mark(block);
+    for (int end = 0; end < 2; ++end) {
+      const int before = part.first_blocks[i][end], now = first_block(p_.component(wire, end));
+      if (now != before) mark(std::max(now, before));
+    }
+  }
+  return moved;
+}
+
+// A wire that is handed over, and was not, makes a block more: all is counted again.
+bool TwoArmSearch::try_with_other_blocks(const Move& move, const Part& part, double allowance) {
+  const std::vector<int> old_order = list_.order;
+  const int old_cost = cost_;
+  make(move);
+  if (evaluate_all() && cost_ - old_cost <= allowance) return true;
+  list_.order = old_order;
+  for (int i = 0; i < part.count; ++i) list_.mode[part.wires[i]] = part.modes[i];
+  evaluate_all();
   return false;
 }
 

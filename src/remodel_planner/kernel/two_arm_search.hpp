@@ -35,11 +35,19 @@ class TwoArmSearch final : public Search {
     Entry entry, exit;
     BlockCost cost;
   };
+  static constexpr int kLongestPart = 8;
   struct Move {
-    int left, middle, right;    // parts left..middle and middle+1..right change places
-    int first, last;            // the wires that get new modes and were meant to move, by position
-    int modes[8];
+    int left, middle, right;   // parts left..middle and middle+1..right change places
+    int first, last;           // positions of the part that gets new modes
+    int modes[kLongestPart];
     bool changes_modes;
+  };
+  // The part of a move that gets new modes, as it was before.
+  struct Part {
+    int count;
+    bool hands_over = false;   // a wire of it is handed over, before or after
+    int wires[kLongestPart], modes[kLongestPart], blocks[kLongestPart];
+    int first_blocks[kLongestPart][2];   // in which the components of its ends were needed first
   };
 
   bool propose(Move& move);
@@ -48,6 +56,9 @@ class TwoArmSearch final : public Search {
   bool allowed(const Move& move) const;
   bool matters(const Move& move) const;
   bool try_move(const Move& move, double allowance);
+  bool try_with_other_blocks(const Move& move, const Part& part, double allowance);
+  bool mark_touched(const Part& part, int low, int high);
+  void make(const Move& move);
   void exchange(int left, int middle, int right);
   void renumber(int left, int right);
   bool evaluate_all();

@@ -15,6 +15,8 @@ ROOT = Path(__file__).parents[4]
 PAGE = (ROOT / "docs" / "reference" / "errors.md").read_text()
 SECTIONS = re.findall(r"^## ([\w-]+)\n(.*?)(?=^## |\Z)", PAGE, re.MULTILINE | re.DOTALL)
 PACKAGES = ("src/flexbe/flexbe_states", "src/remodel_states", "src/remodel_behaviors")
+# The page leaves out the names of all states there are.
+NAMES = re.compile(r"allowed: '.*' and \d+ more")
 EXPORTS = "<export><flexbe_states/><flexbe_behaviors/></export>"
 
 
@@ -45,7 +47,8 @@ def complaints(section, mark, folder):
     assert warnings == ()
     package = OutputPackage("new_behaviors", folder, {})
     files = check_files([str(folder / "chart.xml")], library, lambda _path: package)
-    return [str(problem).replace(f"{folder}/", "") for problem in files.problems]
+    lines = [str(problem).replace(f"{folder}/", "") for problem in files.problems]
+    return [NAMES.sub("allowed: ...", line) for line in lines]
 
 
 def test_every_code_has_its_section_and_its_row():

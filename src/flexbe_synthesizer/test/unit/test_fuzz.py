@@ -46,7 +46,7 @@ def holds(library):
     """Return a function: it fails unless a text has errors with places, or a good behavior."""
 
     def holds(text):
-        start = time.perf_counter()
+        start = time.process_time()  # a busy machine is not the chart's fault
         chart, problems = read_chart(text, "fuzz.xml")
         assert chart is not None or errors_in(problems)
         if chart is not None:
@@ -63,7 +63,7 @@ def holds(library):
                 except ScxmlError as error:
                     assert "rename" in str(error)
         assert all(p.position.line >= 1 and p.position.column >= 1 for p in problems)
-        assert time.perf_counter() - start < LONGEST_S
+        assert time.process_time() - start < LONGEST_S
         return problems
 
     return holds

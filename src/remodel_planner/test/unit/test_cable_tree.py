@@ -16,6 +16,8 @@ from remodel_planner.edge.cable_tree_kernel import Feasibility, KernelCableTree
 from remodel_planner.edge.cable_tree_planner import sequence
 from remodel_planner.errors import InstanceError
 
+# Small searches have done all their work long before; the clock must not decide a test.
+LONG_S = 60.0
 DATA = Path(__file__).parent / "data"
 TREES = settings(
     max_examples=40, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck)
@@ -64,7 +66,7 @@ def orders(tree):
 @given(st.integers(2, 6), st.integers(0, 10**6), st.booleans())
 def test_small_trees_get_the_best_order_or_a_proof(ends, seed, hidden_order):
     tree = random_tree(ends, seed, hidden_order=hidden_order)
-    found = sequence(tree, 0.02, 1)
+    found = sequence(tree, LONG_S, 1)
     possible = orders(tree)
     if not possible:
         assert found.feasibility is Feasibility.NONE
@@ -95,21 +97,21 @@ def test_kernel_counts_costs_as_the_reference(ends, seed):
 
 
 def test_search_is_the_same_for_the_same_seed():
-    tree = random_tree(40, 5)
-    first, second = (sequence(tree, 0.4, 3) for _ in range(2))
+    tree = random_tree(12, 5)
+    first, second = (sequence(tree, LONG_S, 3) for _ in range(2))
     assert first == second
 
 
 def test_example_gets_its_best_order():
     tree = parse_cable_tree((DATA / "harness.dzn").read_text())
-    found = sequence(tree, 0.1, 1)
+    found = sequence(tree, LONG_S, 1)
     least = min(cost_of(tree, order).total for order in orders(tree))
     assert cost_of(tree, found.order).total == least
 
 
 def test_example_without_order_is_proved_so():
     tree = parse_cable_tree((DATA / "harness_without_order.dzn").read_text())
-    assert sequence(tree, 0.1, 1).feasibility is Feasibility.NONE
+    assert sequence(tree, LONG_S, 1).feasibility is Feasibility.NONE
 
 
 def test_tree_without_ends_has_the_empty_order():

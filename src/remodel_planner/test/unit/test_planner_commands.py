@@ -52,10 +52,12 @@ def test_plan_is_written_and_valid(instance, capsys):
     assert not list(instance.parent.glob(".*"))
 
 
-def test_same_seed_writes_the_same_file(instance):
+def test_same_seed_writes_the_same_file(instance, capsys):
+    instance.write_text(json.dumps(random_panel(4, 1, 2)))
     texts = []
     for _ in range(2):
-        _, output = plan(instance, "--time-limit", "0.2", "--seed", "5")
+        _, output = plan(instance, "--time-limit", "60", "--seed", "5")
+        assert "search: done" in capsys.readouterr().out
         texts.append(output.read_bytes())
     assert texts[0] == texts[1]
 

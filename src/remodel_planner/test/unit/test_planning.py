@@ -108,6 +108,20 @@ def test_first_and_improved_plans_are_valid_and_never_worse(kernel, wires, seed,
 
 
 @PANELS
+@given(st.integers(2, 60), seeds)
+def test_costs_counted_move_by_move_are_those_of_the_whole_plan(kernel, wires, seed):
+    problem = kernel.load(tables_of(panel(wires, seed, 2)))
+    search = problem.search(seed)
+    search.construct()
+    cost = search.anneal(3000, 40.0, 5.0)
+    search.return_to_best()
+    assert search.anneal(3000, 20.0, 1.0) <= cost
+    cost, order, modes = search.best()
+    decoded = problem.decode(order, modes)
+    assert cost == decoded.makespan + decoded.penalty
+
+
+@PANELS
 @given(sizes, seeds, arm_counts, st.integers(0, 2**30))
 def test_patched_plans_are_valid_and_keep_the_order(kernel, wires, seed, arms, failure):
     planned = AnytimePlanner(kernel, tables_of(panel(wires, seed, arms))).first()
@@ -146,12 +160,12 @@ def test_planning_stops_when_told(kernel):
 
 @pytest.mark.parametrize("arms", [1, 2])
 def test_small_plans_are_the_best_of_all_orders(kernel, arms):
-    """At five wires every order and every mode can be tried."""
+    """At four wires, four thousand random lists leave none out that matters."""
     tables = tables_of(panel(4, 3, arms))
     planner = AnytimePlanner(kernel, tables)
     rng = random.Random(1)
     least = min(planner.patched(*random_list(tables, rng)).cost for _ in range(4000))
-    assert planner.improved(Limits(0.2)).planned.cost <= least
+    assert planner.improved(Limits(60.0)).planned.cost <= least
 
 
 def test_plan_reads_back_as_written(kernel):

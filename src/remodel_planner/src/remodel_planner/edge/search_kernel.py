@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from remodel_planner.core.planning.opening import deadlock
 from remodel_planner.core.planning.tables import Integers, Tables
 from remodel_planner.edge.kernel_library import declare, load_library
 from remodel_planner.errors import InstanceError
@@ -147,7 +148,7 @@ class KernelProblem:
             cost.ctypes.data,
         )
         if count < 0:
-            raise InstanceError(deadlock(self.tables))
+            raise InstanceError(deadlock(self.tables.problem))
         penalty = int(cost[1]) + self.tables.lost_penalty
         return Decoded(actions[:count], int(cost[0]), penalty)
 
@@ -183,7 +184,7 @@ class KernelSearch:
             InstanceError: if there is none.
         """
         if not self._library.remodel_search_construct(self._handle):
-            raise InstanceError(deadlock(self._problem.tables))
+            raise InstanceError(deadlock(self._problem.tables.problem))
 
     def adopt(self, order: Integers, modes: Integers) -> None:
         """Start from a list of wires that obeys the order constraints.
@@ -194,7 +195,7 @@ class KernelSearch:
         if not self._library.remodel_search_adopt(
             self._handle, order.ctypes.data, modes.ctypes.data
         ):
-            raise InstanceError(deadlock(self._problem.tables))
+            raise InstanceError(deadlock(self._problem.tables.problem))
 
     def anneal(self, moves: int, start_temperature: float, end_temperature: float) -> int:
         """Try some moves, and return the best cost so far, up to a constant of the problem."""
@@ -214,12 +215,3 @@ class KernelSearch:
         modes: npt.NDArray[np.int32] = np.empty(self._problem.size, np.int32)
         cost = self._library.remodel_search_best(self._handle, order.ctypes.data, modes.ctypes.data)
         return int(cost), order, modes
-
-
-def deadlock(tables: Tables) -> str:
-    """Return what to say when the arms would wait for each other for ever."""
-    held = [f"{arm.name} {arm.holding}" for arm in tables.problem.arms if arm.holding]
-    return (
-        f"{tables.problem.name}: no plan, since the arms would wait for each other with the wires "
-        f"that they hold ({', '.join(held)}): take one out by hand, and plan again"
-    )

@@ -23,14 +23,16 @@ class Slice:
     opens_round: bool
 
 
-# Measured on sw1 and sw2 of 30 to 1000 wires. With two arms a wire moved changes a block's whole
-# timing, and costs differ by more.
+# By the number of arms, measured on random panels of 30 to 1000 wires. With two arms a wire moved
+# changes a block's whole timing, and costs differ by more.
 _TEMPERATURES = {
     1: ((12.0, 0.3), (25.0, 0.4), (50.0, 0.4)),
     2: ((40.0, 2.0), (15.0, 1.0), (25.0, 1.0)),
 }
 _SHORTEST_ROUND_PER_WIRE = {1: 1_000, 2: 100}
-_LONGEST_ROUND_PER_PAIR = {1: 200, 2: 200}
+_LONGEST_ROUND_PER_PAIR = 200
+# Beyond these a search has found what it will find.
+_MOST_MOVES_PER_WIRE = {1: 500_000, 2: 50_000}
 _GROWTH = 4
 _SLICE_S = 0.02
 
@@ -58,13 +60,16 @@ def moves_per_second(wires: int, arms: int) -> float:
 
 def slices(wires: int, arms: int, limit_s: float) -> Iterator[Slice]:
     """Yield the slices of a search of that length, the next round's after the last one's."""
-    left = int(limit_s * moves_per_second(wires, arms))
-    longest = _LONGEST_ROUND_PER_PAIR[arms] * wires * wires
+    if wires < 2:
+        return
+    allotted = int(limit_s * moves_per_second(wires, arms))
+    left = min(allotted, _MOST_MOVES_PER_WIRE[arms] * wires)
+    longest = _LONGEST_ROUND_PER_PAIR * wires * wires
     slice_moves = max(1, int(_SLICE_S * moves_per_second(wires, arms)))
     length = min(max(_SHORTEST_ROUND_PER_WIRE[arms] * wires, left // _GROWTH**3), longest)
     turn = 0
     while left > 0:
-        # What a next round would not get does this one good.
+        # A rest too short for a round of its own lengthens this one.
         length = left if left < length * (1 + 1 / _GROWTH) else length
         start, end = _TEMPERATURES[arms][turn % len(_TEMPERATURES[arms])]
         yield from _round(length, slice_moves, start, end)

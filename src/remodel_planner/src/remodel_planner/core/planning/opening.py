@@ -51,9 +51,9 @@ def opening_of(problem: Problem) -> Opening:
     try:
         order = tuple(TopologicalSorter(graph).static_order())
     except CycleError as error:
-        raise InstanceError(_deadlock(problem)) from error
+        raise InstanceError(deadlock(problem)) from error
     if not all(modes[wire] for wire in order):
-        raise InstanceError(_deadlock(problem))
+        raise InstanceError(deadlock(problem))
     return Opening(order, modes)
 
 
@@ -71,7 +71,8 @@ def _arms(mode: Mode) -> tuple[int, ...]:
     return (0, 1) if mode.hands_over else (mode.arm,)
 
 
-def _deadlock(problem: Problem) -> str:
+def deadlock(problem: Problem) -> str:
+    """Return what to say when the arms would wait for each other for ever."""
     held = ", ".join(f"{arm.name} {arm.holding}" for arm in problem.arms if arm.holding)
     return (
         f"{problem.name}: no plan, since the arms would wait for each other with the wires that "
