@@ -45,7 +45,7 @@ def first_slice(wires: int, arms: int) -> Slice:
     """
     if arms == 1:
         return Slice(100 * wires, 1.0, 0.5, True)
-    return Slice(min(int(min(12.0, 6.0 + wires / 40) * wires), 5000), 1.0, 0.5, True)
+    return Slice(min(10 * wires, 5000), 1.0, 0.5, True)
 
 
 def moves_per_second(wires: int, arms: int) -> float:
