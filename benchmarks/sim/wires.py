@@ -3,8 +3,8 @@
 
 Run with the workspace sourced: benchmarks/sim/wires.py [--seeds N] [--insertions N] [--panel FILE].
 Each seed lays the wires anew, with other curvature and other camera noise; every wire of the panel
-is placed as the
-task behavior does it, each end with up to three attempts, and the truth is asked at the end.
+is placed as the task behavior does it, each end with up to three attempts, and the truth is asked
+at the end.
 """
 
 import argparse

@@ -1,9 +1,8 @@
 """Reference solutions for thin elastic rods, to test the simulated wire against.
 
-Heavy cantilever: clamped level at s = 0, free at s = L, EI phi'' = -w (L - s) cos(phi) with phi
-the angle below the
-horizontal (Bickley 1934); solved by shooting on the clamp's curvature with fourth-order
-Runge-Kutta.
+Heavy cantilever: clamped level at s = 0, free at s = L, EI phi'' = -w (L - s) cos(phi) with phi the
+angle below the horizontal (Bickley 1934); solved by shooting on the clamp's curvature with
+fourth-order Runge-Kutta.
 """
 
 import math

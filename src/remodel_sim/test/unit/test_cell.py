@@ -18,10 +18,7 @@ from remodel_sim.core.panel import End
 from remodel_sim.physics.truth import ground_truth
 
 FINGERPRINT = """
-import sys
-sys.path[:0] = {paths!r}
-from test_cell import fingerprint
-print(fingerprint())
+import sys sys.path[:0] = {paths!r} from test_cell import fingerprint print(fingerprint())
 """
 
 

@@ -129,8 +129,8 @@ def choose_flip(
     """Return how to hold a wire, tip along the hand's x axis (0) or against it (pi).
 
     The hand grasps at one place and turns the wire to another direction at a second one; joint 7
-    must reach both,
-    and turn the short way between them. Of two ways the one further from joint 7's limits is taken.
+    must reach both, and turn the short way between them. Of two ways the one further from joint 7's
+    limits is taken.
 
     Raises:
         AbilityError: UNREACHABLE.

@@ -60,8 +60,7 @@ class Station:
         progress: of the ability that runs.
         tick_s: time between two commands to the arm [s].
         free_force: what the wrist felt, world frame (3,) [N], when the hand last touched nothing:
-            the hand always
-            points down, so its weight reads the same everywhere.
+            the hand always points down, so its weight reads the same everywhere.
     """
 
     def __init__(self, plant: Plant, on_look: OnLook | None = None) -> None:

@@ -43,8 +43,7 @@ class ToolPose:
     Attributes:
         x, y, z: tool centre [m].
         yaw: direction of the hand's x axis [rad]; the fingers close across it. Not wrapped: a path
-            turns from one
-            value to the next the way the numbers say.
+            turns from one value to the next the way the numbers say.
     """
 
     x: float

@@ -1,13 +1,10 @@
 """The wire's mechanics: a chain of rigid links with elastic joints.
 
 The insulated part is cut into equal links of length l; a joint between two of them carries bending
-stiffness
-EI/l and torsional stiffness GJ/l. A ferrule is one rigid link; its joint has only half a cell of
-flexible wire,
-hence 2 EI/l. Explicit integration of such stiff joints needs more rotational inertia than the wire
-has:
-each link gets at least J' = 4 K dt^2 (K its stiffer joint), which changes no statics, only fast
-vibration.
+stiffness EI/l and torsional stiffness GJ/l. A ferrule is one rigid link; its joint has only half a
+cell of flexible wire, hence 2 EI/l. Explicit integration of such stiff joints needs more rotational
+inertia than the wire has: each link gets at least J' = 4 K dt^2 (K its stiffer joint), which
+changes no statics, only fast vibration.
 """
 
 from __future__ import annotations

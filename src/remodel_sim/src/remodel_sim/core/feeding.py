@@ -1,9 +1,8 @@
 """Where the feeder lays a wire: along the middle of a channel, end a beside its terminal.
 
 Near end b the wire passes a fork, two low posts a few millimetres apart. They keep that end in the
-middle of the
-channel while end a is carried away; else the stiff wire would swing it against a row, where no
-finger gets behind it.
+middle of the channel while end a is carried away; else the stiff wire would swing it against a row,
+where no finger gets behind it.
 """
 
 from __future__ import annotations

@@ -3,12 +3,9 @@
 It runs the ability, answers requests between its ticks, and keeps time.
 
 PyBullet is not thread-safe, and it holds Python's lock while it steps or renders. So rospy's
-threads only leave
-requests here. While an ability runs, simulated time runs as fast as the machine allows. Between
-goals the settled
-scene is frozen: time goes on at the wall's pace and nothing is stepped, so that results depend on
-the seed and the
-goals alone, not on how long a client thinks.
+threads only leave requests here. While an ability runs, simulated time runs as fast as the machine
+allows. Between goals the settled scene is frozen: time goes on at the wall's pace and nothing is
+stepped, so that results depend on the seed and the goals alone, not on how long a client thinks.
 """
 
 from __future__ import annotations

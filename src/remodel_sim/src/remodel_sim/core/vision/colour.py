@@ -1,8 +1,7 @@
 """Which pixels show a wire's insulation, which a ferrule.
 
-A lit surface of colour c shows as s c with a shade s; pixels are compared with the nearest shade
-of each colour
-that may be there, not with the colour itself.
+A lit surface of colour c shows as s c with a shade s; pixels are compared with the nearest shade of
+each colour that may be there, not with the colour itself.
 """
 
 from __future__ import annotations

@@ -61,8 +61,8 @@ def locate_component(component: Component, corners: Array, view: View) -> Compon
     """Return the upright pose that fits the label's corners (4, 2) [px] best.
 
     A component stands on the plate, so its label's height is known: each corner's ray meets that
-    plane in one
-    point, and the pose is the planar rigid motion nearest to the four points (Procrustes).
+    plane in one point, and the pose is the planar rigid motion nearest to the four points
+    (Procrustes).
     """
     model = label_corners(component)
     height = float(model[0, 2])

@@ -1,10 +1,8 @@
 """Follow a wire through a picture from one of its ends.
 
-The tracer steps along the wire: it looks a step ahead over a fan of directions, takes the best
-one, and centres
-itself across the wire. Where another wire crosses it goes straight on, since the fan is narrow and
-favours the
-direction it has; over a gap it coasts for a few widths before it gives up.
+The tracer steps along the wire: it looks a step ahead over a fan of directions, takes the best one,
+and centres itself across the wire. Where another wire crosses it goes straight on, since the fan is
+narrow and favours the direction it has; over a gap it coasts for a few widths before it gives up.
 """
 
 from __future__ import annotations
