@@ -42,6 +42,9 @@ rostest: build ## Tests of running nodes, each on a roscore of its own
 lint: .venv/.ready ## Style, types of the pure cores, and XML
 	@ruff format --check .
 	@ruff check .
+	@mypy src/*/src/*/core src/flexbe/flexbe_core/src/flexbe_core/engine
+	@find src '(' -name '*.xml' -o -name '*.launch' -o -name '*.xsd' -o -path '*/rostest/*.test' ')' -print0 | \
+	  xargs -0 python3 -c 'import sys; from lxml import etree; [etree.parse(file) for file in sys.argv[1:]]'
 
 bench-engine: build build/bench-venv/.ready ## Measure the engine, with peers; figures in out/bench/engine.jsonl
 	@$(SOURCED) benchmarks/engine/run.py --py-trees build/bench-venv/bin/python

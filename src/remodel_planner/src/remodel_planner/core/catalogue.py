@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from fnmatch import fnmatchcase
+from typing import Any
 
 from remodel_planner.errors import CatalogueError
 
@@ -76,7 +77,7 @@ class Catalogue:
         return self.wires[section_mm2]
 
 
-def catalogue_from(data: object) -> Catalogue:
+def catalogue_from(parsed: object) -> Catalogue:
     """Build a catalogue from the parsed YAML file.
 
     Raises:
@@ -84,7 +85,7 @@ def catalogue_from(data: object) -> Catalogue:
     """
     where = "the file"
     try:
-        assert_mapping(data)
+        data = _mapping(parsed)
         where = "placement"
         placement = tuple((rule["pattern"], Place(rule["place"])) for rule in data["placement"])
         where = "wires"
@@ -110,7 +111,8 @@ def catalogue_from(data: object) -> Catalogue:
         raise CatalogueError(f"catalogue: {where}: {error!r}") from error
 
 
-def assert_mapping(data: object) -> None:
-    """Raise TypeError unless the data is a mapping."""
-    if not isinstance(data, Mapping):
-        raise TypeError(f"expected a mapping, found {type(data).__name__}")
+def _mapping(parsed: object) -> Mapping[str, Any]:
+    """Return the data if it is a mapping; TypeError if not."""
+    if not isinstance(parsed, Mapping):
+        raise TypeError(f"expected a mapping, found {type(parsed).__name__}")
+    return parsed

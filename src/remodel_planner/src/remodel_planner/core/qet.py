@@ -83,7 +83,7 @@ class _Point:
 @dataclass(frozen=True)
 class _Conductor:
     source: str
-    ends: tuple[_Point | str, _Point | str]
+    ends: tuple[_Point, _Point]
     colour: str
     section: str
 
@@ -140,16 +140,15 @@ class _Reader:
             for folio, diagram in enumerate(self._project.iterfind("diagram"), start=1)
             for conductor in self._conductors(folio, diagram)
         ]
+        count = len(conductors) + len(self._left_out)
         wires, joined, wires_joined = self._join(conductors)
         if not wires:
             raise DesignError(
-                f"none of its {len(conductors)} conductors joins two devices in the cabinet; "
+                f"none of its {count} conductors joins two devices in the cabinet; "
                 f"{_reasons(self._left_out)}"
             )
         components, placed = self._build(wires)
-        account = Account(
-            len(conductors), joined, wires_joined, tuple(self._guesses), tuple(self._left_out)
-        )
+        account = Account(count, joined, wires_joined, tuple(self._guesses), tuple(self._left_out))
         title = self._project.get("title", "")
         return Order(name, title, source, components, placed, account.notes), account
 
@@ -160,6 +159,7 @@ class _Reader:
         return self._catalogue.place(path, link_type)
 
     def _conductors(self, folio: int, diagram: etree._Element) -> list[_Conductor]:
+        """Return the conductors of a folio whose ends are known; note the others as left out."""
         by_number = {
             terminal.get("id"): (element.get("uuid", f"line {element.sourceline}"), terminal)
             for element in diagram.iterfind("elements/element")
@@ -168,11 +168,15 @@ class _Reader:
         conductors = []
         for node in diagram.iterfind("conductors/conductor"):
             source = f"folio {folio}, line {node.sourceline}"
-            ends = tuple(self._end(node, number, by_number) for number in ("1", "2"))
+            first, second = (self._end(node, number, by_number) for number in ("1", "2"))
+            if isinstance(first, str) or isinstance(second, str):
+                reason = first if isinstance(first, str) else str(second)
+                self._left_out.append(LeftOut(source, reason))
+                continue
             # Colour and section are attributes since 0.80; before, people wrote them on the wire.
             section = node.get("conductor_section") or node.get("num") or ""
             colour = node.get("conductor_color", "").strip() or node.get("color", "")
-            conductors.append(_Conductor(source, ends, colour, section))  # type: ignore[arg-type]
+            conductors.append(_Conductor(source, (first, second), colour, section))
         return conductors
 
     def _end(
@@ -215,11 +219,7 @@ class _Reader:
         meetings: dict[str, list[_Conductor]] = defaultdict(list)
         group = self._reference_groups(conductors)
         for conductor in conductors:
-            broken = [end for end in conductor.ends if isinstance(end, str)]
-            if broken:
-                self._left_out.append(LeftOut(conductor.source, broken[0]))
-                continue
-            places = {self._places[end.element] for end in conductor.ends}  # type: ignore[union-attr]
+            places = {self._places[end.element] for end in conductor.ends}
             if Place.DRAWING in places:
                 self._left_out.append(LeftOut(conductor.source, "it ends on a picture"))
             elif Place.REFERENCE in places:
@@ -254,7 +254,6 @@ class _Reader:
         links += [
             (first.element, second.element)
             for first, second in (conductor.ends for conductor in conductors)
-            if isinstance(first, _Point) and isinstance(second, _Point)
         ]
         for first, second in links:
             if first in parent and second in parent:
@@ -268,10 +267,11 @@ class _Reader:
         Returns:
             The wires, and how many of the conductors they were made of.
         """
-        inside, leaving = [], []
+        inside: list[_Conductor] = []
+        leaving: list[_Conductor] = []
         loose: list[tuple[_Point, _Conductor]] = []
         for conductor in meeting:
-            ends = {self._places[end.element]: end for end in conductor.ends}  # type: ignore[union-attr]
+            ends = {self._places[end.element]: end for end in conductor.ends}
             (leaving if Place.FIELD in ends else inside).append(conductor)
             if Place.PLATE in ends:
                 loose.append((ends[Place.PLATE], conductor))
@@ -295,7 +295,7 @@ class _Reader:
         terminals: dict[str, list[Terminal]] = defaultdict(list)
         wires = []
         for number, conductor in enumerate(conductors, start=1):
-            refs = []
+            refs: list[TerminalRef] = []
             for end in conductor.ends:
                 taken[end] += 1
                 label = point = f"{'T' if end.side is Side.TOP else 'B'}{end.number}"
@@ -306,7 +306,8 @@ class _Reader:
                 )
                 refs.append(TerminalRef(names[end.element], label))
             colour, section = self._colour(conductor), self._section(conductor)
-            wires.append(Wire(f"W{number}", *refs, colour, section, conductor.source))
+            a, b = refs
+            wires.append(Wire(f"W{number}", a, b, colour, section, conductor.source))
         for end, count in uses.items():
             if count > 1:
                 label = f"{names[end.element]}:{'T' if end.side is Side.TOP else 'B'}{end.number}"
@@ -385,11 +386,7 @@ def _side(terminal: etree._Element) -> Side:
 
 def _reference(conductor: _Conductor, places: dict[str, Place]) -> str:
     """Return the element of the (first) end that is a folio reference."""
-    return next(
-        end.element
-        for end in conductor.ends
-        if isinstance(end, _Point) and places[end.element] is Place.REFERENCE
-    )
+    return next(end.element for end in conductor.ends if places[end.element] is Place.REFERENCE)
 
 
 def _information(element: etree._Element, key: str) -> str:

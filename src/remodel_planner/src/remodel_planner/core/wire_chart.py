@@ -16,7 +16,6 @@ from flexbe_synthesizer.core.model import (
     Chart,
     Connection,
     Input,
-    Node,
     Outcome,
     Output,
     Param,
@@ -137,7 +136,7 @@ def _retried(
     )
 
 
-def _connect(node_id: str, target: str) -> Node:
+def _connect(node_id: str, target: str) -> Behavior:
     keys = ("cable_id", "cable_end", "component_id", "terminal_id")
     return Behavior(
         id=node_id,

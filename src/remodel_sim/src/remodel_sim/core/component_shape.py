@@ -1,8 +1,7 @@
 r"""The solid shape of a component: boxes around its bores, a funnel at each mouth, and its label.
 
 The half of the component on each side that has terminals is cut into pockets. A pocket is as wide
-as its mouth;
-inside it four walls narrow it to the bore, and four inclined plates make the funnel:
+as its mouth; inside it four walls narrow it to the bore, and four inclined plates make the funnel:
 
       face   chamfer        depth
         |\\_____|______________|
@@ -19,7 +18,9 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+import numpy.typing as npt
 
+from remodel_sim.core.geometry import Array
 from remodel_sim.core.panel import Component, Terminal
 
 PLATE_THICKNESS_M = 0.0015
@@ -173,13 +174,13 @@ def _label(component: Component) -> Iterator[Box]:
             yield Box((float(x), y, top), size, BLACK, solid=False)
 
 
-def marker_cells(marker_id: int) -> np.ndarray:
+def marker_cells(marker_id: int) -> npt.NDArray[np.uint8]:
     """Return the label's cells (6, 6), 0 where black."""
     dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_250)
-    return cv2.aruco.generateImageMarker(dictionary, marker_id, LABEL_CELLS)
+    return np.asarray(cv2.aruco.generateImageMarker(dictionary, marker_id, LABEL_CELLS), np.uint8)
 
 
-def label_corners(component: Component) -> np.ndarray:
+def label_corners(component: Component) -> Array:
     """Return the corners of the black square in ArUco's order, (4, 3) [m], component frame."""
     half = component.marker_size / 2
     top = component.size[2] + LABEL_THICKNESS_M

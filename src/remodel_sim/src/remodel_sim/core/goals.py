@@ -301,14 +301,16 @@ def check_socket(component_id: str, terminal_id: str, socket: Pose, panel: Panel
             f"allowed: {SOCKET_TOLERANCE_M * 1e3:.0f} mm; locate the terminal first",
         )
     tool = socket.position - unit_x(socket) * (GRASP_DISTANCE_M + STANDOFF_M)
-    check_reach(ToolPose(*(float(v) for v in tool), socket.yaw))
+    x, y, z = (float(v) for v in tool)
+    check_reach(ToolPose(x, y, z, socket.yaw))
 
 
 def check_tool_path(path: tuple[Pose, ...], book: Book) -> None:
     """Raise UNREACHABLE when the held wire's tool poses are out of the arm's reach."""
     flip = book.grip.flip if book.grip is not None else 0.0
     for pose in path:
-        joints_for(ToolPose(*(float(v) for v in pose.position), pose.yaw - flip))
+        x, y, z = (float(v) for v in pose.position)
+        joints_for(ToolPose(x, y, z, pose.yaw - flip))
 
 
 def check_reach(tool: ToolPose) -> None:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import fields, is_dataclass
 from itertools import pairwise
 
 from remodel_sim.core.arm import ToolPose, reaches
 from remodel_sim.core.geometry import Pose, wrap_angle
-from remodel_sim.core.panel import Channel, Component, End, Panel, Terminal, Wire, unit_x
+from remodel_sim.core.panel import Channel, Component, End, Named, Panel, Terminal, Wire, unit_x
 from remodel_sim.core.wire_colours import WIRE_RGB
 
 # The panel lies flat in front of the arm: the plate's surface is the world's z = 0.
@@ -96,7 +96,7 @@ def _plate(panel: Panel) -> Iterator[str]:
 
 
 def _names(panel: Panel) -> Iterator[str]:
-    groups = [
+    groups: list[tuple[str, Sequence[Named]]] = [
         ("components", panel.components),
         ("channels", panel.channels),
         ("wires", panel.wires),

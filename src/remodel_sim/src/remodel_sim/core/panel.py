@@ -4,12 +4,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from typing import Protocol, TypeVar
 
 import numpy as np
 
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose
+
+
+class Named(Protocol):
+    """What is told from others of its kind by an id."""
+
+    @property
+    def id(self) -> str:
+        """The id."""
+
+
+Item = TypeVar("Item", bound=Named)
 
 
 class End(Enum):
@@ -138,7 +150,7 @@ class Panel:
         return min(self.channels, key=lambda c: abs(abs(mouth[0] - c.x) - c.width / 2))
 
 
-def _named(items: tuple, wanted: str, noun: str):  # noqa: ANN202 - the element's own type
+def _named(items: tuple[Item, ...], wanted: str, noun: str) -> Item:
     for item in items:
         if item.id == wanted:
             return item

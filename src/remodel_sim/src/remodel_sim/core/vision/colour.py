@@ -59,4 +59,4 @@ def ferrule_mask(rgb: npt.NDArray[np.uint8]) -> Mask:
     hsv = cv2.cvtColor(rgb, cv2.COLOR_RGB2HSV)
     low = np.array([FERRULE_HUES[0], FERRULE_MIN_SATURATION, FERRULE_MIN_VALUE])
     high = np.array([FERRULE_HUES[1], 255, 255])
-    return cv2.inRange(hsv, low, high) // 255
+    return np.asarray(cv2.inRange(hsv, low, high) // 255, np.uint8)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -70,7 +71,7 @@ def find_ends(
     for end, place in expected.items():
         near = sorted(
             (s for s in sightings if _apart(s, place) <= SEARCH_M),
-            key=lambda s, place=place: _apart(s, place),
+            key=partial(_apart, place=place),
         )
         if not near:
             continue
