@@ -383,6 +383,7 @@ class OnboardTest(unittest.TestCase):
         refused = self.assert_ends(BEStatus.ERROR)
         self.assertNotEqual(refused.behavior_id, first.behavior_checksum)
         self.assert_told("behavior 'Quick Test' is running; stop it first")
+        self.engine.feedback.wait(lambda m: "not_switchable" in m.args)  # on a topic of its own
         phases = [tuple(m.args) for _, m in self.engine.feedback.messages if m.command == "switch"]
         self.assertEqual(phases, [("received",), ("not_switchable",)])
         finished = self.engine.status.wait(lambda m: m.code == BEStatus.FINISHED)
