@@ -501,6 +501,7 @@ class OnboardTest(unittest.TestCase):
         self.assertEqual((started.behavior_id, started.args), (second.behavior_checksum, ["/Goal"]))
         switched = engine.status.wait(lambda m: m.code == BEStatus.SWITCHING)
         self.assertEqual(switched.behavior_id, first.behavior_checksum)
+        engine.feedback.wait(lambda m: "prepared" in m.args)
         phases = [m.args[0] for _, m in engine.feedback.messages if m.command == "switch"]
         self.assertEqual(phases, ["received", "start", "prepared"])
         server.answer()
