@@ -1,0 +1,111 @@
+"""A task that fails is tried again with a new wire, and not for ever."""
+
+from pathlib import Path
+
+import pytest
+from sensor_msgs.msg import Image
+
+from remodel_planner.core.panel_layout import PanelRules, lay_out
+from remodel_planner.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
+from remodel_planner.edge.catalogue_file import read_catalogue
+from remodel_planner.edge.production_database import ProductionDatabase
+from remodel_planner.errors import CellError
+from remodel_planner.ros import use_case_supervisor
+from remodel_planner.ros.task_supervisor import TaskRun
+
+CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
+ORDER = Order(
+    "house",
+    "",
+    "house.qet",
+    (
+        Component("Q1", "", (Terminal("B1", Side.BOTTOM), Terminal("B2", Side.BOTTOM))),
+        Component("Q2", "", (Terminal("T1", Side.TOP), Terminal("T2", Side.TOP))),
+    ),
+    (
+        Wire("W1", TerminalRef("Q1", "B1"), TerminalRef("Q2", "T1"), "BU", 1.5, "line 1"),
+        Wire("W2", TerminalRef("Q1", "B2"), TerminalRef("Q2", "T2"), "BU", 1.5, "line 2"),
+    ),
+)
+LAYOUT = lay_out(ORDER, CATALOGUE, PanelRules())
+
+
+class FakeCell:
+    """A cell in which the wires lie that were fed."""
+
+    def __init__(self):
+        self.fed = []
+
+    def load(self, panel):
+        self.panel = panel
+
+    def feed(self, wire, channel):
+        if len(self.fed) == FakeTasks.stuck_after:
+            raise CellError("cannot feed: the gripper holds a wire")
+        self.fed.append(wire)
+
+    def placed(self, wire):
+        return FakeTasks.ended[-1] == "finished"
+
+    def picture(self, camera):
+        return Image()
+
+
+class FakeSynthesizer:
+    def __init__(self):
+        self.asked = []
+
+    def synthesize(self, chart_file, behavior):
+        assert Path(chart_file).is_file()
+        self.asked.append(behavior)
+
+
+class FakeTasks:
+    """Ends the tasks that are run as it was told, in turn."""
+
+    outcomes, ended, stuck_after = (), [], -1
+
+    def run(self, behavior):
+        FakeTasks.ended.append(FakeTasks.outcomes[len(FakeTasks.ended)])
+        return TaskRun(FakeTasks.ended[-1], 1.0, 2.0, (), ())
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    """Return a function: it runs the order, its tasks ending as told, and returns the runs."""
+    monkeypatch.setattr(use_case_supervisor, "Cell", FakeCell)
+    monkeypatch.setattr(use_case_supervisor, "BehaviorSynthesizer", FakeSynthesizer)
+    monkeypatch.setattr(use_case_supervisor, "TaskSupervisor", FakeTasks)
+    database = ProductionDatabase(f"sqlite:///{tmp_path}/production.sqlite")
+    database.add_order(ORDER)
+
+    def run(*outcomes, stuck_after=-1):
+        FakeTasks.outcomes, FakeTasks.ended, FakeTasks.stuck_after = outcomes, [], stuck_after
+        supervisor = use_case_supervisor.UseCaseSupervisor(database, tmp_path)
+        for wire_run in supervisor.run(database.start_run(ORDER), LAYOUT, PanelRules()):
+            execution = wire_run.execution
+            yield execution.wire, execution.attempt, execution.placed, wire_run.last
+
+    yield run
+    database.close()
+
+
+def test_a_failed_task_takes_a_new_wire(run):
+    first, second, third = run("failed", "finished", "finished")
+    assert first[1:] == (1, False, False)
+    assert second == (first[0], 2, True, True)
+    assert third[0] != first[0]
+    assert third[1:] == (1, True, True)
+
+
+def test_a_wire_that_cannot_be_placed_is_given_up_and_the_next_one_goes_on(run):
+    runs = list(run(*["failed"] * use_case_supervisor.ATTEMPTS, "finished"))
+    assert [attempt for _, attempt, _, _ in runs] == [1, 2, 3, 1]
+    assert [last for *_, last in runs] == [False, False, True, True]
+
+
+def test_a_cell_that_refuses_ends_the_run_after_what_was_done(run):
+    runs = run("failed", stuck_after=1)
+    assert next(runs)[1:] == (1, False, False)
+    with pytest.raises(CellError, match="the gripper holds a wire"):
+        next(runs)
