@@ -6,16 +6,20 @@ import math
 import numpy as np
 import pytest
 from panels import panel, wire
+from place_wire import do
 
+from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.cell import Cell
 from remodel_sim.core.book import EndState
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.goals import DetectGoal
 from remodel_sim.core.panel import End
 from remodel_sim.core.vision.labels import find_labels, locate_component
 from remodel_sim.core.vision.tracing import at_distance, trace
 from remodel_sim.core.vision.wire_ends import find_ends, trace_from
 from remodel_sim.core.wire_colours import WIRE_RGB
+from remodel_sim.physics.parked_wire import draw_parked
 
 
 def test_every_label_is_found_from_above_to_half_a_millimetre(cell):
@@ -88,3 +92,22 @@ def test_a_polyline_goes_on_straight_beyond_its_end():
     point, tangent = at_distance(line, 3.0)
     np.testing.assert_allclose(point, [1.0, 2.0])
     np.testing.assert_allclose(tangent, [0.0, 1.0])
+
+
+def test_an_end_that_a_wire_in_the_air_hides_from_above_is_found_from_aside(cell):
+    cell.feed("W1", "A")
+    live = cell.station.wire
+    tip, _ = cell.plant.live.cable.tip(End.A)
+    ferrule = np.array([tip[0], tip[1] + live.ferrule_length / 2, live.radius])
+    lens = cell.plant.look_overhead().view.world_from_camera.position
+    on_the_ray = ferrule + (lens - ferrule) * 0.05 / lens[2]  # some 50 mm above the plate
+    across = np.linspace(-0.25, 0.25, 13)[:, None] * np.array([1.0, 0.0, 0.0])
+    draw_parked(
+        cell.plant.world,
+        on_the_ray + across,
+        dataclasses.replace(live, diameter=0.012, colour="RD"),
+    )
+    seen, _ = find_ends(cell.plant.look_overhead(), live, cell.station.book.expected)
+    assert End.A not in seen, "the wire above hides it"
+    do(cell, detect_cable, DetectGoal("W1"))
+    assert np.linalg.norm(cell.station.book.tips[End.A].tip[:2] - tip[:2]) < 0.003
