@@ -76,7 +76,8 @@ class Bench:
         self.marks: queue.SimpleQueue[float] = queue.SimpleQueue()
         self.start = self.publisher("flexbe/start_behavior", BehaviorSelection)
         self.preempt = self.publisher("flexbe/command/preempt", Empty)
-        self.message = rospy.Publisher("bench/message", String, queue_size=1, tcp_nodelay=True)
+        self.message = self.publisher("bench/message", String)
+        self.message.impl.set_queue_size(None)  # written at once: the queue is not the engine's
         rospy.Subscriber("flexbe/status", BEStatus, self._on_status, tcp_nodelay=True)
         rospy.Subscriber("bench/marks", Float64, lambda m: self.marks.put(m.data), tcp_nodelay=True)
         self.server = actionlib.ActionServer(

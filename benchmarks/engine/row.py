@@ -18,7 +18,7 @@ class Row:
         value: the figure.
         unit: its unit.
         target: what it is to be at most; None if it is there to compare with.
-        floor: the figure of the same run that nothing in Python or rospy can beat; None without.
+        floor: the figure of the same run of a plain program that does only this; None without.
     """
 
     what: str

@@ -37,10 +37,11 @@ class LauncherTest(unittest.TestCase):
     def setUp(self):
         self.statuses.clear()
 
-    def launch(self, *words):
+    def launch(self, *words, **environment):
         """Run be_launcher to its end; return its exit code and what it told."""
         done = subprocess.run(
             [*LAUNCHER, *words],
+            env={**os.environ, **environment},
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
@@ -118,6 +119,12 @@ class LauncherTest(unittest.TestCase):
         code, told = self.launch("-b", "Quick Test", "--wait", "1", "__ns:=nobody")
         self.assertEqual(code, ExitCode.NO_ENGINE)
         self.assertIn("there is no behavior engine", told)
+
+    def test_no_master_is_told_and_given_up(self):
+        nowhere = "http://localhost:1"
+        code, told = self.launch("-b", "Quick Test", "-w", "0.5", ROS_MASTER_URI=nowhere)
+        self.assertEqual(code, ExitCode.NO_ENGINE, told)
+        self.assertIn(f"no ROS master at {nowhere}", told)
 
     def test_an_engine_that_is_killed_leaves_nobody_waiting(self):
         launcher = self.begin("-b", "Quick Test", "wait_time:=60")

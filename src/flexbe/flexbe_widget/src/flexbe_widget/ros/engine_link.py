@@ -16,8 +16,9 @@ _LOG_LIMIT_S = 0.5
 
 
 # [s] Wall time by which a sender knows a connection that its receiver has already: rospy's sender
-# adds it after it has answered.
-_SETTLING_S = 0.03
+# adds it after it has answered. The latched status comes only when that is over; of the log a first
+# line could be lost.
+_SETTLING_S = 0.01
 
 
 @dataclass(frozen=True)
@@ -83,7 +84,7 @@ class EngineLink:
         self._on_event = on_event
         self._heard = time.monotonic()
         self._told = threading.Condition()
-        self._connected_at: float | None = None
+        self._heard_since: float | None = None
         self._start = rospy.Publisher(
             "flexbe/start_behavior",
             BehaviorSelection,
@@ -104,16 +105,14 @@ class EngineLink:
     @property
     def is_there(self) -> bool:
         """Return whether an engine has said what it is doing, hears requests, and is heard."""
-        senders = (_senders(subscriber) for subscriber in self._news)
-        is_connected = self.last_status is not None and any(
-            self._start.impl.has_connection(node) for node in set.intersection(*senders)
-        )
+        heard = set.intersection(*(_senders(subscriber) for subscriber in self._news))
         now = time.monotonic()
-        if not is_connected:
-            self._connected_at = None
-        elif self._connected_at is None:
-            self._connected_at = now
-        return self._connected_at is not None and now - self._connected_at >= _SETTLING_S
+        if self.last_status is None or not heard:
+            self._heard_since = None
+            return False
+        self._heard_since = self._heard_since or now
+        hears_requests = any(self._start.impl.has_connection(node) for node in heard)
+        return hears_requests and now - self._heard_since >= _SETTLING_S
 
     @property
     def last_number(self) -> int:
@@ -165,5 +164,5 @@ class EngineLink:
 
 
 def _senders(subscriber: rospy.Subscriber) -> set[str]:
-    """Return the names of the nodes from which the subscriber receives."""
-    return {connection.callerid_pub for connection in subscriber.impl.connections}
+    """Return the names of the nodes from which the subscriber receives; "unknown" is none yet."""
+    return {c.callerid_pub for c in subscriber.impl.connections} - {"unknown"}
