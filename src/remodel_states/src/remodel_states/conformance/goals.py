@@ -1,0 +1,76 @@
+"""Goals to try an ability server with: a good one, and bad ones made from it."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from genpy import Message
+
+# Stands for a name that nobody uses.
+NOBODY = "no_such_name"
+
+_FLOATS = frozenset({"float32", "float64"})
+
+
+@dataclass(frozen=True)
+class BadGoal:
+    """A goal that makes no sense in one field.
+
+    Attributes:
+        field: the field, as it stands in the goal.
+        what: what is wrong with it, in words.
+        goal: the goal.
+    """
+
+    field: str
+    what: str
+    goal: Any
+
+
+def senseless_goals(good: Message) -> Iterator[BadGoal]:
+    """Yield goals that a server must refuse before anything moves."""
+    for value in (0.0, -1.0, math.inf, math.nan):
+        yield BadGoal("timeout", f"timeout {value}", _with(good, "timeout", value))
+    yield BadGoal("id", "an empty id", _with(good, "id", ""))
+    for name, kind in zip(good.__slots__, good._slot_types, strict=True):
+        if name == "timeout":
+            continue
+        spoilt = copy.deepcopy(good)
+        if kind in _FLOATS:
+            setattr(spoilt, name, math.nan)
+            yield BadGoal(name, f"{name} that is not a number", spoilt)
+        elif _spoil(getattr(spoilt, name)):
+            yield BadGoal(name, f"{name} with numbers that are none", spoilt)
+
+
+def goals_for_nobody(good: Message) -> Iterator[BadGoal]:
+    """Yield goals about things that do not exist: whatever a server does, they cannot succeed."""
+    for name, kind in zip(good.__slots__, good._slot_types, strict=True):
+        if kind == "string" and name != "id" and getattr(good, name):
+            yield BadGoal(name, f"{name} {NOBODY!r}", _with(good, name, NOBODY))
+
+
+def _with(good: Message, name: str, value: object) -> Message:
+    goal = copy.deepcopy(good)
+    setattr(goal, name, value)
+    return goal
+
+
+def _spoil(value: object) -> bool:
+    """Make every number inside a message NaN; return whether there was one."""
+    if isinstance(value, list):
+        return any([_spoil(item) for item in value])
+    if not isinstance(value, Message):
+        return False
+    found = False
+    for name, kind in zip(value.__slots__, value._slot_types, strict=True):
+        if kind in _FLOATS:
+            setattr(value, name, math.nan)
+            found = True
+        else:
+            found = _spoil(getattr(value, name)) or found
+    return found

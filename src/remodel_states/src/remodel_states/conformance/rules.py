@@ -1,0 +1,211 @@
+"""The clauses of the contract that all abilities keep (Deliverable 5.1, 3.1).
+
+Each rule takes what was heard about one goal and yields what is wrong with it. None of them knows
+what the ability does.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+from actionlib_msgs.msg import GoalStatus
+from remodel_msgs.msg import ErrorCode
+
+from remodel_states.conformance.exchange import STATUS_NAMES, TERMINAL, Exchange, Result
+
+CANCELLED = (GoalStatus.PREEMPTED, GoalStatus.RECALLED)
+
+# [s] ROS time that a server gets beyond a goal's timeout to report its end; the states give it the
+# same (ability_call).
+GRACE_S = 2.0
+
+# [s] Wall time from a cancel to the goal's end.
+CANCEL_LIMIT_S = 0.5
+
+# [s] ROS time by which the server's clock for a goal may differ from ours, and [1] of its duration.
+CLOCK_SLACK_S = 0.5
+CLOCK_SLACK = 0.1
+
+# [s] ROS time; what takes longer tells how far it is.
+SILENT_LIMIT_S = 1.0
+
+# [s] ROS time by which feedback that was sent before the result may be heard after it.
+LATE_S = 0.3
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A clause that a server does not keep.
+
+    Attributes:
+        rule: name of the clause, stable.
+        found: what was seen, and what would have been right.
+    """
+
+    rule: str
+    found: str
+
+
+Rule = Callable[[Exchange], Iterator[Fault]]
+
+
+def answers_once(exchange: Exchange) -> Iterator[Fault]:
+    """Every goal ends, with one result of a terminal status."""
+    if not exchange.results:
+        noticed = "though the server listed it" if exchange.listed else "and was never listed"
+        yield Fault("no-answer", f"the goal got no result, {noticed}")
+    if len(exchange.results) > 1:
+        yield Fault("answers-twice", f"the goal got {len(exchange.results)} results")
+    for result in exchange.results[:1]:
+        if result.status not in TERMINAL:
+            name = STATUS_NAMES.get(result.status, result.status)
+            yield Fault("open-status", f"the result came with status {name}, which is no end")
+
+
+def echoes_the_id(exchange: Exchange) -> Iterator[Fault]:
+    """Result and feedback carry the goal's id."""
+    wanted = exchange.goal.id
+    for what, messages in (("result", exchange.results), ("feedback", exchange.feedback)):
+        wrong = next((m.message.id for m in messages if m.message.id != wanted), None)
+        if wrong is not None:
+            yield Fault("wrong-id", f"the {what} of goal {wanted!r} says id {wrong!r}")
+
+
+def tells_one_story(exchange: Exchange) -> Iterator[Fault]:
+    """Status, success, error code and error message of a result agree."""
+    result = exchange.result
+    if result is None:
+        return
+    message = result.message
+    if message.success and message.error_code != ErrorCode.NONE:
+        yield Fault("success-with-code", f"success, with error code {message.error_code}")
+    if not message.success and message.error_code == ErrorCode.NONE:
+        yield Fault("failure-without-code", "no success, and error code 0")
+    if message.success != (result.status == GoalStatus.SUCCEEDED):
+        name = STATUS_NAMES.get(result.status, result.status)
+        yield Fault("status-against-success", f"status {name}, with success {message.success}")
+    if not message.success and not result.reason:
+        yield Fault("no-reason", "no success, and neither error_message nor status tell why")
+    if message.success and message.error_message:
+        yield Fault("reason-of-success", f"success, with error_message {message.error_message!r}")
+
+
+def knows_its_codes(codes: Collection[int]) -> Rule:
+    """Return the rule that error codes are those of the table."""
+
+    def rule(exchange: Exchange) -> Iterator[Fault]:
+        result = exchange.result
+        if result is not None and result.message.error_code not in codes:
+            yield Fault(
+                "unknown-code",
+                f"error code {result.message.error_code}; codes are those of "
+                "remodel_msgs/config/error_codes.yaml",
+            )
+
+    return rule
+
+
+def tells_the_time(exchange: Exchange) -> Iterator[Fault]:
+    """The result's elapsed_time is that from acceptance to result."""
+    result = exchange.result
+    if result is None or exchange.is_refused:
+        return
+    told = result.message.elapsed_time
+    took = exchange.took_s
+    slack = CLOCK_SLACK_S + CLOCK_SLACK * took
+    if not abs(told - took) <= slack:
+        yield Fault("wrong-time", f"elapsed_time {told:g} s; the goal took {took:.2f} s")
+
+
+def tells_progress(exchange: Exchange) -> Iterator[Fault]:
+    """Feedback is in range, never goes back, comes before the result, and comes at all."""
+    told = [feedback.message for feedback in exchange.feedback]
+    shares = [message.completed_percentage for message in told]
+    times = [message.elapsed_time for message in told]
+    wrong = next((share for share in shares if not 0.0 <= share <= 100.0), None)
+    if wrong is not None:
+        yield Fault("percentage-range", f"completed_percentage {wrong:g}; it is 0 to 100")
+    fall = next((pair for pair in pairwise(shares) if pair[1] < pair[0]), None)
+    if fall is not None:
+        yield Fault(
+            "percentage-falls", f"completed_percentage went from {fall[0]:g} to {fall[1]:g}"
+        )
+    wrong = next((time for time in times if not 0.0 <= time < math.inf), None)
+    if wrong is not None:
+        yield Fault("feedback-time", f"elapsed_time {wrong:g} s in feedback")
+    fall = next((pair for pair in pairwise(times) if pair[1] < pair[0]), None)
+    if fall is not None:
+        yield Fault("feedback-time", f"elapsed_time went from {fall[0]:g} to {fall[1]:g} s")
+    if exchange.result is not None and not exchange.is_refused:
+        if not told and exchange.took_s > SILENT_LIMIT_S:
+            yield Fault("no-feedback", f"no feedback in {exchange.took_s:.1f} s")
+        late = [f for f in exchange.feedback if f.ros_s > exchange.result.ros_s + LATE_S]
+        if late:
+            yield Fault("feedback-after-end", f"{len(late)} feedback messages after the result")
+
+
+def keeps_its_timeout(exchange: Exchange) -> Iterator[Fault]:
+    """A goal ends within its timeout, and says so if that was the reason."""
+    result = exchange.result
+    limit_s = exchange.goal.timeout
+    if result is None or exchange.is_refused:
+        return
+    if exchange.took_s > limit_s + GRACE_S:
+        yield Fault(
+            "timeout-ignored",
+            f"timeout {limit_s:g} s; the goal ended after {exchange.took_s:.1f} s",
+        )
+    elif exchange.took_s >= limit_s and not result.message.success:
+        yield from _has_code(result, ErrorCode.TIMEOUT, "TIMEOUT", "timeout-code", "its timeout")
+
+
+def obeys_a_cancel(exchange: Exchange) -> Iterator[Fault]:
+    """A cancelled goal ends at once, as cancelled."""
+    result, asked = exchange.result, exchange.cancelled_wall_s
+    if asked is None or result is None or result.wall_s < asked:
+        return
+    took = result.wall_s - asked
+    if took > CANCEL_LIMIT_S:
+        yield Fault(
+            "slow-cancel", f"ended {took:.2f} s after the cancel; {CANCEL_LIMIT_S} s are allowed"
+        )
+    if result.status not in CANCELLED:
+        name = STATUS_NAMES.get(result.status, result.status)
+        yield Fault("cancel-status", f"a cancelled goal ended {name}; it ends PREEMPTED")
+    yield from _has_code(result, ErrorCode.PREEMPTED, "PREEMPTED", "cancel-code", "a cancel")
+
+
+def refuses_nonsense(field: str) -> Rule:
+    """Return the rule for a goal that makes no sense in this field."""
+
+    def rule(exchange: Exchange) -> Iterator[Fault]:
+        result = exchange.result
+        if exchange.active_ros_s is not None or (result and not exchange.is_refused):
+            yield Fault("takes-nonsense", "the goal was accepted; it is to be REJECTED, unmoved")
+        elif result is not None:
+            code = result.message.error_code
+            if code != ErrorCode.INVALID_GOAL:
+                yield Fault(
+                    "nonsense-code", f"refused with error code {code}; it is INVALID_GOAL (3)"
+                )
+            if field not in result.reason:
+                yield Fault(
+                    "nonsense-unnamed", f"the reason {result.reason!r} does not name {field}"
+                )
+
+    return rule
+
+
+def cannot_do_it(exchange: Exchange) -> Iterator[Fault]:
+    """A goal about what does not exist fails."""
+    if exchange.is_done:
+        yield Fault("does-the-impossible", "the goal succeeded")
+
+
+def _has_code(result: Result, code: int, name: str, rule: str, cause: str) -> Iterator[Fault]:
+    if result.message.error_code != code:
+        found = result.message.error_code
+        yield Fault(rule, f"ended by {cause} with error code {found}; it is {name} ({code})")

@@ -1,0 +1,295 @@
+#!/usr/bin/env python3
+"""The conformance kit finds each bad server, for the right reason, and passes good ones."""
+
+import json
+import math
+import random
+import subprocess
+import threading
+import time
+import unittest
+from concurrent.futures import ThreadPoolExecutor
+
+import actionlib
+import rospy
+import rostest
+from geometry_msgs.msg import PoseStamped
+from remodel_msgs.msg import (
+    ErrorCode,
+    PlaceCableAction,
+    PlaceCableActionResult,
+    PlaceCableFeedback,
+    PlaceCableGoal,
+    PlaceCableResult,
+)
+
+from remodel_states.conformance.probe import Probe
+from remodel_states.conformance.trial import Trials
+
+DURATION_S = 0.6
+SEEDS = (0,)
+CODES = {0, 1, 2, 3, 6, 400}
+
+# What a server may do wrong, and the rule that it breaks then.
+FLAWS = {
+    "never answers": "no-answer",
+    "answers twice": "answers-twice",
+    "result with another id": "wrong-id",
+    "feedback with another id": "wrong-id",
+    "feedback without id": "wrong-id",
+    "success with a code": "success-with-code",
+    "failure without a code": "failure-without-code",
+    "succeeds without success": "status-against-success",
+    "aborts with success": "status-against-success",
+    "fails without reason": "no-reason",
+    "unknown code": "unknown-code",
+    "negative time": "wrong-time",
+    "time is not a number": "wrong-time",
+    "time in milliseconds": "wrong-time",
+    "more than 100 %": "percentage-range",
+    "less than 0 %": "percentage-range",
+    "percentage is not a number": "percentage-range",
+    "progress goes back": "percentage-falls",
+    "feedback time goes back": "feedback-time",
+    "feedback after the end": "feedback-after-end",
+    "no feedback": "no-feedback",
+    "ignores its timeout": "timeout-ignored",
+    "ends at its timeout with another code": "timeout-code",
+    "ignores a cancel": "cancel-status",
+    "cancels slowly": "slow-cancel",
+    "cancelled with another code": "cancel-code",
+    "aborts when cancelled": "cancel-status",
+    "obeys any cancel": "obeys-strangers",
+    "loses the second goal": "no-answer",
+    "mixes up two goals": "wrong-id",
+    "takes NaN": "takes-nonsense",
+    "takes any timeout": "takes-nonsense",
+    "takes no id": "takes-nonsense",
+    "dies of NaN": "no-answer",
+    "refuses with another code": "nonsense-code",
+    "refuses without naming the field": "nonsense-unnamed",
+    "places cables that do not exist": "does-the-impossible",
+}
+
+
+class Server:
+    """A good ability server, but for one flaw."""
+
+    def __init__(self, topic, flaw="", seed=0):
+        self.flaw = flaw
+        self.random = random.Random(seed)
+        self.duration_s = DURATION_S + self.random.uniform(0.0, 0.3)
+        if flaw == "no feedback":
+            self.duration_s += 0.7
+        self.working = None
+        self.cancelled = set()
+        self.lock = threading.Lock()
+        self.server = actionlib.ActionServer(
+            topic, PlaceCableAction, self.on_goal, self.on_cancel, auto_start=False
+        )
+        self.server.start()
+        self.has = lambda flaw: flaw == self.flaw
+        if flaw == "obeys any cancel":
+            rospy.Subscriber(f"{topic}/cancel", actionlib.GoalID, self.on_any_cancel)
+
+    def on_any_cancel(self, message):
+        if self.working is not None:
+            self.cancelled.add(self.working)
+
+    def on_cancel(self, handle):
+        if not self.has("ignores a cancel"):
+            self.cancelled.add(handle.get_goal_id().id)
+
+    def on_goal(self, handle):
+        goal = handle.get_goal()
+        field, found = self.nonsense(goal)
+        if field:
+            code = 400 if self.has("refuses with another code") else ErrorCode.INVALID_GOAL
+            name = "something" if self.has("refuses without naming the field") else field
+            self.reject(handle, code, f"{name} is {found}")
+        elif goal.cable_id != "W1" and not self.has("places cables that do not exist"):
+            self.reject(handle, 400, f"there is no cable {goal.cable_id!r}; there is W1")
+        elif self.working is not None and not self.has("mixes up two goals"):
+            if not self.has("loses the second goal"):
+                self.reject(handle, 6, "the arm is doing another goal")
+        else:
+            handle.set_accepted()
+            self.working = handle.get_goal_id().id
+            self.last_id = goal.id
+            threading.Thread(target=self.work, args=[handle], daemon=True).start()
+
+    def nonsense(self, goal):
+        if not goal.id and not self.has("takes no id"):
+            return "id", "empty"
+        if not (0 < goal.timeout < math.inf) and not self.has("takes any timeout"):
+            return "timeout", goal.timeout
+        position = goal.target_pose.pose.position
+        if math.isnan(position.x + position.y + position.z):
+            if self.has("dies of NaN"):
+                raise ValueError("NaN")
+            return ("", 0) if self.has("takes NaN") else ("target_pose", "NaN")
+        return "", 0
+
+    def reject(self, handle, code, text):
+        goal = handle.get_goal()
+        handle.set_rejected(PlaceCableResult(goal.id, False, "", 0.0, code, text), text)
+
+    def work(self, handle):
+        goal, goal_id = handle.get_goal(), handle.get_goal_id().id
+        begin = time.monotonic()
+        while True:
+            took = time.monotonic() - begin
+            if not self.has("no feedback"):
+                handle.publish_feedback(self.feedback(goal, took))
+            if goal_id in self.cancelled:
+                self.end_cancelled(handle, goal, took)
+                break
+            if took > goal.timeout and not self.has("ignores its timeout"):
+                code = 400 if self.has("ends at its timeout with another code") else 1
+                text = "out of time"
+                handle.set_aborted(PlaceCableResult(goal.id, False, "", took, code, text), text)
+                break
+            limit_s = goal.timeout + 3.0 if self.has("ignores its timeout") else self.duration_s
+            if took > max(limit_s if goal.timeout < DURATION_S else self.duration_s, 0.0):
+                self.end(handle, goal, took)
+                break
+            time.sleep(0.05)
+        self.working = None
+
+    def end_cancelled(self, handle, goal, took):
+        if self.has("cancels slowly"):
+            time.sleep(0.7 + self.random.random())
+        code = 400 if self.has("cancelled with another code") else ErrorCode.PREEMPTED
+        result = PlaceCableResult(goal.id, False, "", took, code, "cancelled")
+        if self.has("aborts when cancelled"):
+            handle.set_aborted(result, "cancelled")
+        else:
+            handle.set_canceled(result, "cancelled")
+
+    def feedback(self, goal, took):
+        share = min(100.0, 100.0 * took / self.duration_s)
+        wrong = self.random.uniform(1.0, 20.0)
+        if self.has("progress goes back"):
+            share = 100.0 - share
+        elif self.has("more than 100 %"):
+            share += 100.0 + wrong
+        elif self.has("less than 0 %"):
+            share = -wrong
+        elif self.has("percentage is not a number"):
+            share = math.nan
+        elapsed = DURATION_S - took if self.has("feedback time goes back") else took
+        name = {"feedback with another id": "G0", "feedback without id": ""}.get(self.flaw, goal.id)
+        return PlaceCableFeedback(name, "placing", max(0.0, elapsed), share)
+
+    def end(self, handle, goal, took):
+        if self.has("never answers"):
+            return
+        result = PlaceCableResult(goal.id, True, "placed", took, ErrorCode.NONE, "")
+        if self.has("result with another id"):
+            result.id = f"G{self.random.randrange(1000)}"
+        elif self.has("mixes up two goals"):
+            result.id = self.last_id
+        elif self.has("success with a code"):
+            result.error_code = 400
+        elif self.has("negative time"):
+            result.elapsed_time = -took
+        elif self.has("time is not a number"):
+            result.elapsed_time = math.nan
+        elif self.has("time in milliseconds"):
+            result.elapsed_time = 1000.0 * took
+        elif self.has("succeeds without success"):
+            result.success, result.error_code, result.error_message = False, 400, "no"
+        if self.has("aborts with success"):
+            handle.set_aborted(result, "")
+            return
+        code = {"failure without a code": 0, "fails without reason": 400}.get(self.flaw)
+        if code is not None or self.has("unknown code"):
+            code = self.random.randrange(900, 999) if code is None else code
+            text = "" if self.has("fails without reason") else "no"
+            handle.set_aborted(PlaceCableResult(goal.id, False, "", took, code, text), text)
+            return
+        handle.set_succeeded(result)
+        if self.has("answers twice"):
+            status = handle.get_goal_status()
+            again = PlaceCableActionResult(status=status, result=result)
+            self.server.result_pub.publish(again)
+        if self.has("feedback after the end"):
+            time.sleep(0.5)
+            handle.publish_feedback(self.feedback(goal, took))
+
+
+def good_goal():
+    goal = PlaceCableGoal(id="good", cable_id="W1", timeout=3.0, target_pose=PoseStamped())
+    goal.target_pose.pose.orientation.w = 1.0
+    return goal
+
+
+def broken_rules(flaw, seed):
+    """Return the rules that a server with this flaw breaks."""
+    topic = f"conformance/flaw_{abs(hash((flaw, seed)))}"
+    server = Server(topic, flaw, seed)
+    probe = Probe(topic, PlaceCableAction)
+    trials = list(Trials(probe, good_goal(), CODES).run())
+    probe.close()
+    del server
+    return {fault.rule for trial in trials for fault in trial.faults}
+
+
+class ConformanceTest(unittest.TestCase):
+    def test_each_bad_server_is_found(self):
+        tried = [(flaw, seed) for flaw in FLAWS for seed in SEEDS]
+        self.assertGreaterEqual(len(tried), 20)
+        with ThreadPoolExecutor(16) as pool:
+            found = list(pool.map(lambda flaw: broken_rules(*flaw), tried))
+        missed = {
+            flaw: broken
+            for flaw, broken in zip(tried, found, strict=True)
+            if FLAWS[flaw[0]] not in broken
+        }
+        self.assertEqual(missed, {})
+
+    def test_good_servers_pass(self):
+        with ThreadPoolExecutor(4) as pool:
+            found = list(pool.map(lambda seed: broken_rules("", seed), range(4)))
+        self.assertEqual(found, [set()] * 4)
+
+    def run_kit(self, *words):
+        line = ["rosrun", "remodel_states", "conformance", *words]
+        return subprocess.run(line, capture_output=True, text=True, timeout=120.0)
+
+    def test_the_command_tells_and_exits_by_it(self):
+        server = Server("conformance/bad", "success with a code")
+        goal = "{cable_id: W1, timeout: 3, target_pose: {pose: {orientation: {w: 1}}}}"
+        done = self.run_kit("conformance/bad", "PlaceCable", "--goal", goal)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn(
+            "BROKEN      a goal that can be done\n            [success-with-code]", done.stdout
+        )
+        server.flaw = ""
+        done = self.run_kit("conformance/bad", "PlaceCable", "--goal", goal, "--json")
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertGreater(len(json.loads(done.stdout)["trials"]), 10)
+
+    def test_a_server_that_is_started_anew_is_tried_again(self):
+        words = ("remodel_abilities/placepin", "PlacePin", "--restart")
+        done = self.run_kit(*words, "rosnode kill /fakes")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("ok          restart of the server", done.stdout)
+        done = self.run_kit(*words, "false")
+        self.assertIn("not judged  restart of the server: the command failed with 1", done.stdout)
+
+    def test_what_cannot_be_tried_is_told(self):
+        for words, told in (
+            (("conformance/none", "PlaceCable"), "start the server"),
+            (("conformance/none", "Nonesuch"), "there is no action remodel_msgs/Nonesuch"),
+            (("conformance/none", "PlaceCable", "--goal", "{cable: W1}"), "cable"),
+            (("conformance/none", "PlaceCable", "--goal", "[1"), "cannot read the goal"),
+        ):
+            done = self.run_kit(*words)
+            self.assertEqual(done.returncode, 2, (words, done.stdout))
+            self.assertIn(told, done.stderr)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_conformance")
+    rostest.rosrun("remodel_states", "test_conformance", ConformanceTest)
