@@ -14,11 +14,12 @@ It is a part of the state, not a parent class: the FlexBE App reads only states 
 How an execution ends (first row that holds):
 
     the goal could not be sent, no server               command_error  SERVER_LOST
-    the server answered: success                        <done>
     the server refused the goal                         command_error  its code, or INVALID_GOAL
+    the answer contradicts itself, or has another id    failed         CONTRADICTORY_RESULT
+    the server answered: success                        <done>
     the server answered: not successful                 failed         its code
     the server has gone away during the goal            command_error  SERVER_LOST
-    timeout_s + GRACE_S have passed without an answer   failed         TIMEOUT
+    timeout_s + GRACE_S have passed without an answer   failed         SERVER_HUNG
 
 The server ends a goal at its timeout; the last row only bounds the wait for one that does not.
 """
@@ -127,7 +128,7 @@ class AbilityCall:
         elif (rospy.Time.now() - self._started).to_sec() > self._timeout_s + GRACE_S:
             self._client.cancel(self._topic)
             text = f"{self._topic} did not end goal {self._goal.id} within {self._timeout_s:g} s"
-            self._end(FAILED, ErrorCode.TIMEOUT, text)
+            self._end(FAILED, ErrorCode.SERVER_HUNG, text)
 
     def _end_by(self, result: Message | None, status: int) -> None:
         self.result = result
@@ -136,11 +137,23 @@ class AbilityCall:
             code = result.error_code if result else ErrorCode.NONE
             text = (result.error_message if result else "") or self._status_text()
             self._end(COMMAND_ERROR, code or ErrorCode.INVALID_GOAL, text)
+        elif contradiction := self._contradiction(result, status):
+            self._end(FAILED, ErrorCode.CONTRADICTORY_RESULT, contradiction)
         elif status == GoalStatus.SUCCEEDED and result.success:
             self._end(self._done, ErrorCode.NONE, "")
         else:
             text = result.error_message or self._status_text()
             self._end(FAILED, result.error_code or ErrorCode.INTERNAL, text)
+
+    def _contradiction(self, result: Message, status: int) -> str:
+        """Return what cannot be true about an answer; empty if it makes sense."""
+        if result.id != self._goal.id:
+            return f"the result is of goal {result.id!r}, not of {self._goal.id!r}"
+        if result.success and result.error_code != ErrorCode.NONE:
+            return f"the result says success, with error code {result.error_code}"
+        if result.success != (status == GoalStatus.SUCCEEDED):
+            return f"the result says success {result.success}, with action status {status}"
+        return ""
 
     def _status_text(self) -> str:
         return self._client.get_goal_status_text(self._topic) or "the server gave no reason"

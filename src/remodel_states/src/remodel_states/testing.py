@@ -38,12 +38,14 @@ class Answer:
         error_code: 0 succeeds, another code aborts with it.
         refuse: reject the goal instead.
         hang: never answer; the goal ends only when it is cancelled.
+        contradict: say success in the result, whatever the code.
         elapsed_s: [s] told as the result's elapsed_time.
     """
 
     error_code: int = ErrorCode.NONE
     refuse: bool = False
     hang: bool = False
+    contradict: bool = False
     elapsed_s: float = 0.1
 
 
@@ -107,7 +109,7 @@ class FakeAbility:
         code = answer.error_code or (ErrorCode.INVALID_GOAL if answer.refuse else ErrorCode.NONE)
         return self._types["Result"](
             id=handle.get_goal().id,
-            success=code == ErrorCode.NONE,
+            success=code == ErrorCode.NONE or answer.contradict,
             message="" if code else "done, by a fake",
             elapsed_time=answer.elapsed_s,
             error_code=code,

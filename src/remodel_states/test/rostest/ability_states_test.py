@@ -122,8 +122,15 @@ class AbilityStatesTest(unittest.TestCase):
         self.fakes["FixCable"].script(Answer(hang=True))
         data = userdata()
         self.assertEqual(run(self.state("FixCable", timeout_s=0.3), data), "failed")
-        self.assertEqual(data["error_code"], ErrorCode.TIMEOUT)
+        self.assertEqual(data["error_code"], ErrorCode.SERVER_HUNG)
         self.assertTrue(wait_until(lambda: self.fakes["FixCable"].cancelled))
+
+    def test_a_result_that_contradicts_itself_is_not_believed(self):
+        self.fakes["FixCable"].script(Answer(ErrorCode.PULLED_OUT, contradict=True))
+        data = userdata()
+        self.assertEqual(run(self.state("FixCable"), data), "failed")
+        self.assertEqual(data["error_code"], ErrorCode.CONTRADICTORY_RESULT)
+        self.assertIn("305", data["error_message"])
 
     def test_leaving_a_running_state_cancels_its_goal_once(self):
         fake = self.fakes["RouteWire"]

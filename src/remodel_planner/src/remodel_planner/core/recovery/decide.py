@@ -1,0 +1,117 @@
+"""Decide what to do about a failure. Pure: the same failure and history give the same decision."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+from remodel_planner.core.recovery.failure import Failure, Spent
+from remodel_planner.core.recovery.fault import Change, Do, Response
+from remodel_planner.core.recovery.policy import Limits, Policy
+
+
+@dataclass(frozen=True)
+class Decision:
+    """What is done about a failure, and why.
+
+    Attributes:
+        failure: what it answers.
+        do: what.
+        change: parameter -> new value; only with Do.RETRY_WITH.
+        because: the reason, one sentence for a person.
+    """
+
+    failure: Failure
+    do: Do
+    change: tuple[tuple[str, float], ...]
+    because: str
+
+
+def decide(
+    failure: Failure,
+    earlier: Sequence[Decision],
+    spent: Spent,
+    policy: Policy,
+    possible: Collection[Do] = tuple(Do),
+) -> Decision:
+    """Return what to do about a failure.
+
+    The responses to its fault are taken in order, each as often as it says; those that are not
+    possible now are passed over. A task or run beyond its limits is ended.
+
+    Args:
+        failure: what happened.
+        earlier: the decisions about this task so far, of all faults, in order.
+        spent: attempts and time so far, this failure's attempt included.
+        policy: the use case's.
+        possible: what can be done now; asking is not if nobody is there.
+    """
+    reason = _run_is_over(spent, policy.limits)
+    if reason:
+        return Decision(failure, Do.STOP, (), reason)
+    same = [decision for decision in earlier if decision.failure.fault is failure.fault]
+    responses = policy.responses_to(failure.fault)
+    reason = _task_is_over(spent, policy.limits)
+    if reason:
+        return _lasting(failure, responses[-1].do, reason, policy, possible)
+    for response in responses:
+        done = sum(decision.do is response.do for decision in same)
+        if response.do.is_lasting:
+            tried = ", ".join(_counted(same)) or "nothing else fits"
+            return _lasting(failure, response.do, f"tried: {tried}", policy, possible)
+        if response.do in possible and done < response.times:
+            change = _changed(response, failure, done)
+            if response.do is Do.RETRY_WITH and not change:
+                continue
+            turn = f"{done + 1} of {response.times}"
+            return Decision(failure, response.do, change, f"answer {turn} to {failure.fault.name}")
+    return _lasting(failure, policy.unattended, "no response is left", policy, possible)
+
+
+def _run_is_over(spent: Spent, limits: Limits) -> str:
+    if spent.run_failures > limits.run_failures:
+        return f"{spent.run_failures} failures in this run; at most {limits.run_failures}"
+    if spent.run_s > limits.run_s:
+        return f"the run takes {spent.run_s:.0f} s; at most {limits.run_s:.0f} s"
+    return ""
+
+
+def _task_is_over(spent: Spent, limits: Limits) -> str:
+    if spent.task_attempts >= limits.task_attempts:
+        return f"{spent.task_attempts} attempts at this task; at most {limits.task_attempts}"
+    if spent.task_s > limits.task_s:
+        return f"the task takes {spent.task_s:.0f} s; at most {limits.task_s:.0f} s"
+    return ""
+
+
+def _lasting(
+    failure: Failure, do: Do, reason: str, policy: Policy, possible: Collection[Do]
+) -> Decision:
+    if do is Do.ASK_OPERATOR and do not in possible:
+        return Decision(failure, policy.unattended, (), f"{reason}; no operator to ask")
+    return Decision(failure, do, (), reason)
+
+
+def _counted(decisions: Sequence[Decision]) -> list[str]:
+    counts: dict[Do, int] = {}
+    for decision in decisions:
+        counts[decision.do] = counts.get(decision.do, 0) + 1
+    return [f"{do.value.replace('_', ' ')} x {count}" for do, count in counts.items()]
+
+
+def _changed(response: Response, failure: Failure, done: int) -> tuple[tuple[str, float], ...]:
+    """Return the new values of the parameters; without those at their bounds already."""
+    values = dict(failure.parameters)
+    changed = []
+    for name, change in response.change:
+        if name not in values:
+            continue
+        value = float(values[name])
+        new = _bounded(value + change.by, change)
+        if new != value:
+            changed.append((name, new))
+    return tuple(changed)
+
+
+def _bounded(value: float, change: Change) -> float:
+    return min(value, change.bound) if change.by > 0 else max(value, change.bound)

@@ -1,0 +1,44 @@
+"""A use case's answers to faults, and its limits: nothing is tried for ever."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from remodel_planner.core.recovery.fault import Do, Fault, Response
+
+
+@dataclass(frozen=True)
+class Limits:
+    """After which no more is tried by itself.
+
+    Attributes:
+        task_attempts: how often a task may be begun.
+        task_s: [s] ROS time of all its attempts together.
+        run_failures: failures of one run, after which it stops.
+        run_s: [s] ROS time of one run, after which it stops.
+    """
+
+    task_attempts: int = 6
+    task_s: float = 1800.0
+    run_failures: int = 200
+    run_s: float = 86400.0
+
+
+@dataclass(frozen=True)
+class Policy:
+    """What to do about faults.
+
+    Attributes:
+        responses: fault name -> responses, where a use case answers otherwise than the fault table.
+        limits: see Limits.
+        unattended: what to do instead of asking an operator when there is none.
+    """
+
+    responses: Mapping[str, tuple[Response, ...]] = field(default_factory=dict)
+    limits: Limits = Limits()
+    unattended: Do = Do.SET_ASIDE
+
+    def responses_to(self, fault: Fault) -> tuple[Response, ...]:
+        """Return what to do about a fault, in order."""
+        return self.responses.get(fault.name, fault.responses)

@@ -1,0 +1,53 @@
+"""Read the table of faults, and policies that answer otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+from rospkg import RosPack
+
+from remodel_planner.core.recovery.fault import (
+    Change,
+    Do,
+    Fault,
+    FaultTable,
+    Level,
+    Response,
+    Severity,
+)
+
+
+def read_faults() -> FaultTable:
+    """Return the table of faults of remodel_msgs, whose tests hold it whole."""
+    config = Path(RosPack().get_path("remodel_msgs")) / "config"
+    codes = {row["name"]: row["code"] for row in _load(config / "error_codes.yaml")}
+    return FaultTable([_fault(row, codes) for row in _load(config / "faults.yaml")])
+
+
+def response_of(row: Mapping[str, Any]) -> Response:
+    """Return a response as the YAML of the table, or of a policy, says it."""
+    change = tuple(
+        (name, Change(float(step["by"]), float(step["at_most"])))
+        for name, step in row.get("change", {}).items()
+    )
+    return Response(Do(row["do"]), row.get("times", 1), change)
+
+
+def _fault(row: Mapping[str, Any], codes: Mapping[str, int]) -> Fault:
+    return Fault(
+        row["fault"],
+        row["family"],
+        frozenset(codes[name] for name in row["codes"]),
+        row.get("after", {}).get("times", 1),
+        Severity(row["severity"]),
+        row["symptoms"],
+        Level(row["first_level"]),
+        tuple(response_of(response) for response in row["responses"]),
+    )
+
+
+def _load(file: Path) -> Any:  # noqa: ANN401 - YAML
+    return yaml.safe_load(file.read_text(encoding="utf-8"))

@@ -1,0 +1,115 @@
+"""Failures are told apart, answered in order, and never for ever."""
+
+import hypothesis.strategies as st
+import pytest
+from hypothesis import given
+
+from remodel_planner.core.recovery.decide import decide
+from remodel_planner.core.recovery.failure import Failure, Spent
+from remodel_planner.core.recovery.fault import Do, Response
+from remodel_planner.core.recovery.policy import Limits, Policy
+from remodel_planner.edge.fault_file import read_faults
+
+FAULTS = read_faults()
+LITTLE = Spent(task_attempts=1, task_s=10.0, run_failures=1, run_s=100.0)
+PLAIN = Policy()
+ATTENDED = tuple(Do)
+UNATTENDED = tuple(set(Do) - {Do.ASK_OPERATOR})
+
+
+def failure(name, **parameters):
+    fault = FAULTS[name]
+    values = tuple((key, str(value)) for key, value in parameters.items())
+    return Failure("W1", fault, min(fault.codes), "InsertCable", "/a", "no", 1.0, values)
+
+
+def answers(name, policy=PLAIN, possible=ATTENDED, spent=LITTLE, **parameters):
+    """Return what is done about the same failure again and again, up to something lasting."""
+    decisions = []
+    while not decisions or not decisions[-1].do.is_lasting:
+        decisions.append(decide(failure(name, **parameters), decisions, spent, policy, possible))
+    return [decision.do for decision in decisions]
+
+
+@pytest.mark.parametrize("name", FAULTS.names)
+def test_each_code_tells_of_its_fault(name):
+    fault = FAULTS[name]
+    for code in fault.codes:
+        assert FAULTS.diagnose([code] * fault.after) is fault
+
+
+def test_a_row_of_misses_is_a_misjudged_tip():
+    assert FAULTS.diagnose([300]).name == "insertion_misaligned"
+    assert FAULTS.diagnose([300, 302]).name == "tip_misjudged"
+    assert FAULTS.diagnose([300, 301, 302]).name == "insertion_misaligned"
+
+
+def test_what_no_fault_knows_is_none():
+    assert FAULTS.diagnose([0]) is None
+    assert FAULTS.diagnose([]) is None
+
+
+def test_responses_come_in_order():
+    assert answers("grasp_missed") == [Do.LOOK_AGAIN, Do.LOOK_AGAIN, Do.NEW_PART, Do.SET_ASIDE]
+
+
+def test_each_fault_is_counted_by_itself():
+    first = decide(failure("slipped"), [], LITTLE, Policy())
+    second = decide(failure("grasp_missed"), [first], LITTLE, Policy())
+    assert second.because == "answer 1 of 2 to grasp_missed"
+
+
+def test_without_an_operator_nobody_is_asked():
+    assert answers("server_lost", possible=UNATTENDED) == [Do.RETRY, Do.RETRY, Do.SET_ASIDE]
+    stopping = Policy(unattended=Do.STOP)
+    assert answers("server_lost", stopping, UNATTENDED)[-1] is Do.STOP
+
+
+def test_what_is_not_possible_is_passed_over():
+    possible = set(Do) - {Do.OTHER_METHOD}
+    assert answers("plan_not_executable", possible=possible) == [Do.SET_ASIDE]
+
+
+def test_a_parameter_changes_within_its_bound():
+    one = decide(failure("insufficient_force", force_limit=37.0), [], LITTLE, Policy())
+    assert (one.do, one.change) == (Do.RETRY_WITH, (("force_limit", 40.0),))
+    other = decide(failure("insufficient_force", force_limit=40.0), [], LITTLE, Policy())
+    assert other.do is Do.NEW_PART, "at its bound already"
+
+
+def test_a_use_case_may_answer_otherwise():
+    policy = Policy({"slipped": (Response(Do.STOP),)})
+    assert answers("slipped", policy) == [Do.STOP]
+
+
+@pytest.mark.parametrize(
+    ("spent", "do", "because"),
+    [
+        (Spent(6, 1.0, 1, 1.0), Do.SET_ASIDE, "6 attempts at this task; at most 6"),
+        (Spent(1, 2000.0, 1, 1.0), Do.SET_ASIDE, "the task takes 2000 s; at most 1800 s"),
+        (Spent(1, 1.0, 201, 1.0), Do.STOP, "201 failures in this run; at most 200"),
+        (Spent(1, 1.0, 1, 90000.0), Do.STOP, "the run takes 90000 s; at most 86400 s"),
+    ],
+)
+def test_limits_end_a_task_or_a_run(spent, do, because):
+    decision = decide(failure("grasp_missed"), [], spent, Policy())
+    assert (decision.do, decision.because) == (do, because)
+
+
+@given(
+    st.lists(st.sampled_from(FAULTS.names), min_size=1, max_size=60),
+    st.sets(st.sampled_from(list(Do))),
+    st.integers(1, 8),
+)
+def test_no_task_is_tried_for_ever(names, possible, attempts):
+    policy = Policy(limits=Limits(task_attempts=attempts))
+    decisions = []
+    for count, name in enumerate(names, 1):
+        spent = Spent(count, count * 10.0, count, count * 10.0)
+        decisions.append(decide(failure(name), decisions, spent, policy, possible))
+        assert decisions[-1].because
+        if decisions[-1].do.is_lasting:
+            break
+    assert len(decisions) <= attempts
+    assert all(d.do in possible or d.do.is_lasting for d in decisions)
+    assert Do.ASK_OPERATOR in possible or decisions[-1].do is not Do.ASK_OPERATOR
