@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import TypeAlias
@@ -17,16 +17,8 @@ from flexbe_synthesizer.core.literal import Literal, freeze
 from flexbe_synthesizer.core.problem import Position
 
 
-@dataclass(frozen=True)
-class Source:
-    """Where an element and its attributes stand in a file."""
-
-    element: Position
-    attributes: Mapping[str, Position] = field(default_factory=dict)
-
-    def place(self, attribute: str) -> Position:
-        """Return where an attribute stands, else the element."""
-        return self.attributes.get(attribute, self.element)
+# Returns where an attribute of an element stands in its file; of "", where the element does.
+Source: TypeAlias = Callable[[str], Position]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,7 +31,7 @@ class Element:
         """Return where the attribute stands, else the element; 0:0 for charts built in code."""
         if self.source is None:
             return Position("<chart>", 0, 0)
-        return self.source.place(attribute)
+        return self.source(attribute)
 
 
 class Autonomy(Enum):
