@@ -62,7 +62,7 @@ def _check_when(when: When, resolved: ResolvedChart) -> Iterator[Problem]:
         hint = names.allowed(when.state, resolved.by_id)
         message = f"'{when.state}' is no state in {resolved.title}; {hint}"
         yield Problem(when.position("state"), Code.UNKNOWN_STATE, message)
-    events = entry.events if entry else None
+    events = entry.use.events if entry else None
     if entry and events is not None and when.event and when.event not in events:
         hint = names.allowed(when.event, events)
         message = f"{label(entry.node)} has no outcome '{when.event}'; {hint}"
@@ -76,8 +76,8 @@ def _check_events(resolved: ResolvedChart) -> Iterator[Problem]:
         for when in condition.all_of:
             waited[when.state].add(when.event)
     for name, entry in resolved.by_id.items():
-        meant = {names.misspelt(e, entry.events or ()) for e in waited[name]}
-        for event in entry.events or ():
+        meant = {names.misspelt(e, entry.use.events or ()) for e in waited[name]}
+        for event in entry.use.events or ():
             if event not in waited[name] and event not in meant:
                 message = f"no condition waits for '{event}' of {label(entry.node)}; add "
                 message += f'<ext:when state="{name}" event="{event}"/> to an <ext:condition>.'

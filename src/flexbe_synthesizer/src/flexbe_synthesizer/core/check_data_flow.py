@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterator
 
-from flexbe_synthesizer.core.data_flow import DataFlow, Wiring
+from flexbe_synthesizer.core.data_flow import DataFlow
 from flexbe_synthesizer.core.graph import Edge, Graph, path_text, shortest_path
 from flexbe_synthesizer.core.model import Connection
-from flexbe_synthesizer.core.problem import Code, Position, Problem
-from flexbe_synthesizer.core.resolve import ResolvedChart, label
+from flexbe_synthesizer.core.problem import Code, Problem
+from flexbe_synthesizer.core.resolve import ResolvedChart, ResolvedNode, label
 from flexbe_synthesizer.core.written import Values
 
 
@@ -25,47 +25,48 @@ def check_data_flow(resolved: ResolvedChart, flow: DataFlow, graph: Graph) -> It
         return
     values = Values(resolved, flow, graph)
     given = {port.name for port in resolved.chart.inputs}
-    written = values.written_before(given)
-    connections = Wiring(resolved).into_state
-    for key, home in flow.inputs.items():
-        if key.node not in written or home in given:
+    written = values.written_before()
+    for (node, name), home in flow.inputs.items():
+        if node not in written or home in given:
             continue
-        entry = resolved.by_id[key.node]
-        connection = connections.get(key)
-        position = entry.node.position() if connection is None else connection.position()
-        what = f"input '{key.name}' of {label(entry.node)}"
-        if not values.has(written[key.node], home):
-            yield _missing(what, key.node, home, position, values)
-        elif connection is not None:
-            yield from _find_overwriting(what, key.node, home, connection, values, written)
+        connection = flow.wiring.into_state.get((node, name))
+        if not values.has(written[node], home):
+            yield _missing(resolved.by_id[node], name, home, connection, values)
+        elif connection is not None and len(values.writers[home]) > 1:
+            yield from _find_overwriting(
+                resolved.by_id[node], name, home, connection, values, written
+            )
 
 
 def _check_simultaneous(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
     """Yield a problem for each read of what a state that runs at the same time writes."""
     given = {port.name for port in resolved.chart.inputs}
-    connections = Wiring(resolved).into_state
-    for key, home in flow.inputs.items():
-        connection = connections.get(key)
+    for (node, name), home in flow.inputs.items():
+        connection = flow.wiring.into_state.get((node, name))
         if home not in given and connection is not None:
-            message = (
-                f"input '{key.name}' of {label(resolved.by_id[key.node].node)} is to come from "
-            )
+            message = f"{_what(resolved.by_id[node], name)} is to come from "
             message += f"'{connection.output_state_id}', which runs at the same time and may not "
-            message += (
-                f"have written it: {key.node} starts with the container. Move one of them out "
-            )
+            message += f"have written it: {node} starts with the container. Move one of them out "
             message += f"of the container '{resolved.chart.name}'."
             yield Problem(connection.position(), Code.READ_BEFORE_WRITE, message)
 
 
-def _missing(what: str, reader: str, home: str, position: Position, values: Values) -> Problem:
+def _what(entry: ResolvedNode, name: str) -> str:
+    return f"input '{name}' of {label(entry.node)}"
+
+
+def _missing(
+    entry: ResolvedNode, name: str, home: str, connection: Connection | None, values: Values
+) -> Problem:
     """Return the problem of a value that is read before it is written, with the path."""
+    reader = entry.node.id
     path = f"{reader} is the initial state"
     if reader != values.graph.initial:
         path = path_text(_unwritten_path(reader, home, values))
     writers = " or ".join(f"'{node}'" for node in dict.fromkeys(values.writers[home]))
-    message = f"{what} is read before {writers} has written it: {path}. Lead that path through "
-    message += f"{writers}, or feed the input from elsewhere."
+    message = f"{_what(entry, name)} is read before {writers} has written it: {path}. Lead that "
+    message += f"path through {writers}, or feed the input from elsewhere."
+    position = entry.node.position() if connection is None else connection.position()
     return Problem(position, Code.READ_BEFORE_WRITE, message)
 
 
@@ -91,26 +92,30 @@ def _unwritten_path(reader: str, home: str, values: Values) -> tuple[Edge, ...]:
 
 
 def _find_overwriting(
-    what: str,
-    reader: str,
+    entry: ResolvedNode,
+    name: str,
     home: str,
     connection: Connection,
     values: Values,
     reached: Container[str],
 ) -> Iterator[Problem]:
     """Yield a problem if another state may have written over a value, with the path."""
-    meant = connection.output_state_id
+    meant, reader = connection.output_state_id, entry.node.id
     for other in values.writers[home]:
         if other in (meant, reader) or other not in reached:
             continue
         leaving = values.edges_not_writing(home)
         leaving[other] = tuple(
-            edge for edge in values.graph.leaving.get(other, ()) if home in values.homes(edge)
+            edge
+            for edge in values.graph.leaving.get(other, ())
+            if values.has(values.written_on(edge), home)
         )
         path = shortest_path(other, reader, leaving)
         if path is not None:
-            message = f"{what} is to come from '{meant}', but '{other}' writes the same value, "
-            message += f"'{home}', on the way: {path_text(path)}. Let them feed different "
+            message = f"{_what(entry, name)} is to come from '{meant}', but '{other}' writes the "
+            message += (
+                f"same value, '{home}', on the way: {path_text(path)}. Let them feed different "
+            )
             message += "outputs of the chart."
             yield Problem(connection.position(), Code.OVERWRITTEN_VALUE, message)
             return

@@ -254,8 +254,9 @@ class _ChartReader:
         attempts = self._convert(element, fields, "attempts", _at_least_one, "an integer from 1", 1)
         seconds = "a number of seconds above 0"
         timeout_s = self._convert(element, fields, "timeout_s", _positive, seconds, 1.0)
-        on_error = self._convert(element, fields, "on_error", parse_routes, ROUTES_RULE, ())
-        return attempts, timeout_s, on_error or ()
+        no_routes: tuple[ErrorRoute, ...] = ()
+        on_error = self._convert(element, fields, "on_error", parse_routes, ROUTES_RULE, no_routes)
+        return attempts, timeout_s, on_error or no_routes
 
     def _container_body(self, element: Element, fields: _Fields, shape: Shape) -> Chart:
         """Return what a container holds; nothing of one that lies too deep."""

@@ -12,16 +12,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.model import Connection
-from flexbe_synthesizer.core.resolve import ResolvedChart, ResolvedNode
-from flexbe_synthesizer.core.signature import Port
+
+if TYPE_CHECKING:
+    from flexbe_synthesizer.core.resolve import ResolvedChart
 
 
 class Key(NamedTuple):
-    """An input or output of a state or behavior in the chart."""
+    """An input or output of a state or behavior in the chart; equal to a plain (node, name)."""
 
     node: str
     name: str
@@ -32,14 +33,16 @@ class DataFlow:
     """Where every value lives.
 
     Attributes:
-        inputs: home of each input; without those that nothing feeds.
-        outputs: home of each output.
+        inputs: home of each input, by (node, name); without those that nothing feeds.
+        outputs: home of each output, by (node, name).
         defaulted: inputs of behaviors that keep the behavior's own default.
+        wiring: the connections that say so.
     """
 
-    inputs: Mapping[Key, str]
-    outputs: Mapping[Key, str]
-    defaulted: frozenset[Key]
+    inputs: Mapping[tuple[str, str], str]
+    outputs: Mapping[tuple[str, str], str]
+    defaulted: frozenset[tuple[str, str]]
+    wiring: Wiring
 
 
 class Wiring:
@@ -51,46 +54,46 @@ class Wiring:
 
     def __init__(self, resolved: ResolvedChart) -> None:
         """Sort the connections."""
-        self._chart = resolved.chart
-        self.into_state: dict[Key, Connection] = {}
-        self.into_machine: dict[Key, Connection] = {}
+        chart_name = resolved.chart.name
+        self.into_state: dict[tuple[str, str], Connection] = {}
+        self.into_machine: dict[tuple[str, str], Connection] = {}
         self.passed_through: set[str] = set()
         self.connected_outputs: set[str] = set()
         for connection in resolved.chart.connections:
-            source = Key(connection.output_state_id, connection.output)
-            if connection.input_state_id != self._chart.name:
-                entry = resolved.by_id.get(connection.input_state_id)
-                offered = [port.name for port in ports(entry)[0]] if entry else []
-                name = connection.input
-                meant = name if name in offered else names.misspelt(name, offered) or name
-                target = Key(connection.input_state_id, meant)
-                self.into_state.setdefault(target, connection)
+            taker, name = connection.input_state_id, connection.input
+            if taker != chart_name:
+                entry = resolved.by_id.get(taker)
+                if entry is not None and name not in entry.use.inputs:
+                    name = names.misspelt(name, entry.use.inputs) or name
+                self.into_state.setdefault((taker, name), connection)
                 continue
-            self.connected_outputs.add(connection.input)
-            if connection.output_state_id != self._chart.name:
+            self.connected_outputs.add(name)
+            if connection.output_state_id != chart_name:
+                source = (connection.output_state_id, connection.output)
                 self.into_machine.setdefault(source, connection)
-            elif connection.output == connection.input:
-                self.passed_through.add(connection.input)
-
-
-def ports(entry: ResolvedNode) -> tuple[tuple[Port, ...], tuple[Port, ...]]:
-    """Return inputs and outputs of a node, with the types that the chart declares for them."""
-    return entry.inputs, entry.outputs
+            elif connection.output == name:
+                self.passed_through.add(name)
 
 
 def bind_data(resolved: ResolvedChart) -> DataFlow:
     """Return where each value of the chart lives."""
-    binding = _Binding(resolved, Wiring(resolved))
-    inputs = {key: binding.input_home(key) for key in binding.input_ports}
-    return DataFlow(
-        inputs={key: home for key, home in inputs.items() if home is not None},
-        outputs={key: binding.output_home(key) for key in binding.output_ports},
-        defaulted=frozenset(
-            key
-            for key, port in binding.input_ports.items()
-            if inputs[key] is None and port.optional
-        ),
-    )
+    wiring = Wiring(resolved)
+    binding = _Binding(resolved, wiring)
+    inputs: dict[tuple[str, str], str] = {}
+    defaulted: list[tuple[str, str]] = []
+    for node, entry in resolved.by_id.items():
+        for name, port in entry.use.inputs.items():
+            home = binding.input_home(node, name)
+            if home is not None:
+                inputs[node, name] = home
+            elif port.optional:
+                defaulted.append((node, name))
+    outputs = {
+        (node, name): binding.output_home(node, name)
+        for node, entry in resolved.by_id.items()
+        for name in entry.use.outputs
+    }
+    return DataFlow(inputs, outputs, frozenset(defaulted), wiring)
 
 
 class _Binding:
@@ -98,45 +101,49 @@ class _Binding:
 
     def __init__(self, resolved: ResolvedChart, wiring: Wiring) -> None:
         self._chart_name = resolved.chart.name
-        self._wiring = wiring
+        self._by_id = resolved.by_id
+        self._into_state = wiring.into_state
+        self._into_machine = wiring.into_machine
         self._machine_inputs = {port.name for port in resolved.chart.inputs}
-        entries = resolved.by_id.items()
-        self.input_ports = {Key(i, p.name): p for i, entry in entries for p in ports(entry)[0]}
-        self.output_ports = {Key(i, p.name): p for i, entry in entries for p in ports(entry)[1]}
         machine_outputs = {port.name for port in resolved.chart.outputs}
         self._fed_by_name = machine_outputs - wiring.connected_outputs
         self._taken = self._machine_inputs | machine_outputs
-        self._homes: dict[Key, str] = {}
+        self._homes: dict[tuple[str, str], str] = {}
 
-    def input_home(self, key: Key, trail: tuple[Key, ...] = ()) -> str | None:
+    def input_home(
+        self, node: str, name: str, trail: tuple[tuple[str, str], ...] = ()
+    ) -> str | None:
         """Return the home that an input reads, None if nothing feeds it."""
-        connection = self._wiring.into_state.get(key)
+        connection = self._into_state.get((node, name))
         if connection is None:
-            return key.name if key.name in self._machine_inputs else None
-        source = Key(connection.output_state_id, connection.output)
-        if source.node == self._chart_name:
-            return source.name if source.name in self._machine_inputs else None
-        if source not in self.output_ports:
+            return name if name in self._machine_inputs else None
+        giver, output = connection.output_state_id, connection.output
+        if giver == self._chart_name:
+            return output if output in self._machine_inputs else None
+        entry = self._by_id.get(giver)
+        if entry is None or output not in entry.use.outputs:
             return None
-        return self.output_home(source, trail)
+        return self.output_home(giver, output, trail)
 
-    def output_home(self, key: Key, trail: tuple[Key, ...] = ()) -> str:
+    def output_home(self, node: str, name: str, trail: tuple[tuple[str, str], ...] = ()) -> str:
         """Return the home that an output writes.
 
         `trail` holds the keys being looked for: states that read and write each other's keys in a
         circle would otherwise never find a home.
         """
-        if key in self._homes:
-            return self._homes[key]
+        key = (node, name)
+        known = self._homes.get(key)
+        if known is not None:
+            return known
         home = None
-        if key in self.input_ports and key not in trail:
-            home = self.input_home(key, (*trail, key))
-        elif key in self._wiring.into_machine:
-            home = self._wiring.into_machine[key].input
-        elif key.name in self._fed_by_name:
-            home = key.name
+        if name in self._by_id[node].use.inputs and key not in trail:
+            home = self.input_home(node, name, (*trail, key))
+        elif key in self._into_machine:
+            home = self._into_machine[key].input
+        elif name in self._fed_by_name:
+            home = name
         if home is None:
-            wanted = f"{names.snake_case(key.node)}_{names.snake_case(key.name)}"
+            wanted = f"{names.snake_case(node)}_{names.snake_case(name)}"
             home = names.take_unused(wanted, self._taken)
             self._taken.add(home)
         return self._homes.setdefault(key, home)

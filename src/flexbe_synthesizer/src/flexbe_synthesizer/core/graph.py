@@ -6,14 +6,14 @@ from collections import defaultdict, deque
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.model import AnyNode, Condition
 from flexbe_synthesizer.core.resolve import EXHAUSTED, FAILED, ResolvedChart
 
 
-@dataclass(frozen=True)
-class Edge:
+class Edge(NamedTuple):
     """A transition.
 
     Attributes:
@@ -47,21 +47,58 @@ class Graph:
         return _grouped(self.edges, lambda edge: edge.target)
 
     @cached_property
+    def order(self) -> tuple[str, ...]:
+        """Return the states so that each stands before all that only it leads to.
+
+        It is the reverse of the order in which a search in depth leaves them.
+        """
+        leaving = self.leaving
+        unseen = set(self.ids)
+        left: list[str] = []
+        for start in self.ids:
+            if start not in unseen:
+                continue
+            unseen.discard(start)
+            trail = [(start, iter(leaving.get(start, ())))]
+            while trail:
+                name, edges = trail[-1]
+                for edge in edges:
+                    if edge.target in unseen:
+                        unseen.discard(edge.target)
+                        trail.append((edge.target, iter(leaving.get(edge.target, ()))))
+                        break
+                else:
+                    left.append(name)
+                    trail.pop()
+        return tuple(reversed(left))
+
+    @cached_property
     def loops(self) -> Mapping[str, int]:
         """Return a number per state, equal for states that can reach each other (Kosaraju)."""
-        order: list[str] = []
-        seen: set[str] = set()
-        for start in self.ids:
-            order.extend(_postorder(start, self.leaving, seen))
+        entering = self.entering
+        unseen = set(self.ids)
         component: dict[str, int] = {}
-        for number, start in enumerate(reversed(order)):
+        for number, start in enumerate(self.order):
+            if start not in unseen:
+                continue
+            unseen.discard(start)
             waiting = [start]
             while waiting:
                 name = waiting.pop()
-                if name not in component:
-                    component[name] = number
-                    waiting.extend(edge.source for edge in self.entering.get(name, ()))
+                component[name] = number
+                for edge in entering.get(name, ()):
+                    if edge.source in unseen:
+                        unseen.discard(edge.source)
+                        waiting.append(edge.source)
         return component
+
+    @cached_property
+    def looping(self) -> frozenset[str]:
+        """Return the states that can come back to themselves."""
+        loops = self.loops
+        return frozenset(
+            edge.source for edge in self.edges if loops[edge.source] == loops.get(edge.target)
+        )
 
 
 def chart_graph(resolved: ResolvedChart) -> Graph:
@@ -80,29 +117,23 @@ def chart_graph(resolved: ResolvedChart) -> Graph:
     def meant(name: str, among: Collection[str]) -> str:
         return name if name in among else names.misspelt(name, sorted(among)) or name
 
-    edges = tuple(
-        Edge(
-            entry.node.id,
-            event,
-            meant(target, known),
-            executed=event not in entry.added_events,
-            is_exhausted=event == EXHAUSTED
-            and entry.node.attempts is not None
-            and not entry.has_own(EXHAUSTED),
-        )
-        for entry in resolved.by_id.values()
-        for event, target in _leads(entry.node)
-    )
+    edges: list[Edge] = []
+    for source, entry in resolved.by_id.items():
+        added = entry.use.added_events
+        counted = entry.node.attempts is not None and not entry.use.has_own(EXHAUSTED)
+        for event, target in _leads(entry.node):
+            target = target if target in known else meant(target, known)
+            is_exhausted = counted and event == EXHAUSTED
+            edges.append(Edge(source, event, target, event not in added, is_exhausted))
     initial = meant(chart.initial, ids)
-    return Graph(initial, tuple(sorted(ids, key=lambda name: name != initial)), edges)
+    return Graph(initial, tuple(sorted(ids, key=lambda name: name != initial)), tuple(edges))
 
 
-def _leads(node: AnyNode) -> Iterator[tuple[str, str]]:
-    """Yield event and target of each way out of a node."""
-    for transition in node.transitions:
-        yield transition.event, transition.target
-    for route in node.on_error:
-        yield FAILED, route.target
+def _leads(node: AnyNode) -> list[tuple[str, str]]:
+    """Return event and target of each way out of a node."""
+    leads = [(transition.event, transition.target) for transition in node.transitions]
+    leads.extend((FAILED, route.target) for route in node.on_error)
+    return leads
 
 
 def condition_edges(condition: Condition, resolved: ResolvedChart) -> Iterator[Edge]:
@@ -110,7 +141,7 @@ def condition_edges(condition: Condition, resolved: ResolvedChart) -> Iterator[E
     for when in condition.all_of:
         entry = resolved.by_id.get(when.state)
         if entry is not None:
-            executed = when.event not in entry.added_events
+            executed = when.event not in entry.use.added_events
             yield Edge(when.state, when.event, condition.outcome, executed)
 
 
@@ -157,22 +188,3 @@ def _grouped(edges: Iterable[Edge], key: Callable[[Edge], str]) -> Mapping[str, 
     for edge in edges:
         groups[key(edge)].append(edge)
     return {name: tuple(group) for name, group in groups.items()}
-
-
-def _postorder(start: str, leaving: Mapping[str, tuple[Edge, ...]], seen: set[str]) -> list[str]:
-    """Return the states first seen from start, each after all that it leads to."""
-    if start in seen:
-        return []
-    order: list[str] = []
-    seen.add(start)
-    trail = [(start, iter(leaving.get(start, ())))]
-    while trail:
-        name, edges = trail[-1]
-        target = next((e.target for e in edges if e.target in leaving and e.target not in seen), "")
-        if target:
-            seen.add(target)
-            trail.append((target, iter(leaving[target])))
-        else:
-            order.append(name)
-            trail.pop()
-    return order

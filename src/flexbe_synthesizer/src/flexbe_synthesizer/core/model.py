@@ -16,7 +16,6 @@ from typing import TypeAlias
 from flexbe_synthesizer.core.literal import Literal, freeze
 from flexbe_synthesizer.core.problem import Position
 
-
 # Returns where an attribute of an element stands in its file; of "", where the element does.
 Source: TypeAlias = Callable[[str], Position]
 

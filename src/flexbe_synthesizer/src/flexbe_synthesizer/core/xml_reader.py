@@ -94,7 +94,7 @@ def read_description(data: bytes) -> str:
         data: a document in UTF-8; it is read as far as its second element.
     """
     elements: list[str] = []
-    before, inside = [""], []
+    before, inside = [""], list[str]()
 
     def start(name: str, _attributes: object) -> None:
         elements.append(name)
