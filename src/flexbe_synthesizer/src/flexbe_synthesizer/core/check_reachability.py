@@ -14,20 +14,21 @@ def check_reachability(resolved: ResolvedChart, graph: Graph) -> Iterator[Proble
     """Yield a problem for each state that is never entered, or never left for good."""
     if resolved.is_concurrent:
         return
-    by_id, initial = resolved.by_id, graph.initial
-    reached = reachable([initial], lambda name: [e.target for e in graph.leaving.get(name, ())])
-    if initial in by_id:
-        for name, entry in by_id.items():
-            if name not in reached:
-                message = f"no path from the initial state '{initial}' leads to "
-                message += f"{label(entry.node)}; lead a transition to it, or delete it."
-                yield Problem(entry.node.position(), Code.UNREACHABLE_STATE, message)
-    ending = _ending(graph, frozenset())
-    spent = _spent(graph, resolved)
-    ending_when_spent = _ending(graph, spent) if spent else ending
+    by_id, reached, initial = resolved.by_id, graph.reached, graph.initial
+    if initial not in by_id:
+        return
     for name, entry in by_id.items():
-        is_fine = name in ending and name in ending_when_spent
-        if is_fine or name not in reached or not entry.node.transitions:
+        if name not in reached:
+            message = f"no path from the initial state '{initial}' leads to "
+            message += f"{label(entry.node)}; lead a transition to it, or delete it."
+            yield Problem(entry.node.position(), Code.UNREACHABLE_STATE, message)
+    spent = _spent(graph, resolved)
+    ending_when_spent = _ending(graph, spent)
+    if ending_when_spent >= reached:
+        return
+    ending = _ending(graph, frozenset())
+    for name, entry in by_id.items():
+        if name in ending_when_spent or name not in reached or not entry.node.transitions:
             continue
         if name not in ending:
             message = f"from {label(entry.node)} no outcome of {resolved.title} can be reached; it "
@@ -64,16 +65,16 @@ def _ending(graph: Graph, spent: Collection[str]) -> set[str]:
 
     A target that does not exist may be an end, so only what is known to lead on is followed.
     """
-    known = set(graph.ids)
-    ends = {target for target in graph.entering if target not in known}
-    return reachable(
-        ends,
-        lambda name: [
-            edge.source
-            for edge in graph.entering.get(name, ())
-            if edge.source not in spent or edge.event == EXHAUSTED
-        ],
-    )
+    entering, known = graph.entering, set(graph.ids)
+    found = {target for target in entering if target not in known}
+    waiting = list(found)
+    while waiting:
+        for edge in entering.get(waiting.pop(), ()):
+            leads_on = edge.source not in spent or edge.event == EXHAUSTED
+            if leads_on and edge.source not in found:
+                found.add(edge.source)
+                waiting.append(edge.source)
+    return found
 
 
 def _led_to(start: str, graph: Graph, spent: Collection[str]) -> str:

@@ -178,38 +178,42 @@ class _ChartReader:
             self.report(self._tree.place(element), Code.MISSING_ELEMENT, message)
 
     def _outcome(self, element: Element) -> Outcome:
-        fields = self._fields(element, OUTCOME)
-        return Outcome(fields.text("name"), source=self._source(element))
+        given, _extensions = self._leaf(element, OUTCOME)
+        return Outcome(given.get("name", ""), source=self._source(element))
 
     def _input(self, element: Element, shape: Shape) -> Input:
-        fields = self._fields(element, shape)
-        default = parse_literal(fields.extensions.get("default", "null"))
-        return Input(fields.text("name"), fields.get("type"), default, source=self._source(element))
+        given, extensions = self._leaf(element, shape)
+        default = parse_literal(extensions.get("default", "null"))
+        source = self._source(element)
+        return Input(given.get("name", ""), given.get("type") or None, default, source=source)
 
     def _output(self, element: Element) -> Output:
-        fields = self._fields(element, PORT)
-        return Output(fields.text("name"), fields.get("type"), source=self._source(element))
+        given, _extensions = self._leaf(element, PORT)
+        source = self._source(element)
+        return Output(given.get("name", ""), given.get("type") or None, source=source)
 
     def _param(self, element: Element) -> Param:
-        fields = self._fields(element, _PARAM)
-        value = parse_literal(fields.text("value"))
-        return Param(fields.text("name"), value, source=self._source(element))
+        given, _extensions = self._leaf(element, _PARAM)
+        value = parse_literal(given.get("value", ""))
+        return Param(given.get("name", ""), value, source=self._source(element))
 
     def _transition(self, element: Element) -> Transition:
-        fields = self._fields(element, TRANSITION)
+        given, extensions = self._leaf(element, TRANSITION)
         autonomy = None
-        if fields.extensions:
-            autonomy = self._convert(element, fields, "autonomy", Autonomy, _LEVELS, Autonomy.OFF)
-        event, target = fields.text("event"), fields.text("target")
-        return Transition(event, target, autonomy, source=self._source(element))
+        if extensions:
+            autonomy = self._convert(
+                element, extensions, "autonomy", Autonomy, _LEVELS, Autonomy.OFF
+            )
+        source = partial(self._tree.place, element)
+        return Transition(given.get("event", ""), given.get("target", ""), autonomy, source=source)
 
     def _connection(self, element: Element) -> Connection:
-        fields = self._fields(element, _CONNECTION)
+        given, _extensions = self._leaf(element, _CONNECTION)
         return Connection(
-            fields.text("output_state_id"),
-            fields.text("output"),
-            fields.text("input_state_id"),
-            fields.text("input"),
+            given.get("output_state_id", ""),
+            given.get("output", ""),
+            given.get("input_state_id", ""),
+            given.get("input", ""),
             source=self._source(element),
         )
 
@@ -222,13 +226,15 @@ class _ChartReader:
         return Condition(fields.text("outcome"), all_of, source=self._source(element))
 
     def _when(self, element: Element) -> When:
-        fields = self._fields(element, WHEN)
-        return When(fields.text("state"), fields.text("event"), source=self._source(element))
+        given, _extensions = self._leaf(element, WHEN)
+        source = self._source(element)
+        return When(given.get("state", ""), given.get("event", ""), source=source)
 
     def _node(self, element: Element, shape: Shape) -> AnyNode:
         fields = self._fields(element, shape)
-        limits = self._limits(element, fields) if fields.extensions else _UNLIMITED
-        transitions = tuple([self._transition(e) for e in fields.children("transition")])
+        limits = self._limits(element, fields.extensions) if fields.extensions else _UNLIMITED
+        parts = fields.parts
+        transitions = tuple([self._transition(e) for e in parts.get("transition", ())])
         node_id, source = fields.text("id"), self._source(element)
         if element.tag not in ("state", "behavior"):
             body = self._container_body(element, fields, shape)
@@ -236,26 +242,30 @@ class _ChartReader:
             return Container(
                 node_id, tag, transitions, (), (), (), *limits, body=body, source=source
             )
-        parts = (
+        given = (
             node_id,
             fields.text("type"),
             transitions,
-            tuple([self._input(e, PORT) for e in fields.children("input")]),
-            tuple([self._output(e) for e in fields.children("output")]),
-            tuple([self._param(e) for e in fields.children("param")]),
+            tuple([self._input(e, PORT) for e in parts["input"]]) if "input" in parts else (),
+            tuple([self._output(e) for e in parts["output"]]) if "output" in parts else (),
+            tuple([self._param(e) for e in parts["param"]]) if "param" in parts else (),
             *limits,
         )
         if element.tag == "behavior":
-            return Behavior(*parts, source=source)
-        return State(*parts, topic=fields.get("topic"), source=source)
+            return Behavior(*given, source=source)
+        return State(*given, topic=fields.text("topic") or None, source=source)
 
-    def _limits(self, element: Element, fields: _Fields) -> _Limits:
+    def _limits(self, element: Element, extensions: Mapping[str, str]) -> _Limits:
         """Return the attempts, the timeout and the error routes of a node."""
-        attempts = self._convert(element, fields, "attempts", _at_least_one, "an integer from 1", 1)
+        attempts = self._convert(
+            element, extensions, "attempts", _at_least_one, "an integer from 1", 1
+        )
         seconds = "a number of seconds above 0"
-        timeout_s = self._convert(element, fields, "timeout_s", _positive, seconds, 1.0)
+        timeout_s = self._convert(element, extensions, "timeout_s", _positive, seconds, 1.0)
         no_routes: tuple[ErrorRoute, ...] = ()
-        on_error = self._convert(element, fields, "on_error", parse_routes, ROUTES_RULE, no_routes)
+        on_error = self._convert(
+            element, extensions, "on_error", parse_routes, ROUTES_RULE, no_routes
+        )
         return attempts, timeout_s, on_error or no_routes
 
     def _container_body(self, element: Element, fields: _Fields, shape: Shape) -> Chart:
@@ -276,7 +286,7 @@ class _ChartReader:
     def _convert(
         self,
         element: Element,
-        fields: _Fields,
+        extensions: Mapping[str, str],
         name: str,
         convert: Callable[[str], _Value],
         allowed: str,
@@ -286,7 +296,7 @@ class _ChartReader:
 
         One that is not allowed is reported and replaced, so that the rest is checked as if mended.
         """
-        text = fields.extensions.get(name)
+        text = extensions.get(name)
         if text is None:
             return None
         try:
@@ -296,24 +306,40 @@ class _ChartReader:
             self.report(self._tree.place(element, name), Code.INVALID_VALUE, message)
             return instead
 
+    def _leaf(self, element: Element, shape: Shape) -> tuple[Mapping[str, str], Mapping[str, str]]:
+        """Return the attributes of an element without children, and those of the extension.
+
+        Most have all that they need and nothing else, and are let through at once.
+        """
+        given: Mapping[str, str] = element.attrib
+        if (
+            given.keys() == shape.required_set
+            and "" not in given.values()
+            and not len(element)
+            and not self._tree.has_text
+        ):
+            return given, _NO_EXTENSIONS
+        fields = self._fields(element, shape)
+        return fields.plain, fields.extensions
+
     def _fields(self, element: Element, shape: Shape) -> _Fields:
         """Return the element's parts, and report those that its shape does not have."""
-        plain: dict[str, str] = element.attrib
+        plain: Mapping[str, str] = element.attrib
         extensions = _NO_EXTENSIONS
         if plain.keys() != shape.required_set or "" in plain.values():
             plain, extensions = self._sorted_attributes(element, shape)
-        if element.text is not None and (place := self._tree.text_place(element)) is not None:
+        if self._tree.has_text and (place := self._tree.text_place(element)) is not None:
             message = f"text inside <{_tag(element)}>; a chart holds elements and comments only."
             self.report(place, Code.UNEXPECTED_TEXT, message)
         parts: dict[str, list[Element]] = {}
         for child in element:
-            tag = _tag(child)
-            if tag not in shape.children:
-                self._report_child(child, element, shape)
-            elif tag in parts:
+            tag = child.tag if child.tag in shape.children else _tag(child)
+            if tag in parts:
                 parts[tag].append(child)
-            else:
+            elif tag in shape.children:
                 parts[tag] = [child]
+            else:
+                self._report_child(child, element, shape)
         return _Fields(plain, extensions, parts)
 
     def _sorted_attributes(
@@ -388,9 +414,6 @@ class _Fields(NamedTuple):
 
     def text(self, name: str) -> str:
         return self.plain.get(name, "")
-
-    def get(self, name: str) -> str | None:
-        return self.plain.get(name) or None
 
     def children(self, tag: str) -> Sequence[Element]:
         return self.parts.get(tag, ())

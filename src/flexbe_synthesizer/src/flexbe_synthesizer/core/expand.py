@@ -14,7 +14,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from flexbe_synthesizer.core import machine, names
 from flexbe_synthesizer.core.data_flow import DataFlow
 from flexbe_synthesizer.core.error_routes import route_event
-from flexbe_synthesizer.core.literal import Literal
 from flexbe_synthesizer.core.machine import (
     BehaviorUse,
     Child,
@@ -185,32 +184,41 @@ class _Expansion:
         self._flow = flow
         self._above = above
         self._counts = counts
+        self._counters = {
+            entry.node.id: counter_label(entry.node.id)
+            for entry in resolved.nodes
+            if entry.node.attempts is not None
+        }
 
     def children(self) -> tuple[Child, ...]:
         """Return what the nodes become, the initial one first."""
         initial = self._resolved.chart.initial
         entries = sorted(self._resolved.nodes, key=lambda entry: entry.node.id != initial)
-        return tuple(child for entry in entries for child in self._expanded(entry))
+        found: list[Child] = []
+        for entry in entries:
+            self._expand(entry, found)
+        return tuple(found)
 
-    def _expanded(self, entry: ResolvedNode) -> Iterator[Child]:
-        """Yield what a node becomes: its counter, itself, and what parts its failures."""
+    def _expand(self, entry: ResolvedNode, found: list[Child]) -> None:
+        """Add what a node becomes: its counter, itself, and what parts its failures."""
         node = entry.node
         exits = self._exits(entry)
         if node.attempts is not None:
-            yield Child(
+            counter = Child(
                 counter_label(node.id),
                 self._support(Support.COUNTER, attempts=node.attempts),
                 (Exit(_COUNTED, node.id), exits[EXHAUSTED]),
                 (("attempt", self._counts[f"{self._above}{node.id}"]),),
             )
+            found.append(counter)
         if node.on_error:
-            yield self._chooser(entry, exits[FAILED])
+            found.append(self._chooser(entry, exits[FAILED]))
             exits[FAILED] = Exit(FAILED, chooser_label(node.id))
-        own = tuple(exits[event] for event in _own_outcomes(entry))
+        own = tuple([exits[event] for event in _own_outcomes(entry)])
         if entry.use.is_timed:
-            yield self._timed(entry, own, exits[TIMED_OUT])
+            found.append(self._timed(entry, own, exits[TIMED_OUT]))
         else:
-            yield Child(node.id, self._content(entry), own, self._remapping(entry))
+            found.append(Child(node.id, self._content(entry), own, self._remapping(entry)))
 
     def _exits(self, entry: ResolvedNode) -> dict[str, Exit]:
         """Return where each event of a node leads."""
@@ -221,14 +229,15 @@ class _Expansion:
                 for when in condition.all_of
                 if when.state == entry.node.id
             }
+        counters = self._counters
         return {
-            t.event: Exit(t.event, self._entry(t.target), t.autonomy)
+            t.event: Exit(t.event, counters.get(t.target, t.target), t.autonomy)
             for t in entry.node.transitions
         }
 
     def _entry(self, target: str) -> str:
         """Return the label that a transition to a target leads to."""
-        return counter_label(target) if f"{self._above}{target}" in self._counts else target
+        return self._counters.get(target, target)
 
     def _chooser(self, entry: ResolvedNode, otherwise: Exit) -> Child:
         """Return the state that leads a failure to where its code says."""
@@ -287,9 +296,7 @@ class _Expansion:
         declaration = entry.use.declaration
         if entry.body is not None:
             return self._body(entry, entry.body)
-        given = tuple(
-            _pair(item, entry) for item in arguments(entry.node, entry.use.is_timed).items()
-        )
+        given = _arguments(entry)
         if isinstance(declaration, BehaviorClass):
             defaulted, node_id = self._flow.defaulted, entry.node.id
             kept = tuple(p.name for p in declaration.inputs if (node_id, p.name) in defaulted)
@@ -345,13 +352,16 @@ def _own_outcomes(entry: ResolvedNode) -> tuple[str, ...]:
     return (entry.use.signature.outcomes if entry.use.signature else None) or ()
 
 
-def _pair(given: tuple[str, Literal], entry: ResolvedNode) -> Pair:
-    """Return an argument; one that takes Python source has the name of a predicate."""
-    name, value = given
-    known = {p.name: p for p in entry.use.signature.parameters} if entry.use.signature else {}
-    if isinstance(value, str) and name in known and known[name].takes_source:
-        return Pair(name, PREDICATES[value])
-    return Pair(name, value)
+def _arguments(entry: ResolvedNode) -> tuple[Pair, ...]:
+    """Return what is given to a class; what takes Python source has the name of a predicate."""
+    given = arguments(entry.node, entry.use.is_timed).items()
+    taking_source = entry.use.taking_source
+    if not taking_source:
+        return tuple([Pair(name, value) for name, value in given])
+    return tuple(
+        Pair(name, PREDICATES[value] if isinstance(value, str) and name in taking_source else value)
+        for name, value in given
+    )
 
 
 def _alias(state: StateClass, is_qualified: bool) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict, deque
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -37,21 +37,29 @@ class Graph:
     edges: tuple[Edge, ...]
 
     @cached_property
-    def leaving(self) -> Mapping[str, tuple[Edge, ...]]:
+    def leaving(self) -> Mapping[str, Sequence[Edge]]:
         """Return the edges from each state."""
-        return _grouped(self.edges, lambda edge: edge.source)
+        return _grouped((edge.source, edge) for edge in self.edges)
 
     @cached_property
-    def entering(self) -> Mapping[str, tuple[Edge, ...]]:
+    def entering(self) -> Mapping[str, Sequence[Edge]]:
         """Return the edges to each state or outcome."""
-        return _grouped(self.edges, lambda edge: edge.target)
+        return _grouped((edge.target, edge) for edge in self.edges)
+
+    @property
+    def order(self) -> tuple[str, ...]:
+        """Return the states so that each stands before all that only it leads to."""
+        return self._search[0]
+
+    @property
+    def reached(self) -> frozenset[str]:
+        """Return the states that the initial one leads to, itself included."""
+        return self._search[1]
 
     @cached_property
-    def order(self) -> tuple[str, ...]:
-        """Return the states so that each stands before all that only it leads to.
-
-        It is the reverse of the order in which a search in depth leaves them.
-        """
+    def _search(self) -> tuple[tuple[str, ...], frozenset[str]]:
+        """Return the reverse order in which a search in depth leaves the states, and `reached`."""
+        reached: frozenset[str] = frozenset()
         leaving = self.leaving
         unseen = set(self.ids)
         left: list[str] = []
@@ -70,7 +78,9 @@ class Graph:
                 else:
                     left.append(name)
                     trail.pop()
-        return tuple(reversed(left))
+            if start == self.initial:
+                reached = frozenset(left)
+        return tuple(reversed(left)), reached
 
     @cached_property
     def loops(self) -> Mapping[str, int]:
@@ -183,8 +193,9 @@ def path_text(path: tuple[Edge, ...]) -> str:
     return path[0].source + "".join(f" -{edge.event}-> {edge.target}" for edge in path)
 
 
-def _grouped(edges: Iterable[Edge], key: Callable[[Edge], str]) -> Mapping[str, tuple[Edge, ...]]:
+def _grouped(named: Iterable[tuple[str, Edge]]) -> Mapping[str, list[Edge]]:
+    """Return the edges that have one name, by that name."""
     groups: dict[str, list[Edge]] = defaultdict(list)
-    for edge in edges:
-        groups[key(edge)].append(edge)
-    return {name: tuple(group) for name, group in groups.items()}
+    for name, edge in named:
+        groups[name].append(edge)
+    return dict(groups)

@@ -94,8 +94,14 @@ class Use:
         return (
             isinstance(self.declaration, StateClass)
             and not self.declaration.depends_on_values
-            and not any(parameter.takes_source for parameter in self.declaration.parameters)
+            and not self.taking_source
         )
+
+    @cached_property
+    def taking_source(self) -> frozenset[str]:
+        """Return the parameters that take Python source."""
+        offered = self.signature.parameters if self.signature else ()
+        return frozenset(parameter.name for parameter in offered if parameter.takes_source)
 
     def has_own(self, event: str) -> bool:
         """Tell whether the event is an outcome of its class."""

@@ -9,7 +9,7 @@ the state bring, and with what the state itself has written on its way round.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import reduce
 from heapq import heappop, heappush
 from operator import and_, or_
@@ -62,7 +62,7 @@ class Values:
         """Tell whether a home is in a set."""
         return bool(written & self._bits[home])
 
-    def edges_not_writing(self, home: str) -> dict[str, tuple[Edge, ...]]:
+    def edges_not_writing(self, home: str) -> dict[str, Sequence[Edge]]:
         """Return the edges from each state that are taken without writing the home."""
         silent = dict(self.graph.leaving)
         for node in self.writers[home]:
@@ -76,24 +76,27 @@ class Values:
         States are looked at again in the order of the graph, until nothing changes any more.
         """
         graph, loops = self.graph, self.graph.loops
-        rank = {name: index for index, name in enumerate(graph.order)}
+        order, leaving = graph.order, graph.leaving
+        rank = {name: index for index, name in enumerate(order)}
+        counted = {edge.source for edge in graph.edges if edge.is_exhausted}
         before: dict[str, int] = {graph.initial: 0}
         spent: dict[str, int] = {}  # the homes written when a counted state is left exhausted
         is_waiting = {graph.initial} & rank.keys()
         waiting = [rank[name] for name in is_waiting]
         while waiting:
-            name = graph.order[heappop(waiting)]
+            name = order[heappop(waiting)]
             is_waiting.discard(name)
-            for edge in graph.leaving.get(name, ()):
+            written = before[name]
+            for edge in leaving.get(name, ()):
                 target = edge.target
-                if edge.is_exhausted:
-                    if name not in spent:
-                        continue  # no way round to it is known yet
+                if not edge.is_exhausted:
+                    arriving = written | self.written_on(edge)
+                elif name in spent:
                     arriving = spent[name]
                 else:
-                    arriving = before[name] | self.written_on(edge)
+                    continue  # no way round to it is known yet
                 has_changed = _narrow(before, target, arriving)
-                if loops.get(target) == loops[name]:
+                if target in counted and loops[target] == loops[name]:
                     round_trip = self._written_on_way_round(target)
                     has_changed |= _narrow(spent, target, arriving | round_trip)
                 if has_changed and target in rank and target not in is_waiting:

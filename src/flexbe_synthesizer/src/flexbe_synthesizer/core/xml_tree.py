@@ -22,7 +22,12 @@ from flexbe_synthesizer.core.xml_reader import (
 
 
 class XmlTree:
-    """The elements of a document, with tags and attributes spelled `{namespace}name`."""
+    """The elements of a document, with tags and attributes spelled `{namespace}name`.
+
+    Attributes:
+        root: the outermost element.
+        has_text: text that is not blank stands somewhere between the tags.
+    """
 
     def __init__(self, source: str | bytes, file: str) -> None:
         """Read the source.
@@ -35,7 +40,7 @@ class XmlTree:
         root = _parse(self._data)
         self.root = _built(self._exact.root) if root is None else root
         text = "".join(self.root.itertext())
-        self._has_text = bool(text) and not text.isspace()
+        self.has_text = bool(text) and not text.isspace()
 
     @property
     def problems(self) -> tuple[Problem, ...]:
@@ -56,7 +61,7 @@ class XmlTree:
 
     def text_place(self, element: Element) -> Position | None:
         """Return where the first text in the element stands that is not blank."""
-        return self._places[id(element)].text if self._has_text else None
+        return self._places[id(element)].text
 
     @cached_property
     def _exact(self) -> Document:
