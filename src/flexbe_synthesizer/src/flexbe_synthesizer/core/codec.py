@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from types import MappingProxyType
 from typing import NamedTuple, TypeAlias, TypeVar
 from xml.etree.ElementTree import Element
@@ -113,12 +112,9 @@ class _ChartReader:
     def chart(self, root: Element) -> Chart:
         """Return the chart of the outermost element."""
         fields = self._fields(root, STATEMACHINE)
-        source = self._source(root)
+        source = (self._tree, root)
         chart = self._body(root, fields, STATEMACHINE, fields.text("name"), source)
         return replace(chart, description=self._tree.description, file=self._file)
-
-    def _source(self, element: Element) -> Source:
-        return partial(self._tree.place, element)
 
     def _body(
         self, element: Element, fields: _Fields, shape: Shape, name: str, source: Source
@@ -179,23 +175,23 @@ class _ChartReader:
 
     def _outcome(self, element: Element) -> Outcome:
         given, _extensions = self._leaf(element, OUTCOME)
-        return Outcome(given.get("name", ""), source=self._source(element))
+        return Outcome(given.get("name", ""), source=(self._tree, element))
 
     def _input(self, element: Element, shape: Shape) -> Input:
         given, extensions = self._leaf(element, shape)
         default = parse_literal(extensions.get("default", "null"))
-        source = self._source(element)
+        source = (self._tree, element)
         return Input(given.get("name", ""), given.get("type") or None, default, source=source)
 
     def _output(self, element: Element) -> Output:
         given, _extensions = self._leaf(element, PORT)
-        source = self._source(element)
+        source = (self._tree, element)
         return Output(given.get("name", ""), given.get("type") or None, source=source)
 
     def _param(self, element: Element) -> Param:
         given, _extensions = self._leaf(element, _PARAM)
         value = parse_literal(given.get("value", ""))
-        return Param(given.get("name", ""), value, source=self._source(element))
+        return Param(given.get("name", ""), value, source=(self._tree, element))
 
     def _transition(self, element: Element) -> Transition:
         given, extensions = self._leaf(element, TRANSITION)
@@ -204,7 +200,7 @@ class _ChartReader:
             autonomy = self._convert(
                 element, extensions, "autonomy", Autonomy, _LEVELS, Autonomy.OFF
             )
-        source = partial(self._tree.place, element)
+        source = (self._tree, element)
         return Transition(given.get("event", ""), given.get("target", ""), autonomy, source=source)
 
     def _connection(self, element: Element) -> Connection:
@@ -214,7 +210,7 @@ class _ChartReader:
             given.get("output", ""),
             given.get("input_state_id", ""),
             given.get("input", ""),
-            source=self._source(element),
+            source=(self._tree, element),
         )
 
     def _condition(self, element: Element) -> Condition:
@@ -223,11 +219,11 @@ class _ChartReader:
         if not all_of:
             message = "no <ext:when>; a condition needs at least one state and its event."
             self.report(self._tree.place(element), Code.MISSING_ELEMENT, message)
-        return Condition(fields.text("outcome"), all_of, source=self._source(element))
+        return Condition(fields.text("outcome"), all_of, source=(self._tree, element))
 
     def _when(self, element: Element) -> When:
         given, _extensions = self._leaf(element, WHEN)
-        source = self._source(element)
+        source = (self._tree, element)
         return When(given.get("state", ""), given.get("event", ""), source=source)
 
     def _node(self, element: Element, shape: Shape) -> AnyNode:
@@ -235,7 +231,7 @@ class _ChartReader:
         limits = self._limits(element, fields.extensions) if fields.extensions else _UNLIMITED
         parts = fields.parts
         transitions = tuple([self._transition(e) for e in parts.get("transition", ())])
-        node_id, source = fields.text("id"), self._source(element)
+        node_id, source = fields.text("id"), (self._tree, element)
         if element.tag not in ("state", "behavior"):
             body = self._container_body(element, fields, shape)
             tag = _parted(element.tag)[1]
@@ -275,9 +271,7 @@ class _ChartReader:
             message += "chart of its own, and name its file in a <behavior>."
             self.report(self._tree.place(element), Code.NESTED_TOO_DEEPLY, message)
 
-        def source(attribute: str) -> Position:
-            return self._tree.place(element, "id" if attribute == "name" else attribute)
-
+        source = (_IdForName(self._tree), element)
         self._depth += 1
         body = self._body(element, fields, shape, fields.text("id"), source)
         self._depth -= 1
@@ -309,7 +303,8 @@ class _ChartReader:
     def _leaf(self, element: Element, shape: Shape) -> tuple[Mapping[str, str], Mapping[str, str]]:
         """Return the attributes of an element without children, and those of the extension.
 
-        Most have all that they need and nothing else, and are let through at once.
+        Most have all that they need and nothing else, and are let through at once. The element
+        keeps its place only: fresh memory is a good part of the time that reading takes.
         """
         given: Mapping[str, str] = element.attrib
         if (
@@ -318,6 +313,7 @@ class _ChartReader:
             and not len(element)
             and not self._tree.has_text
         ):
+            element.clear()
             return given, _NO_EXTENSIONS
         fields = self._fields(element, shape)
         return fields.plain, fields.extensions
@@ -403,6 +399,16 @@ class _ChartReader:
             hint = names.allowed(name, shape.children)
             message = f"<{name}> in <{_tag(element)}> is unknown; {hint}"
             self.report(position, Code.UNKNOWN_ELEMENT, message)
+
+
+class _IdForName:
+    """The places in a container, whose content has the container's id as its name."""
+
+    def __init__(self, tree: XmlTree) -> None:
+        self._tree = tree
+
+    def place(self, element: Element, attribute: str) -> Position:
+        return self._tree.place(element, "id" if attribute == "name" else attribute)
 
 
 class _Fields(NamedTuple):

@@ -108,7 +108,7 @@ class Use:
         return self.signature is not None and event in (self.signature.outcomes or ())
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, slots=True)
 class ResolvedNode:
     """A node of a chart with what it names; `body` is the content of a container."""
 
