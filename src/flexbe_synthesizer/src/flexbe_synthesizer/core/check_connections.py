@@ -125,7 +125,7 @@ def _check_inputs(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
     for node, entry in resolved.by_id.items():
         for name, port in entry.use.inputs.items():
             connection = flow.wiring.into_state.get((node, name))
-            if connection is None and (node, name) not in flow.inputs:
+            if connection is None and name not in flow.inputs[node]:
                 if (node, name) not in flow.defaulted:
                     yield _unbound(entry, port, resolved)
                 continue
@@ -192,9 +192,10 @@ def _check_flow(
 def _check_outputs(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
     """Yield a problem for each machine output that nothing feeds, or with another type."""
     feeding: dict[str, list[tuple[str, str]]] = {port.name: [] for port in resolved.chart.outputs}
-    for key, home in flow.outputs.items():
-        if home in feeding:
-            feeding[home].append(key)
+    for node, homes in flow.outputs.items():
+        for name, home in homes.items():
+            if home in feeding:
+                feeding[home].append((node, name))
     wiring = flow.wiring
     is_known = all(entry.use.signature is not None for entry in resolved.nodes)
     for output in resolved.chart.outputs:
@@ -209,7 +210,7 @@ def _check_outputs(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]
         yield from _check_feeds(output, feeding[output.name], resolved, wiring)
     yield from _check_pass_through(resolved)
     for (node, name), connection in wiring.into_machine.items():
-        home = flow.outputs.get((node, name), connection.input)
+        home = flow.outputs.get(node, {}).get(name, connection.input)
         if home != connection.input:
             message = f"'{name}' of '{node}' is read and written in one place, "
             message += f"'{home}', and cannot feed output '{connection.input}' too; "

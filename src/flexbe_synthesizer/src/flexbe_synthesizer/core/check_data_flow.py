@@ -7,6 +7,7 @@ value.
 from __future__ import annotations
 
 from collections.abc import Container, Iterator
+from typing import NamedTuple
 
 from flexbe_synthesizer.core.data_flow import DataFlow
 from flexbe_synthesizer.core.graph import Edge, Graph, path_text, shortest_path
@@ -26,47 +27,58 @@ def check_data_flow(resolved: ResolvedChart, flow: DataFlow, graph: Graph) -> It
     values = Values(resolved, flow, graph)
     given = {port.name for port in resolved.chart.inputs}
     written = values.written_before()
-    for (node, name), home in flow.inputs.items():
-        if node not in written or home in given:
+    for node, homes in flow.inputs.items():
+        if node not in written:
             continue
-        connection = flow.wiring.into_state.get((node, name))
-        if not values.has(written[node], home):
-            yield _missing(resolved.by_id[node], name, home, connection, values)
-        elif connection is not None and len(values.writers[home]) > 1:
-            yield from _find_overwriting(
-                resolved.by_id[node], name, home, connection, values, written
-            )
+        for name, home in homes.items():
+            if home in given:
+                continue
+            connection = flow.wiring.into_state.get((node, name))
+            read = _Read(resolved.by_id[node], name, home, connection)
+            if not values.has(written[node], home):
+                yield _missing(read, values)
+            elif connection is not None and len(values.writers[home]) > 1:
+                yield from _find_overwriting(read, connection, values, written)
 
 
 def _check_simultaneous(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
     """Yield a problem for each read of what a state that runs at the same time writes."""
     given = {port.name for port in resolved.chart.inputs}
-    for (node, name), home in flow.inputs.items():
+    for node, name, home in (
+        (n, *item) for n, homes in flow.inputs.items() for item in homes.items()
+    ):
         connection = flow.wiring.into_state.get((node, name))
         if home not in given and connection is not None:
-            message = f"{_what(resolved.by_id[node], name)} is to come from "
+            message = f"{_Read(resolved.by_id[node], name, home, connection)} is to come from "
             message += f"'{connection.output_state_id}', which runs at the same time and may not "
             message += f"have written it: {node} starts with the container. Move one of them out "
             message += f"of the container '{resolved.chart.name}'."
             yield Problem(connection.position(), Code.READ_BEFORE_WRITE, message)
 
 
-def _what(entry: ResolvedNode, name: str) -> str:
-    return f"input '{name}' of {label(entry.node)}"
+class _Read(NamedTuple):
+    """An input of a node, the home that it reads, and the connection that says so."""
+
+    entry: ResolvedNode
+    name: str
+    home: str
+    connection: Connection | None
+
+    def __str__(self) -> str:
+        """Return what messages call it."""
+        return f"input '{self.name}' of {label(self.entry.node)}"
 
 
-def _missing(
-    entry: ResolvedNode, name: str, home: str, connection: Connection | None, values: Values
-) -> Problem:
+def _missing(read: _Read, values: Values) -> Problem:
     """Return the problem of a value that is read before it is written, with the path."""
-    reader = entry.node.id
+    reader, home = read.entry.node.id, read.home
     path = f"{reader} is the initial state"
     if reader != values.graph.initial:
         path = path_text(_unwritten_path(reader, home, values))
     writers = " or ".join(f"'{node}'" for node in dict.fromkeys(values.writers[home]))
-    message = f"{_what(entry, name)} is read before {writers} has written it: {path}. Lead that "
+    message = f"{read} is read before {writers} has written it: {path}. Lead that "
     message += f"path through {writers}, or feed the input from elsewhere."
-    position = entry.node.position() if connection is None else connection.position()
+    position = (read.connection or read.entry.node).position()
     return Problem(position, Code.READ_BEFORE_WRITE, message)
 
 
@@ -92,15 +104,10 @@ def _unwritten_path(reader: str, home: str, values: Values) -> tuple[Edge, ...]:
 
 
 def _find_overwriting(
-    entry: ResolvedNode,
-    name: str,
-    home: str,
-    connection: Connection,
-    values: Values,
-    reached: Container[str],
+    read: _Read, connection: Connection, values: Values, reached: Container[str]
 ) -> Iterator[Problem]:
     """Yield a problem if another state may have written over a value, with the path."""
-    meant, reader = connection.output_state_id, entry.node.id
+    meant, reader, home = connection.output_state_id, read.entry.node.id, read.home
     for other in values.writers[home]:
         if other in (meant, reader) or other not in reached:
             continue
@@ -112,7 +119,7 @@ def _find_overwriting(
         )
         path = shortest_path(other, reader, leaving)
         if path is not None:
-            message = f"{_what(entry, name)} is to come from '{meant}', but '{other}' writes the "
+            message = f"{read} is to come from '{meant}', but '{other}' writes the "
             message += (
                 f"same value, '{home}', on the way: {path_text(path)}. Let them feed different "
             )

@@ -15,7 +15,7 @@ def check_use(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
     yield from _check_abilities(resolved)
     if any(entry.use.signature is None for entry in resolved.nodes):
         return  # who reads what is not known
-    read = {*flow.inputs.values(), *(output.name for output in resolved.chart.outputs)}
+    read = {*flow.read(), *(output.name for output in resolved.chart.outputs)}
     yield from _check_inputs(resolved, {*read, *flow.wiring.passed_through})
     yield from _check_outputs(resolved, flow, read)
     yield from _check_shadows(resolved, flow)
@@ -46,7 +46,7 @@ def _check_outputs(
     """Warn of outputs that a state declares and nothing reads."""
     for node, entry in resolved.by_id.items():
         for output in entry.node.outputs:
-            home = flow.outputs.get((node, output.name))
+            home = flow.outputs.get(node, {}).get(output.name)
             if home is not None and home not in read:
                 message = f"nothing reads output '{output.name}' of {label(entry.node)}, which the "
                 message += "chart declares; delete the <output>, or connect it."
@@ -57,16 +57,17 @@ def _check_shadows(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]
     """Warn of inputs that read the chart's value though a state writes another of that name."""
     shadowed = {port.name for port in resolved.chart.inputs}
     writers: dict[str, list[str]] = {}  # of a value of that name: its first two
-    for (node, name), home in flow.outputs.items():
-        if name in shadowed and home != name and len(writers.setdefault(name, [])) < 2:
-            writers[name].append(node)
+    for node, homes in flow.outputs.items():
+        for name, home in homes.items():
+            if name in shadowed and home != name and len(writers.setdefault(name, [])) < 2:
+                writers[name].append(node)
     if not writers:
         return
     for node, entry in resolved.by_id.items():
         for name in entry.use.inputs:
             others = [other for other in writers.get(name, ()) if other != node]
             is_connected = (node, name) in flow.wiring.into_state
-            if others and not is_connected and flow.inputs.get((node, name)) == name:
+            if others and not is_connected and flow.inputs[node].get(name) == name:
                 message = f"input '{name}' of {label(entry.node)} reads the input of "
                 message += f"{resolved.title}, though '{others[0]}' has an output of that name too;"
                 message += " say with a <connection> which of them is meant."

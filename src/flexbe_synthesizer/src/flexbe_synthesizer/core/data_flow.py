@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.model import Connection
@@ -21,28 +21,25 @@ if TYPE_CHECKING:
     from flexbe_synthesizer.core.resolve import ResolvedChart
 
 
-class Key(NamedTuple):
-    """An input or output of a state or behavior in the chart; equal to a plain (node, name)."""
-
-    node: str
-    name: str
-
-
 @dataclass(frozen=True)
 class DataFlow:
     """Where every value lives.
 
     Attributes:
-        inputs: home of each input, by (node, name); without those that nothing feeds.
-        outputs: home of each output, by (node, name).
-        defaulted: inputs of behaviors that keep the behavior's own default.
+        inputs: home of each input by node and name; without those that nothing feeds.
+        outputs: home of each output by node and name.
+        defaulted: inputs of behaviors that keep the behavior's own default, as (node, name).
         wiring: the connections that say so.
     """
 
-    inputs: Mapping[tuple[str, str], str]
-    outputs: Mapping[tuple[str, str], str]
+    inputs: Mapping[str, Mapping[str, str]]
+    outputs: Mapping[str, Mapping[str, str]]
     defaulted: frozenset[tuple[str, str]]
     wiring: Wiring
+
+    def read(self) -> set[str]:
+        """Return the homes that some input reads."""
+        return set().union(*(homes.values() for homes in self.inputs.values()))
 
 
 class Wiring:
@@ -79,21 +76,18 @@ def bind_data(resolved: ResolvedChart) -> DataFlow:
     """Return where each value of the chart lives."""
     wiring = Wiring(resolved)
     binding = _Binding(resolved, wiring)
-    inputs: dict[tuple[str, str], str] = {}
+    inputs: dict[str, dict[str, str]] = {}
     defaulted: list[tuple[str, str]] = []
     for node, entry in resolved.by_id.items():
-        for name, port in entry.use.inputs.items():
-            home = binding.input_home(node, name)
-            if home is not None:
-                inputs[node, name] = home
-            elif port.optional:
-                defaulted.append((node, name))
-    outputs = {
-        (node, name): binding.output_home(node, name)
-        for node, entry in resolved.by_id.items()
-        for name in entry.use.outputs
-    }
-    return DataFlow(inputs, outputs, frozenset(defaulted), wiring)
+        if entry.use.inputs:
+            inputs[node] = homes = {}
+            for name, port in entry.use.inputs.items():
+                home = binding.input_home(node, name)
+                if home is not None:
+                    homes[name] = home
+                elif port.optional:
+                    defaulted.append((node, name))
+    return DataFlow(inputs, binding.output_homes(), frozenset(defaulted), wiring)
 
 
 class _Binding:
@@ -108,12 +102,25 @@ class _Binding:
         machine_outputs = {port.name for port in resolved.chart.outputs}
         self._fed_by_name = machine_outputs - wiring.connected_outputs
         self._taken = self._machine_inputs | machine_outputs
-        self._homes: dict[tuple[str, str], str] = {}
+        self._homes: dict[str, dict[str, str]] = {
+            node: {} for node, entry in resolved.by_id.items() if entry.use.outputs
+        }
 
-    def input_home(
-        self, node: str, name: str, trail: tuple[tuple[str, str], ...] = ()
-    ) -> str | None:
+    def output_homes(self) -> Mapping[str, Mapping[str, str]]:
+        """Return the home of each output."""
+        for node, homes in self._homes.items():
+            for name in self._by_id[node].use.outputs:
+                if name not in homes:
+                    self._output_home(node, name)
+        return self._homes
+
+    def input_home(self, node: str, name: str) -> str | None:
         """Return the home that an input reads, None if nothing feeds it."""
+        source = self._source(node, name)
+        return self._output_home(*source) if isinstance(source, tuple) else source
+
+    def _source(self, node: str, name: str) -> str | tuple[str, str] | None:
+        """Return what feeds an input: a home, the output of a state, or nothing."""
         connection = self._into_state.get((node, name))
         if connection is None:
             return name if name in self._machine_inputs else None
@@ -121,29 +128,43 @@ class _Binding:
         if giver == self._chart_name:
             return output if output in self._machine_inputs else None
         entry = self._by_id.get(giver)
-        if entry is None or output not in entry.use.outputs:
-            return None
-        return self.output_home(giver, output, trail)
+        return None if entry is None or output not in entry.use.outputs else (giver, output)
 
-    def output_home(self, node: str, name: str, trail: tuple[tuple[str, str], ...] = ()) -> str:
-        """Return the home that an output writes.
+    def _output_home(self, node: str, name: str) -> str:
+        """Return the home that an output writes, and give it to all keys on the way there.
 
-        `trail` holds the keys being looked for: states that read and write each other's keys in a
-        circle would otherwise never find a home.
+        States that read and write each other's keys in a circle would otherwise never find one.
         """
-        key = (node, name)
-        known = self._homes.get(key)
-        if known is not None:
-            return known
-        home = None
-        if name in self._by_id[node].use.inputs and key not in trail:
-            home = self.input_home(node, name, (*trail, key))
-        elif key in self._into_machine:
-            home = self._into_machine[key].input
-        elif name in self._fed_by_name:
-            home = name
-        if home is None:
-            wanted = f"{names.snake_case(node)}_{names.snake_case(name)}"
-            home = names.take_unused(wanted, self._taken)
-            self._taken.add(home)
-        return self._homes.setdefault(key, home)
+        trail: dict[tuple[str, str], None] = {}
+        home = self._homes[node].get(name)
+        while home is None:
+            if name not in self._by_id[node].use.inputs or (node, name) in trail:
+                home = self._own_home(node, name)
+                break
+            trail[node, name] = None
+            source = self._source(node, name)
+            if not isinstance(source, tuple):
+                home = source or self._new_home(node, name)
+                break
+            node, name = source
+            home = self._homes[node].get(name)
+        for key_node, key_name in trail:
+            self._homes[key_node][key_name] = home
+        return home
+
+    def _own_home(self, node: str, name: str) -> str:
+        """Return the home of an output that is not read in the same place."""
+        connection = self._into_machine.get((node, name))
+        if connection is not None:
+            home = connection.input
+        else:
+            home = name if name in self._fed_by_name else self._new_home(node, name)
+        self._homes[node][name] = home
+        return home
+
+    def _new_home(self, node: str, name: str) -> str:
+        """Return a home that nothing else lives in."""
+        wanted = f"{names.snake_case(node)}_{names.snake_case(name)}"
+        home = names.take_unused(wanted, self._taken)
+        self._taken.add(home)
+        return home

@@ -10,6 +10,7 @@ state `X_error` behind the outcome `failed` of X.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from types import MappingProxyType
 
 from flexbe_synthesizer.core import machine, names
 from flexbe_synthesizer.core.data_flow import DataFlow
@@ -48,6 +49,7 @@ _KINDS = {
 _OTHER = "other"  # outcome of a chooser for the codes that no route names
 _RUN, _TIMER = "run", "timer"
 _COUNTED = "counted"
+_NONE: Mapping[str, str] = MappingProxyType({})
 
 
 def counter_label(node_id: str) -> str:
@@ -149,7 +151,7 @@ def _count_keys(resolved: ResolvedChart) -> Mapping[str, str]:
     taken: set[str] = set()
     for scope in scopes(resolved):
         flow = scope.flow
-        taken |= {*flow.inputs.values(), *flow.outputs.values()}
+        taken |= flow.read().union(*(homes.values() for homes in flow.outputs.values()))
         taken |= {port.name for port in scope.chart.inputs}
         taken |= {port.name for port in scope.chart.outputs}
     counts = {}
@@ -251,7 +253,7 @@ class _Expansion:
             Exit(event, self._entry(route.target))
             for event, route in zip(events, routes, strict=True)
         )
-        code = self._flow.outputs[entry.node.id, ERROR_CODE]
+        code = self._flow.outputs[entry.node.id][ERROR_CODE]
         return Child(
             chooser_label(entry.node.id),
             chooser,
@@ -331,15 +333,10 @@ class _Expansion:
     def _remapping(self, entry: ResolvedNode) -> tuple[tuple[str, str], ...]:
         """Return the home of each key, inputs first."""
         node_id, flow = entry.node.id, self._flow
-        homes: dict[str, str] = {}
-        for name in entry.use.inputs:
-            home = flow.inputs.get((node_id, name))
-            if home is not None:
-                homes[name] = home
-        for name in entry.use.outputs:
-            if name not in homes:
-                homes[name] = flow.outputs[node_id, name]
-        return (*homes.items(), *((key, key) for key in self._passed_counts(entry)))
+        read, written = flow.inputs.get(node_id, _NONE), flow.outputs.get(node_id, _NONE)
+        outputs = [(name, written[name]) for name in entry.use.outputs if name not in read]
+        passed = [(key, key) for key in self._passed_counts(entry)]
+        return (*read.items(), *outputs, *passed)
 
     def _support(self, wanted: Support, **values: Value) -> StateUse:
         """Return a state that an extension adds."""

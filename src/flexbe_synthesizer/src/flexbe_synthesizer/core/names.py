@@ -16,6 +16,8 @@ PREEMPTED = "preempted"  # FlexBE adds this outcome to every state and container
 _NAME = re.compile(r"[^\W\d_](?:[\w.-]| (?=[\w.-]))*\Z")
 _CODE_WORD = re.compile(r"(?:^|\s)(?:def|class)(?:\s|$)")  # the FlexBE App splits code at these
 _UNREADABLE = re.compile(r"""['"\\()\[\]{},#=\n\r]""")
+_HUMP = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
+_NO_WORD = re.compile(r"\W+", re.ASCII)
 _LISTED = 12  # names shown in a message before it says how many more there are
 
 
@@ -49,11 +51,13 @@ def behavior_module(name: str) -> str:
     return behavior_file(name) + "_sm"
 
 
-@lru_cache(maxsize=4096)  # the same names are asked for at each look at the data
+@lru_cache(maxsize=256)  # the outputs of a state follow each other, and have few names
 def snake_case(name: str) -> str:
     """Return the name as a part of a Python identifier: `LocateGearbox 2` -> `locate_gearbox_2`."""
-    parted = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name)
-    snake = re.sub(r"\W+", "_", parted.lower(), flags=re.ASCII).strip("_")
+    snake = name.lower()
+    if not (name.isascii() and name.isidentifier() and name[1:] == snake[1:]):
+        snake = _NO_WORD.sub("_", _HUMP.sub("_", name).lower())
+    snake = snake.strip("_")
     return snake if snake[:1].isalpha() else f"state_{snake}".rstrip("_")
 
 

@@ -29,11 +29,12 @@ class Values:
         """Sort the outputs by home and by state."""
         self.graph = graph
         given = {port.name for port in resolved.chart.inputs}
-        read = {*flow.inputs.values(), *(port.name for port in resolved.chart.outputs)} - given
+        read = {*flow.read(), *(port.name for port in resolved.chart.outputs)} - given
         self.writers: dict[str, list[str]] = {}
-        for (node, _name), home in flow.outputs.items():
-            if home in read:
-                self.writers.setdefault(home, []).append(node)
+        for node, homes in flow.outputs.items():
+            for home in homes.values():
+                if home in read:
+                    self.writers.setdefault(home, []).append(node)
         self._bits = {home: 1 << index for index, home in enumerate(self.writers)}
         self._own: dict[str, int] = {}
         for home, nodes in self.writers.items():
@@ -42,7 +43,7 @@ class Values:
         self._bodies = {
             node: {
                 event: reduce(
-                    or_, (self._bits.get(flow.outputs[node, name], 0) for name in written), 0
+                    or_, (self._bits.get(flow.outputs[node][name], 0) for name in written), 0
                 )
                 for event, written in certain_outputs(entry.body).items()
             }
