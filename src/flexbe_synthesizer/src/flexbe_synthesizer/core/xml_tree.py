@@ -26,6 +26,7 @@ class XmlTree:
 
     Attributes:
         root: the outermost element.
+        problems: what is wrong with it as XML without being fatal.
         has_text: text that is not blank stands somewhere between the tags.
     """
 
@@ -38,14 +39,13 @@ class XmlTree:
         self._data = as_utf8(source, file)
         self._file = file
         root = _parse(self._data)
-        self.root = _built(self._exact.root) if root is None else root
+        self.problems: tuple[Problem, ...] = ()
+        if root is None:
+            self.problems = self._exact.problems
+            root = _built(self._exact.root)
+        self.root = root
         text = "".join(self.root.itertext())
         self.has_text = bool(text) and not text.isspace()
-
-    @property
-    def problems(self) -> tuple[Problem, ...]:
-        """Return what is wrong with it as XML without being fatal."""
-        return self._exact.problems if "_exact" in self.__dict__ else ()
 
     @property
     def description(self) -> str:
