@@ -38,7 +38,7 @@ def _check_names(resolved: ResolvedChart) -> Iterator[Problem]:
     first: dict[tuple[str, str], int] = {}
     for condition in resolved.chart.conditions:
         if condition.outcome and condition.outcome not in outcomes:
-            hint = names.allowed(condition.outcome, outcomes)
+            hint = names.allowed(condition.outcome, names.Vocabulary(outcomes))
             message = f"{resolved.title} has no outcome '{condition.outcome}'; {hint}"
             yield Problem(condition.position("outcome"), Code.UNKNOWN_TARGET, message)
         waited: set[str] = set()
@@ -59,7 +59,7 @@ def _check_when(when: When, resolved: ResolvedChart) -> Iterator[Problem]:
     """Yield a problem if the state, or its event, does not exist."""
     entry = resolved.by_id.get(when.state)
     if when.state and entry is None:
-        hint = names.allowed(when.state, resolved.by_id)
+        hint = names.allowed(when.state, resolved.ids)
         message = f"'{when.state}' is no state in {resolved.title}; {hint}"
         yield Problem(when.position("state"), Code.UNKNOWN_STATE, message)
     events = entry.use.events if entry else None

@@ -92,7 +92,7 @@ def _check_state(
     name: str, attribute: str, connection: Connection, resolved: ResolvedChart
 ) -> Iterator[Problem]:
     if name and name not in resolved.by_id:
-        hint = names.allowed(name, [*resolved.by_id, resolved.chart.name])
+        hint = names.allowed(name, resolved.connectable)
         message = f"'{name}' is neither a state, a behavior nor {resolved.title}; {hint}"
         yield Problem(connection.position(attribute), Code.UNKNOWN_STATE, message)
 

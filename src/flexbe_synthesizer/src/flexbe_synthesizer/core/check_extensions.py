@@ -67,10 +67,9 @@ def _check_routes(entry: ResolvedNode, resolved: ResolvedChart) -> Iterator[Prob
         yield Problem(
             position, Code.UNKNOWN_OUTPUT, f"{message}its outputs: {names.quoted(found)}."
         )
-    outcomes = (outcome.name for outcome in resolved.chart.outcomes)
-    known = dict.fromkeys((*resolved.by_id, *outcomes))
+    known = set(resolved.targets)
     for route in node.on_error:
         if route.target not in known:
-            hint = names.allowed(route.target, known)
+            hint = names.allowed(route.target, resolved.targets)
             message = f"'{route.target}' is neither a state, a behavior nor an outcome; {hint}"
             yield Problem(position, Code.UNKNOWN_TARGET, message)

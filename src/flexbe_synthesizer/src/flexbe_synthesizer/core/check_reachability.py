@@ -9,6 +9,9 @@ from flexbe_synthesizer.core.graph import Graph, reachable
 from flexbe_synthesizer.core.problem import Code, Problem
 from flexbe_synthesizer.core.resolve import EXHAUSTED, ResolvedChart, label
 
+_MOST_LISTED = 50  # dead ends that are told with all that they lead to
+_MORE = "states that do not end either"
+
 
 def check_reachability(resolved: ResolvedChart, graph: Graph) -> Iterator[Problem]:
     """Yield a problem for each state that is never entered, or never left for good."""
@@ -26,20 +29,21 @@ def check_reachability(resolved: ResolvedChart, graph: Graph) -> Iterator[Proble
     ending_when_spent = _ending(graph, spent)
     if ending_when_spent >= reached:
         return
-    ending = _ending(graph, frozenset())
+    ending, shown = _ending(graph, frozenset()), _MOST_LISTED
     for name, entry in by_id.items():
         if name in ending_when_spent or name not in reached or not entry.node.transitions:
             continue
+        shown -= 1
         if name not in ending:
             message = f"from {label(entry.node)} no outcome of {resolved.title} can be reached; it "
-            message += (
-                f"leads only to {_led_to(name, graph, frozenset())}. Lead a transition to an "
-            )
+            found = _led_to(name, graph, frozenset()) if shown >= 0 else _MORE
+            message += f"leads only to {found}. Lead a transition to an "
             yield Problem(entry.node.position(), Code.NO_WAY_OUT, message + "outcome.")
         elif any(edge.is_exhausted for edge in graph.leaving.get(name, ())):
             message = f"once {label(entry.node)} has had its attempts, no outcome of "
             message += f"{resolved.title} can be reached; '{EXHAUSTED}' leads only to "
-            message += f"{_led_to(name, graph, spent)}. Lead it to an outcome."
+            message += f"{_led_to(name, graph, spent) if shown >= 0 else _MORE}. Lead it to an "
+            message += "outcome."
             yield Problem(entry.node.position(), Code.NO_WAY_OUT, message)
 
 

@@ -25,14 +25,16 @@ def check_transitions(resolved: ResolvedChart) -> Iterator[Problem]:
         yield from _check_outcomes(resolved, {condition.outcome for condition in chart.conditions})
         return
     if chart.initial and chart.initial not in resolved.by_id:
-        hint = names.allowed(chart.initial, resolved.by_id)
+        hint = names.allowed(chart.initial, resolved.ids)
         message = f"the initial state '{chart.initial}' does not exist; {hint}"
         yield Problem(chart.position("initial"), Code.UNKNOWN_INITIAL, message)
-    known = dict.fromkeys((*resolved.by_id, *(outcome.name for outcome in chart.outcomes)))
+    known = set(resolved.targets)
     targets = {t.target for node in chart.nodes for t in node.transitions}
-    if not targets <= known.keys():
+    if not targets <= known:
         for entry in resolved.nodes:
-            yield from _check_targets(entry, known)
+            for transition in entry.node.transitions:
+                if transition.target and transition.target not in known:
+                    yield _unknown_target(transition, resolved.targets)
     targets |= {route.target for node in chart.nodes for route in node.on_error}
     yield from _check_outcomes(resolved, targets)
 
@@ -83,10 +85,8 @@ def _hint(entry: ResolvedNode, event: str) -> str:
     return hint
 
 
-def _check_targets(entry: ResolvedNode, known: Collection[str]) -> Iterator[Problem]:
-    """Yield a problem for each transition to what is not known."""
-    for transition in entry.node.transitions:
-        if transition.target and transition.target not in known:
-            hint = names.allowed(transition.target, known)
-            message = f"'{transition.target}' is neither a state, a behavior nor an outcome; {hint}"
-            yield Problem(transition.position("target"), Code.UNKNOWN_TARGET, message)
+def _unknown_target(transition: Transition, known: names.Vocabulary) -> Problem:
+    target = names.shortened(transition.target)
+    message = f"'{target}' is neither a state, a behavior nor an outcome; "
+    message += names.allowed(transition.target, known)
+    return Problem(transition.position("target"), Code.UNKNOWN_TARGET, message)

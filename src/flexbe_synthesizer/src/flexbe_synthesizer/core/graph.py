@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict, deque
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -11,6 +11,8 @@ from typing import NamedTuple
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.model import AnyNode, Condition
 from flexbe_synthesizer.core.resolve import EXHAUSTED, FAILED, ResolvedChart
+
+_STEPS_SHOWN = 10  # of a path, at its beginning and at its end
 
 
 class Edge(NamedTuple):
@@ -119,23 +121,23 @@ def chart_graph(resolved: ResolvedChart) -> Graph:
     order: its edges are the events that its conditions wait for, and lead to its outcomes.
     """
     chart, ids = resolved.chart, tuple(resolved.by_id)
-    known = {*ids, *(outcome.name for outcome in chart.outcomes)}
+    known = set(resolved.targets)
     if resolved.is_concurrent:
         conditions = chart.conditions
         return Graph("", ids, tuple(e for c in conditions for e in condition_edges(c, resolved)))
-
-    def meant(name: str, among: Collection[str]) -> str:
-        return name if name in among else names.misspelt(name, sorted(among)) or name
 
     edges: list[Edge] = []
     for source, entry in resolved.by_id.items():
         added = entry.use.added_events
         counted = entry.node.attempts is not None and not entry.use.has_own(EXHAUSTED)
         for event, target in _leads(entry.node):
-            target = target if target in known else meant(target, known)
+            if target not in known:
+                target = names.misspelt(target, resolved.targets) or target
             is_exhausted = counted and event == EXHAUSTED
             edges.append(Edge(source, event, target, event not in added, is_exhausted))
-    initial = meant(chart.initial, ids)
+    initial = chart.initial
+    if initial not in resolved.by_id:
+        initial = names.misspelt(initial, resolved.ids) or initial
     return Graph(initial, tuple(sorted(ids, key=lambda name: name != initial)), tuple(edges))
 
 
@@ -187,10 +189,14 @@ def shortest_path(
 
 
 def path_text(path: tuple[Edge, ...]) -> str:
-    """Return the path as `A -failed-> B -done-> C`."""
+    """Return the path as `A -failed-> B -done-> C`, of a long one the beginning and the end."""
     if not path:
         return "on some path"
-    return path[0].source + "".join(f" -{edge.event}-> {edge.target}" for edge in path)
+    steps = [f" -{edge.event}-> {edge.target}" for edge in path]
+    if len(steps) > 2 * _STEPS_SHOWN:
+        left_out = f" ... {len(steps) - 2 * _STEPS_SHOWN} more ..."
+        steps = [*steps[:_STEPS_SHOWN], left_out, *steps[-_STEPS_SHOWN:]]
+    return path[0].source + "".join(steps)
 
 
 def _grouped(named: Iterable[tuple[str, Edge]]) -> Mapping[str, list[Edge]]:

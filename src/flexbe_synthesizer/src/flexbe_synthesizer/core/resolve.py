@@ -140,6 +140,22 @@ class ResolvedChart:
         """Return where each value of the chart lives."""
         return bind_data(self)
 
+    @cached_property
+    def ids(self) -> names.Vocabulary:
+        """Return the ids of the nodes."""
+        return names.Vocabulary(self.by_id)
+
+    @cached_property
+    def targets(self) -> names.Vocabulary:
+        """Return what transitions can lead to."""
+        outcomes = (outcome.name for outcome in self.chart.outcomes)
+        return names.Vocabulary(dict.fromkeys((*self.by_id, *outcomes)))
+
+    @cached_property
+    def connectable(self) -> names.Vocabulary:
+        """Return what connections can come from and lead to."""
+        return names.Vocabulary((*self.by_id, self.chart.name))
+
     @property
     def title(self) -> str:
         """Return what messages call it: the chart itself, or a container in it."""

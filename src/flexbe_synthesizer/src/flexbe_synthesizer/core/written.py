@@ -9,8 +9,8 @@ the state bring, and with what the state itself has written on its way round.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from functools import reduce
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from functools import cached_property, reduce
 from heapq import heappop, heappush
 from operator import and_, or_
 
@@ -77,16 +77,12 @@ class Values:
         States are looked at again in the order of the graph, until nothing changes any more.
         """
         graph, loops = self.graph, self.graph.loops
-        order, leaving = graph.order, graph.leaving
-        rank = {name: index for index, name in enumerate(order)}
+        leaving = graph.leaving
         counted = {edge.source for edge in graph.edges if edge.is_exhausted}
         before: dict[str, int] = {graph.initial: 0}
         spent: dict[str, int] = {}  # the homes written when a counted state is left exhausted
-        is_waiting = {graph.initial} & rank.keys()
-        waiting = [rank[name] for name in is_waiting]
-        while waiting:
-            name = order[heappop(waiting)]
-            is_waiting.discard(name)
+        steps = Steps(graph)
+        for name in steps:
             written = before[name]
             for edge in leaving.get(name, ()):
                 target = edge.target
@@ -100,9 +96,8 @@ class Values:
                 if target in counted and loops[target] == loops[name]:
                     round_trip = self._written_on_way_round(target)
                     has_changed |= _narrow(spent, target, arriving | round_trip)
-                if has_changed and target in rank and target not in is_waiting:
-                    is_waiting.add(target)
-                    heappush(waiting, rank[target])
+                if has_changed:
+                    steps.look_at(target)
         return before
 
     def _written_on_way_round(self, name: str) -> int:
@@ -114,6 +109,84 @@ class Values:
             if not edge.is_exhausted and loops.get(edge.target) == loops[name]
         ]
         return reduce(and_, ways or [0])
+
+
+class LastWriters:
+    """Which states can have written a home last when a state is entered.
+
+    A forward analysis, too, over sets of (state, home), each set one integer; only homes with more
+    than one writer are told apart.
+    """
+
+    def __init__(self, values: Values) -> None:
+        """Number the states that write homes that others write too."""
+        self._values = values
+        self._shared: dict[str, list[str]] = {}
+        self._bits: dict[tuple[str, str], int] = {}
+        self._all: dict[str, int] = {}
+        for home, nodes in values.writers.items():
+            for node in nodes if len(nodes) > 1 else ():
+                self._shared.setdefault(node, []).append(home)
+                self._bits[node, home] = 1 << len(self._bits)
+                self._all[home] = self._all.get(home, 0) | self._bits[node, home]
+
+    def besides(self, expected: Collection[str], home: str, reader: str) -> str | None:
+        """Return a state other than those expected that can have written the home that is read."""
+        before = self._before.get(reader, 0)
+        return next(
+            (
+                node
+                for node in self._values.writers[home]
+                if node not in expected and before & self._bits[node, home]
+            ),
+            None,
+        )
+
+    @cached_property
+    def _before(self) -> Mapping[str, int]:
+        """Return the states that can have written last, for each state."""
+        graph = self._values.graph
+        before: dict[str, int] = {graph.initial: 0}
+        steps = Steps(graph)
+        for name in steps:
+            for edge in graph.leaving.get(name, ()):
+                arriving = self._after(edge, before[name])
+                old = before.get(edge.target)
+                before[edge.target] = arriving if old is None else old | arriving
+                if before[edge.target] != old:
+                    steps.look_at(edge.target)
+        return before
+
+    def _after(self, edge: Edge, before: int) -> int:
+        for home in self._shared.get(edge.source, ()):
+            if self._values.has(self._values.written_on(edge), home):
+                before = before & ~self._all[home] | self._bits[edge.source, home]
+        return before
+
+
+class Steps:
+    """The states of a graph that are still to be looked at, in the graph's order."""
+
+    def __init__(self, graph: Graph) -> None:
+        """Begin with the initial state."""
+        self._order = graph.order
+        self._rank = {name: index for index, name in enumerate(graph.order)}
+        self._waiting: list[int] = []
+        self._is_waiting: set[str] = set()
+        self.look_at(graph.initial)
+
+    def look_at(self, name: str) -> None:
+        """Have a state looked at again; an outcome needs none."""
+        if name in self._rank and name not in self._is_waiting:
+            self._is_waiting.add(name)
+            heappush(self._waiting, self._rank[name])
+
+    def __iter__(self) -> Iterator[str]:
+        """Yield the states until none is left."""
+        while self._waiting:
+            name = self._order[heappop(self._waiting)]
+            self._is_waiting.discard(name)
+            yield name
 
 
 def _narrow(homes: dict[str, int], name: str, arriving: int) -> bool:
