@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
+from functools import cached_property
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.data_flow import DataFlow, Wiring
@@ -122,12 +123,13 @@ def _check_duplicates(resolved: ResolvedChart) -> Iterator[Problem]:
 def _check_inputs(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
     """Yield a problem for each input of a state that nothing feeds, or a value of another type."""
     machine_inputs: dict[str, Input | Port] = {port.name: port for port in resolved.chart.inputs}
+    givers = _Givers(resolved)
     for node, entry in resolved.by_id.items():
         for name, port in entry.use.inputs.items():
             connection = flow.wiring.into_state.get((node, name))
             if connection is None and name not in flow.inputs[node]:
                 if (node, name) not in flow.defaulted:
-                    yield _unbound(entry, port, resolved)
+                    yield _unbound(entry, port, givers)
                 continue
             given: Input | Port | None
             if connection is None:
@@ -155,19 +157,33 @@ def _place(connection: Connection | None, entry: ResolvedNode, port: Port) -> Po
     return entry.node.position() if declared is None else declared.position()
 
 
-def _unbound(entry: ResolvedNode, port: Port, resolved: ResolvedChart) -> Problem:
+class _Givers:
+    """The outputs that could feed an input of their name; of those with one type the first two."""
+
+    def __init__(self, resolved: ResolvedChart) -> None:
+        self._resolved = resolved
+
+    @cached_property
+    def _by_name(self) -> Mapping[str, list[tuple[str, str | None]]]:
+        found: dict[str, list[tuple[str, str | None]]] = {}
+        count: dict[tuple[str, str | None], int] = {}
+        for node, entry in self._resolved.by_id.items():
+            for name, port in entry.use.outputs.items():
+                count[name, port.type] = count.get((name, port.type), 0) + 1
+                if count[name, port.type] <= 2:
+                    found.setdefault(name, []).append((node, port.type))
+        return found
+
+    def find(self, port: Port, taker: str) -> str | None:
+        """Return the first other state with an output of the name, and of a type that fits."""
+        known = self._by_name.get(port.name, ())
+        return next((n for n, given in known if n != taker and fits(given, port.type)), None)
+
+
+def _unbound(entry: ResolvedNode, port: Port, givers: _Givers) -> Problem:
     """Return the problem of an input that nothing feeds, with a connection that would."""
     message = f"nothing feeds input '{port.name}' of {label(entry.node)}; "
-    source = next(
-        (
-            other
-            for other, giver in resolved.by_id.items()
-            if other != entry.node.id
-            and port.name in giver.use.outputs
-            and fits(giver.use.outputs[port.name].type, port.type)
-        ),
-        None,
-    )
+    source = givers.find(port, entry.node.id)
     if source is not None:
         message += f'add <connection output_state_id="{source}" output="{port.name}" '
         message += f'input_state_id="{entry.node.id}" input="{port.name}"/>, or '

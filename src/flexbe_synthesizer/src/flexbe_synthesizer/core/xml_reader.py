@@ -126,24 +126,43 @@ def as_utf8(source: str | bytes, file: str) -> bytes:
         ChartError: if the encoding is not known, or not that of the bytes.
     """
     if isinstance(source, str):
-        return source.encode("utf-8", "surrogatepass")
-    data, encoding = source, "utf-8-sig"
-    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-        encoding = "utf-16"
-    elif declared := _DECLARATION.match(data):
-        encoding = declared[1].decode().lower()
-        if encoding not in _ENCODINGS:
-            message = f"the encoding {encoding!r} is not read here; save the file as UTF-8."
-            raise ChartError([Problem(Position(file, 1, 1), Code.NOT_XML, message)])
+        return _without_nul(source, file)
+    encoding = _encoding(source, file)
     try:
-        return data.decode(encoding).encode()
+        return _without_nul(source.decode(encoding), file)
     except UnicodeDecodeError as error:
-        before = data[: error.start]
+        before = source[: error.start]
         line = before.count(b"\n") + 1
         column = len(before[before.rfind(b"\n") + 1 :].decode(encoding, "replace")) + 1
         expected = encoding.removesuffix("-sig")
-        message = f"byte {data[error.start]:#04x} is not {expected}; save the file as UTF-8."
+        message = f"byte {source[error.start]:#04x} is not {expected}; save the file as UTF-8."
         raise ChartError([Problem(Position(file, line, column), Code.NOT_XML, message)]) from error
+
+
+def _encoding(data: bytes, file: str) -> str:
+    """Return the encoding that a byte order mark, the first letter or the declaration tells."""
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return "utf-16"
+    if data.startswith((b"<\0", b"\0<")):
+        return "utf-16-le" if data.startswith(b"<") else "utf-16-be"
+    declared = _DECLARATION.match(data)
+    if declared is None:
+        return "utf-8-sig"
+    name = declared[1].decode().lower()
+    if name not in _ENCODINGS:
+        message = f"the encoding {name!r} is not read here; save the file as UTF-8."
+        raise ChartError([Problem(Position(file, 1, 1), Code.NOT_XML, message)])
+    return name
+
+
+def _without_nul(text: str, file: str) -> bytes:
+    """Return the text in UTF-8; expat would take one with NUL characters for UTF-16."""
+    before, nul, _after = text.partition("\0")
+    if nul:
+        line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
+        message = "a NUL character, which no XML file holds; save the file as UTF-8."
+        raise ChartError([Problem(Position(file, line, column), Code.NOT_XML, message)])
+    return text.encode("utf-8", "surrogatepass")
 
 
 class _DuplicateAttributeError(Exception):
