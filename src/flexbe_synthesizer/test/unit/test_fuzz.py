@@ -189,8 +189,7 @@ def test_thousands_of_mistakes_are_told_in_time(holds, parts):
 
 def test_a_long_chain_of_values_that_are_read_and_written_is_bound(check):
     chain = [
-        f'<state id="S{index}" type="CountState"><transition event="done" target="{on}"/>'
-        "</state>"
+        f'<state id="S{index}" type="CountState"><transition event="done" target="{on}"/></state>'
         for index, on in reversed(CHAIN)
     ]
     flows = [
