@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-
-import jinja2
+from functools import cache
+from typing import TYPE_CHECKING
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.layout import Layout, Point
@@ -25,6 +25,9 @@ from flexbe_synthesizer.core.machine import (
     walk,
 )
 from flexbe_synthesizer.core.manifest import AUTHOR, DATE
+
+if TYPE_CHECKING:
+    import jinja2
 
 _INDENT = " " * 4
 _LINE = "\n" + _INDENT * 3
@@ -115,12 +118,6 @@ _EMPTY_SECTIONS = {
     "CREATE": "\n\n" + _INDENT * 2,
     "FUNC": "\n\n" + _INDENT,
 }
-_COMPILED = jinja2.Environment(
-    trim_blocks=True,
-    lstrip_blocks=True,
-    keep_trailing_newline=True,
-    undefined=jinja2.StrictUndefined,
-).from_string(_TEMPLATE)
 
 
 def render_python(machine: Machine, layout: Layout, manual: Mapping[str, str]) -> str:
@@ -136,7 +133,7 @@ def render_python(machine: Machine, layout: Layout, manual: Mapping[str, str]) -
     below = sorted(walk(machine.root))
     uses = [(path, child.content) for path, child in below]
     inner = [(path, content) for path, content in uses if isinstance(content, Container)]
-    return _COMPILED.render(
+    return _compiled_template().render(
         imports=_imports(content for _path, content in uses),
         manual={**_EMPTY_SECTIONS, **manual},
         date=DATE,
@@ -156,6 +153,18 @@ def render_python(machine: Machine, layout: Layout, manual: Mapping[str, str]) -
         root=writer.container("", machine.root),
         containers=[writer.container(path, content) for path, content in reversed(inner)],
     )
+
+
+@cache
+def _compiled_template() -> jinja2.Template:
+    import jinja2  # here, since it is a fifth of the start of a program that only checks charts
+
+    return jinja2.Environment(
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        undefined=jinja2.StrictUndefined,
+    ).from_string(_TEMPLATE)
 
 
 def _variables(root: Container) -> Mapping[str, str]:
