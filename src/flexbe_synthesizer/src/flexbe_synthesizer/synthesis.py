@@ -146,7 +146,8 @@ def render_behavior(machine: Machine, path: Path) -> str:
         if path.exists():
             manual = read_manual_sections(path.read_bytes().decode())
         text = render_python(machine, lay_out(machine.root), manual)
-        ast.parse(text)
+        if any(section.strip() for section in manual.values()):
+            ast.parse(text)
     except ManualSectionError as error:
         raise OutputError(f"{path} cannot be written again: {error}") from error
     except SyntaxError as error:

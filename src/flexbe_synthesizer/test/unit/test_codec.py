@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from flexbe_synthesizer.core.codec import parse_chart, write_chart
 from flexbe_synthesizer.core.model import Chart, Input, Outcome, Param, State, Transition
 from flexbe_synthesizer.core.problem import ChartError
+from flexbe_synthesizer.core.xml_tree import XmlTree
 from flexbe_synthesizer.strategies import WILD_NAMES, charts
 
 
@@ -24,6 +25,15 @@ def test_every_golden_chart_comes_back_the_same(golden):
     for path in charts:
         chart = parse_chart(path.read_bytes(), path.name)
         assert parse_chart(write_chart(chart), path.name) == chart
+
+
+def test_a_faultless_chart_is_checked_without_looking_for_places(golden, check, monkeypatch):
+    def look(*_arguments):
+        pytest.fail("the slow reader was asked for a place")
+
+    monkeypatch.setattr(XmlTree, "place", look)
+    _checked, problems = check((golden / "charts" / "place_connector.xml").read_bytes())
+    assert problems == ()
 
 
 def test_a_written_chart_looks_as_one_would_write_it():

@@ -4,7 +4,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flexbe_synthesizer.core.check import check_chart
-from flexbe_synthesizer.core.data_flow import Key, bind_data
 from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.model import (
     Chart,
@@ -72,6 +71,10 @@ def checked(*arguments, **parts):
     return check_chart(chart(*arguments, **parts), LIBRARY, {})
 
 
+def flat(homes):
+    return {(node, name): home for node, own in homes.items() for name, home in own.items()}
+
+
 def codes(result):
     return [problem.code for problem in result.problems]
 
@@ -80,35 +83,35 @@ def test_a_value_that_stays_inside_is_named_by_who_writes_it():
     nodes = [state("LookAt", "Write", "Use"), state("Use", "Read")]
     result = checked(nodes, [("LookAt", "v", "Use", "v")])
     assert codes(result) == [Code.READ_BEFORE_WRITE] * 0
-    assert bind_data(result.resolved).outputs == {Key("LookAt", "v"): "look_at_v"}
-    assert bind_data(result.resolved).inputs == {Key("Use", "v"): "look_at_v"}
+    assert flat(result.resolved.flow.outputs) == {("LookAt", "v"): "look_at_v"}
+    assert flat(result.resolved.flow.inputs) == {("Use", "v"): "look_at_v"}
 
 
 def test_homes_never_collide():
     nodes = [state("A b", "Write", "A-b"), state("A-b", "Write", "C"), state("C", "Read")]
     result = checked(nodes, [("A b", "v", "C", "v")], inputs=["a_b_v_2"])
-    assert set(bind_data(result.resolved).outputs.values()) == {"a_b_v", "a_b_v_3"}
+    assert set(flat(result.resolved.flow.outputs).values()) == {"a_b_v", "a_b_v_3"}
 
 
 def test_a_machine_input_feeds_by_its_name_unless_a_connection_says_otherwise():
     nodes = [state("A", "Write", "B"), state("B", "Read", "C"), state("C", "Read", "D")]
     nodes.append(state("D", "Read"))
     result = checked(nodes, [("A", "v", "B", "v"), ("Task", "w", "D", "v")], inputs=["v", "w"])
-    assert [bind_data(result.resolved).inputs[Key(n, "v")] for n in "BCD"] == ["a_v", "v", "w"]
+    assert [result.resolved.flow.inputs[n]["v"] for n in "BCD"] == ["a_v", "v", "w"]
 
 
 def test_a_machine_output_is_fed_by_name_unless_a_connection_says_otherwise():
     nodes = [state("A", "Write", "B"), state("B", "Write")]
     result = checked(nodes, outputs=["v"])
-    assert set(bind_data(result.resolved).outputs.values()) == {"v"}
+    assert set(flat(result.resolved.flow.outputs).values()) == {"v"}
     result = checked(nodes, [("B", "v", "Task", "v")], outputs=["v"])
-    assert bind_data(result.resolved).outputs == {Key("A", "v"): "a_v", Key("B", "v"): "v"}
+    assert flat(result.resolved.flow.outputs) == {("A", "v"): "a_v", ("B", "v"): "v"}
 
 
 def test_a_value_that_is_read_and_written_stays_where_it_is_read():
     nodes = [state("A", "Write", "B"), state("B", "Change", "B")]
     result = checked(nodes, [("A", "v", "B", "v")])
-    assert bind_data(result.resolved).outputs == {Key("A", "v"): "a_v", Key("B", "v"): "a_v"}
+    assert flat(result.resolved.flow.outputs) == {("A", "v"): "a_v", ("B", "v"): "a_v"}
     assert codes(result) == [Code.UNBOUNDED_LOOP]
 
 
@@ -116,9 +119,7 @@ def test_an_input_and_an_output_of_the_chart_with_one_name_are_one_value():
     result = checked([state("A", "Change", "A")], inputs=["v"], outputs=["v"])
     assert codes(result) == [Code.UNBOUNDED_LOOP]
     assert (
-        bind_data(result.resolved).outputs
-        == bind_data(result.resolved).inputs
-        == {Key("A", "v"): "v"}
+        flat(result.resolved.flow.outputs) == flat(result.resolved.flow.inputs) == {("A", "v"): "v"}
     )
 
 
@@ -137,7 +138,7 @@ def test_states_that_change_each_others_values_in_a_circle_are_bound_all_the_sam
     nodes = [state("A", "Change", "B"), state("B", "Change", "A")]
     result = checked(nodes, [("A", "v", "B", "v"), ("B", "v", "A", "v")])
     assert Code.READ_BEFORE_WRITE in codes(result)
-    assert len(set(bind_data(result.resolved).outputs.values())) == 1
+    assert len(set(flat(result.resolved.flow.outputs).values())) == 1
 
 
 def test_what_a_state_before_its_last_attempt_has_written_can_be_read_when_it_is_exhausted():

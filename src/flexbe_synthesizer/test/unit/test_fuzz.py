@@ -127,3 +127,78 @@ def test_deep_and_wide_charts_end_in_time(holds):
     assert errors_in(holds(f"{head}{plain}</statemachine>"))
     wide = "<state id='a' type='T'/>" * 20_000
     assert errors_in(holds(f"{head}{wide}</statemachine>"))
+
+
+HEAD = (
+    '<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="A" initial="S0"><datamodel>'
+    '<outcome name="finished"/><outcome name="failed"/><input name="component_id"/>'
+    '<output name="pose"/></datamodel>'
+)
+COUNT = 2000
+
+
+def locate(index, on, failed="failed"):
+    return (
+        f'<state id="S{index}" type="LocateComponentState"><transition event="located" '
+        f'target="{on}"/><transition event="failed" target="{failed}"/></state>'
+    )
+
+
+def insert(index, on):
+    return (
+        f'<state id="S{index}" type="InsertCableState"><transition event="inserted" '
+        f'target="{on}"/><transition event="failed" target="failed"/></state>'
+    )
+
+
+def connect(source, target, given="pose"):
+    return (
+        f'<connection output_state_id="{source}" output="{given}" input_state_id="{target}" '
+        'input="pose"/>'
+    )
+
+
+CHAIN = [(index, f"S{index + 1}" if index < COUNT - 1 else "finished") for index in range(COUNT)]
+ODD = range(1, COUNT, 2)
+MANY_MISTAKES = {
+    "unknown targets": [locate(index, f"T{index}") for index, _on in CHAIN],
+    "unknown types": [locate(index, on).replace("Comp", f"Cmp{index}") for index, on in CHAIN],
+    "dead ends": [locate(index, f"S{index}", f"S{(index + 1) % COUNT}") for index, _on in CHAIN],
+    "knots of loops": [*(locate(index, on, f"S{index}") for index, on in CHAIN), "<x/>"],
+    "inputs without source": [insert(index, on) for index, on in CHAIN],
+    "unknown ends": [
+        *(locate(index, on) for index, on in CHAIN),
+        *(connect(f"X{index}", f"Y{index}", "pse") for index, _on in CHAIN),
+    ],
+    "read too early": [
+        *(insert(index, on) for index, on in CHAIN[:-1]),
+        locate(*CHAIN[-1]),
+        *(connect(f"S{COUNT - 1}", f"S{index}") for index, _on in CHAIN[:-1]),
+    ],
+    "written over": [
+        *((insert if index in ODD else locate)(index, on) for index, on in CHAIN),
+        *(connect("S0", f"S{index}") for index in ODD),
+    ],
+}
+
+
+@pytest.mark.parametrize("parts", MANY_MISTAKES.values(), ids=MANY_MISTAKES.keys())
+def test_thousands_of_mistakes_are_told_in_time(holds, parts):
+    assert len(holds(f"{HEAD}{''.join(parts)}</statemachine>")) >= COUNT / 2 - 1
+
+
+def test_a_long_chain_of_values_that_are_read_and_written_is_bound(check):
+    chain = [
+        f'<state id="S{index}" type="CountState"><transition event="done" target="{on}"/></state>'
+        for index, on in reversed(CHAIN)
+    ]
+    flows = [
+        f'<connection output_state_id="S{index}" output="number" input_state_id="S{index + 1}" '
+        'input="number"/>'
+        for index in range(COUNT - 1)
+    ]
+    head = '<statemachine name="A" initial="S0"><datamodel><outcome name="finished"/>'
+    data = '<input name="number"/></datamodel>'
+    checked, problems = check(f"{head}{data}{''.join(chain)}{''.join(flows)}</statemachine>")
+    assert errors_in(problems) == ()
+    assert {homes["number"] for homes in checked.resolved.flow.outputs.values()} == {"number"}

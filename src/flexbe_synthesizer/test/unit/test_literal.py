@@ -5,6 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flexbe_synthesizer.core.literal import (
+    DEEPEST,
     format_literal,
     freeze,
     parse_literal,
@@ -58,6 +59,7 @@ LITERALS = st.recursive(
         ("__import__('os').getcwd()", "__import__('os').getcwd()"),
         ("9" * 5000, "9" * 5000),
         ("[" * 100_000, "[" * 100_000),
+        ("[" * 51 + "]" * 51, "[" * 51 + "]" * 51),
     ],
 )
 def test_a_text_is_the_literal_it_spells_or_a_string(text, value):
@@ -93,6 +95,13 @@ def test_what_is_no_literal_is_refused():
     for value in (object(), {1, 2}, float("nan"), {None: 1}, [b"x"]):
         with pytest.raises(TypeError, match="no literal of a chart"):
             freeze(value)
+
+
+def test_a_list_nests_as_deeply_as_python_can_read_it():
+    text = "[" * DEEPEST + "]" * DEEPEST
+    value = parse_literal(text)
+    assert isinstance(value, tuple)
+    assert ast.literal_eval(python_literal(value)) == ast.literal_eval(text)
 
 
 def test_types_have_the_names_of_the_language():

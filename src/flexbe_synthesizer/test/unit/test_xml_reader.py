@@ -94,6 +94,11 @@ def test_encodings_are_read_or_refused_with_a_reason():
         assert root.attributes[0].value == "é"
     assert read_xml("﻿<a x='é'/>".encode(), "f").root.attributes[0].value == "é"
     assert read_xml("<a x='é'/>".encode("utf-16"), "f").root.attributes[0].value == "é"
+    for encoding in ("utf-16-le", "utf-16-be"):
+        root = read_xml("<a\n x='é' y='1'/>".encode(encoding), "f").root
+        assert [a.position[1:] for a in root.attributes] == [(2, 2), (2, 8)]
+    assert problem_of(b"<a>\nb\0</a>")[:2] == (Code.NOT_XML, (2, 2))
+    assert "NUL" in problem_of("<a/>".encode("utf-32"))[2]
     assert "'koi8-r'" in problem_of(text.format("koi8-r").encode("utf-8"))[2]
     code, place, message = problem_of(b"<a>\n\xc3\xa9 \xe9</a>")
     assert (code, place) == (Code.NOT_XML, (2, 3))

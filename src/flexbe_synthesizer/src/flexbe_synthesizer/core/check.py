@@ -8,19 +8,18 @@ from dataclasses import dataclass
 from flexbe_synthesizer.core.check_conditions import check_conditions
 from flexbe_synthesizer.core.check_connections import check_connections
 from flexbe_synthesizer.core.check_data_flow import check_data_flow
-from flexbe_synthesizer.core.check_extensions import check_extensions
+from flexbe_synthesizer.core.check_extensions import check_extensions, check_priorities
 from flexbe_synthesizer.core.check_loops import check_loops
-from flexbe_synthesizer.core.check_names import check_names, check_paths
-from flexbe_synthesizer.core.check_parameters import check_parameters
+from flexbe_synthesizer.core.check_names import check_names, check_node_names, check_paths
+from flexbe_synthesizer.core.check_parameters import check_defaults, check_parameters
 from flexbe_synthesizer.core.check_reachability import check_reachability
-from flexbe_synthesizer.core.check_transitions import check_transitions
+from flexbe_synthesizer.core.check_transitions import check_events, check_transitions
 from flexbe_synthesizer.core.check_use import check_use
-from flexbe_synthesizer.core.data_flow import bind_data
 from flexbe_synthesizer.core.graph import chart_graph
 from flexbe_synthesizer.core.library import Library
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.model import Chart, State
 from flexbe_synthesizer.core.problem import Problem
-from flexbe_synthesizer.core.resolve import ResolvedChart, resolve_chart, scopes
+from flexbe_synthesizer.core.resolve import ResolvedChart, ResolvedNode, resolve_chart, scopes
 from flexbe_synthesizer.core.signature import BehaviorClass
 
 
@@ -53,10 +52,11 @@ def _check_scope(scope: ResolvedChart) -> Iterator[Problem]:
     """Yield what is wrong in a chart or container, without what is inside containers in it."""
     if not scope.nodes:
         return  # told as a missing element
-    flow, graph = bind_data(scope), chart_graph(scope)
+    flow, graph = scope.flow, chart_graph(scope)
     yield from check_names(scope)
-    yield from check_parameters(scope)
-    yield from check_extensions(scope)
+    yield from _check_nodes(scope)
+    yield from check_defaults(scope)
+    yield from check_priorities(scope)
     yield from check_transitions(scope)
     yield from check_conditions(scope)
     yield from check_reachability(scope, graph)
@@ -64,3 +64,34 @@ def _check_scope(scope: ResolvedChart) -> Iterator[Problem]:
     yield from check_connections(scope, flow)
     yield from check_data_flow(scope, flow, graph)
     yield from check_use(scope, flow)
+
+
+def _check_nodes(scope: ResolvedChart) -> Iterator[Problem]:
+    """Yield what is wrong with a node by itself; of faultless ones that are alike, look at one."""
+    faultless: set[object] = set()
+    for entry in scope.nodes:
+        likeness = None if scope.is_concurrent else _likeness(entry)
+        if likeness in faultless:
+            continue
+        problems = [
+            *check_node_names(entry.node),
+            *check_parameters(entry),
+            *check_extensions(entry, scope),
+        ]
+        if not scope.is_concurrent:
+            problems += check_events(entry)
+        if likeness is not None and not problems:
+            faultless.add(likeness)
+        yield from problems
+
+
+def _likeness(entry: ResolvedNode) -> object:
+    """Return what is equal for nodes that have the same faults; None for one of its own kind."""
+    node, use = entry.node, entry.use
+    if not isinstance(node, State) or node.inputs or node.outputs or node.on_error:
+        return None
+    if not use.is_like_others:
+        return None
+    events = tuple([transition.event for transition in node.transitions])
+    given = tuple([(param.name, type(param.value)) for param in node.params])
+    return use, node.topic is None, events, given

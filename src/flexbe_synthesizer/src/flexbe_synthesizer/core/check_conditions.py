@@ -38,7 +38,7 @@ def _check_names(resolved: ResolvedChart) -> Iterator[Problem]:
     first: dict[tuple[str, str], int] = {}
     for condition in resolved.chart.conditions:
         if condition.outcome and condition.outcome not in outcomes:
-            hint = names.allowed(condition.outcome, outcomes)
+            hint = names.allowed(condition.outcome, names.Vocabulary(outcomes))
             message = f"{resolved.title} has no outcome '{condition.outcome}'; {hint}"
             yield Problem(condition.position("outcome"), Code.UNKNOWN_TARGET, message)
         waited: set[str] = set()
@@ -59,10 +59,10 @@ def _check_when(when: When, resolved: ResolvedChart) -> Iterator[Problem]:
     """Yield a problem if the state, or its event, does not exist."""
     entry = resolved.by_id.get(when.state)
     if when.state and entry is None:
-        hint = names.allowed(when.state, resolved.by_id)
+        hint = names.allowed(when.state, resolved.ids)
         message = f"'{when.state}' is no state in {resolved.title}; {hint}"
         yield Problem(when.position("state"), Code.UNKNOWN_STATE, message)
-    events = entry.events if entry else None
+    events = entry.use.events if entry else None
     if entry and events is not None and when.event and when.event not in events:
         hint = names.allowed(when.event, events)
         message = f"{label(entry.node)} has no outcome '{when.event}'; {hint}"
@@ -76,8 +76,8 @@ def _check_events(resolved: ResolvedChart) -> Iterator[Problem]:
         for when in condition.all_of:
             waited[when.state].add(when.event)
     for name, entry in resolved.by_id.items():
-        meant = {names.misspelt(e, entry.events or ()) for e in waited[name]}
-        for event in entry.events or ():
+        meant = {names.misspelt(e, entry.use.events or ()) for e in waited[name]}
+        for event in entry.use.events or ():
             if event not in waited[name] and event not in meant:
                 message = f"no condition waits for '{event}' of {label(entry.node)}; add "
                 message += f'<ext:when state="{name}" event="{event}"/> to an <ext:condition>.'

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
+from functools import cached_property
 
 from flexbe_synthesizer.core import names
-from flexbe_synthesizer.core.data_flow import DataFlow, Key, Wiring, ports
+from flexbe_synthesizer.core.data_flow import DataFlow, Wiring
 from flexbe_synthesizer.core.model import Connection, Input, Output
 from flexbe_synthesizer.core.problem import Code, Position, Problem
 from flexbe_synthesizer.core.resolve import ResolvedChart, ResolvedNode, label
@@ -14,12 +15,38 @@ from flexbe_synthesizer.core.signature import Port, fits
 
 def check_connections(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
     """Yield the problems with the connections, and with what they leave unfed."""
+    ends = _Ends(resolved)
     for connection in resolved.chart.connections:
-        yield from _check_ends(connection, resolved)
+        if not ends.exist(connection):
+            yield from _check_ends(connection, resolved)
     yield from _check_duplicates(resolved)
-    wiring = Wiring(resolved)
-    yield from _check_inputs(resolved, flow, wiring)
-    yield from _check_outputs(resolved, flow, wiring)
+    yield from _check_inputs(resolved, flow)
+    yield from _check_outputs(resolved, flow)
+
+
+class _Ends:
+    """What a connection can come from, and what it can lead to."""
+
+    def __init__(self, resolved: ResolvedChart) -> None:
+        chart = resolved.chart
+        self._givers: dict[str, Container[str]] = {
+            name: entry.use.outputs for name, entry in resolved.by_id.items()
+        }
+        self._takers: dict[str, Container[str]] = {
+            name: entry.use.inputs for name, entry in resolved.by_id.items()
+        }
+        self._givers[chart.name] = {port.name for port in chart.inputs}
+        self._takers[chart.name] = {port.name for port in chart.outputs}
+        self._chart_name = chart.name
+
+    def exist(self, connection: Connection) -> bool:
+        """Tell whether both ends are there, and not both in the chart's own data."""
+        giver, taker = connection.output_state_id, connection.input_state_id
+        return (
+            connection.output in self._givers.get(giver, ())
+            and connection.input in self._takers.get(taker, ())
+            and not giver == taker == self._chart_name
+        )
 
 
 def _check_ends(connection: Connection, resolved: ResolvedChart) -> Iterator[Problem]:
@@ -38,17 +65,17 @@ def _check_ends(connection: Connection, resolved: ResolvedChart) -> Iterator[Pro
         yield from _check_end(connection, "output", f"{resolved.title} has no input", known)
     else:
         yield from _check_state(giver, "output_state_id", connection, resolved)
-        if (entry := resolved.by_id.get(giver)) is not None and entry.signature is not None:
-            known = [port.name for port in ports(entry)[1]]
-            yield from _check_end(connection, "output", f"'{giver}' has no output", known)
+        if (entry := resolved.by_id.get(giver)) is not None and entry.use.signature is not None:
+            outputs = tuple(entry.use.outputs)
+            yield from _check_end(connection, "output", f"'{giver}' has no output", outputs)
     if taker == chart.name:
         known = [port.name for port in chart.outputs]
         yield from _check_end(connection, "input", f"{resolved.title} has no output", known)
     else:
         yield from _check_state(taker, "input_state_id", connection, resolved)
-        if (entry := resolved.by_id.get(taker)) is not None and entry.signature is not None:
-            known = [port.name for port in ports(entry)[0]]
-            yield from _check_end(connection, "input", f"'{taker}' has no input", known)
+        if (entry := resolved.by_id.get(taker)) is not None and entry.use.signature is not None:
+            inputs = tuple(entry.use.inputs)
+            yield from _check_end(connection, "input", f"'{taker}' has no input", inputs)
 
 
 def _check_end(
@@ -66,60 +93,60 @@ def _check_state(
     name: str, attribute: str, connection: Connection, resolved: ResolvedChart
 ) -> Iterator[Problem]:
     if name and name not in resolved.by_id:
-        hint = names.allowed(name, [*resolved.by_id, resolved.chart.name])
+        hint = names.allowed(name, resolved.connectable)
         message = f"'{name}' is neither a state, a behavior nor {resolved.title}; {hint}"
         yield Problem(connection.position(attribute), Code.UNKNOWN_STATE, message)
 
 
 def _check_duplicates(resolved: ResolvedChart) -> Iterator[Problem]:
     """Yield a problem for each input fed twice, and each output with two homes."""
-    fed: dict[Key, int] = {}
-    homes: dict[Key, tuple[str, int]] = {}
+    fed: dict[tuple[str, str], Connection] = {}
+    homes: dict[tuple[str, str], Connection] = {}
     for connection in resolved.chart.connections:
-        line = connection.position().line
-        target = Key(connection.input_state_id, connection.input)
-        if target.node and target.name and target.node != resolved.chart.name:
-            if target in fed:
-                message = f"input '{target.name}' of '{target.node}' is fed in line {fed[target]} "
+        taker, name = connection.input_state_id, connection.input
+        if taker and name and taker != resolved.chart.name:
+            first = fed.setdefault((taker, name), connection)
+            if first is not connection:
+                message = f"input '{name}' of '{taker}' is fed in line {first.position().line} "
                 message += "already; a value has one home. Delete one connection."
                 yield Problem(connection.position(), Code.DUPLICATE_CONNECTION, message)
-            fed.setdefault(target, line)
-        elif target.name:
-            source = Key(connection.output_state_id, connection.output)
-            other, other_line = homes.setdefault(source, (target.name, line))
-            if other != target.name:
-                message = (
-                    f"output '{source.name}' of '{source.node}' feeds the output '{other}' of "
-                )
-                message += (
-                    f"{resolved.title} in line {other_line} already, and a value has one home; "
-                )
-                message += "delete one connection."
+        elif name:
+            source = (connection.output_state_id, connection.output)
+            first = homes.setdefault(source, connection)
+            if first.input != name:
+                message = f"output '{source[1]}' of '{source[0]}' feeds the output "
+                message += f"'{first.input}' of {resolved.title} in line {first.position().line} "
+                message += "already, and a value has one home; delete one connection."
                 yield Problem(connection.position(), Code.CONFLICTING_OUTPUT, message)
 
 
-def _check_inputs(resolved: ResolvedChart, flow: DataFlow, wiring: Wiring) -> Iterator[Problem]:
+def _check_inputs(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
     """Yield a problem for each input of a state that nothing feeds, or a value of another type."""
-    outputs = {Key(i, p.name): p for i, entry in resolved.by_id.items() for p in ports(entry)[1]}
-    machine_inputs = {port.name: port for port in resolved.chart.inputs}
-    for name, entry in resolved.by_id.items():
-        for port in ports(entry)[0]:
-            key = Key(name, port.name)
-            connection = wiring.into_state.get(key)
-            if connection is None and key not in flow.inputs:
-                if key not in flow.defaulted:
-                    yield _unbound(entry, port, outputs)
+    machine_inputs: dict[str, Input | Port] = {port.name: port for port in resolved.chart.inputs}
+    givers = _Givers(resolved)
+    for node, entry in resolved.by_id.items():
+        for name, port in entry.use.inputs.items():
+            connection = flow.wiring.into_state.get((node, name))
+            if connection is None and name not in flow.inputs[node]:
+                if (node, name) not in flow.defaulted:
+                    yield _unbound(entry, port, givers)
                 continue
             given: Input | Port | None
-            if connection is None or connection.output_state_id == resolved.chart.name:
-                given = machine_inputs.get(connection.output if connection else port.name)
-                source = f"input '{given.name}' of {resolved.title}" if given else ""
+            if connection is None:
+                given = machine_inputs.get(name)
+            elif connection.output_state_id == resolved.chart.name:
+                given = machine_inputs.get(connection.output)
             else:
-                producer = Key(connection.output_state_id, connection.output)
-                given = outputs.get(producer)
-                source = f"output '{producer.name}' of '{producer.node}'"
+                giver = resolved.by_id.get(connection.output_state_id)
+                given = giver.use.outputs.get(connection.output) if giver else None
+            if given is None or given.type == port.type or fits(given.type or None, port.type):
+                continue
+            if connection is None or connection.output_state_id == resolved.chart.name:
+                source = f"input '{given.name}' of {resolved.title}"
+            else:
+                source = f"output '{given.name}' of '{connection.output_state_id}'"
             place = _place(connection, entry, port)
-            yield from _check_flow(source, given, f"input '{port.name}' of '{name}'", port, place)
+            yield from _check_flow(source, given, f"input '{name}' of '{node}'", port, place)
 
 
 def _place(connection: Connection | None, entry: ResolvedNode, port: Port) -> Position:
@@ -130,41 +157,65 @@ def _place(connection: Connection | None, entry: ResolvedNode, port: Port) -> Po
     return entry.node.position() if declared is None else declared.position()
 
 
-def _unbound(entry: ResolvedNode, port: Port, outputs: Mapping[Key, Port]) -> Problem:
-    """Return the problem of an input that nothing feeds, with the connections that would."""
+class _Givers:
+    """The outputs that could feed an input of their name; of those with one type the first two."""
+
+    def __init__(self, resolved: ResolvedChart) -> None:
+        self._resolved = resolved
+
+    @cached_property
+    def _by_name(self) -> Mapping[str, list[tuple[str, str | None]]]:
+        found: dict[str, list[tuple[str, str | None]]] = {}
+        count: dict[tuple[str, str | None], int] = {}
+        for node, entry in self._resolved.by_id.items():
+            for name, port in entry.use.outputs.items():
+                count[name, port.type] = count.get((name, port.type), 0) + 1
+                if count[name, port.type] <= 2:
+                    found.setdefault(name, []).append((node, port.type))
+        return found
+
+    def find(self, port: Port, taker: str) -> str | None:
+        """Return the first other state with an output of the name, and of a type that fits."""
+        known = self._by_name.get(port.name, ())
+        return next((n for n, given in known if n != taker and fits(given, port.type)), None)
+
+
+def _unbound(entry: ResolvedNode, port: Port, givers: _Givers) -> Problem:
+    """Return the problem of an input that nothing feeds, with a connection that would."""
     message = f"nothing feeds input '{port.name}' of {label(entry.node)}; "
-    fitting = [key for key, other in outputs.items() if fits(other.type, port.type)]
-    named = [key for key in fitting if key.name == port.name and key.node != entry.node.id]
-    if named:
-        source = named[0]
-        message += f'add <connection output_state_id="{source.node}" output="{source.name}" '
+    source = givers.find(port, entry.node.id)
+    if source is not None:
+        message += f'add <connection output_state_id="{source}" output="{port.name}" '
         message += f'input_state_id="{entry.node.id}" input="{port.name}"/>, or '
     message += f'add <input name="{port.name}"/> to the <datamodel>'
-    message += "." if named else ", or a <connection> from an output of another state."
+    message += ", or a <connection> from an output of another state." if source is None else "."
     return Problem(_place(None, entry, port), Code.UNBOUND_INPUT, message)
 
 
 def _check_flow(
     source: str,
-    given: Input | Output | Port | None,
+    given: Input | Output | Port,
     target: str,
     wanted: Input | Output | Port,
     position: Position,
 ) -> Iterator[Problem]:
     """Yield a problem if the two ends of a flow have different types."""
-    if given is not None and not fits(given.type or None, wanted.type or None):
+    if not fits(given.type or None, wanted.type or None):
         message = f"{source} is {given.type}, {target} is {wanted.type}; connect equal types."
         yield Problem(position, Code.TYPE_CONFLICT, message)
 
 
-def _check_outputs(resolved: ResolvedChart, flow: DataFlow, wiring: Wiring) -> Iterator[Problem]:
+def _check_outputs(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
     """Yield a problem for each machine output that nothing feeds, or with another type."""
-    by_home: dict[str, list[Key]] = {}
-    for key, home in flow.outputs.items():
-        by_home.setdefault(home, []).append(key)
-    is_known = all(entry.signature is not None for entry in resolved.nodes)
+    feeding: dict[str, list[tuple[str, str]]] = {port.name: [] for port in resolved.chart.outputs}
+    for node, homes in flow.outputs.items():
+        for name, home in homes.items():
+            if home in feeding:
+                feeding[home].append((node, name))
+    wiring = flow.wiring
+    is_known = all(entry.use.signature is not None for entry in resolved.nodes)
     for output in resolved.chart.outputs:
-        is_fed = output.name in wiring.connected_outputs or output.name in by_home
+        is_fed = output.name in wiring.connected_outputs or feeding[output.name]
         if is_known and output.name and not is_fed:
             message = (
                 f"nothing feeds output '{output.name}' of {resolved.title}; no state has an output "
@@ -172,37 +223,41 @@ def _check_outputs(resolved: ResolvedChart, flow: DataFlow, wiring: Wiring) -> I
             message += 'of that name. Add <connection output_state_id="..." output="..." '
             message += f'input_state_id="{resolved.chart.name}" input="{output.name}"/>.'
             yield Problem(output.position(), Code.UNFED_OUTPUT, message)
-        yield from _check_feeds(output, by_home.get(output.name, ()), resolved, wiring)
-    yield from _check_pass_through(resolved, wiring)
-    for key, connection in wiring.into_machine.items():
-        if key in flow.outputs and flow.outputs[key] != connection.input:
-            message = f"'{key.name}' of '{key.node}' is read and written in one place, "
-            message += f"'{flow.outputs[key]}', and cannot feed output '{connection.input}' too; "
+        yield from _check_feeds(output, feeding[output.name], resolved, wiring)
+    yield from _check_pass_through(resolved)
+    for (node, name), connection in wiring.into_machine.items():
+        home = flow.outputs.get(node, {}).get(name, connection.input)
+        if home != connection.input:
+            message = f"'{name}' of '{node}' is read and written in one place, "
+            message += f"'{home}', and cannot feed output '{connection.input}' too; "
             message += "put a state between that copies it."
             yield Problem(connection.position(), Code.CONFLICTING_OUTPUT, message)
 
 
 def _check_feeds(
-    output: Output, feeding: Sequence[Key], resolved: ResolvedChart, wiring: Wiring
+    output: Output,
+    feeding: Sequence[tuple[str, str]],
+    resolved: ResolvedChart,
+    wiring: Wiring,
 ) -> Iterator[Problem]:
     """Yield a problem for the first state that feeds a machine output with another type."""
-    for key in feeding:
-        port = next(p for p in ports(resolved.by_id[key.node])[1] if p.name == key.name)
-        connection = wiring.into_machine.get(key)
+    for node, name in feeding:
+        port = resolved.by_id[node].use.outputs[name]
+        if port.type == output.type or fits(port.type, output.type or None):
+            continue
+        connection = wiring.into_machine.get((node, name))
         position = output.position() if connection is None else connection.position()
-        source = f"output '{key.name}' of '{key.node}'"
         target = f"output '{output.name}' of {resolved.title}"
-        problems = tuple(_check_flow(source, port, target, output, position))
-        yield from problems
-        if problems:
-            return
+        yield from _check_flow(f"output '{name}' of '{node}'", port, target, output, position)
+        return
 
 
-def _check_pass_through(resolved: ResolvedChart, wiring: Wiring) -> Iterator[Problem]:
+def _check_pass_through(resolved: ResolvedChart) -> Iterator[Problem]:
     """Yield a problem if an input and an output of one name have different types."""
     inputs = {port.name: port for port in resolved.chart.inputs}
     for output in resolved.chart.outputs:
         given = inputs.get(output.name)
         source = f"input '{output.name}' of {resolved.title}"
         target = "its output of the same name, which is the same value,"
-        yield from _check_flow(source, given, target, output, output.position())
+        if given is not None:
+            yield from _check_flow(source, given, target, output, output.position())

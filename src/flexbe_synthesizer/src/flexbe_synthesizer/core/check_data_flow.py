@@ -6,14 +6,19 @@ value.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator
+from collections.abc import Iterator
+from itertools import islice
+from typing import NamedTuple
 
-from flexbe_synthesizer.core.data_flow import DataFlow, Wiring
+from flexbe_synthesizer.core.data_flow import DataFlow
 from flexbe_synthesizer.core.graph import Edge, Graph, path_text, shortest_path
 from flexbe_synthesizer.core.model import Connection
-from flexbe_synthesizer.core.problem import Code, Position, Problem
-from flexbe_synthesizer.core.resolve import ResolvedChart, label
-from flexbe_synthesizer.core.written import Values
+from flexbe_synthesizer.core.problem import Code, Problem
+from flexbe_synthesizer.core.resolve import ResolvedChart, ResolvedNode, label
+from flexbe_synthesizer.core.written import LastWriters, Values
+
+_MOST_PATHS = 50  # problems of a chart that are told with their path; each is a search
+_MOST_WRITERS = 12  # named in a message
 
 
 def check_data_flow(resolved: ResolvedChart, flow: DataFlow, graph: Graph) -> Iterator[Problem]:
@@ -25,47 +30,67 @@ def check_data_flow(resolved: ResolvedChart, flow: DataFlow, graph: Graph) -> It
         return
     values = Values(resolved, flow, graph)
     given = {port.name for port in resolved.chart.inputs}
-    written = values.written_before(given)
-    connections = Wiring(resolved).into_state
-    for key, home in flow.inputs.items():
-        if key.node not in written or home in given:
+    written = values.written_before()
+    last_writers = LastWriters(values)
+    paths_left = _MOST_PATHS
+    for node, homes in flow.inputs.items():
+        if node not in written:
             continue
-        entry = resolved.by_id[key.node]
-        connection = connections.get(key)
-        position = entry.node.position() if connection is None else connection.position()
-        what = f"input '{key.name}' of {label(entry.node)}"
-        if not values.has(written[key.node], home):
-            yield _missing(what, key.node, home, position, values)
-        elif connection is not None:
-            yield from _find_overwriting(what, key.node, home, connection, values, written)
+        for name, home in homes.items():
+            if home in given:
+                continue
+            connection = flow.wiring.into_state.get((node, name))
+            read = _Read(resolved.by_id[node], name, home, connection)
+            if not values.has(written[node], home):
+                yield _missing(read, values, paths_left > 0)
+                paths_left -= 1
+            elif connection is not None and len(values.writers[home]) > 1:
+                expected = (connection.output_state_id, node)
+                other = last_writers.besides(expected, home, node)
+                if other is not None:
+                    yield _overwritten(read, connection, other, values, paths_left > 0)
+                    paths_left -= 1
 
 
 def _check_simultaneous(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
     """Yield a problem for each read of what a state that runs at the same time writes."""
     given = {port.name for port in resolved.chart.inputs}
-    connections = Wiring(resolved).into_state
-    for key, home in flow.inputs.items():
-        connection = connections.get(key)
+    for node, name, home in (
+        (n, *item) for n, homes in flow.inputs.items() for item in homes.items()
+    ):
+        connection = flow.wiring.into_state.get((node, name))
         if home not in given and connection is not None:
-            message = (
-                f"input '{key.name}' of {label(resolved.by_id[key.node].node)} is to come from "
-            )
+            message = f"{_Read(resolved.by_id[node], name, home, connection)} is to come from "
             message += f"'{connection.output_state_id}', which runs at the same time and may not "
-            message += (
-                f"have written it: {key.node} starts with the container. Move one of them out "
-            )
+            message += f"have written it: {node} starts with the container. Move one of them out "
             message += f"of the container '{resolved.chart.name}'."
             yield Problem(connection.position(), Code.READ_BEFORE_WRITE, message)
 
 
-def _missing(what: str, reader: str, home: str, position: Position, values: Values) -> Problem:
+class _Read(NamedTuple):
+    """An input of a node, the home that it reads, and the connection that says so."""
+
+    entry: ResolvedNode
+    name: str
+    home: str
+    connection: Connection | None
+
+    def __str__(self) -> str:
+        """Return what messages call it."""
+        return f"input '{self.name}' of {label(self.entry.node)}"
+
+
+def _missing(read: _Read, values: Values, is_path_shown: bool) -> Problem:
     """Return the problem of a value that is read before it is written, with the path."""
+    reader, home = read.entry.node.id, read.home
     path = f"{reader} is the initial state"
     if reader != values.graph.initial:
-        path = path_text(_unwritten_path(reader, home, values))
-    writers = " or ".join(f"'{node}'" for node in dict.fromkeys(values.writers[home]))
-    message = f"{what} is read before {writers} has written it: {path}. Lead that path through "
-    message += f"{writers}, or feed the input from elsewhere."
+        path = path_text(_unwritten_path(reader, home, values) if is_path_shown else ())
+    nodes = dict.fromkeys(values.writers[home])
+    writers = " or ".join(f"'{node}'" for node in islice(nodes, _MOST_WRITERS))
+    message = f"{read} is read before {writers} has written it: {path}. Lead that "
+    message += f"path through {writers}, or feed the input from elsewhere."
+    position = (read.connection or read.entry.node).position()
     return Problem(position, Code.READ_BEFORE_WRITE, message)
 
 
@@ -90,27 +115,23 @@ def _unwritten_path(reader: str, home: str, values: Values) -> tuple[Edge, ...]:
     return tuple(step for edge in path for step in (*(loop_before(edge) or ()), edge))
 
 
-def _find_overwriting(
-    what: str,
-    reader: str,
-    home: str,
-    connection: Connection,
-    values: Values,
-    reached: Container[str],
-) -> Iterator[Problem]:
-    """Yield a problem if another state may have written over a value, with the path."""
-    meant = connection.output_state_id
-    for other in values.writers[home]:
-        if other in (meant, reader) or other not in reached:
-            continue
-        leaving = values.edges_not_writing(home)
-        leaving[other] = tuple(
-            edge for edge in values.graph.leaving.get(other, ()) if home in values.homes(edge)
-        )
-        path = shortest_path(other, reader, leaving)
-        if path is not None:
-            message = f"{what} is to come from '{meant}', but '{other}' writes the same value, "
-            message += f"'{home}', on the way: {path_text(path)}. Let them feed different "
-            message += "outputs of the chart."
-            yield Problem(connection.position(), Code.OVERWRITTEN_VALUE, message)
-            return
+def _overwritten(
+    read: _Read, connection: Connection, other: str, values: Values, is_path_shown: bool
+) -> Problem:
+    """Return the problem of a value that another state may have written over, with the path."""
+    path = _overwriting_path(read, other, values) if is_path_shown else ()
+    message = f"{read} is to come from '{connection.output_state_id}', but '{other}' writes the "
+    message += f"same value, '{read.home}', on the way: {path_text(path)}. Let them feed different "
+    message += "outputs of the chart."
+    return Problem(connection.position(), Code.OVERWRITTEN_VALUE, message)
+
+
+def _overwriting_path(read: _Read, other: str, values: Values) -> tuple[Edge, ...]:
+    """Return a shortest path from a state that writes the home to the one that reads it."""
+    leaving = values.edges_not_writing(read.home)
+    leaving[other] = tuple(
+        edge
+        for edge in values.graph.leaving.get(other, ())
+        if values.has(values.written_on(edge), read.home)
+    )
+    return shortest_path(other, read.entry.node.id, leaving) or ()

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from flexbe_synthesizer.core import names
-from flexbe_synthesizer.core.data_flow import ports
 from flexbe_synthesizer.core.model import Container, ContainerKind, walk_nodes
 from flexbe_synthesizer.core.problem import Code, Problem
 from flexbe_synthesizer.core.resolve import (
@@ -17,20 +16,24 @@ from flexbe_synthesizer.core.resolve import (
 )
 
 
-def check_extensions(resolved: ResolvedChart) -> Iterator[Problem]:
-    """Yield the problems with limits, error routes and nested containers."""
-    for entry in resolved.nodes:
-        if resolved.is_concurrent:
-            yield from _check_side_by_side(entry)
-        elif entry.node.on_error:
-            yield from _check_routes(entry, resolved)
-    if resolved.runs is ContainerKind.PRIORITY:
-        for node in walk_nodes(resolved.chart):
-            if isinstance(node, Container) and node.runs is ContainerKind.PRIORITY:
-                message = f"container '{node.id}' has priority already, since '"
-                message += f"{resolved.chart.name}' around it has, and FlexBE cannot nest them; "
-                message += "make it an <ext:container>."
-                yield Problem(node.position(), Code.MISPLACED_ELEMENT, message)
+def check_extensions(entry: ResolvedNode, resolved: ResolvedChart) -> Iterator[Problem]:
+    """Yield the problems with the limits and error routes of a node."""
+    if resolved.is_concurrent:
+        yield from _check_side_by_side(entry)
+    elif entry.node.on_error:
+        yield from _check_routes(entry, resolved)
+
+
+def check_priorities(resolved: ResolvedChart) -> Iterator[Problem]:
+    """Yield a problem for each priority container inside another one."""
+    if resolved.runs is not ContainerKind.PRIORITY:
+        return
+    for node in walk_nodes(resolved.chart):
+        if isinstance(node, Container) and node.runs is ContainerKind.PRIORITY:
+            message = f"container '{node.id}' has priority already, since '"
+            message += f"{resolved.chart.name}' around it has, and FlexBE cannot nest them; "
+            message += "make it an <ext:container>."
+            yield Problem(node.position(), Code.MISPLACED_ELEMENT, message)
 
 
 def _check_side_by_side(entry: ResolvedNode) -> Iterator[Problem]:
@@ -52,22 +55,21 @@ def _check_side_by_side(entry: ResolvedNode) -> Iterator[Problem]:
 
 def _check_routes(entry: ResolvedNode, resolved: ResolvedChart) -> Iterator[Problem]:
     """Yield the problems with the error routes of a node."""
-    node, signature = entry.node, entry.signature
+    node, signature = entry.node, entry.use.signature
     position = node.position("on_error")
-    if signature is not None and signature.outcomes is not None and not entry.has_own(FAILED):
+    if signature is not None and signature.outcomes is not None and not entry.use.has_own(FAILED):
         message = f"ext:on_error parts the outcome '{FAILED}' by code, and {signature.title} has "
         message += f"none; its outcomes: {names.quoted(signature.outcomes)}."
         yield Problem(position, Code.UNKNOWN_EVENT, message)
-    found = [port.name for port in ports(entry)[1]]
+    found = entry.use.outputs
     if signature is not None and ERROR_CODE not in found:
         message = f"ext:on_error reads the output '{ERROR_CODE}', and {signature.title} has none; "
         yield Problem(
             position, Code.UNKNOWN_OUTPUT, f"{message}its outputs: {names.quoted(found)}."
         )
-    outcomes = (outcome.name for outcome in resolved.chart.outcomes)
-    known = dict.fromkeys((*resolved.by_id, *outcomes))
+    known = set(resolved.targets)
     for route in node.on_error:
         if route.target not in known:
-            hint = names.allowed(route.target, known)
+            hint = names.allowed(route.target, resolved.targets)
             message = f"'{route.target}' is neither a state, a behavior nor an outcome; {hint}"
             yield Problem(position, Code.UNKNOWN_TARGET, message)

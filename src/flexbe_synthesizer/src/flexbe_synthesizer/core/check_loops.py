@@ -11,25 +11,28 @@ from flexbe_synthesizer.core.resolve import ResolvedChart
 
 def check_loops(resolved: ResolvedChart, graph: Graph) -> Iterator[Problem]:
     """Yield a warning for each knot of loops in which no state has a limit of attempts."""
-    free = [name for name in graph.ids if resolved.by_id[name].node.attempts is None]
+    by_id = resolved.by_id
+    free = [n for n in graph.ids if n in graph.looping and by_id[n].node.attempts is None]
+    if not free:
+        return
     known = set(free)
     edges = tuple(e for e in graph.edges if e.source in known and e.target in known)
     rest = Graph(graph.initial, tuple(free), edges)
-    told: set[int] = set()
-    for name in resolved.by_id:
-        if name not in known or rest.loops[name] in told:
-            continue
-        path = shortest_path(name, name, rest.leaving)
-        if path is not None and _has_exit(rest.loops[name], rest, graph):
-            told.add(rest.loops[name])
-            message = f"nothing bounds the loop {path_text(path)}: while it fails, it goes on for "
-            message += "ever. Give one of its states ext:attempts."
-            yield Problem(resolved.by_id[name].node.position(), Code.UNBOUNDED_LOOP, message)
-
-
-def _has_exit(loop: int, rest: Graph, graph: Graph) -> bool:
-    """Tell whether something leads out of a knot of loops; if nothing does, that is an error."""
-    return any(
-        rest.loops.get(edge.source) == loop and rest.loops.get(edge.target) != loop
+    # A knot that nothing leads out of is an error, and told as one.
+    left = {
+        rest.loops[edge.source]
         for edge in graph.edges
-    )
+        if edge.source in known and rest.loops[edge.source] != rest.loops.get(edge.target)
+    }
+    told: set[int] = set()
+    for name in by_id:
+        loop = rest.loops.get(name)
+        if name not in rest.looping or loop not in left or loop in told:
+            continue
+        told.add(loop)
+        path = shortest_path(name, name, rest.leaving)
+        message = (
+            f"nothing bounds the loop {path_text(path or ())}: while it fails, it goes on for "
+        )
+        message += "ever. Give one of its states ext:attempts."
+        yield Problem(by_id[name].node.position(), Code.UNBOUNDED_LOOP, message)

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.expand import added_labels
 from flexbe_synthesizer.core.model import AnyNode, Chart, Container, Element, Input, Output, State
-from flexbe_synthesizer.core.problem import Code, Position, Problem
+from flexbe_synthesizer.core.problem import Code, Problem
 from flexbe_synthesizer.core.resolve import ResolvedChart, label
 from flexbe_synthesizer.core.signature import TYPES, is_type
 
@@ -16,7 +16,7 @@ def check_names(resolved: ResolvedChart) -> Iterator[Problem]:
     """Yield the problems with names of the chart, its data, its states and their parts."""
     chart = resolved.chart
     if not resolved.is_inner:
-        yield from _check_name("the chart", chart.name, chart.position("name"))
+        yield from _check_name("the chart", chart, chart.name, "name")
     yield from _check_outcomes(resolved)
     for ports in (chart.inputs, chart.outputs):
         yield from _check_ports(resolved.title, ports)
@@ -26,26 +26,28 @@ def check_names(resolved: ResolvedChart) -> Iterator[Problem]:
                 message += "not start with '_'."
                 yield Problem(port.position("name"), Code.INVALID_NAME, message)
     yield from _check_ids(resolved)
-    for node in chart.nodes:
-        yield from _check_ports(label(node), node.inputs)
-        yield from _check_ports(label(node), node.outputs)
-        yield from _check_params(node)
 
 
-def _check_name(of: str, name: str, position: Position) -> Iterator[Problem]:
+def check_node_names(node: AnyNode) -> Iterator[Problem]:
+    """Yield the problems with the names of a node's inputs, outputs and parameters."""
+    yield from _check_ports(label(node), node.inputs)
+    yield from _check_ports(label(node), node.outputs)
+    yield from _check_params(node)
+
+
+def _check_name(of: str, element: Element, name: str, attribute: str) -> Iterator[Problem]:
     if name and not names.is_name(name):
         message = f"the name '{name}' of {of} cannot be used; allowed: {names.NAME_RULE}."
-        yield Problem(position, Code.INVALID_NAME, message)
+        yield Problem(element.position(attribute), Code.INVALID_NAME, message)
 
 
 def _check_outcomes(resolved: ResolvedChart) -> Iterator[Problem]:
     outcomes = resolved.chart.outcomes
     for outcome in outcomes:
-        position = outcome.position("name")
-        yield from _check_name("an outcome", outcome.name, position)
+        yield from _check_name("an outcome", outcome, outcome.name, "name")
         if outcome.name == names.PREEMPTED:
             message = "'preempted' is reserved: FlexBE adds it everywhere itself; delete it here."
-            yield Problem(position, Code.RESERVED_NAME, message)
+            yield Problem(outcome.position("name"), Code.RESERVED_NAME, message)
     yield from _check_duplicates(resolved.title, outcomes, [o.name for o in outcomes])
 
 
@@ -76,18 +78,19 @@ def _check_ids(resolved: ResolvedChart) -> Iterator[Problem]:
     chart = resolved.chart
     outcomes = {outcome.name for outcome in chart.outcomes}
     added = {other: entry.node.id for entry in resolved.nodes for other in added_labels(entry)}
-    first: dict[str, int] = {}
-    for index, node in enumerate(chart.nodes):
-        position = node.position("id")
-        yield from _check_name(f"a {node.kind}", node.id, position)
-        other = first.setdefault(node.id, index)
-        if node.id and other != index:
-            line = chart.nodes[other].position("id").line
+    special = {chart.name, names.PREEMPTED, *outcomes, *added}
+    first: dict[str, AnyNode] = {}
+    for node in chart.nodes:
+        if not names.is_name(node.id):
+            yield from _check_name(f"a {node.kind}", node, node.id, "id")
+        other = first.setdefault(node.id, node)
+        if node.id and other is not node:
+            line = other.position("id").line
             message = f"the id '{node.id}' is taken by line {line}; give each its own."
-            yield Problem(position, Code.DUPLICATE_ID, message)
-        for taken_by in _meanings(node.id, resolved, outcomes, added):
+            yield Problem(node.position("id"), Code.DUPLICATE_ID, message)
+        for taken_by in _meanings(node.id, resolved, outcomes, added) if node.id in special else ():
             message = f"'{node.id}' is also {taken_by}; rename the {node.kind}."
-            yield Problem(position, Code.RESERVED_NAME, message)
+            yield Problem(node.position("id"), Code.RESERVED_NAME, message)
 
 
 def _meanings(

@@ -13,15 +13,8 @@ from flexbe_synthesizer.core.resolve import ResolvedChart, ResolvedNode, argumen
 from flexbe_synthesizer.core.signature import FromParameter, Port, Signature, StateClass, fits
 
 
-def check_parameters(resolved: ResolvedChart) -> Iterator[Problem]:
-    """Yield the problems with what each state and behavior is given."""
-    for entry in resolved.nodes:
-        if entry.signature is not None:
-            yield from _check_values(entry, entry.signature)
-            yield from _check_required(entry, entry.signature)
-            ports = entry.signature
-            yield from _check_ports(entry, entry.node.inputs, ports.inputs, Code.UNKNOWN_INPUT)
-            yield from _check_ports(entry, entry.node.outputs, ports.outputs, Code.UNKNOWN_OUTPUT)
+def check_defaults(resolved: ResolvedChart) -> Iterator[Problem]:
+    """Yield the problems with the defaults of the chart's inputs."""
     for port in resolved.chart.inputs:
         if not fits(type_of(port.default), port.type):
             message = f"the default of input '{port.name}' is {_shown(port.default)}; its type is "
@@ -29,18 +22,29 @@ def check_parameters(resolved: ResolvedChart) -> Iterator[Problem]:
             yield Problem(port.position("default"), Code.TYPE_CONFLICT, message)
 
 
+def check_parameters(entry: ResolvedNode) -> Iterator[Problem]:
+    """Yield the problems with what a state or behavior is given."""
+    signature = entry.use.signature
+    if signature is not None:
+        yield from _check_values(entry, signature)
+        yield from _check_required(entry, signature)
+        inputs, outputs = signature.inputs, signature.outputs
+        yield from _check_ports(entry, entry.node.inputs, inputs, Code.UNKNOWN_INPUT)
+        yield from _check_ports(entry, entry.node.outputs, outputs, Code.UNKNOWN_OUTPUT)
+
+
 def _check_values(entry: ResolvedNode, signature: Signature) -> Iterator[Problem]:
     """Yield the problems with values that are given."""
     known = {parameter.name: parameter for parameter in signature.parameters}
-    for name, value in arguments(entry.node, entry.is_timed).items():
-        position = _position(entry.node, name)
+    for name, value in arguments(entry.node, entry.use.is_timed).items():
         parameter = known.get(name)
         if name and parameter is None:
             hint = names.allowed(name, known)
             message = f"{signature.title} has no parameter '{name}'; {hint}"
-            yield Problem(position, Code.UNKNOWN_PARAMETER, message)
+            yield Problem(_position(entry.node, name), Code.UNKNOWN_PARAMETER, message)
         elif parameter is not None and parameter.takes_source:
             if name != PARAMETER or value not in tuple(PREDICATES):
+                position = _position(entry.node, name)
                 yield _source_problem(parameter.name, signature, position)
         elif parameter is not None and not fits(type_of(value), parameter.type):
             message = f"parameter '{name}' of {signature.title} is {parameter.type}; found "
@@ -53,9 +57,9 @@ def _check_values(entry: ResolvedNode, signature: Signature) -> Iterator[Problem
 
 def _check_name_lists(entry: ResolvedNode, signature: Signature) -> Iterator[Problem]:
     """Report a parameter that gives the outcomes or keys of a state and is no list of names."""
-    if not isinstance(entry.declaration, StateClass):
+    if not isinstance(entry.use.declaration, StateClass):
         return
-    state, values = entry.declaration, arguments(entry.node, entry.is_timed)
+    state, values = entry.use.declaration, arguments(entry.node, entry.use.is_timed)
     for declared in dict.fromkeys((state.outcomes, state.inputs, state.outputs)):
         if isinstance(declared, FromParameter) and declared.parameter in values:
             value = values[declared.parameter]
@@ -86,7 +90,7 @@ def _holds_dictionary(value: Literal) -> bool:
 def _check_required(entry: ResolvedNode, signature: Signature) -> Iterator[Problem]:
     """Yield a problem for each parameter without default that is not given."""
     known = [parameter.name for parameter in signature.parameters]
-    given = arguments(entry.node, entry.is_timed)
+    given = arguments(entry.node, entry.use.is_timed)
     meant = {names.misspelt(name, known) for name in given if name not in known}
     for parameter in signature.parameters:
         if parameter.required and parameter.name not in (*given, *meant):
@@ -115,7 +119,7 @@ def _check_ports(
     """Yield the problems with the `<input>` or `<output>` elements of a node."""
     known = {port.name: port for port in offered}
     word = "input" if code is Code.UNKNOWN_INPUT else "output"
-    title = entry.signature.title if entry.signature else ""
+    title = entry.use.signature.title if entry.use.signature else ""
     for port in declared:
         if port.name and port.name not in known:
             message = f"{title} has no {word} '{port.name}'; {names.allowed(port.name, known)}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 
 from flexbe_synthesizer.core import names
+from flexbe_synthesizer.core.model import Transition
 from flexbe_synthesizer.core.problem import Code, Problem
 from flexbe_synthesizer.core.resolve import (
     EXHAUSTED,
@@ -18,20 +19,22 @@ _ADDED_BY = {EXHAUSTED: "attempts", TIMED_OUT: "timeout_s"}
 
 
 def check_transitions(resolved: ResolvedChart) -> Iterator[Problem]:
-    """Yield the problems with the initial state and the transitions."""
+    """Yield the problems with the initial state, the targets and the outcomes."""
     chart = resolved.chart
     if resolved.is_concurrent:
         yield from _check_outcomes(resolved, {condition.outcome for condition in chart.conditions})
         return
     if chart.initial and chart.initial not in resolved.by_id:
-        hint = names.allowed(chart.initial, resolved.by_id)
+        hint = names.allowed(chart.initial, resolved.ids)
         message = f"the initial state '{chart.initial}' does not exist; {hint}"
         yield Problem(chart.position("initial"), Code.UNKNOWN_INITIAL, message)
-    known = dict.fromkeys((*resolved.by_id, *(outcome.name for outcome in chart.outcomes)))
-    for entry in resolved.nodes:
-        yield from _check_events(entry)
-        yield from _check_targets(entry, known)
+    known = set(resolved.targets)
     targets = {t.target for node in chart.nodes for t in node.transitions}
+    if not targets <= known:
+        for entry in resolved.nodes:
+            for transition in entry.node.transitions:
+                if transition.target and transition.target not in known:
+                    yield _unknown_target(transition, resolved.targets)
     targets |= {route.target for node in chart.nodes for route in node.on_error}
     yield from _check_outcomes(resolved, targets)
 
@@ -45,28 +48,28 @@ def _check_outcomes(resolved: ResolvedChart, targets: Collection[str]) -> Iterat
             yield Problem(outcome.position("name"), Code.UNUSED_OUTCOME, message)
 
 
-def _check_events(entry: ResolvedNode) -> Iterator[Problem]:
+def check_events(entry: ResolvedNode) -> Iterator[Problem]:
     """Yield the problems with the events of one state or behavior."""
-    first: dict[str, int] = {}
+    first: dict[str, Transition] = {}
     meant: set[str] = set()  # by misspelt events, whose mending also mends what is missing
-    events = entry.events
-    transitions = entry.node.transitions
-    for index, transition in enumerate(transitions):
-        position = transition.position("event")
-        other = first.setdefault(transition.event, index)
+    events = entry.use.events
+    for transition in entry.node.transitions:
+        other = first.setdefault(transition.event, transition)
         if not transition.event:
             continue
         if transition.event == names.PREEMPTED:
             message = "'preempted' is reserved: FlexBE leads it to the end itself; delete this."
-            yield Problem(position, Code.RESERVED_NAME, message)
+            yield Problem(transition.position("event"), Code.RESERVED_NAME, message)
         elif events is not None and transition.event not in events:
             meant.add(names.misspelt(transition.event, events) or "")
             message = f"{label(entry.node)} has no outcome '{transition.event}'; "
-            yield Problem(position, Code.UNKNOWN_EVENT, message + _hint(entry, transition.event))
-        elif other != index:
-            line = transitions[other].position("event").line
+            message += _hint(entry, transition.event)
+            yield Problem(transition.position("event"), Code.UNKNOWN_EVENT, message)
+        elif other is not transition:
+            line = other.position("event").line
             message = f"'{transition.event}' of {label(entry.node)} has a transition in line {line}"
-            yield Problem(position, Code.DUPLICATE_TRANSITION, message + " already; delete one.")
+            message += " already; delete one."
+            yield Problem(transition.position("event"), Code.DUPLICATE_TRANSITION, message)
     for event in events or ():
         if event not in first and event not in meant:
             cause = f", which ext:{_ADDED_BY[event]} adds," if event in _ADDED_BY else ""
@@ -76,16 +79,14 @@ def _check_events(entry: ResolvedNode) -> Iterator[Problem]:
 
 
 def _hint(entry: ResolvedNode, event: str) -> str:
-    hint = names.allowed(event, entry.events or ())
+    hint = names.allowed(event, entry.use.events or ())
     if event == EXHAUSTED and entry.node.attempts is None:
         hint += " For 'exhausted', limit the attempts with ext:attempts."
     return hint
 
 
-def _check_targets(entry: ResolvedNode, known: Collection[str]) -> Iterator[Problem]:
-    """Yield a problem for each transition to what is not known."""
-    for transition in entry.node.transitions:
-        if transition.target and transition.target not in known:
-            hint = names.allowed(transition.target, known)
-            message = f"'{transition.target}' is neither a state, a behavior nor an outcome; {hint}"
-            yield Problem(transition.position("target"), Code.UNKNOWN_TARGET, message)
+def _unknown_target(transition: Transition, known: names.Vocabulary) -> Problem:
+    target = names.shortened(transition.target)
+    message = f"'{target}' is neither a state, a behavior nor an outcome; "
+    message += names.allowed(transition.target, known)
+    return Problem(transition.position("target"), Code.UNKNOWN_TARGET, message)

@@ -7,9 +7,11 @@ attribute that is missing reads as the empty string, which the checks pass over.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from typing import TypeVar
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+from typing import NamedTuple, TypeAlias, TypeVar
+from xml.etree.ElementTree import Element
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.chart_writer import write_chart
@@ -46,7 +48,7 @@ from flexbe_synthesizer.core.model import (
     When,
 )
 from flexbe_synthesizer.core.problem import ChartError, Code, Position, Problem, errors_in
-from flexbe_synthesizer.core.xml_reader import XmlElement, read_xml
+from flexbe_synthesizer.core.xml_tree import XmlTree
 
 __all__ = ["EXTENSION", "parse_chart", "read_chart", "write_chart"]
 
@@ -54,6 +56,11 @@ _SCHEMA_INSTANCE = "http://www.w3.org/2001/XMLSchema-instance"  # an editor's po
 DEEPEST = 16  # containers inside each other; who needs more has lost the overview of the chart
 _MAY_BE_EMPTY = ("value",)
 _NODES = {"state", "behavior", "ext:container", "ext:concurrency", "ext:priority"}
+_PARAM, _CONNECTION = NODE["param"], STATEMACHINE.children["connection"]
+_LEVELS = f"one of {names.quoted(level.value for level in Autonomy)}"
+_NO_EXTENSIONS: Mapping[str, str] = MappingProxyType({})
+_Limits: TypeAlias = "tuple[int | None, float | None, tuple[ErrorRoute, ...]]"
+_UNLIMITED: _Limits = (None, None, ())
 _Value = TypeVar("_Value")
 
 
@@ -72,30 +79,29 @@ def parse_chart(source: str | bytes, file: str = "<chart>") -> Chart:
 def read_chart(source: str | bytes, file: str) -> tuple[Chart | None, tuple[Problem, ...]]:
     """Return what can be read of the chart, if anything, and what is wrong with its form."""
     try:
-        document = read_xml(source, file)
+        tree = XmlTree(source, file)
     except ChartError as error:
         return None, error.problems
-    reader = _ChartReader(file)
-    reader.problems.extend(document.problems)
-    root = document.root
-    if (root.namespace, root.name) != ("", "statemachine"):
-        message = f"found {_shown(root)}; a chart's outermost element is <statemachine>."
-        reader.report(root.position, Code.UNKNOWN_ELEMENT, message)
+    reader = _ChartReader(tree, file)
+    reader.problems.extend(tree.problems)
+    if tree.root.tag != "statemachine":
+        message = f"found {_shown(tree.root)}; a chart's outermost element is <statemachine>."
+        reader.report(tree.place(tree.root), Code.UNKNOWN_ELEMENT, message)
         return None, tuple(reader.problems)
-    description = root.comment or document.comment or ""
-    return reader.chart(root, description), tuple(reader.problems)
+    return reader.chart(tree.root), tuple(reader.problems)
 
 
-def _shown(element: XmlElement) -> str:
+def _shown(element: Element) -> str:
     """Return the element's tag as a message shows it."""
-    inside = f" in namespace '{element.namespace}'" if element.namespace else ""
-    return f"<{_tag(element)}>{inside}"
+    namespace, name = _parted(element.tag)
+    return f"<{_tag(element)}>" if not namespace else f"<{name}> in namespace '{namespace}'"
 
 
 class _ChartReader:
     """Turns elements into a chart and collects what does not fit the grammar."""
 
-    def __init__(self, file: str) -> None:
+    def __init__(self, tree: XmlTree, file: str) -> None:
+        self._tree = tree
         self._file = file
         self._depth = 0
         self.problems: list[Problem] = []
@@ -103,34 +109,39 @@ class _ChartReader:
     def report(self, position: Position, code: Code, message: str) -> None:
         self.problems.append(Problem(position, code, message))
 
-    def chart(self, root: XmlElement, description: str) -> Chart:
+    def chart(self, root: Element) -> Chart:
         """Return the chart of the outermost element."""
         fields = self._fields(root, STATEMACHINE)
-        name, source = fields.text("name"), fields.source
-        chart = self._body(root, fields, STATEMACHINE, name, source)
-        return replace(chart, description=description, file=self._file)
+        source = (self._tree, root)
+        chart = self._body(root, fields, STATEMACHINE, fields.text("name"), source)
+        return replace(chart, description=self._tree.description, file=self._file)
 
     def _body(
-        self, element: XmlElement, fields: _Fields, shape: Shape, name: str, source: Source
+        self, element: Element, fields: _Fields, shape: Shape, name: str, source: Source
     ) -> Chart:
         """Return what a chart or a container holds."""
         models = fields.children("datamodel")
         self._expect_parts(element, fields)
         data_shape = shape.children["datamodel"]
         data = [self._fields(model, data_shape) for model in models]
-        wrappers = [
-            self._fields(wrapper, data_shape.children["outcomes"])
+        wrappers = {
+            wrapper: self._fields(wrapper, data_shape.children["outcomes"])
             for model in data
             for wrapper in model.children("outcomes")
+        }
+        outcomes = [
+            outcome
+            for model in models
+            for child in model
+            for outcome in (wrappers[child].children("outcome") if child in wrappers else (child,))
+            if outcome.tag == "outcome"
         ]
-        outcomes = [e for part in (*data, *wrappers) for e in part.children("outcome")]
-        inner = fields.nodes() if self._depth <= DEEPEST else ()
-        nodes = tuple(self._node(e, shape.children[_tag(e)]) for e in inner)
+        inner = _nodes(element) if self._depth <= DEEPEST else ()
         return Chart(
             name=name,
             initial=fields.text("initial"),
-            outcomes=tuple(self._outcome(e) for e in sorted(outcomes, key=lambda e: e.position)),
-            nodes=nodes,
+            outcomes=tuple(map(self._outcome, outcomes)),
+            nodes=tuple([self._node(e, shape.children[_tag(e)]) for e in inner]),
             inputs=tuple(
                 self._input(e, data_shape.children["input"])
                 for part in data
@@ -142,108 +153,125 @@ class _ChartReader:
             source=source,
         )
 
-    def _expect_parts(self, element: XmlElement, fields: _Fields) -> None:
+    def _expect_parts(self, element: Element, fields: _Fields) -> None:
         """Report a chart or container that lacks a datamodel, an outcome or a state."""
         models = fields.children("datamodel")
-        what = "a chart" if element.name == "statemachine" else "a container"
-        wrappers = [[w for w in m.children if _tag(w) == "outcomes"] for m in models]
+        what = "a chart" if element.tag == "statemachine" else "a container"
+        wrappers = [model.findall("outcomes") for model in models]
         for first, *others in filter(None, (models, *wrappers)):
             for other in others:
-                message = f"a second <{other.name}>; put what is in it into the one of line "
-                message += f"{first.position.line}."
-                self.report(other.position, Code.DUPLICATE_ELEMENT, message)
+                message = f"a second <{other.tag}>; put what is in it into the one of line "
+                message += f"{self._tree.place(first).line}."
+                self.report(self._tree.place(other), Code.DUPLICATE_ELEMENT, message)
         if not models:
             message = f"no <datamodel>; {what} needs one, with its outcomes."
-            self.report(element.position, Code.MISSING_ELEMENT, message)
+            self.report(self._tree.place(element), Code.MISSING_ELEMENT, message)
         elif not any(_has_outcome(model) for model in models):
             message = f'no <outcome name="..."/>; {what} ends in at least one.'
-            self.report(models[0].position, Code.MISSING_ELEMENT, message)
-        if not fields.nodes():
+            self.report(self._tree.place(models[0]), Code.MISSING_ELEMENT, message)
+        if not _nodes(element):
             message = f"neither a <state> nor a <behavior>; {what} needs at least one."
-            self.report(element.position, Code.MISSING_ELEMENT, message)
+            self.report(self._tree.place(element), Code.MISSING_ELEMENT, message)
 
-    def _outcome(self, element: XmlElement) -> Outcome:
-        fields = self._fields(element, OUTCOME)
-        return Outcome(fields.text("name"), source=fields.source)
+    def _outcome(self, element: Element) -> Outcome:
+        given, _extensions = self._leaf(element, OUTCOME)
+        return Outcome(given.get("name", ""), source=(self._tree, element))
 
-    def _input(self, element: XmlElement, shape: Shape) -> Input:
-        fields = self._fields(element, shape)
-        default = parse_literal(fields.extensions.get("default", "null"))
-        return Input(fields.text("name"), fields.get("type"), default, source=fields.source)
+    def _input(self, element: Element, shape: Shape) -> Input:
+        given, extensions = self._leaf(element, shape)
+        default = parse_literal(extensions.get("default", "null"))
+        source = (self._tree, element)
+        return Input(given.get("name", ""), given.get("type") or None, default, source=source)
 
-    def _output(self, element: XmlElement) -> Output:
-        fields = self._fields(element, PORT)
-        return Output(fields.text("name"), fields.get("type"), source=fields.source)
+    def _output(self, element: Element) -> Output:
+        given, _extensions = self._leaf(element, PORT)
+        source = (self._tree, element)
+        return Output(given.get("name", ""), given.get("type") or None, source=source)
 
-    def _param(self, element: XmlElement) -> Param:
-        fields = self._fields(element, NODE["param"])
-        return Param(fields.text("name"), parse_literal(fields.text("value")), source=fields.source)
+    def _param(self, element: Element) -> Param:
+        given, _extensions = self._leaf(element, _PARAM)
+        value = parse_literal(given.get("value", ""))
+        return Param(given.get("name", ""), value, source=(self._tree, element))
 
-    def _transition(self, element: XmlElement) -> Transition:
-        fields = self._fields(element, TRANSITION)
-        levels = f"one of {names.quoted(level.value for level in Autonomy)}"
-        autonomy = self._convert(fields, "autonomy", Autonomy, levels, Autonomy.OFF)
-        return Transition(
-            fields.text("event"), fields.text("target"), autonomy, source=fields.source
-        )
+    def _transition(self, element: Element) -> Transition:
+        given, extensions = self._leaf(element, TRANSITION)
+        autonomy = None
+        if extensions:
+            autonomy = self._convert(
+                element, extensions, "autonomy", Autonomy, _LEVELS, Autonomy.OFF
+            )
+        source = (self._tree, element)
+        return Transition(given.get("event", ""), given.get("target", ""), autonomy, source=source)
 
-    def _connection(self, element: XmlElement) -> Connection:
-        fields = self._fields(element, STATEMACHINE.children["connection"])
+    def _connection(self, element: Element) -> Connection:
+        given, _extensions = self._leaf(element, _CONNECTION)
         return Connection(
-            fields.text("output_state_id"),
-            fields.text("output"),
-            fields.text("input_state_id"),
-            fields.text("input"),
-            source=fields.source,
+            given.get("output_state_id", ""),
+            given.get("output", ""),
+            given.get("input_state_id", ""),
+            given.get("input", ""),
+            source=(self._tree, element),
         )
 
-    def _condition(self, element: XmlElement) -> Condition:
+    def _condition(self, element: Element) -> Condition:
         fields = self._fields(element, CONDITION)
-        whens = (self._fields(e, WHEN) for e in fields.children("ext:when"))
-        all_of = tuple(When(w.text("state"), w.text("event"), source=w.source) for w in whens)
+        all_of = tuple(map(self._when, fields.children("ext:when")))
         if not all_of:
             message = "no <ext:when>; a condition needs at least one state and its event."
-            self.report(element.position, Code.MISSING_ELEMENT, message)
-        return Condition(fields.text("outcome"), all_of, source=fields.source)
+            self.report(self._tree.place(element), Code.MISSING_ELEMENT, message)
+        return Condition(fields.text("outcome"), all_of, source=(self._tree, element))
 
-    def _node(self, element: XmlElement, shape: Shape) -> AnyNode:
+    def _when(self, element: Element) -> When:
+        given, _extensions = self._leaf(element, WHEN)
+        source = (self._tree, element)
+        return When(given.get("state", ""), given.get("event", ""), source=source)
+
+    def _node(self, element: Element, shape: Shape) -> AnyNode:
         fields = self._fields(element, shape)
-        attempts = self._convert(fields, "attempts", _at_least_one, "an integer from 1", 1)
-        timeout_s = self._convert(
-            fields, "timeout_s", _positive, "a number of seconds above 0", 1.0
-        )
-        no_routes: tuple[ErrorRoute, ...] = ()
-        on_error = self._convert(fields, "on_error", parse_routes, ROUTES_RULE, no_routes)
-        limits = (attempts, timeout_s, on_error or no_routes)
-        transitions = tuple(map(self._transition, fields.children("transition")))
-        node_id = fields.text("id")
-        if element.namespace:
+        limits = self._limits(element, fields.extensions) if fields.extensions else _UNLIMITED
+        parts = fields.parts
+        transitions = tuple([self._transition(e) for e in parts.get("transition", ())])
+        node_id, source = fields.text("id"), (self._tree, element)
+        if element.tag not in ("state", "behavior"):
             body = self._container_body(element, fields, shape)
-            tag = element.name
+            tag = _parted(element.tag)[1]
             return Container(
-                node_id, tag, transitions, (), (), (), *limits, body=body, source=fields.source
+                node_id, tag, transitions, (), (), (), *limits, body=body, source=source
             )
-        parts = (
+        given = (
             node_id,
             fields.text("type"),
             transitions,
-            tuple(self._input(e, PORT) for e in fields.children("input")),
-            tuple(map(self._output, fields.children("output"))),
-            tuple(map(self._param, fields.children("param"))),
+            tuple([self._input(e, PORT) for e in parts["input"]]) if "input" in parts else (),
+            tuple([self._output(e) for e in parts["output"]]) if "output" in parts else (),
+            tuple([self._param(e) for e in parts["param"]]) if "param" in parts else (),
             *limits,
         )
-        if element.name == "behavior":
-            return Behavior(*parts, source=fields.source)
-        return State(*parts, topic=fields.get("topic"), source=fields.source)
+        if element.tag == "behavior":
+            return Behavior(*given, source=source)
+        return State(*given, topic=fields.text("topic") or None, source=source)
 
-    def _container_body(self, element: XmlElement, fields: _Fields, shape: Shape) -> Chart:
+    def _limits(self, element: Element, extensions: Mapping[str, str]) -> _Limits:
+        """Return the attempts, the timeout and the error routes of a node."""
+        attempts = self._convert(
+            element, extensions, "attempts", _at_least_one, "an integer from 1", 1
+        )
+        seconds = "a number of seconds above 0"
+        timeout_s = self._convert(element, extensions, "timeout_s", _positive, seconds, 1.0)
+        no_routes: tuple[ErrorRoute, ...] = ()
+        on_error = self._convert(
+            element, extensions, "on_error", parse_routes, ROUTES_RULE, no_routes
+        )
+        return attempts, timeout_s, on_error or no_routes
+
+    def _container_body(self, element: Element, fields: _Fields, shape: Shape) -> Chart:
         """Return what a container holds; nothing of one that lies too deep."""
         if self._depth == DEEPEST:
             message = f"more than {DEEPEST} containers inside each other; make an inner one a "
             message += "chart of its own, and name its file in a <behavior>."
-            self.report(element.position, Code.NESTED_TOO_DEEPLY, message)
-        places = {**fields.source.attributes, "name": fields.source.place("id")}
-        source = Source(element.position, places)
+            self.report(self._tree.place(element), Code.NESTED_TOO_DEEPLY, message)
+
+        source = (_IdForName(self._tree), element)
         self._depth += 1
         body = self._body(element, fields, shape, fields.text("id"), source)
         self._depth -= 1
@@ -251,7 +279,8 @@ class _ChartReader:
 
     def _convert(
         self,
-        fields: _Fields,
+        element: Element,
+        extensions: Mapping[str, str],
         name: str,
         convert: Callable[[str], _Value],
         allowed: str,
@@ -261,125 +290,164 @@ class _ChartReader:
 
         One that is not allowed is reported and replaced, so that the rest is checked as if mended.
         """
-        text = fields.extensions.get(name)
+        text = extensions.get(name)
         if text is None:
             return None
         try:
             return convert(text)
         except ValueError:
             message = f"{name}='{text}' is not allowed; give {allowed}."
-            self.report(fields.source.attributes[name], Code.INVALID_VALUE, message)
+            self.report(self._tree.place(element, name), Code.INVALID_VALUE, message)
             return instead
 
-    def _fields(self, element: XmlElement, shape: Shape) -> _Fields:
+    def _leaf(self, element: Element, shape: Shape) -> tuple[Mapping[str, str], Mapping[str, str]]:
+        """Return the attributes of an element without children, and those of the extension.
+
+        Most have all that they need and nothing else, and are let through at once. The element
+        keeps its place only: fresh memory is a good part of the time that reading takes.
+        """
+        given: Mapping[str, str] = element.attrib
+        if (
+            given.keys() == shape.required_set
+            and "" not in given.values()
+            and not len(element)
+            and not self._tree.has_text
+        ):
+            element.clear()
+            return given, _NO_EXTENSIONS
+        fields = self._fields(element, shape)
+        return fields.plain, fields.extensions
+
+    def _fields(self, element: Element, shape: Shape) -> _Fields:
         """Return the element's parts, and report those that its shape does not have."""
+        plain: Mapping[str, str] = element.attrib
+        extensions = _NO_EXTENSIONS
+        if plain.keys() != shape.required_set or "" in plain.values():
+            plain, extensions = self._sorted_attributes(element, shape)
+        if self._tree.has_text and (place := self._tree.text_place(element)) is not None:
+            message = f"text inside <{_tag(element)}>; a chart holds elements and comments only."
+            self.report(place, Code.UNEXPECTED_TEXT, message)
+        parts: dict[str, list[Element]] = {}
+        for child in element:
+            tag = child.tag if child.tag in shape.children else _tag(child)
+            if tag in parts:
+                parts[tag].append(child)
+            elif tag in shape.children:
+                parts[tag] = [child]
+            else:
+                self._report_child(child, element, shape)
+        return _Fields(plain, extensions, parts)
+
+    def _sorted_attributes(
+        self, element: Element, shape: Shape
+    ) -> tuple[dict[str, str], dict[str, str]]:
+        """Return the attributes without namespace and those of the extension."""
         plain: dict[str, str] = {}
         extensions: dict[str, str] = {}
-        places: dict[str, Position] = {}
-        for attribute in element.attributes:
-            if attribute.namespace == EXTENSION and attribute.name in shape.extensions:
-                extensions[attribute.name] = attribute.value
-                places[attribute.name] = attribute.position
-            elif attribute.namespace == EXTENSION:
-                self._report_extension(attribute.position, f"ext:{attribute.name}", element, shape)
-            elif attribute.namespace == _SCHEMA_INSTANCE:
-                continue
-            elif attribute.namespace or attribute.name not in shape.attributes:
-                self._report_attribute(attribute.position, attribute.name, element, shape)
-            elif attribute.value == "" and attribute.name not in _MAY_BE_EMPTY:
-                message = f"{attribute.name} of <{_tag(element)}> is empty; give it a value."
-                self.report(attribute.position, Code.MISSING_ATTRIBUTE, message)
-                plain[attribute.name] = ""
-            else:
-                plain[attribute.name] = attribute.value
-                places[attribute.name] = attribute.position
+        for spelled, value in element.attrib.items():
+            namespace, name = _parted(spelled)
+            if not namespace and name in shape.attributes:
+                plain[name] = value
+                if value == "" and name not in _MAY_BE_EMPTY:
+                    message = f"{name} of <{_tag(element)}> is empty; give it a value."
+                    self.report(self._tree.place(element, name), Code.MISSING_ATTRIBUTE, message)
+            elif namespace == EXTENSION and name in shape.extensions:
+                extensions[name] = value
+            elif namespace == EXTENSION:
+                self._report_extension(element, name, shape)
+            elif namespace != _SCHEMA_INSTANCE:
+                self._report_attribute(element, name, shape)
         for name in shape.required:
             if name not in plain:
                 message = f"<{_tag(element)}> has no attribute {name}; it needs " + ", ".join(
                     shape.required
                 )
-                self.report(element.position, Code.MISSING_ATTRIBUTE, message + ".")
-        if element.text is not None:
-            message = f"text inside <{_tag(element)}>; a chart holds elements and comments only."
-            self.report(element.text, Code.UNEXPECTED_TEXT, message)
-        for child in element.children:
-            self._expect_child(child, element, shape)
-        return _Fields(plain, extensions, Source(element.position, places), element.children)
+                self.report(self._tree.place(element), Code.MISSING_ATTRIBUTE, message + ".")
+        return plain, extensions
 
-    def _report_extension(
-        self, position: Position, found: str, element: XmlElement, shape: Shape
-    ) -> None:
+    def _report_extension(self, element: Element, found: str, shape: Shape) -> None:
         has = ", ".join(f"ext:{name}" for name in shape.extensions) or "none"
-        message = f"{found} is no extension of <{_tag(element)}>; it has: {has}."
-        self.report(position, Code.UNKNOWN_EXTENSION, message)
+        message = f"ext:{found} is no extension of <{_tag(element)}>; it has: {has}."
+        self.report(self._tree.place(element, found), Code.UNKNOWN_EXTENSION, message)
 
-    def _report_attribute(
-        self, position: Position, found: str, element: XmlElement, shape: Shape
-    ) -> None:
+    def _report_attribute(self, element: Element, found: str, shape: Shape) -> None:
         if found in shape.extensions:
             hint = f'it is an extension: write ext:{found}, with xmlns:ext="{EXTENSION}" on top.'
         else:
             hint = names.allowed(found, shape.attributes)
         message = f"<{_tag(element)}> has no attribute '{found}'; {hint}"
-        self.report(position, Code.UNKNOWN_ATTRIBUTE, message)
+        self.report(self._tree.place(element, found), Code.UNKNOWN_ATTRIBUTE, message)
 
-    def _expect_child(self, child: XmlElement, element: XmlElement, shape: Shape) -> None:
+    def _report_child(self, child: Element, element: Element, shape: Shape) -> None:
         """Report a child element that the shape does not have."""
         tag = _tag(child)
-        if tag in shape.children:
-            return
+        namespace, name = _parted(child.tag)
+        position = self._tree.place(child)
         places = homes(tag)
         if places:
             message = f"<{tag}> does not belong in <{_tag(element)}>, but in "
             message += " or ".join(f"<{home}>" for home in places) + "."
-            self.report(child.position, Code.MISPLACED_ELEMENT, message)
-        elif child.namespace == EXTENSION:
+            self.report(position, Code.MISPLACED_ELEMENT, message)
+        elif namespace == EXTENSION:
             hint = names.allowed(tag, (name for name in shape.children if name.startswith("ext:")))
             message = f"the extension has no element <{tag}> in <{_tag(element)}>; {hint}"
-            self.report(child.position, Code.UNKNOWN_EXTENSION, message)
-        elif child.namespace:
+            self.report(position, Code.UNKNOWN_EXTENSION, message)
+        elif namespace:
             message = f"{_shown(child)}; the elements of a chart have no namespace: drop the xmlns."
-            self.report(child.position, Code.UNKNOWN_ELEMENT, message)
+            self.report(position, Code.UNKNOWN_ELEMENT, message)
         else:
-            hint = names.allowed(child.name, shape.children)
-            message = f"<{child.name}> in <{_tag(element)}> is unknown; {hint}"
-            self.report(child.position, Code.UNKNOWN_ELEMENT, message)
+            hint = names.allowed(name, shape.children)
+            message = f"<{name}> in <{_tag(element)}> is unknown; {hint}"
+            self.report(position, Code.UNKNOWN_ELEMENT, message)
 
 
-@dataclass(frozen=True)
-class _Fields:
-    """The parts of one element."""
+class _IdForName:
+    """The places in a container, whose content has the container's id as its name."""
+
+    def __init__(self, tree: XmlTree) -> None:
+        self._tree = tree
+
+    def place(self, element: Element, attribute: str) -> Position:
+        return self._tree.place(element, "id" if attribute == "name" else attribute)
+
+
+class _Fields(NamedTuple):
+    """The parts of one element: its attributes, those of the extension, its children by tag."""
 
     plain: Mapping[str, str]
     extensions: Mapping[str, str]
-    source: Source
-    elements: tuple[XmlElement, ...]
+    parts: Mapping[str, list[Element]]
 
     def text(self, name: str) -> str:
         return self.plain.get(name, "")
 
-    def get(self, name: str) -> str | None:
-        return self.plain.get(name) or None
-
-    def children(self, tag: str) -> tuple[XmlElement, ...]:
-        return tuple(child for child in self.elements if _tag(child) == tag)
-
-    def nodes(self) -> tuple[XmlElement, ...]:
-        return tuple(child for child in self.elements if _tag(child) in _NODES)
+    def children(self, tag: str) -> Sequence[Element]:
+        return self.parts.get(tag, ())
 
 
-def _tag(element: XmlElement) -> str:
+def _parted(spelled: str) -> tuple[str, str]:
+    """Return namespace and name of `{namespace}name`."""
+    namespace, _, name = spelled.rpartition("}")
+    return namespace[1:], name
+
+
+def _tag(element: Element) -> str:
     """Return the element's name as the grammar spells it; one of another namespace has none."""
-    if not element.namespace:
-        return element.name
-    return f"ext:{element.name}" if element.namespace == EXTENSION else f"{{}}{element.name}"
+    tag: str = element.tag
+    if tag[0] != "{":
+        return tag
+    namespace, name = _parted(tag)
+    return f"ext:{name}" if namespace == EXTENSION else f"{{}}{name}"
 
 
-def _has_outcome(model: XmlElement) -> bool:
+def _nodes(element: Element) -> list[Element]:
+    """Return the states, behaviors and containers in an element, in order."""
+    return [child for child in element if _tag(child) in _NODES]
+
+
+def _has_outcome(model: Element) -> bool:
     """Tell whether a datamodel holds an outcome, directly or in a wrapper."""
-    wrappers = [child for child in model.children if _tag(child) == "outcomes"]
-    within = (*model.children, *(child for wrapper in wrappers for child in wrapper.children))
-    return any(_tag(child) == "outcome" for child in within)
+    return model.find("outcome") is not None or model.find("outcomes/outcome") is not None
 
 
 def _at_least_one(text: str) -> int:

@@ -64,8 +64,8 @@ def _behaviors_in(checked: CheckedChart) -> Iterator[tuple[ResolvedNode, Behavio
     """Yield the behaviors in a chart, those inside containers too."""
     for scope in scopes(checked.resolved):
         for entry in scope.nodes:
-            if isinstance(entry.declaration, BehaviorClass):
-                yield entry, entry.declaration
+            if isinstance(entry.use.declaration, BehaviorClass):
+                yield entry, entry.use.declaration
 
 
 def _find_cycles(checked: CheckedChart, known: Mapping[str, Iterable[str]]) -> Iterator[Problem]:

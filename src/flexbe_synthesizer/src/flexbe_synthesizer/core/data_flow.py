@@ -12,19 +12,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.model import Connection
-from flexbe_synthesizer.core.resolve import ResolvedChart, ResolvedNode
-from flexbe_synthesizer.core.signature import Port
 
-
-class Key(NamedTuple):
-    """An input or output of a state or behavior in the chart."""
-
-    node: str
-    name: str
+if TYPE_CHECKING:
+    from flexbe_synthesizer.core.resolve import ResolvedChart
 
 
 @dataclass(frozen=True)
@@ -32,14 +26,20 @@ class DataFlow:
     """Where every value lives.
 
     Attributes:
-        inputs: home of each input; without those that nothing feeds.
-        outputs: home of each output.
-        defaulted: inputs of behaviors that keep the behavior's own default.
+        inputs: home of each input by node and name; without those that nothing feeds.
+        outputs: home of each output by node and name.
+        defaulted: inputs of behaviors that keep the behavior's own default, as (node, name).
+        wiring: the connections that say so.
     """
 
-    inputs: Mapping[Key, str]
-    outputs: Mapping[Key, str]
-    defaulted: frozenset[Key]
+    inputs: Mapping[str, Mapping[str, str]]
+    outputs: Mapping[str, Mapping[str, str]]
+    defaulted: frozenset[tuple[str, str]]
+    wiring: Wiring
+
+    def read(self) -> set[str]:
+        """Return the homes that some input reads."""
+        return set().union(*(homes.values() for homes in self.inputs.values()))
 
 
 class Wiring:
@@ -51,46 +51,43 @@ class Wiring:
 
     def __init__(self, resolved: ResolvedChart) -> None:
         """Sort the connections."""
-        self._chart = resolved.chart
-        self.into_state: dict[Key, Connection] = {}
-        self.into_machine: dict[Key, Connection] = {}
+        chart_name = resolved.chart.name
+        self.into_state: dict[tuple[str, str], Connection] = {}
+        self.into_machine: dict[tuple[str, str], Connection] = {}
         self.passed_through: set[str] = set()
         self.connected_outputs: set[str] = set()
         for connection in resolved.chart.connections:
-            source = Key(connection.output_state_id, connection.output)
-            if connection.input_state_id != self._chart.name:
-                entry = resolved.by_id.get(connection.input_state_id)
-                offered = [port.name for port in ports(entry)[0]] if entry else []
-                name = connection.input
-                meant = name if name in offered else names.misspelt(name, offered) or name
-                target = Key(connection.input_state_id, meant)
-                self.into_state.setdefault(target, connection)
+            taker, name = connection.input_state_id, connection.input
+            if taker != chart_name:
+                entry = resolved.by_id.get(taker)
+                if entry is not None and name not in entry.use.inputs:
+                    name = names.misspelt(name, entry.use.inputs) or name
+                self.into_state.setdefault((taker, name), connection)
                 continue
-            self.connected_outputs.add(connection.input)
-            if connection.output_state_id != self._chart.name:
+            self.connected_outputs.add(name)
+            if connection.output_state_id != chart_name:
+                source = (connection.output_state_id, connection.output)
                 self.into_machine.setdefault(source, connection)
-            elif connection.output == connection.input:
-                self.passed_through.add(connection.input)
-
-
-def ports(entry: ResolvedNode) -> tuple[tuple[Port, ...], tuple[Port, ...]]:
-    """Return inputs and outputs of a node, with the types that the chart declares for them."""
-    return entry.inputs, entry.outputs
+            elif connection.output == name:
+                self.passed_through.add(name)
 
 
 def bind_data(resolved: ResolvedChart) -> DataFlow:
     """Return where each value of the chart lives."""
-    binding = _Binding(resolved, Wiring(resolved))
-    inputs = {key: binding.input_home(key) for key in binding.input_ports}
-    return DataFlow(
-        inputs={key: home for key, home in inputs.items() if home is not None},
-        outputs={key: binding.output_home(key) for key in binding.output_ports},
-        defaulted=frozenset(
-            key
-            for key, port in binding.input_ports.items()
-            if inputs[key] is None and port.optional
-        ),
-    )
+    wiring = Wiring(resolved)
+    binding = _Binding(resolved, wiring)
+    inputs: dict[str, dict[str, str]] = {}
+    defaulted: list[tuple[str, str]] = []
+    for node, entry in resolved.by_id.items():
+        if entry.use.inputs:
+            inputs[node] = homes = {}
+            for name, port in entry.use.inputs.items():
+                home = binding.input_home(node, name)
+                if home is not None:
+                    homes[name] = home
+                elif port.optional:
+                    defaulted.append((node, name))
+    return DataFlow(inputs, binding.output_homes(), frozenset(defaulted), wiring)
 
 
 class _Binding:
@@ -98,45 +95,76 @@ class _Binding:
 
     def __init__(self, resolved: ResolvedChart, wiring: Wiring) -> None:
         self._chart_name = resolved.chart.name
-        self._wiring = wiring
+        self._by_id = resolved.by_id
+        self._into_state = wiring.into_state
+        self._into_machine = wiring.into_machine
         self._machine_inputs = {port.name for port in resolved.chart.inputs}
-        entries = resolved.by_id.items()
-        self.input_ports = {Key(i, p.name): p for i, entry in entries for p in ports(entry)[0]}
-        self.output_ports = {Key(i, p.name): p for i, entry in entries for p in ports(entry)[1]}
         machine_outputs = {port.name for port in resolved.chart.outputs}
         self._fed_by_name = machine_outputs - wiring.connected_outputs
         self._taken = self._machine_inputs | machine_outputs
-        self._homes: dict[Key, str] = {}
+        self._homes: dict[str, dict[str, str]] = {
+            node: {} for node, entry in resolved.by_id.items() if entry.use.outputs
+        }
 
-    def input_home(self, key: Key, trail: tuple[Key, ...] = ()) -> str | None:
+    def output_homes(self) -> Mapping[str, Mapping[str, str]]:
+        """Return the home of each output."""
+        for node, homes in self._homes.items():
+            for name in self._by_id[node].use.outputs:
+                if name not in homes:
+                    self._output_home(node, name)
+        return self._homes
+
+    def input_home(self, node: str, name: str) -> str | None:
         """Return the home that an input reads, None if nothing feeds it."""
-        connection = self._wiring.into_state.get(key)
+        source = self._source(node, name)
+        return self._output_home(*source) if isinstance(source, tuple) else source
+
+    def _source(self, node: str, name: str) -> str | tuple[str, str] | None:
+        """Return what feeds an input: a home, the output of a state, or nothing."""
+        connection = self._into_state.get((node, name))
         if connection is None:
-            return key.name if key.name in self._machine_inputs else None
-        source = Key(connection.output_state_id, connection.output)
-        if source.node == self._chart_name:
-            return source.name if source.name in self._machine_inputs else None
-        if source not in self.output_ports:
-            return None
-        return self.output_home(source, trail)
+            return name if name in self._machine_inputs else None
+        giver, output = connection.output_state_id, connection.output
+        if giver == self._chart_name:
+            return output if output in self._machine_inputs else None
+        entry = self._by_id.get(giver)
+        return None if entry is None or output not in entry.use.outputs else (giver, output)
 
-    def output_home(self, key: Key, trail: tuple[Key, ...] = ()) -> str:
-        """Return the home that an output writes.
+    def _output_home(self, node: str, name: str) -> str:
+        """Return the home that an output writes, and give it to all keys on the way there.
 
-        `trail` holds the keys being looked for: states that read and write each other's keys in a
-        circle would otherwise never find a home.
+        States that read and write each other's keys in a circle would otherwise never find one.
         """
-        if key in self._homes:
-            return self._homes[key]
-        home = None
-        if key in self.input_ports and key not in trail:
-            home = self.input_home(key, (*trail, key))
-        elif key in self._wiring.into_machine:
-            home = self._wiring.into_machine[key].input
-        elif key.name in self._fed_by_name:
-            home = key.name
-        if home is None:
-            wanted = f"{names.snake_case(key.node)}_{names.snake_case(key.name)}"
-            home = names.take_unused(wanted, self._taken)
-            self._taken.add(home)
-        return self._homes.setdefault(key, home)
+        trail: dict[tuple[str, str], None] = {}
+        home = self._homes[node].get(name)
+        while home is None:
+            if name not in self._by_id[node].use.inputs or (node, name) in trail:
+                home = self._own_home(node, name)
+                break
+            trail[node, name] = None
+            source = self._source(node, name)
+            if not isinstance(source, tuple):
+                home = source or self._new_home(node, name)
+                break
+            node, name = source
+            home = self._homes[node].get(name)
+        for key_node, key_name in trail:
+            self._homes[key_node][key_name] = home
+        return home
+
+    def _own_home(self, node: str, name: str) -> str:
+        """Return the home of an output that is not read in the same place."""
+        connection = self._into_machine.get((node, name))
+        if connection is not None:
+            home = connection.input
+        else:
+            home = name if name in self._fed_by_name else self._new_home(node, name)
+        self._homes[node][name] = home
+        return home
+
+    def _new_home(self, node: str, name: str) -> str:
+        """Return a home that nothing else lives in."""
+        wanted = f"{names.snake_case(node)}_{names.snake_case(name)}"
+        home = names.take_unused(wanted, self._taken)
+        self._taken.add(home)
+        return home

@@ -10,11 +10,11 @@ state `X_error` behind the outcome `failed` of X.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from types import MappingProxyType
 
 from flexbe_synthesizer.core import machine, names
-from flexbe_synthesizer.core.data_flow import DataFlow, Key, bind_data, ports
+from flexbe_synthesizer.core.data_flow import DataFlow
 from flexbe_synthesizer.core.error_routes import route_event
-from flexbe_synthesizer.core.literal import Literal
 from flexbe_synthesizer.core.machine import (
     BehaviorUse,
     Child,
@@ -49,6 +49,7 @@ _KINDS = {
 _OTHER = "other"  # outcome of a chooser for the codes that no route names
 _RUN, _TIMER = "run", "timer"
 _COUNTED = "counted"
+_NONE: Mapping[str, str] = MappingProxyType({})
 
 
 def counter_label(node_id: str) -> str:
@@ -70,7 +71,7 @@ def added_labels(entry: ResolvedNode) -> Iterator[str]:
         yield counter_label(entry.node.id)
     if entry.node.on_error:
         yield chooser_label(entry.node.id)
-    if entry.is_timed:
+    if entry.use.is_timed:
         yield f"{entry.node.id}_{_RUN}"
         yield f"{entry.node.id}_{_TIMER}"
 
@@ -127,7 +128,7 @@ def expand(resolved: ResolvedChart, package: str) -> Machine:
     """Return the behavior that a chart without errors becomes."""
     chart = resolved.chart
     counts = _count_keys(resolved)
-    flow = bind_data(resolved)
+    flow = resolved.flow
     defaults = {port.name: port.default for port in chart.inputs}
     inputs = tuple(port.name for port in chart.inputs)
     outputs = tuple(port.name for port in chart.outputs)
@@ -149,8 +150,8 @@ def _count_keys(resolved: ResolvedChart) -> Mapping[str, str]:
     """Return the userdata key of each count, by the path of the node that it counts."""
     taken: set[str] = set()
     for scope in scopes(resolved):
-        flow = bind_data(scope)
-        taken |= {*flow.inputs.values(), *flow.outputs.values()}
+        flow = scope.flow
+        taken |= flow.read().union(*(homes.values() for homes in flow.outputs.values()))
         taken |= {port.name for port in scope.chart.inputs}
         taken |= {port.name for port in scope.chart.outputs}
     counts = {}
@@ -185,32 +186,41 @@ class _Expansion:
         self._flow = flow
         self._above = above
         self._counts = counts
+        self._counters = {
+            entry.node.id: counter_label(entry.node.id)
+            for entry in resolved.nodes
+            if entry.node.attempts is not None
+        }
 
     def children(self) -> tuple[Child, ...]:
         """Return what the nodes become, the initial one first."""
         initial = self._resolved.chart.initial
         entries = sorted(self._resolved.nodes, key=lambda entry: entry.node.id != initial)
-        return tuple(child for entry in entries for child in self._expanded(entry))
+        found: list[Child] = []
+        for entry in entries:
+            self._expand(entry, found)
+        return tuple(found)
 
-    def _expanded(self, entry: ResolvedNode) -> Iterator[Child]:
-        """Yield what a node becomes: its counter, itself, and what parts its failures."""
+    def _expand(self, entry: ResolvedNode, found: list[Child]) -> None:
+        """Add what a node becomes: its counter, itself, and what parts its failures."""
         node = entry.node
         exits = self._exits(entry)
         if node.attempts is not None:
-            yield Child(
+            counter = Child(
                 counter_label(node.id),
                 self._support(Support.COUNTER, attempts=node.attempts),
                 (Exit(_COUNTED, node.id), exits[EXHAUSTED]),
                 (("attempt", self._counts[f"{self._above}{node.id}"]),),
             )
+            found.append(counter)
         if node.on_error:
-            yield self._chooser(entry, exits[FAILED])
+            found.append(self._chooser(entry, exits[FAILED]))
             exits[FAILED] = Exit(FAILED, chooser_label(node.id))
-        own = tuple(exits[event] for event in _own_outcomes(entry))
-        if entry.is_timed:
-            yield self._timed(entry, own, exits[TIMED_OUT])
+        own = tuple([exits[event] for event in _own_outcomes(entry)])
+        if entry.use.is_timed:
+            found.append(self._timed(entry, own, exits[TIMED_OUT]))
         else:
-            yield Child(node.id, self._content(entry), own, self._remapping(entry))
+            found.append(Child(node.id, self._content(entry), own, self._remapping(entry)))
 
     def _exits(self, entry: ResolvedNode) -> dict[str, Exit]:
         """Return where each event of a node leads."""
@@ -221,14 +231,15 @@ class _Expansion:
                 for when in condition.all_of
                 if when.state == entry.node.id
             }
+        counters = self._counters
         return {
-            t.event: Exit(t.event, self._entry(t.target), t.autonomy)
+            t.event: Exit(t.event, counters.get(t.target, t.target), t.autonomy)
             for t in entry.node.transitions
         }
 
     def _entry(self, target: str) -> str:
         """Return the label that a transition to a target leads to."""
-        return counter_label(target) if f"{self._above}{target}" in self._counts else target
+        return self._counters.get(target, target)
 
     def _chooser(self, entry: ResolvedNode, otherwise: Exit) -> Child:
         """Return the state that leads a failure to where its code says."""
@@ -242,7 +253,7 @@ class _Expansion:
             Exit(event, self._entry(route.target))
             for event, route in zip(events, routes, strict=True)
         )
-        code = self._flow.outputs[Key(entry.node.id, ERROR_CODE)]
+        code = self._flow.outputs[entry.node.id][ERROR_CODE]
         return Child(
             chooser_label(entry.node.id),
             chooser,
@@ -258,16 +269,15 @@ class _Expansion:
         remapping = self._remapping(entry)
         conditions = [Condition(e.outcome, ((_RUN, e.outcome),)) for e in own]
         conditions.append(Condition(TIMED_OUT, ((_TIMER, "done"),)))
-        inputs, outputs = ports(entry)
-        defaulted = {key.name for key in self._flow.defaulted if key.node == entry.node.id}
+        inputs, outputs = entry.use.inputs, entry.use.outputs
         passed = self._passed_counts(entry)
         keys = tuple((key, key) for key, _home in remapping)
         timer = self._support(Support.TIMER, wait_time=entry.node.timeout_s)
         container = machine.Container(
             Kind.CONCURRENCY,
             tuple(dict.fromkeys(condition.outcome for condition in conditions)),
-            (*(port.name for port in inputs if port.name not in defaulted), *passed),
-            (*(port.name for port in outputs), *passed),
+            (*(n for n in inputs if (entry.node.id, n) not in self._flow.defaulted), *passed),
+            (*outputs, *passed),
             (
                 Child(
                     _RUN,
@@ -285,22 +295,22 @@ class _Expansion:
 
     def _content(self, entry: ResolvedNode) -> StateUse | BehaviorUse | machine.Container:
         """Return the state, behavior or container that a node is."""
-        declaration = entry.declaration
+        declaration = entry.use.declaration
         if entry.body is not None:
             return self._body(entry, entry.body)
-        given = tuple(_pair(item, entry) for item in arguments(entry.node, entry.is_timed).items())
+        given = _arguments(entry)
         if isinstance(declaration, BehaviorClass):
-            defaulted = (p.name for p in declaration.inputs)
-            kept = tuple(k for k in defaulted if Key(entry.node.id, k) in self._flow.defaulted)
+            defaulted, node_id = self._flow.defaulted, entry.node.id
+            kept = tuple(p.name for p in declaration.inputs if (node_id, p.name) in defaulted)
             return BehaviorUse(declaration, given, kept)
         if declaration is None:
             raise AssertionError(f"{entry.node.id} was expanded though its class is not known")
-        return StateUse(declaration, _alias(declaration, entry.is_qualified), given)
+        return StateUse(declaration, _alias(declaration, entry.use.is_qualified), given)
 
     def _body(self, entry: ResolvedNode, body: ResolvedChart) -> machine.Container:
         """Return the container that a container of the chart becomes."""
         chart, passed = body.chart, self._passed_counts(entry)
-        inside = _Expansion(body, bind_data(body), f"{self._above}{entry.node.id}/", self._counts)
+        inside = _Expansion(body, body.flow, f"{self._above}{entry.node.id}/", self._counts)
         return machine.Container(
             _KINDS[body.runs],
             tuple(outcome.name for outcome in chart.outcomes),
@@ -322,14 +332,11 @@ class _Expansion:
 
     def _remapping(self, entry: ResolvedNode) -> tuple[tuple[str, str], ...]:
         """Return the home of each key, inputs first."""
-        inputs, outputs = ports(entry)
-        homes: dict[str, str] = {}
-        for port in inputs:
-            if (key := Key(entry.node.id, port.name)) in self._flow.inputs:
-                homes[port.name] = self._flow.inputs[key]
-        for port in outputs:
-            homes.setdefault(port.name, self._flow.outputs[Key(entry.node.id, port.name)])
-        return (*homes.items(), *((key, key) for key in self._passed_counts(entry)))
+        node_id, flow = entry.node.id, self._flow
+        read, written = flow.inputs.get(node_id, _NONE), flow.outputs.get(node_id, _NONE)
+        outputs = [(name, written[name]) for name in entry.use.outputs if name not in read]
+        passed = [(key, key) for key in self._passed_counts(entry)]
+        return (*read.items(), *outputs, *passed)
 
     def _support(self, wanted: Support, **values: Value) -> StateUse:
         """Return a state that an extension adds."""
@@ -339,16 +346,19 @@ class _Expansion:
 
 def _own_outcomes(entry: ResolvedNode) -> tuple[str, ...]:
     """Return the outcomes that the node itself can have, whatever is added around it."""
-    return (entry.signature.outcomes if entry.signature else None) or ()
+    return (entry.use.signature.outcomes if entry.use.signature else None) or ()
 
 
-def _pair(given: tuple[str, Literal], entry: ResolvedNode) -> Pair:
-    """Return an argument; one that takes Python source has the name of a predicate."""
-    name, value = given
-    known = {p.name: p for p in entry.signature.parameters} if entry.signature else {}
-    if isinstance(value, str) and name in known and known[name].takes_source:
-        return Pair(name, PREDICATES[value])
-    return Pair(name, value)
+def _arguments(entry: ResolvedNode) -> tuple[Pair, ...]:
+    """Return what is given to a class; what takes Python source has the name of a predicate."""
+    given = arguments(entry.node, entry.use.is_timed).items()
+    taking_source = entry.use.taking_source
+    if not taking_source:
+        return tuple([Pair(name, value) for name, value in given])
+    return tuple(
+        Pair(name, PREDICATES[value] if isinstance(value, str) and name in taking_source else value)
+        for name, value in given
+    )
 
 
 def _alias(state: StateClass, is_qualified: bool) -> str:

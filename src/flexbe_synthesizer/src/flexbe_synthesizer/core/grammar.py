@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 EXTENSION = "urn:remodel:statechart:ext:1"
 
@@ -21,6 +22,11 @@ class Shape:
     optional: tuple[str, ...] = ()
     extensions: tuple[str, ...] = ()
     children: Mapping[str, Shape] = field(default_factory=dict)
+
+    @cached_property
+    def required_set(self) -> frozenset[str]:
+        """Return the names of the attributes that have to be there."""
+        return frozenset(self.required)
 
     @property
     def attributes(self) -> tuple[str, ...]:

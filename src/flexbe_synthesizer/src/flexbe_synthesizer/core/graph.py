@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections import defaultdict, deque
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.model import AnyNode, Condition
 from flexbe_synthesizer.core.resolve import EXHAUSTED, FAILED, ResolvedChart
 
+_STEPS_SHOWN = 10  # of a path, at its beginning and at its end
 
-@dataclass(frozen=True)
-class Edge:
+
+class Edge(NamedTuple):
     """A transition.
 
     Attributes:
@@ -37,31 +39,78 @@ class Graph:
     edges: tuple[Edge, ...]
 
     @cached_property
-    def leaving(self) -> Mapping[str, tuple[Edge, ...]]:
+    def leaving(self) -> Mapping[str, Sequence[Edge]]:
         """Return the edges from each state."""
-        return _grouped(self.edges, lambda edge: edge.source)
+        return _grouped((edge.source, edge) for edge in self.edges)
 
     @cached_property
-    def entering(self) -> Mapping[str, tuple[Edge, ...]]:
+    def entering(self) -> Mapping[str, Sequence[Edge]]:
         """Return the edges to each state or outcome."""
-        return _grouped(self.edges, lambda edge: edge.target)
+        return _grouped((edge.target, edge) for edge in self.edges)
+
+    @property
+    def order(self) -> tuple[str, ...]:
+        """Return the states so that each stands before all that only it leads to."""
+        return self._search[0]
+
+    @property
+    def reached(self) -> frozenset[str]:
+        """Return the states that the initial one leads to, itself included."""
+        return self._search[1]
+
+    @cached_property
+    def _search(self) -> tuple[tuple[str, ...], frozenset[str]]:
+        """Return the reverse order in which a search in depth leaves the states, and `reached`."""
+        reached: frozenset[str] = frozenset()
+        leaving = self.leaving
+        unseen = set(self.ids)
+        left: list[str] = []
+        for start in self.ids:
+            if start not in unseen:
+                continue
+            unseen.discard(start)
+            trail = [(start, iter(leaving.get(start, ())))]
+            while trail:
+                name, edges = trail[-1]
+                for edge in edges:
+                    if edge.target in unseen:
+                        unseen.discard(edge.target)
+                        trail.append((edge.target, iter(leaving.get(edge.target, ()))))
+                        break
+                else:
+                    left.append(name)
+                    trail.pop()
+            if start == self.initial:
+                reached = frozenset(left)
+        return tuple(reversed(left)), reached
 
     @cached_property
     def loops(self) -> Mapping[str, int]:
         """Return a number per state, equal for states that can reach each other (Kosaraju)."""
-        order: list[str] = []
-        seen: set[str] = set()
-        for start in self.ids:
-            order.extend(_postorder(start, self.leaving, seen))
+        entering = self.entering
+        unseen = set(self.ids)
         component: dict[str, int] = {}
-        for number, start in enumerate(reversed(order)):
+        for number, start in enumerate(self.order):
+            if start not in unseen:
+                continue
+            unseen.discard(start)
             waiting = [start]
             while waiting:
                 name = waiting.pop()
-                if name not in component:
-                    component[name] = number
-                    waiting.extend(edge.source for edge in self.entering.get(name, ()))
+                component[name] = number
+                for edge in entering.get(name, ()):
+                    if edge.source in unseen:
+                        unseen.discard(edge.source)
+                        waiting.append(edge.source)
         return component
+
+    @cached_property
+    def looping(self) -> frozenset[str]:
+        """Return the states that can come back to themselves."""
+        loops = self.loops
+        return frozenset(
+            edge.source for edge in self.edges if loops[edge.source] == loops.get(edge.target)
+        )
 
 
 def chart_graph(resolved: ResolvedChart) -> Graph:
@@ -72,37 +121,31 @@ def chart_graph(resolved: ResolvedChart) -> Graph:
     order: its edges are the events that its conditions wait for, and lead to its outcomes.
     """
     chart, ids = resolved.chart, tuple(resolved.by_id)
-    known = {*ids, *(outcome.name for outcome in chart.outcomes)}
+    known = set(resolved.targets)
     if resolved.is_concurrent:
         conditions = chart.conditions
         return Graph("", ids, tuple(e for c in conditions for e in condition_edges(c, resolved)))
 
-    def meant(name: str, among: Collection[str]) -> str:
-        return name if name in among else names.misspelt(name, sorted(among)) or name
-
-    edges = tuple(
-        Edge(
-            entry.node.id,
-            event,
-            meant(target, known),
-            executed=event not in entry.added_events,
-            is_exhausted=event == EXHAUSTED
-            and entry.node.attempts is not None
-            and not entry.has_own(EXHAUSTED),
-        )
-        for entry in resolved.by_id.values()
-        for event, target in _leads(entry.node)
-    )
-    initial = meant(chart.initial, ids)
-    return Graph(initial, tuple(sorted(ids, key=lambda name: name != initial)), edges)
+    edges: list[Edge] = []
+    for source, entry in resolved.by_id.items():
+        added = entry.use.added_events
+        counted = entry.node.attempts is not None and not entry.use.has_own(EXHAUSTED)
+        for event, target in _leads(entry.node):
+            if target not in known:
+                target = names.misspelt(target, resolved.targets) or target
+            is_exhausted = counted and event == EXHAUSTED
+            edges.append(Edge(source, event, target, event not in added, is_exhausted))
+    initial = chart.initial
+    if initial not in resolved.by_id:
+        initial = names.misspelt(initial, resolved.ids) or initial
+    return Graph(initial, tuple(sorted(ids, key=lambda name: name != initial)), tuple(edges))
 
 
-def _leads(node: AnyNode) -> Iterator[tuple[str, str]]:
-    """Yield event and target of each way out of a node."""
-    for transition in node.transitions:
-        yield transition.event, transition.target
-    for route in node.on_error:
-        yield FAILED, route.target
+def _leads(node: AnyNode) -> list[tuple[str, str]]:
+    """Return event and target of each way out of a node."""
+    leads = [(transition.event, transition.target) for transition in node.transitions]
+    leads.extend((FAILED, route.target) for route in node.on_error)
+    return leads
 
 
 def condition_edges(condition: Condition, resolved: ResolvedChart) -> Iterator[Edge]:
@@ -110,7 +153,7 @@ def condition_edges(condition: Condition, resolved: ResolvedChart) -> Iterator[E
     for when in condition.all_of:
         entry = resolved.by_id.get(when.state)
         if entry is not None:
-            executed = when.event not in entry.added_events
+            executed = when.event not in entry.use.added_events
             yield Edge(when.state, when.event, condition.outcome, executed)
 
 
@@ -146,33 +189,19 @@ def shortest_path(
 
 
 def path_text(path: tuple[Edge, ...]) -> str:
-    """Return the path as `A -failed-> B -done-> C`."""
+    """Return the path as `A -failed-> B -done-> C`, of a long one the beginning and the end."""
     if not path:
         return "on some path"
-    return path[0].source + "".join(f" -{edge.event}-> {edge.target}" for edge in path)
+    steps = [f" -{edge.event}-> {edge.target}" for edge in path]
+    if len(steps) > 2 * _STEPS_SHOWN:
+        left_out = f" ... {len(steps) - 2 * _STEPS_SHOWN} more ..."
+        steps = [*steps[:_STEPS_SHOWN], left_out, *steps[-_STEPS_SHOWN:]]
+    return path[0].source + "".join(steps)
 
 
-def _grouped(edges: Iterable[Edge], key: Callable[[Edge], str]) -> Mapping[str, tuple[Edge, ...]]:
+def _grouped(named: Iterable[tuple[str, Edge]]) -> Mapping[str, list[Edge]]:
+    """Return the edges that have one name, by that name."""
     groups: dict[str, list[Edge]] = defaultdict(list)
-    for edge in edges:
-        groups[key(edge)].append(edge)
-    return {name: tuple(group) for name, group in groups.items()}
-
-
-def _postorder(start: str, leaving: Mapping[str, tuple[Edge, ...]], seen: set[str]) -> list[str]:
-    """Return the states first seen from start, each after all that it leads to."""
-    if start in seen:
-        return []
-    order: list[str] = []
-    seen.add(start)
-    trail = [(start, iter(leaving.get(start, ())))]
-    while trail:
-        name, edges = trail[-1]
-        target = next((e.target for e in edges if e.target in leaving and e.target not in seen), "")
-        if target:
-            seen.add(target)
-            trail.append((target, iter(leaving[target])))
-        else:
-            order.append(name)
-            trail.pop()
-    return order
+    for name, edge in named:
+        groups[name].append(edge)
+    return dict(groups)

@@ -1,7 +1,8 @@
 """Literals of the chart language: what `<param value>` and `ext:default` hold.
 
 A literal is null, a boolean, a number, a string, a list or a dictionary, spelled as in JSON or as
-in Python. Text that is no literal is a string. Nothing is ever evaluated.
+in Python; lists and dictionaries nest at most `DEEPEST` levels. Text that is no literal is a
+string. Nothing is ever evaluated.
 """
 
 from __future__ import annotations
@@ -10,12 +11,14 @@ import ast
 import json
 import math
 import re
+import reprlib
 from typing import TypeAlias
 
 Literal: TypeAlias = (
     "bool | int | float | str | tuple[Literal, ...] | dict[str | int, Literal] | None"
 )
 
+DEEPEST = 50  # levels of a list or dictionary; Python itself refuses to parse 200
 _WORDS = {"true": True, "True": True, "false": False, "False": False, "null": None, "None": None}
 _INTEGER = re.compile(r"[+-]?(0|[1-9][0-9]{0,17})\Z")  # within 64 bits
 _NUMBER = re.compile(r"[+-]?([0-9]+\.[0-9]*|\.[0-9]+|[0-9]+(?=[eE]))([eE][+-]?[0-9]+)?\Z")
@@ -68,23 +71,24 @@ def _as_constant(node: object) -> object:
     return node
 
 
-def freeze(value: object) -> Literal:
-    """Return the value as a literal, its lists as tuples.
+def freeze(value: object, depth: int = 0) -> Literal:
+    """Return the value as a literal, its lists as tuples; it lies in so many lists already.
 
     Raises:
-        TypeError: if it holds anything but the literals of the language.
+        TypeError: if it holds anything but the literals of the language, or is nested too deeply.
     """
     if value is None or isinstance(value, bool | int | str):
         return value
     if isinstance(value, float) and math.isfinite(value):
         return value
-    if isinstance(value, list | tuple):
-        return tuple(freeze(item) for item in value)
-    if isinstance(value, dict) and all(type(key) in (str, int) for key in value):
-        return {key: freeze(item) for key, item in value.items()}
+    if depth < DEEPEST and isinstance(value, list | tuple):
+        return tuple(freeze(item, depth + 1) for item in value)
+    if depth < DEEPEST and isinstance(value, dict) and {*map(type, value)} <= {str, int}:
+        return {key: freeze(item, depth + 1) for key, item in value.items()}
     raise TypeError(
-        f"{value!r} is no literal of a chart: null, a boolean, a finite number, a string, a list, "
-        "or a dictionary with strings or integers as keys"
+        f"{reprlib.repr(value)} is no literal of a chart: null, a boolean, a finite number, a "
+        "string, a list, or a dictionary with strings or integers as keys, of at most "
+        f"{DEEPEST} levels"
     )
 
 

@@ -38,7 +38,7 @@ class Condition(NamedTuple):
     pairs: tuple[tuple[str, str], ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Expression:
     """A Python expression of our own making; nothing that a chart says becomes one."""
 
@@ -60,7 +60,7 @@ def python_value(value: Value) -> str:
     return value.text if isinstance(value, Expression) else python_literal(value)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class StateUse:
     """A state as the content of a child; `alias` is the name that it is imported under."""
 
@@ -69,7 +69,7 @@ class StateUse:
     arguments: tuple[Pair, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class BehaviorUse:
     """A behavior as the content of a child; `defaulted` inputs keep the behavior's own default."""
 
@@ -78,7 +78,7 @@ class BehaviorUse:
     defaulted: tuple[str, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Container:
     """A container of FlexBE; its first child is the initial one.
 
@@ -96,7 +96,7 @@ class Container:
     conditions: tuple[Condition, ...] = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Child:
     """A labelled element of a container; `remapping` maps own keys to the container's."""
 
@@ -106,7 +106,7 @@ class Child:
     remapping: tuple[tuple[str, str], ...] = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Machine:
     """A whole behavior: its names and its root container."""
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import html
 from dataclasses import dataclass
-from xml.sax.saxutils import escape, quoteattr
 
 from flexbe_synthesizer.core.problem import ChartError
 from flexbe_synthesizer.core.xml_reader import XmlElement, read_xml
@@ -77,18 +77,18 @@ def _attribute(element: XmlElement, name: str) -> str:
 
 def write_manifest(manifest: Manifest, description: str) -> str:
     """Return the manifest's text, in the order in which the FlexBE App writes it."""
-    contains = "".join(f"\t<contains name={quoteattr(name)} />\n" for name in manifest.contains)
+    contains = "".join(f"\t<contains name={_quoted(name)} />\n" for name in manifest.contains)
     return f"""<?xml version="1.0" encoding="UTF-8"?>
 
-<behavior name={quoteattr(manifest.name)}>
+<behavior name={_quoted(manifest.name)}>
 
-\t<executable package_path={quoteattr(f"{manifest.package}.{manifest.module}")} \
-class={quoteattr(manifest.class_name)} />
+\t<executable package_path={_quoted(f"{manifest.package}.{manifest.module}")} \
+class={_quoted(manifest.class_name)} />
 \t<tagstring></tagstring>
 \t<author>{AUTHOR}</author>
 \t<date>{DATE}</date>
 \t<description>
-\t\t{escape(description)}
+\t\t{html.escape(description, quote=False)}
 \t</description>
 
 
@@ -97,3 +97,7 @@ class={quoteattr(manifest.class_name)} />
 \t<!-- Available Parameters -->
 
 </behavior>"""
+
+
+def _quoted(value: str) -> str:
+    return f'"{html.escape(value)}"'

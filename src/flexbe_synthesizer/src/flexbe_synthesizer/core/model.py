@@ -8,28 +8,27 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import TypeAlias
+from typing import Protocol, TypeAlias
+from xml.etree.ElementTree import Element as XmlElement
 
 from flexbe_synthesizer.core.literal import Literal, freeze
 from flexbe_synthesizer.core.problem import Position
 
 
-@dataclass(frozen=True)
-class Source:
-    """Where an element and its attributes stand in a file."""
+class Places(Protocol):
+    """The file that a chart was read from."""
 
-    element: Position
-    attributes: Mapping[str, Position] = field(default_factory=dict)
-
-    def place(self, attribute: str) -> Position:
-        """Return where an attribute stands, else the element."""
-        return self.attributes.get(attribute, self.element)
+    def place(self, element: XmlElement, attribute: str) -> Position:
+        """Return where an attribute of an element stands; of "", where the element does."""
 
 
-@dataclass(frozen=True, kw_only=True)
+Source: TypeAlias = tuple[Places, XmlElement]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
 class Element:
     """Anything that has an element of its own in the file."""
 
@@ -39,7 +38,8 @@ class Element:
         """Return where the attribute stands, else the element; 0:0 for charts built in code."""
         if self.source is None:
             return Position("<chart>", 0, 0)
-        return self.source.place(attribute)
+        places, element = self.source
+        return places.place(element, attribute)
 
 
 class Autonomy(Enum):
@@ -51,14 +51,14 @@ class Autonomy(Enum):
     FULL = "full"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Outcome(Element):
     """One way in which the chart ends."""
 
     name: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Input(Element):
     """A value that the chart, or a state in it, reads; only the chart's own have a default."""
 
@@ -71,7 +71,7 @@ class Input(Element):
         object.__setattr__(self, "default", freeze(self.default))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Output(Element):
     """A value that the chart, or a state in it, writes."""
 
@@ -79,7 +79,7 @@ class Output(Element):
     type: str | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Param(Element):
     """A constructor argument of a state, or a parameter of a behavior."""
 
@@ -91,7 +91,7 @@ class Param(Element):
         object.__setattr__(self, "value", freeze(self.value))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Transition(Element):
     """Where an outcome of a state leads: to a state, a behavior or an outcome of the chart."""
 
@@ -100,7 +100,7 @@ class Transition(Element):
     autonomy: Autonomy | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Connection(Element):
     """A data flow; the chart's own name as a state id means its inputs or outputs."""
 
@@ -110,7 +110,7 @@ class Connection(Element):
     input: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class ErrorRoute:
     """Where a failure leads whose error code lies in a range, both ends included."""
 
@@ -119,7 +119,7 @@ class ErrorRoute:
     target: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Node(Element):
     """What states, behaviors and containers have in common.
 
@@ -146,14 +146,14 @@ class Node(Element):
         return type(self).__name__.lower()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class State(Node):
     """A state; `topic` is the name of the action that it calls, in place of its class's own."""
 
     topic: str | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Behavior(Node):
     """A behavior inside the chart: a display name, a class, or the path of another chart."""
 
@@ -166,7 +166,7 @@ class ContainerKind(Enum):
     PRIORITY = "priority"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Container(Node):
     """A chart inside the chart: `type` is the value of a `ContainerKind`, `body` its content.
 
@@ -182,7 +182,7 @@ class Container(Node):
         return ContainerKind(self.type)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class When(Element):
     """A state of a concurrency container that has ended with an event."""
 
@@ -190,7 +190,7 @@ class When(Element):
     event: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Condition(Element):
     """An outcome of a concurrency container, and all that must have happened for it."""
 
@@ -198,7 +198,7 @@ class Condition(Element):
     all_of: tuple[When, ...] = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Chart(Element):
     """A state chart, or the content of a container.
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import difflib
 import keyword
 import re
-from collections.abc import Collection, Iterable
-from functools import lru_cache
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from functools import cached_property, lru_cache
 
 NAME_RULE = (
     "letters, digits, '_', '-', '.' and single blanks, starting with a letter; "
@@ -16,6 +16,10 @@ PREEMPTED = "preempted"  # FlexBE adds this outcome to every state and container
 _NAME = re.compile(r"[^\W\d_](?:[\w.-]| (?=[\w.-]))*\Z")
 _CODE_WORD = re.compile(r"(?:^|\s)(?:def|class)(?:\s|$)")  # the FlexBE App splits code at these
 _UNREADABLE = re.compile(r"""['"\\()\[\]{},#=\n\r]""")
+_HUMP = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
+_NO_WORD = re.compile(r"\W+", re.ASCII)
+_COMPARED = 200  # names that one is compared with, letter by letter
+_LONGEST_COMPARED = 100  # letters; a longer name is no slip of the pen
 _LISTED = 12  # names shown in a message before it says how many more there are
 
 
@@ -49,11 +53,13 @@ def behavior_module(name: str) -> str:
     return behavior_file(name) + "_sm"
 
 
-@lru_cache(maxsize=4096)  # the same names are asked for at each look at the data
+@lru_cache(maxsize=256)  # the outputs of a state follow each other, and have few names
 def snake_case(name: str) -> str:
     """Return the name as a part of a Python identifier: `LocateGearbox 2` -> `locate_gearbox_2`."""
-    parted = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name)
-    snake = re.sub(r"\W+", "_", parted.lower(), flags=re.ASCII).strip("_")
+    snake = name.lower()
+    if not (name.isascii() and name.isidentifier() and name[1:] == snake[1:]):
+        snake = _NO_WORD.sub("_", _HUMP.sub("_", name).lower())
+    snake = snake.strip("_")
     return snake if snake[:1].isalpha() else f"state_{snake}".rstrip("_")
 
 
@@ -63,6 +69,38 @@ def take_unused(wanted: str, taken: Collection[str]) -> str:
     while name in taken:
         name, number = f"{wanted}_{number}", number + 1
     return name
+
+
+class Vocabulary(tuple[str, ...]):
+    """Many names, of which some are looked for that are spelled about like another one.
+
+    Comparing each found name with each known one takes too long for thousands of both, so only
+    those are compared that differ in a letter or two.
+    """
+
+    def spelled_like(self, found: str) -> Collection[str]:
+        """Return the names that can be meant by a name in small letters, of few names all."""
+        if len(self) <= _COMPARED:
+            return self
+        near: dict[str, None] = {}
+        for part in _parts(found):
+            near.update(dict.fromkeys(self._by_part.get(part, ())))
+        return near
+
+    @cached_property
+    def _by_part(self) -> Mapping[str, Sequence[str]]:
+        """Return names by what is left of them without one letter, and by themselves."""
+        found: dict[str, list[str]] = {}
+        for name in self:
+            for part in _parts(name.lower()) if len(name) <= _LONGEST_COMPARED else ():
+                names = found.setdefault(part, [])
+                if len(names) < _COMPARED:
+                    names.append(name)
+        return found
+
+
+def _parts(word: str) -> set[str]:
+    return {word, *(word[:index] + word[index + 1 :] for index in range(len(word)))}
 
 
 def nearest(found: str, known: Iterable[str]) -> tuple[str, ...]:
@@ -77,24 +115,32 @@ def misspelt(found: str, known: Iterable[str]) -> str | None:
 
 
 def _close(found: str, known: Iterable[str], cutoff: float) -> tuple[str, ...]:
-    by_lower = {name.lower(): name for name in known}
-    matches = difflib.get_close_matches(found.lower(), by_lower, cutoff=cutoff)
+    if len(found) > _LONGEST_COMPARED:
+        return ()
+    word = found.lower()
+    candidates = known.spelled_like(word) if isinstance(known, Vocabulary) else known
+    by_lower = {name.lower(): name for name in candidates}
+    matches = difflib.get_close_matches(word, by_lower, cutoff=cutoff)
     return tuple(by_lower[name] for name in matches)
 
 
 def quoted(names: Iterable[str]) -> str:
-    """Return the names as `'a', 'b'`, in order, shortened where there are many."""
-    listed = [f"'{name}'" for name in names]
-    if not listed:
+    """Return the names as `'a', 'b'`, in order, shortened where they are many or long."""
+    found = tuple(names)
+    if not found:
         return "none"
-    if len(listed) <= _LISTED:
-        return ", ".join(listed)
-    return ", ".join(listed[:_LISTED]) + f" and {len(listed) - _LISTED} more"
+    listed = ", ".join(f"'{shortened(name)}'" for name in found[:_LISTED])
+    return listed if len(found) <= _LISTED else f"{listed} and {len(found) - _LISTED} more"
+
+
+def shortened(name: str) -> str:
+    """Return a name as messages show it."""
+    return name if len(name) <= _LONGEST_COMPARED else name[:_LONGEST_COMPARED] + "..."
 
 
 def allowed(found: str, known: Iterable[str]) -> str:
     """Return the end of a message: the nearest names if any come near, and those allowed."""
-    known = tuple(known)
+    known = known if isinstance(known, Vocabulary) else tuple(known)
     near = nearest(found, known)
     meant = f" Did you mean {' or '.join(f'{name!r}' for name in near)}?" if near else ""
     return f"allowed: {quoted(known)}.{meant}"

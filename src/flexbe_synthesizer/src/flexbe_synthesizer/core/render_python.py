@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-
-import jinja2
+from functools import cache
+from typing import TYPE_CHECKING
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.layout import Layout, Point
@@ -18,17 +18,20 @@ from flexbe_synthesizer.core.machine import (
     BehaviorUse,
     Child,
     Container,
-    Exit,
     Kind,
     Machine,
-    Pair,
     StateUse,
     python_value,
     walk,
 )
 from flexbe_synthesizer.core.manifest import AUTHOR, DATE
 
+if TYPE_CHECKING:
+    import jinja2
+
 _INDENT = " " * 4
+_LINE = "\n" + _INDENT * 3
+_BETWEEN = "\n" + _LINE
 _CONTINUED = "\n" + _INDENT * 10
 _ROOT = "_state_machine"
 
@@ -94,19 +97,13 @@ class {{ class_name }}(Behavior):
         {{ container.variable }} = {{ container.definition }}
 
         with {{ container.variable }}:
-            {% for child in container.children %}
-            {{ child.position }}
-            {{ child.add }}
+            {{ container.children }}
 
-            {% endfor %}
 
         {% endfor %}
         with {{ root.variable }}:
-            {% for child in root.children %}
-            {{ child.position }}
-            {{ child.add }}
+            {{ root.children }}
 
-            {% endfor %}
 
         return {{ root.variable }}
 
@@ -121,12 +118,6 @@ _EMPTY_SECTIONS = {
     "CREATE": "\n\n" + _INDENT * 2,
     "FUNC": "\n\n" + _INDENT,
 }
-_COMPILED = jinja2.Environment(
-    trim_blocks=True,
-    lstrip_blocks=True,
-    keep_trailing_newline=True,
-    undefined=jinja2.StrictUndefined,
-).from_string(_TEMPLATE)
 
 
 def render_python(machine: Machine, layout: Layout, manual: Mapping[str, str]) -> str:
@@ -138,10 +129,11 @@ def render_python(machine: Machine, layout: Layout, manual: Mapping[str, str]) -
         manual: content of the manual sections of the file before; missing ones are empty.
     """
     variables = _variables(machine.root)
-    paths = sorted((path for path in variables if path), reverse=True)
-    below = dict(walk(machine.root))
-    uses = [(path, child.content) for path, child in sorted(below.items())]
-    return _COMPILED.render(
+    writer = _Writer(layout, variables)
+    below = sorted(walk(machine.root))
+    uses = [(path, child.content) for path, child in below]
+    inner = [(path, content) for path, content in uses if isinstance(content, Container)]
+    return _compiled_template().render(
         imports=_imports(content for _path, content in uses),
         manual={**_EMPTY_SECTIONS, **manual},
         date=DATE,
@@ -158,13 +150,21 @@ def render_python(machine: Machine, layout: Layout, manual: Mapping[str, str]) -
             f"{_ROOT}.userdata.{key} = {python_value(value)}"
             for key, value in machine.root.userdata
         ],
-        root=_container("", machine.root, layout, variables),
-        containers=[
-            _container(path, content, layout, variables)
-            for path in paths
-            if isinstance(content := below[path].content, Container)
-        ],
+        root=writer.container("", machine.root),
+        containers=[writer.container(path, content) for path, content in reversed(inner)],
     )
+
+
+@cache
+def _compiled_template() -> jinja2.Template:
+    import jinja2  # here, since it is a fifth of the start of a program that only checks charts
+
+    return jinja2.Environment(
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        undefined=jinja2.StrictUndefined,
+    ).from_string(_TEMPLATE)
 
 
 def _variables(root: Container) -> Mapping[str, str]:
@@ -181,14 +181,17 @@ def _variables(root: Container) -> Mapping[str, str]:
 
 def _imports(uses: Iterable[StateUse | BehaviorUse | Container]) -> list[str]:
     """Return the import line of each class used."""
-    lines = set()
+    found = set()
     for use in uses:
         if isinstance(use, StateUse):
-            alias = "" if use.alias == use.state.name else f" as {use.alias}"
-            lines.add(f"from {use.state.module} import {use.state.name}{alias}")
+            found.add((use.state.module, use.state.name, use.alias))
         elif isinstance(use, BehaviorUse):
-            lines.add(f"from {use.behavior.module} import {use.behavior.class_name}")
-    return sorted(lines)
+            behavior = use.behavior
+            found.add((behavior.module, behavior.class_name, behavior.class_name))
+    return sorted(
+        f"from {module} import {name}" + (f" as {alias}" if alias != name else "")
+        for module, name, alias in found
+    )
 
 
 def _docstring(text: str) -> str:
@@ -200,22 +203,70 @@ def _docstring(text: str) -> str:
     return "\n".join(_INDENT + line if line else "" for line in lines).strip()
 
 
-def _container(
-    path: str, container: Container, layout: Layout, variables: Mapping[str, str]
-) -> Mapping[str, object]:
-    """Return what the template shows of a container."""
-    return {
-        "variable": variables[path],
-        "outcomes": _outcome_positions(container, layout.outcomes[path]),
-        "definition": _definition(container),
-        "children": [
-            {
-                "position": _position(layout.children[f"{path}/{child.label}"]),
-                "add": _add(f"{path}/{child.label}", child, variables),
-            }
-            for child in _in_order(container.children)
-        ],
-    }
+class _Quoted(dict[str, str]):
+    """Texts as Python strings; each is quoted once, since the same names stand all over a file."""
+
+    def __missing__(self, text: str) -> str:
+        self[text] = quoted = quote(text)
+        return quoted
+
+
+class _Writer:
+    """Writes containers, and what is in them.
+
+    Attributes:
+        layout: where everything stands.
+        variables: variable of each container by its path.
+    """
+
+    def __init__(self, layout: Layout, variables: Mapping[str, str]) -> None:
+        self._layout = layout
+        self._variables = variables
+        self._quoted = _Quoted()
+
+    def container(self, path: str, container: Container) -> Mapping[str, str]:
+        """Return what the template shows of a container."""
+        children = [self._child(f"{path}/{c.label}", c) for c in _in_order(container.children)]
+        return {
+            "variable": self._variables[path],
+            "outcomes": _outcome_positions(container, self._layout.outcomes[path]),
+            "definition": _definition(container),
+            "children": _BETWEEN.join(children),
+        }
+
+    def _child(self, path: str, child: Child) -> str:
+        """Return the comment with a child's place, and the call that adds it to its container."""
+        quoted, content = self._quoted, child.content
+        default = "Autonomy.Off" if isinstance(content, StateUse) else "Autonomy.Inherit"
+        targets, levels = [], []
+        for outcome, target, autonomy in child.exits:
+            key = quoted[outcome]
+            targets.append(f"{key}: {quoted[target]}")
+            level = default if autonomy is None else f"Autonomy.{autonomy.value.capitalize()}"
+            levels.append(f"{key}: {level}")
+        homes = [f"{quoted[key]}: {quoted[home]}" for key, home in child.remapping]
+        remapping = f",{_CONTINUED}remapping={{{', '.join(homes)}}}" if homes else ""
+        x, y = self._layout.children[path]
+        return (
+            f"# x:{x} y:{y}{_LINE}OperatableStateMachine.add({quoted[child.label]},{_CONTINUED}"
+            f"{self._content(path, content)},{_CONTINUED}transitions={{{', '.join(targets)}}},"
+            f"{_CONTINUED}autonomy={{{', '.join(levels)}}}{remapping})"
+        )
+
+    def _content(self, path: str, content: StateUse | BehaviorUse | Container) -> str:
+        """Return the expression for what a child is."""
+        if isinstance(content, StateUse):
+            given = [f"{name}={python_value(value)}" for name, value in content.arguments]
+            return f"{content.alias}({', '.join(given)})"
+        if isinstance(content, Container):
+            return self._variables[path]
+        parts = [content.behavior.class_name, quote(path.lstrip("/"))]
+        if content.defaulted:
+            parts.append(f"default_keys={_names(content.defaulted)}")
+        if content.parameters:
+            given = [f"{quote(name)}: {python_value(value)}" for name, value in content.parameters]
+            parts.append(f"parameters={{{', '.join(given)}}}")
+        return f"self.use_behavior({', '.join(parts)})"
 
 
 def _in_order(children: tuple[Child, ...]) -> list[Child]:
@@ -230,10 +281,6 @@ def _in_order(children: tuple[Child, ...]) -> list[Child]:
         ordered.append(ordered.pop(0))
     ordered.remove(initial)
     return [initial, *ordered]
-
-
-def _position(point: Point) -> str:
-    return f"# x:{point[0]} y:{point[1]}"
 
 
 def _outcome_positions(container: Container, points: Mapping[str, Point]) -> str:
@@ -272,51 +319,3 @@ def _pair(pair: tuple[str, str]) -> str:
 
 def _names(listed: Iterable[str]) -> str:
     return "[" + ", ".join(map(quote, listed)) + "]"
-
-
-def _add(path: str, child: Child, variables: Mapping[str, str]) -> str:
-    """Return the call that adds a child to its container."""
-    transitions = {exit_.outcome: quote(exit_.target) for exit_ in child.exits}
-    parts = [
-        _content(path, child.content, variables),
-        f"transitions={_dictionary(transitions)}",
-        f"autonomy={_dictionary({e.outcome: _autonomy(e, child) for e in child.exits})}",
-    ]
-    if child.remapping:
-        homes = {key: quote(home) for key, home in child.remapping}
-        parts.append(f"remapping={_dictionary(homes)}")
-    return f"OperatableStateMachine.add({quote(child.label)},{_CONTINUED}" + (
-        f",{_CONTINUED}".join(parts) + ")"
-    )
-
-
-def _content(
-    path: str, content: StateUse | BehaviorUse | Container, variables: Mapping[str, str]
-) -> str:
-    """Return the expression for what a child is."""
-    if isinstance(content, Container):
-        return variables[path]
-    if isinstance(content, StateUse):
-        arguments = (f"{name}={python_value(value)}" for name, value in content.arguments)
-        return f"{content.alias}({', '.join(arguments)})"
-    parts = [content.behavior.class_name, quote(path.lstrip("/"))]
-    if content.defaulted:
-        parts.append(f"default_keys={_names(content.defaulted)}")
-    if content.parameters:
-        parts.append(f"parameters={_parameters(content.parameters)}")
-    return f"self.use_behavior({', '.join(parts)})"
-
-
-def _parameters(pairs: Iterable[Pair]) -> str:
-    return _dictionary({name: python_value(value) for name, value in pairs})
-
-
-def _dictionary(items: Mapping[str, str]) -> str:
-    return "{" + ", ".join(f"{quote(key)}: {value}" for key, value in items.items()) + "}"
-
-
-def _autonomy(exit_: Exit, child: Child) -> str:
-    """Return the autonomy of an outcome; without one, states wait for nothing, others inherit."""
-    if exit_.autonomy is not None:
-        return f"Autonomy.{exit_.autonomy.value.capitalize()}"
-    return "Autonomy.Off" if isinstance(child.content, StateUse) else "Autonomy.Inherit"

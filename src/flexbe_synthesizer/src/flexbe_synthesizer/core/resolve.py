@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import posixpath
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from functools import cached_property
 from typing import TypeVar
 
 from flexbe_synthesizer.core import names
+from flexbe_synthesizer.core.data_flow import DataFlow, bind_data
 from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.literal import Literal
 from flexbe_synthesizer.core.model import (
@@ -18,7 +19,9 @@ from flexbe_synthesizer.core.model import (
     Chart,
     Container,
     ContainerKind,
+    Input,
     Node,
+    Output,
     State,
 )
 from flexbe_synthesizer.core.names import PREEMPTED
@@ -56,30 +59,29 @@ class Support(Enum):
 _Found = TypeVar("_Found", StateClass, BehaviorClass)
 
 
-@dataclass(frozen=True)
-class ResolvedNode:
-    """A node of a chart with what it names; without signature if that was not found.
+@dataclass(frozen=True, eq=False)
+class Use:
+    """What a node names, and what that offers it; nodes that are used alike share one.
 
     Attributes:
-        declaration: class of the state or behavior; None of a container.
+        declaration: class of the state or behavior; None of a container, or if it was not found.
+        signature: what it offers; None if the declaration was not found.
         is_qualified: the chart names the package of the state class.
         is_timed: its timeout is kept by a timer beside it, not by its own class.
-        body: content of a container.
+        added_events: the events that extensions add, even if the class has them already.
+        inputs: by name, with the types that the chart declares for them.
+        outputs: by name, with the types that the chart declares for them.
     """
 
-    node: AnyNode
     declaration: StateClass | BehaviorClass | None = None
     signature: Signature | None = None
     is_qualified: bool = False
     is_timed: bool = False
-    body: ResolvedChart | None = None
+    added_events: tuple[str, ...] = ()
+    inputs: Mapping[str, Port] = field(default_factory=dict)
+    outputs: Mapping[str, Port] = field(default_factory=dict)
 
-    @property
-    def added_events(self) -> tuple[str, ...]:
-        """Return the events that the extension adds, even if the class has them already."""
-        return (TIMED_OUT,) * self.is_timed + (EXHAUSTED,) * (self.node.attempts is not None)
-
-    @property
+    @cached_property
     def events(self) -> tuple[str, ...] | None:
         """Return the events that need a transition, None if its outcomes are not known."""
         if self.signature is None or self.signature.outcomes is None:
@@ -87,27 +89,35 @@ class ResolvedNode:
         return tuple(dict.fromkeys((*self.signature.outcomes, *self.added_events)))
 
     @cached_property
-    def inputs(self) -> tuple[Port, ...]:
-        """Return the inputs, with the types that the chart declares for them."""
-        offered = () if self.signature is None else self.signature.inputs
-        types = {port.name: port.type for port in self.node.inputs if port.type}
-        return tuple(
-            Port(p.name, types[p.name], p.optional) if p.name in types else p for p in offered
+    def is_like_others(self) -> bool:
+        """Tell whether what it offers is the same whatever values its parameters have."""
+        return (
+            isinstance(self.declaration, StateClass)
+            and not self.declaration.depends_on_values
+            and not self.taking_source
         )
 
     @cached_property
-    def outputs(self) -> tuple[Port, ...]:
-        """Return the outputs, with the types that the chart declares for them."""
-        offered = () if self.signature is None else self.signature.outputs
-        types = {port.name: port.type for port in self.node.outputs if port.type}
-        return tuple(Port(p.name, types[p.name]) if p.name in types else p for p in offered)
+    def taking_source(self) -> frozenset[str]:
+        """Return the parameters that take Python source."""
+        offered = self.signature.parameters if self.signature else ()
+        return frozenset(parameter.name for parameter in offered if parameter.takes_source)
 
     def has_own(self, event: str) -> bool:
         """Tell whether the event is an outcome of its class."""
         return self.signature is not None and event in (self.signature.outcomes or ())
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, slots=True)
+class ResolvedNode:
+    """A node of a chart with what it names; `body` is the content of a container."""
+
+    node: AnyNode
+    use: Use
+    body: ResolvedChart | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class ResolvedChart:
     """A chart with all its names looked up.
 
@@ -124,6 +134,27 @@ class ResolvedChart:
     support: Mapping[Support, StateClass] = field(default_factory=dict)
     by_id: Mapping[str, ResolvedNode] = field(default_factory=dict)
     is_inner: bool = False
+
+    @cached_property
+    def flow(self) -> DataFlow:
+        """Return where each value of the chart lives."""
+        return bind_data(self)
+
+    @cached_property
+    def ids(self) -> names.Vocabulary:
+        """Return the ids of the nodes."""
+        return names.Vocabulary(self.by_id)
+
+    @cached_property
+    def targets(self) -> names.Vocabulary:
+        """Return what transitions can lead to."""
+        outcomes = (outcome.name for outcome in self.chart.outcomes)
+        return names.Vocabulary(dict.fromkeys((*self.by_id, *outcomes)))
+
+    @cached_property
+    def connectable(self) -> names.Vocabulary:
+        """Return what connections can come from and lead to."""
+        return names.Vocabulary((*self.by_id, self.chart.name))
 
     @property
     def title(self) -> str:
@@ -190,6 +221,7 @@ class _Lookup:
         self._library = library
         self._charts = charts
         self._support: dict[Support, StateClass | None] = {}
+        self._uses: dict[tuple[str, bool, bool], Use] = {}
         self.problems: list[Problem] = []
 
     def scope(self, chart: Chart, runs: ContainerKind) -> ResolvedChart:
@@ -209,13 +241,22 @@ class _Lookup:
     def _node(self, node: AnyNode) -> ResolvedNode:
         if isinstance(node, Container):
             body = self.scope(node.body, node.runs)
-            is_timed = node.timeout_s is not None
-            return ResolvedNode(node, None, _body_signature(node), is_timed=is_timed, body=body)
+            use = _use(node, None, _body_signature(node), is_timed=node.timeout_s is not None)
+            return ResolvedNode(node, use, body)
         if not node.type:
-            return ResolvedNode(node)
-        if isinstance(node, State):
-            return _resolve_state(node, self._library, self.problems)
-        return self._behavior(node)
+            return ResolvedNode(node, Use())
+        if isinstance(node, Behavior):
+            return self._behavior(node)
+        if node.inputs or node.outputs:
+            return ResolvedNode(node, _use_state(node, self._library, self.problems))
+        likeness = (node.type, node.timeout_s is None, node.attempts is None)
+        known = self._uses.get(likeness)
+        if known is not None:
+            return ResolvedNode(node, known)
+        use = _use_state(node, self._library, self.problems)
+        if use.is_like_others:
+            self._uses[likeness] = use
+        return ResolvedNode(node, use)
 
     def _behavior(self, node: Behavior) -> ResolvedNode:
         path = included_path(self._chart, node)
@@ -224,7 +265,7 @@ class _Lookup:
                 return _with_behavior(node, self._charts[path])
             message = f"the chart '{node.type}' could not be read."
             self.problems.append(Problem(node.position("type"), Code.UNKNOWN_BEHAVIOR, message))
-            return ResolvedNode(node)
+            return ResolvedNode(node, Use())
         known = self._library.behaviors
         candidates = self._library.find_behaviors(node.type)
         behavior = _only(node, candidates, self.problems)
@@ -234,7 +275,7 @@ class _Lookup:
             self.problems.append(Problem(node.position("type"), Code.UNKNOWN_BEHAVIOR, message))
             meant = names.misspelt(node.type, (b.name for b in known))
             behavior = next((b for b in known if b.name == meant), None)
-        return ResolvedNode(node) if behavior is None else _with_behavior(node, behavior)
+        return ResolvedNode(node, Use()) if behavior is None else _with_behavior(node, behavior)
 
     def _find_support(self, wanted: Support, node: AnyNode) -> StateClass | None:
         """Return the state class that an extension is expanded with; report once if missing."""
@@ -257,7 +298,7 @@ def _wanted_support(entry: ResolvedNode) -> Iterator[Support]:
     """Yield the state classes that a node's extensions need."""
     if entry.node.attempts is not None:
         yield Support.COUNTER
-    if entry.is_timed:
+    if entry.use.is_timed:
         yield Support.TIMER
     if entry.node.on_error:
         yield Support.CHOOSER
@@ -274,7 +315,7 @@ def _body_signature(node: Container) -> Signature:
     )
 
 
-def _resolve_state(node: State, library: Library, problems: list[Problem]) -> ResolvedNode:
+def _use_state(node: State, library: Library, problems: list[Problem]) -> Use:
     candidates = library.find_states(node.type)
     state = _only(node, candidates, problems)
     if not candidates:
@@ -285,15 +326,35 @@ def _resolve_state(node: State, library: Library, problems: list[Problem]) -> Re
         meant = names.misspelt(node.type, (s.name for s in library.states))
         state = next((s for s in library.states if s.name == meant), None)
     if state is None:
-        return ResolvedNode(node)
+        return Use()
     is_timed = node.timeout_s is not None and all(p.name != "timeout_s" for p in state.parameters)
     signature = state_signature(state, arguments(node, is_timed))
-    return ResolvedNode(node, state, signature, node.type != state.name, is_timed)
+    return _use(node, state, signature, is_timed=is_timed, is_qualified=node.type != state.name)
+
+
+def _use(
+    node: AnyNode,
+    declaration: StateClass | BehaviorClass | None,
+    signature: Signature,
+    *,
+    is_timed: bool,
+    is_qualified: bool = False,
+) -> Use:
+    added = (TIMED_OUT,) * is_timed + (EXHAUSTED,) * (node.attempts is not None)
+    inputs, outputs = _typed(signature.inputs, node.inputs), _typed(signature.outputs, node.outputs)
+    return Use(declaration, signature, is_qualified, is_timed, added, inputs, outputs)
+
+
+def _typed(offered: tuple[Port, ...], declared: Sequence[Input | Output]) -> Mapping[str, Port]:
+    """Return the ports by name, with the types that the chart declares for them."""
+    types = {port.name: port.type for port in declared if port.type}
+    return {p.name: replace(p, type=types[p.name]) if p.name in types else p for p in offered}
 
 
 def _with_behavior(node: Behavior, behavior: BehaviorClass) -> ResolvedNode:
     signature = behavior_signature(behavior)
-    return ResolvedNode(node, behavior, signature, is_timed=node.timeout_s is not None)
+    is_timed = node.timeout_s is not None
+    return ResolvedNode(node, _use(node, behavior, signature, is_timed=is_timed))
 
 
 def _only(
@@ -323,8 +384,8 @@ def _check_imports(resolved: ResolvedChart) -> Iterator[Problem]:
     chart = resolved.chart
     users = {names.behavior_class(chart.name): chart.name}
     for entry in (entry for scope in scopes(resolved) for entry in scope.nodes):
-        if isinstance(entry.declaration, BehaviorClass):
-            class_name, name = entry.declaration.class_name, entry.declaration.name
+        if isinstance(entry.use.declaration, BehaviorClass):
+            class_name, name = entry.use.declaration.class_name, entry.use.declaration.name
             if users.setdefault(class_name, name) != name:
                 message = f"behavior '{entry.node.type}' and another behavior in or around this "
                 message += f"chart both have the class {class_name}; rename one of them."

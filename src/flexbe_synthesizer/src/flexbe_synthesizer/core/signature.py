@@ -89,6 +89,14 @@ class StateClass:
     outputs: tuple[Port, ...] | FromParameter
     leaves_goals: bool = False
 
+    @property
+    def depends_on_values(self) -> bool:
+        """Tell whether its outcomes or keys come from the values of its parameters."""
+        return any(
+            isinstance(declared, FromParameter)
+            for declared in (self.outcomes, self.inputs, self.outputs)
+        )
+
 
 @dataclass(frozen=True)
 class BehaviorClass:

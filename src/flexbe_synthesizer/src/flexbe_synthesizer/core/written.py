@@ -9,124 +9,222 @@ the state bring, and with what the state itself has written on its way round.
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Iterable, Mapping
-from functools import reduce
-from operator import and_
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from functools import cached_property, reduce
+from heapq import heappop, heappush
+from operator import and_, or_
 
-from flexbe_synthesizer.core.data_flow import DataFlow, Key, bind_data
+from flexbe_synthesizer.core.data_flow import DataFlow
 from flexbe_synthesizer.core.graph import Edge, Graph, chart_graph, condition_edges
 from flexbe_synthesizer.core.resolve import ResolvedChart
 
 
 class Values:
-    """Who writes which home of a chart or container, and on which edges."""
+    """Who writes which home of a chart or container, and on which edges.
+
+    Only homes that somebody reads are told apart, and that do not hold a value from the beginning.
+    """
 
     def __init__(self, resolved: ResolvedChart, flow: DataFlow, graph: Graph) -> None:
-        """Sort the outputs by home, and by edge."""
+        """Sort the outputs by home and by state."""
         self.graph = graph
+        given = {port.name for port in resolved.chart.inputs}
+        read = {*flow.read(), *(port.name for port in resolved.chart.outputs)} - given
         self.writers: dict[str, list[str]] = {}
-        self._homes: dict[str, frozenset[str]] = {}
-        own: dict[str, set[str]] = {}
-        for key, home in flow.outputs.items():
-            own.setdefault(key.node, set()).add(home)
-            self.writers.setdefault(home, []).append(key.node)
-        self._homes = {node: frozenset(homes) for node, homes in own.items()}
+        for node, homes in flow.outputs.items():
+            for home in homes.values():
+                if home in read:
+                    self.writers.setdefault(home, []).append(node)
+        self._bits = {home: 1 << index for index, home in enumerate(self.writers)}
+        self._own: dict[str, int] = {}
+        for home, nodes in self.writers.items():
+            for node in nodes:
+                self._own[node] = self._own.get(node, 0) | self._bits[home]
         self._bodies = {
             node: {
-                event: frozenset(flow.outputs[Key(node, name)] for name in written)
+                event: reduce(
+                    or_, (self._bits.get(flow.outputs[node][name], 0) for name in written), 0
+                )
                 for event, written in certain_outputs(entry.body).items()
             }
             for node, entry in resolved.by_id.items()
             if entry.body is not None
         }
-        self._bits = {home: 1 << index for index, home in enumerate(self.writers)}
 
-    def homes(self, edge: Edge) -> frozenset[str]:
+    def written_on(self, edge: Edge) -> int:
         """Return the homes that are certainly written when an edge is taken."""
         if not edge.executed:
-            return frozenset()
+            return 0
         if edge.source in self._bodies:
-            return self._bodies[edge.source].get(edge.event, frozenset())
-        return self._homes.get(edge.source, frozenset())
+            return self._bodies[edge.source].get(edge.event, 0)
+        return self._own.get(edge.source, 0)
 
     def has(self, written: int, home: str) -> bool:
         """Tell whether a home is in a set."""
         return bool(written & self._bits[home])
 
-    def edges_not_writing(self, home: str) -> dict[str, tuple[Edge, ...]]:
+    def edges_not_writing(self, home: str) -> dict[str, Sequence[Edge]]:
         """Return the edges from each state that are taken without writing the home."""
         silent = dict(self.graph.leaving)
         for node in self.writers[home]:
-            silent[node] = tuple(e for e in silent.get(node, ()) if home not in self.homes(e))
+            edges = silent.get(node, ())
+            silent[node] = tuple(e for e in edges if not self.has(self.written_on(e), home))
         return silent
 
-    def written_before(self, given: Iterable[str]) -> Mapping[str, int]:
-        """Return, for each state and outcome that can be reached, the homes written by then."""
-        graph, writes = self.graph, {edge: self._set(self.homes(edge)) for edge in self.graph.edges}
-        before: dict[str, int] = {graph.initial: self._set(given)}
+    def written_before(self) -> Mapping[str, int]:
+        """Return, for each state and outcome that can be reached, the homes written by then.
+
+        States are looked at again in the order of the graph, until nothing changes any more.
+        """
+        graph, loops = self.graph, self.graph.loops
+        leaving = graph.leaving
+        counted = {edge.source for edge in graph.edges if edge.is_exhausted}
+        before: dict[str, int] = {graph.initial: 0}
         spent: dict[str, int] = {}  # the homes written when a counted state is left exhausted
-
-        def after(edge: Edge) -> int | None:
-            """Return the homes written when the edge is taken, None if it is not known to be."""
-            return (
-                spent.get(edge.source) if edge.is_exhausted else before[edge.source] | writes[edge]
-            )
-
-        def narrow(homes: dict[str, int], name: str, arriving: int) -> bool:
-            """Keep what arrives on every edge; tell whether that changed anything."""
-            old = homes.get(name)
-            homes[name] = arriving if old is None else old & arriving
-            return homes[name] != old
-
-        waiting = deque([graph.initial])
-        while waiting:
-            for edge in graph.leaving.get(waiting.popleft(), ()):
-                arriving = after(edge)
-                if arriving is None:
-                    continue
-                has_changed = narrow(before, edge.target, arriving)
-                if graph.loops.get(edge.target) == graph.loops[edge.source]:
-                    round_trip = self._written_on_way_round(edge.target, writes)
-                    has_changed |= narrow(spent, edge.target, arriving | round_trip)
+        steps = Steps(graph)
+        for name in steps:
+            written = before[name]
+            for edge in leaving.get(name, ()):
+                target = edge.target
+                if not edge.is_exhausted:
+                    arriving = written | self.written_on(edge)
+                elif name in spent:
+                    arriving = spent[name]
+                else:
+                    continue  # no way round to it is known yet
+                has_changed = _narrow(before, target, arriving)
+                if target in counted and loops[target] == loops[name]:
+                    round_trip = self._written_on_way_round(target)
+                    has_changed |= _narrow(spent, target, arriving | round_trip)
                 if has_changed:
-                    waiting.append(edge.target)
+                    steps.look_at(target)
         return before
 
-    def _set(self, homes: Iterable[str]) -> int:
-        return sum(self._bits.get(home, 0) for home in homes)
-
-    def _written_on_way_round(self, name: str, writes: Mapping[Edge, int]) -> int:
+    def _written_on_way_round(self, name: str) -> int:
         """Return what a state that comes back to itself has written, whichever way it left."""
+        loops = self.graph.loops
         ways = [
-            writes[edge]
+            self.written_on(edge)
             for edge in self.graph.leaving.get(name, ())
-            if not edge.is_exhausted and self.graph.loops.get(edge.target) == self.graph.loops[name]
+            if not edge.is_exhausted and loops.get(edge.target) == loops[name]
         ]
         return reduce(and_, ways or [0])
 
 
+class LastWriters:
+    """Which states can have written a home last when a state is entered.
+
+    A forward analysis, too, over sets of (state, home), each set one integer; only homes with more
+    than one writer are told apart.
+    """
+
+    def __init__(self, values: Values) -> None:
+        """Number the states that write homes that others write too."""
+        self._values = values
+        self._shared: dict[str, list[str]] = {}
+        self._bits: dict[tuple[str, str], int] = {}
+        self._all: dict[str, int] = {}
+        for home, nodes in values.writers.items():
+            for node in nodes if len(nodes) > 1 else ():
+                self._shared.setdefault(node, []).append(home)
+                self._bits[node, home] = 1 << len(self._bits)
+                self._all[home] = self._all.get(home, 0) | self._bits[node, home]
+
+    def besides(self, expected: Collection[str], home: str, reader: str) -> str | None:
+        """Return a state other than those expected that can have written the home that is read."""
+        before = self._before.get(reader, 0)
+        return next(
+            (
+                node
+                for node in self._values.writers[home]
+                if node not in expected and before & self._bits[node, home]
+            ),
+            None,
+        )
+
+    @cached_property
+    def _before(self) -> Mapping[str, int]:
+        """Return the states that can have written last, for each state."""
+        graph = self._values.graph
+        before: dict[str, int] = {graph.initial: 0}
+        steps = Steps(graph)
+        for name in steps:
+            for edge in graph.leaving.get(name, ()):
+                arriving = self._after(edge, before[name])
+                old = before.get(edge.target)
+                before[edge.target] = arriving if old is None else old | arriving
+                if before[edge.target] != old:
+                    steps.look_at(edge.target)
+        return before
+
+    def _after(self, edge: Edge, before: int) -> int:
+        for home in self._shared.get(edge.source, ()):
+            if self._values.has(self._values.written_on(edge), home):
+                before = before & ~self._all[home] | self._bits[edge.source, home]
+        return before
+
+
+class Steps:
+    """The states of a graph that are still to be looked at, in the graph's order."""
+
+    def __init__(self, graph: Graph) -> None:
+        """Begin with the initial state."""
+        self._order = graph.order
+        self._rank = {name: index for index, name in enumerate(graph.order)}
+        self._waiting: list[int] = []
+        self._is_waiting: set[str] = set()
+        self.look_at(graph.initial)
+
+    def look_at(self, name: str) -> None:
+        """Have a state looked at again; an outcome needs none."""
+        if name in self._rank and name not in self._is_waiting:
+            self._is_waiting.add(name)
+            heappush(self._waiting, self._rank[name])
+
+    def __iter__(self) -> Iterator[str]:
+        """Yield the states until none is left."""
+        while self._waiting:
+            name = self._order[heappop(self._waiting)]
+            self._is_waiting.discard(name)
+            yield name
+
+
+def _narrow(homes: dict[str, int], name: str, arriving: int) -> bool:
+    """Keep what arrives on every edge; tell whether that changed anything."""
+    old = homes.get(name)
+    homes[name] = new = arriving if old is None else old & arriving
+    return new != old
+
+
 def certain_outputs(resolved: ResolvedChart) -> Mapping[str, frozenset[str]]:
     """Return, for each outcome of a container, its outputs that are then certainly written."""
-    flow, graph = bind_data(resolved), chart_graph(resolved)
+    flow, graph = resolved.flow, chart_graph(resolved)
     values = Values(resolved, flow, graph)
     given = {port.name for port in resolved.chart.inputs}
-    outputs = [port.name for port in resolved.chart.outputs]
-    outcomes = [outcome.name for outcome in resolved.chart.outcomes]
-    if resolved.is_concurrent:
-        causes: dict[str, frozenset[str]] = {}
-        for condition in resolved.chart.conditions:
-            edges = condition_edges(condition, resolved)
-            written = frozenset(given).union(*map(values.homes, edges))
-            causes[condition.outcome] = causes.get(condition.outcome, written) & written
-        return {o: frozenset(outputs) & causes.get(o, frozenset()) for o in outcomes}
-    before = values.written_before(given)
+    before = (
+        _written_by_conditions(resolved, values)
+        if resolved.is_concurrent
+        else values.written_before()
+    )
     return {
-        outcome: frozenset(
-            name
-            for name in outputs
-            if name in given
-            or (outcome in before and name in values.writers and values.has(before[outcome], name))
+        outcome.name: frozenset(
+            port.name
+            for port in resolved.chart.outputs
+            if (port.name in given and (outcome.name in before or not resolved.is_concurrent))
+            or (
+                outcome.name in before
+                and port.name in values.writers
+                and values.has(before[outcome.name], port.name)
+            )
         )
-        for outcome in outcomes
+        for outcome in resolved.chart.outcomes
     }
+
+
+def _written_by_conditions(resolved: ResolvedChart, values: Values) -> Mapping[str, int]:
+    """Return the homes written with each outcome of a concurrency container."""
+    causes: dict[str, int] = {}
+    for condition in resolved.chart.conditions:
+        written = (values.written_on(edge) for edge in condition_edges(condition, resolved))
+        _narrow(causes, condition.outcome, reduce(or_, written, 0))
+    return causes

@@ -8,6 +8,7 @@ types are refused, and with them entity bombs, external entities and default att
 
 from __future__ import annotations
 
+import contextlib
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -38,7 +39,6 @@ class XmlElement:
     """An element, what is in it, and where it stands.
 
     Attributes:
-        comment: the first comment in it before any child element.
         text: where the first text stands that is not blank.
     """
 
@@ -47,16 +47,14 @@ class XmlElement:
     position: Position
     attributes: tuple[XmlAttribute, ...]
     children: tuple[XmlElement, ...]
-    comment: str | None
     text: Position | None
 
 
 @dataclass(frozen=True)
 class Document:
-    """The root element, the comment right before it, and what was wrong without being fatal."""
+    """The root element, and what was wrong without being fatal."""
 
     root: XmlElement
-    comment: str | None
     problems: tuple[Problem, ...]
 
 
@@ -66,7 +64,15 @@ def read_xml(source: str | bytes, file: str) -> Document:
     Raises:
         ChartError: if the source is not well-formed XML in a known encoding, or has a DOCTYPE.
     """
-    data = _as_utf8(source, file) if isinstance(source, bytes) else _encode(source)
+    return read_utf8(as_utf8(source, file), file)
+
+
+def read_utf8(data: bytes, file: str) -> Document:
+    """Return the document that `as_utf8` gave the bytes of.
+
+    Raises:
+        ChartError: if it is not well-formed XML, or has a DOCTYPE.
+    """
     duplicates: list[Problem] = []
     while len(duplicates) < _MOST_DUPLICATES:
         try:
@@ -77,34 +83,86 @@ def read_xml(source: str | bytes, file: str) -> Document:
         except ChartError as error:
             raise ChartError((*duplicates, *error.problems)) from error
         else:
-            return Document(document.root, document.comment, (*duplicates, *document.problems))
+            return Document(document.root, (*duplicates, *document.problems))
     raise ChartError(duplicates)
 
 
-def _encode(text: str) -> bytes:
-    """Return the text in UTF-8; half characters stay in it for expat to find."""
-    return text.encode("utf-8", "surrogatepass")
+def read_description(data: bytes) -> str:
+    """Return the first comment in the root before any element, else the last before the root.
+
+    Args:
+        data: a document in UTF-8; it is read as far as its second element.
+    """
+    elements: list[str] = []
+    before, inside = [""], list[str]()
+
+    def start(name: str, _attributes: object) -> None:
+        elements.append(name)
+        if len(elements) > 1:
+            raise _HeadReadError
+
+    def end(_name: str) -> None:
+        raise _HeadReadError
+
+    parser = expat.ParserCreate(encoding="utf-8")
+    parser.StartElementHandler = start
+    parser.EndElementHandler = end
+    parser.CommentHandler = lambda text: (inside if elements else before).append(text)
+    with contextlib.suppress(_HeadReadError, expat.ExpatError):
+        parser.Parse(data, True)
+    return (*inside, before[-1])[0]
 
 
-def _as_utf8(data: bytes, file: str) -> bytes:
-    """Return the text in UTF-8, whatever its byte order mark or declaration says it is in."""
-    encoding = "utf-8-sig"
-    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-        encoding = "utf-16"
-    elif declared := _DECLARATION.match(data):
-        encoding = declared[1].decode().lower()
-        if encoding not in _ENCODINGS:
-            message = f"the encoding {encoding!r} is not read here; save the file as UTF-8."
-            raise ChartError([Problem(Position(file, 1, 1), Code.NOT_XML, message)])
+class _HeadReadError(Exception):
+    """The head of a document has been read, and the rest is not wanted."""
+
+
+def as_utf8(source: str | bytes, file: str) -> bytes:
+    """Return the source in UTF-8, whatever its byte order mark or declaration says it is in.
+
+    Half characters of a text stay in it for expat to find.
+
+    Raises:
+        ChartError: if the encoding is not known, or not that of the bytes.
+    """
+    if isinstance(source, str):
+        return _without_nul(source, file)
+    encoding = _encoding(source, file)
     try:
-        return data.decode(encoding).encode()
+        return _without_nul(source.decode(encoding), file)
     except UnicodeDecodeError as error:
-        before = data[: error.start]
+        before = source[: error.start]
         line = before.count(b"\n") + 1
         column = len(before[before.rfind(b"\n") + 1 :].decode(encoding, "replace")) + 1
         expected = encoding.removesuffix("-sig")
-        message = f"byte {data[error.start]:#04x} is not {expected}; save the file as UTF-8."
+        message = f"byte {source[error.start]:#04x} is not {expected}; save the file as UTF-8."
         raise ChartError([Problem(Position(file, line, column), Code.NOT_XML, message)]) from error
+
+
+def _encoding(data: bytes, file: str) -> str:
+    """Return the encoding that a byte order mark, the first letter or the declaration tells."""
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return "utf-16"
+    if data.startswith((b"<\0", b"\0<")):
+        return "utf-16-le" if data.startswith(b"<") else "utf-16-be"
+    declared = _DECLARATION.match(data)
+    if declared is None:
+        return "utf-8-sig"
+    name = declared[1].decode().lower()
+    if name not in _ENCODINGS:
+        message = f"the encoding {name!r} is not read here; save the file as UTF-8."
+        raise ChartError([Problem(Position(file, 1, 1), Code.NOT_XML, message)])
+    return name
+
+
+def _without_nul(text: str, file: str) -> bytes:
+    """Return the text in UTF-8; expat would take one with NUL characters for UTF-16."""
+    before, nul, _after = text.partition("\0")
+    if nul:
+        line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
+        message = "a NUL character, which no XML file holds; save the file as UTF-8."
+        raise ChartError([Problem(Position(file, line, column), Code.NOT_XML, message)])
+    return text.encode("utf-8", "surrogatepass")
 
 
 class _DuplicateAttributeError(Exception):
@@ -125,7 +183,6 @@ class _Open:
     prefixes: dict[str, str]
     attributes: list[XmlAttribute] = field(default_factory=list)
     children: list[XmlElement] = field(default_factory=list)
-    comment: str | None = None
     text: Position | None = None
 
 
@@ -138,12 +195,10 @@ class _Reading:
         self._problems: list[Problem] = []
         self._open: list[_Open] = []
         self._root: XmlElement | None = None
-        self._comment: str | None = None
         self._parser = expat.ParserCreate(encoding="utf-8")
         self._parser.ordered_attributes = True
         self._parser.StartElementHandler = self._start
         self._parser.EndElementHandler = self._end
-        self._parser.CommentHandler = self._take_comment
         self._parser.CharacterDataHandler = self._take_text
         self._parser.StartDoctypeDeclHandler = self._refuse_doctype
 
@@ -154,7 +209,7 @@ class _Reading:
             raise self._explain(error) from error
         if self._root is None:
             raise AssertionError("expat accepted a document without an element")
-        return Document(self._root, self._comment, tuple(self._problems))
+        return Document(self._root, tuple(self._problems))
 
     def _here(self) -> Position:
         line, column = self._parser.CurrentLineNumber, self._parser.CurrentColumnNumber
@@ -216,20 +271,12 @@ class _Reading:
             done.position,
             tuple(done.attributes),
             tuple(done.children),
-            done.comment,
             done.text,
         )
         if self._open:
             self._open[-1].children.append(element)
         else:
             self._root = element
-
-    def _take_comment(self, text: str) -> None:
-        if not self._open:
-            if self._root is None:
-                self._comment = text
-        elif self._open[-1].comment is None and not self._open[-1].children:
-            self._open[-1].comment = text
 
     def _take_text(self, text: str) -> None:
         if self._open[-1].text is None and text.strip():

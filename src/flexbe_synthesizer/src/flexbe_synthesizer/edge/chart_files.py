@@ -15,7 +15,7 @@ from flexbe_synthesizer.core.problem import Code, Problem
 from flexbe_synthesizer.core.resolve import included_path
 from flexbe_synthesizer.errors import ChartFileError, ChartRefusedError
 
-LARGEST_FILE = 16 * 2**20  # of a chart [bytes]; ten thousand states take about 4 MiB
+LARGEST_FILE = 4 * 2**20  # of a chart [bytes]; ten thousand states take less than 3 MiB
 
 
 @dataclass(frozen=True)

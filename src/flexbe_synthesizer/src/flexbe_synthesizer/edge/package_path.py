@@ -10,6 +10,7 @@ import importlib.util
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -111,8 +112,9 @@ def _read_states(
                 continue
             module = ".".join((package.name, *path.relative_to(top).with_suffix("").parts))
             try:
-                text = path.read_text(encoding="utf-8")
-                state = read_state_class(text, package.name, module) if _may_hold(text) else None
+                status = path.stat()
+                version = (status.st_mtime_ns, status.st_size)
+                state = _read_state(path, version, package.name, module)
             except (OSError, SyntaxError, ValueError, RecursionError) as error:
                 warnings.append(f"{path} cannot be read: {error}; its state is left out")
             else:
@@ -120,9 +122,14 @@ def _read_states(
                     yield state
 
 
-def _may_hold(text: str) -> bool:
-    """Tell whether a file can hold a state class at all; parsing it is slow."""
-    return "(EventState)" in text
+@lru_cache(maxsize=4096)  # a server reads the same files at each request
+def _read_state(
+    path: Path, _version: tuple[int, int], package: str, module: str
+) -> StateClass | Unreadable | None:
+    """Return the state class of a version of a file, None if it has none."""
+    text = path.read_text(encoding="utf-8")
+    may_hold_one = "(EventState)" in text  # parsing is slow
+    return read_state_class(text, package, module) if may_hold_one else None
 
 
 def _read_behaviors(

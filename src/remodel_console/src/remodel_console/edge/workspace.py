@@ -79,7 +79,7 @@ class Workspace:
         """Return the events of the nodes by id, by the name of the container that they are in."""
         (checked, *_) = self._checked(chart).charts.values()
         return {
-            scope.chart.name: {node: entry.events or () for node, entry in scope.by_id.items()}
+            scope.chart.name: {node: entry.use.events or () for node, entry in scope.by_id.items()}
             for scope in scopes(checked.resolved)
         }
 
