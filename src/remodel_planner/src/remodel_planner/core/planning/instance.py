@@ -5,8 +5,11 @@ from __future__ import annotations
 from remodel_planner.core.planning.fields import GREATEST, GREATEST_TIME, Fields
 from remodel_planner.core.planning.problem import (
     Arm,
+    Characteristic,
+    Detour,
     Durations,
     End,
+    Handling,
     Handover,
     Pin,
     Problem,
@@ -127,7 +130,28 @@ def _wire(item: Fields, states: dict[str, Fields]) -> Wire:
         stage,
         first,
         jammed,
+        _handling(item.inner("handling")) if item.has("handling") else None,
+        tuple(map(_detour, item.objects("detours"))) if item.has("detours") else (),
+        item.number("insert_force_n") if item.has("insert_force_n") else None,
+        characteristics_of(item),
     )
+
+
+def characteristics_of(item: Fields) -> tuple[tuple[str, Characteristic], ...]:
+    """Return the field `characteristics`, if there is one: texts, finite numbers, booleans."""
+    if not item.has("characteristics"):
+        return ()
+    inner = item.inner("characteristics")
+    return tuple((name, inner.plain(name)) for name in inner.keys())  # noqa: SIM118 - not a dict
+
+
+def _handling(item: Fields) -> Handling:
+    return Handling(item.number("pick"), item.pair("insert", least=0), item.number("fix"))
+
+
+def _detour(item: Fields) -> Detour:
+    meeting = _handover(item.inner("handover")) if item.has("handover") else None
+    return Detour(item.texts("segments"), item.number("route"), meeting)
 
 
 def _handover(item: Fields) -> Handover:
