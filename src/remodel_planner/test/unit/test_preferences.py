@@ -14,7 +14,7 @@ from remodel_planner.core.planning.instance import problem_from
 from remodel_planner.core.planning.listing import listing_of
 from remodel_planner.core.planning.modes import Mode
 from remodel_planner.core.planning.order import wire_order
-from remodel_planner.core.planning.preferences import apply_preferences
+from remodel_planner.core.planning.preferences import Preferred, apply_preferences
 from remodel_planner.core.planning.problem import ActionKind, Wish
 from remodel_planner.core.planning.tables import tables_of
 from remodel_planner.edge.anytime_planner import AnytimePlanner
@@ -31,7 +31,7 @@ def problem():
 
 
 def preferred(problem, text):
-    return apply_preferences(problem, {**HEAD, **yaml.safe_load(text)})
+    return apply_preferences(Preferred(problem), {**HEAD, **yaml.safe_load(text)})
 
 
 def planned(problem):
@@ -79,7 +79,7 @@ def test_requirements_bind_the_plan(problem):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("wishes: []", "wishes: no such field; there are format, weights, prefer, require"),
+        ("wishes: []", "wishes: no such field; there are format, zones, weights, prefer, require"),
         ("weights: {speed: 3}", "weights.speed: no such field"),
         ("prefer: [{name: x, pick: w99, before: w1, weight: 1}]", r"prefer\[0\].pick: no wire w99"),
         ("prefer: [{name: x, pick: [3], before: w1, weight: 1}]", r"prefer\[0\].pick: no wire 3"),

@@ -32,7 +32,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("plan", type=Path, help="plan of that problem")
     options = parser.parse_args(arguments)
     try:
-        preferred = read_problem(options)
+        preferred = read_problem(options).preferred
         plan = read_plan(options.plan)
         verdict = check(preferred.problem, plan)
         if not verdict.valid:

@@ -77,6 +77,14 @@ class Fields:
             raise self.fail(key, f"two integers from {least} to {GREATEST}")
         return (value[0], value[1])
 
+    def pairs(self, key: str) -> tuple[tuple[int, int], ...]:
+        """Return a field that is a list of at least two pairs of integers, such as a path in mm."""
+        value = self.value(key)
+        if not isinstance(value, list) or len(value) < 2:
+            raise self.fail(key, "a list of at least two positions")
+        places = Fields({str(i): place for i, place in enumerate(value)}, self.place(key))
+        return tuple(places.pair(str(i)) for i in range(len(value)))
+
     def plain(self, key: str) -> str | float | bool:
         """Return a field that is a text, a finite number, or true or false."""
         value = self.value(key)

@@ -64,9 +64,12 @@ def problem_from(data: object) -> Problem:
             *(weights.number(key) for key in ("colour", "zone", "start", "tool", "heavy", "arm"))
         ),
         tools=fields.texts("tools"),
-        arms=tuple(_arm(item, init.inner("arms")) for item in fields.objects("arms")),
+        arms=tuple(
+            arm_from(item, init.inner("arms").inner(item.text("id")))
+            for item in fields.objects("arms")
+        ),
         components=tuple(item.text("id") for item in fields.objects("components")),
-        terminals=tuple(_terminal(item) for item in fields.objects("terminals")),
+        terminals=tuple(terminal_from(item) for item in fields.objects("terminals")),
         wires=tuple(_wire(item, states) for item in fields.objects("wires")),
         unders=tuple(
             Under(item.text("before"), item.text("after"))
@@ -88,11 +91,10 @@ def _wire_states(states: Fields) -> dict[str, Fields]:
     return {name: states.inner(name) for name in states.keys()}  # noqa: SIM118 - not a dict
 
 
-def _arm(item: Fields, states: Fields) -> Arm:
-    name = item.text("id")
-    state = states.inner(name)
+def arm_from(item: Fields, state: Fields) -> Arm:
+    """Return the arm of an entry, and of one that tells what it is doing."""
     return Arm(
-        name,
+        item.text("id"),
         item.pair("station"),
         item.pair("reach"),
         state.pair("pos"),
@@ -101,7 +103,8 @@ def _arm(item: Fields, states: Fields) -> Arm:
     )
 
 
-def _terminal(item: Fields) -> Terminal:
+def terminal_from(item: Fields) -> Terminal:
+    """Return the terminal of an entry."""
     position = (item.number("x", least=-GREATEST), item.number("y", least=-GREATEST))
     return Terminal(item.text("id"), item.text("comp"), position)
 
