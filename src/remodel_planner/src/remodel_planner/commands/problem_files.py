@@ -85,6 +85,21 @@ def read_problem(options: argparse.Namespace) -> ProblemFiles:
     return files
 
 
+def read_order(options: argparse.Namespace) -> Prepared:
+    """Return the order of the files, ready for planning.
+
+    Raises:
+        PlannerError: naming the file, and what is wrong where.
+    """
+    prepared = read_problem(options).prepared
+    if prepared is None:
+        raise InstanceError(
+            f"{options.instance}: states a problem, and no tasks to decompose: give an order "
+            "(remodel-order-1, docs/use-cases.md)"
+        )
+    return prepared
+
+
 def _stated(
     file: Path, data: object, documents: list[tuple[str, object]], situations: frozenset[str]
 ) -> Preferred:

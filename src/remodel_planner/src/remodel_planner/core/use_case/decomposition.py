@@ -3,8 +3,9 @@
 As in SHOP, the tasks of a method are done in their order, on a state that is carried along; as in
 TLPlan, rules prune what must not be. The state holds what is known: an action that needs a fact
 which nobody has looked at yet, or which an earlier action has made untrue, has the looking action
-put before it. Of all decompositions the one is taken that is expected to cost least, failures
-included; among equals the one of the methods that come first.
+put before it. The methods of a task stand in the order in which they are preferred: the first that
+holds and can be carried out is taken, or one after it that says `if_cheaper` and is expected to
+cost less, failures included.
 
     cost of a decomposition = sum over its actions of: expected time of up to `attempts` calls
                               + failure_s x the probability that all of these fail
@@ -19,7 +20,7 @@ from dataclasses import dataclass, field, replace
 from remodel_planner.core.condition import Features, Value
 from remodel_planner.core.planning.problem import End
 from remodel_planner.core.use_case.expectation import NOTHING, Expectation, Expectations
-from remodel_planner.core.use_case.model import Action, Macro, Scope, Subtask, UseCase
+from remodel_planner.core.use_case.model import Action, Macro, Method, Scope, Subtask, UseCase
 from remodel_planner.core.use_case.work_order import Clip, Task, Way
 from remodel_planner.errors import InstanceError
 
@@ -72,7 +73,7 @@ class Step:
     def title(self) -> str:
         """Its name in the task, unique in its task but for actions done twice to one end."""
         title = self.action.title.replace("{end}", self.end.letter if self.end is not None else "")
-        return f"{title} {self.clip.name}" if self.clip else title
+        return f"{title} {self.clip.name}" if self.clip else title.strip()
 
 
 @dataclass(frozen=True)
@@ -143,12 +144,24 @@ class _Pending:
 
 @dataclass(frozen=True)
 class _State:
-    """What holds after some steps: facts with what they are about, the tool needed, the cost."""
+    """What holds after some steps.
+
+    Attributes:
+        known: facts, with what they are about.
+        tool: that the arm needs; empty: any.
+        passed_over: how many preferred methods were not taken.
+    """
 
     steps: tuple[Step, ...] = ()
     known: frozenset[tuple[str, str]] = frozenset()
     tool: str = ""
+    passed_over: int = 0
     cost_s: float = 0.0
+
+    @property
+    def rank(self) -> tuple[int, float]:
+        """What is made least."""
+        return self.passed_over, self.cost_s
 
 
 class Decomposer:
@@ -248,11 +261,11 @@ class _Run:
                 f"task {self._task.name}: no method of use case {self._d.use_case.name} does it: "
                 f"{reasons}"
             )
-        way, state = min(ended, key=lambda pair: pair[1].cost_s)
+        way, state = min(ended, key=lambda pair: pair[1].rank)
         for number, other in enumerate(self._task.ways, 1):
-            costs = [state.cost_s for ended_way, state in ended if ended_way is other]
-            if other is not way and costs:
-                self._reject("way", str(number), _dearer(min(costs) - state.cost_s))
+            ranks = [found.rank for ended_way, found in ended if ended_way is other]
+            if other is not way and ranks:
+                self._reject("way", str(number), _behind(min(ranks), state.rank))
         taken = {pair for step in state.steps for pair in step.methods}
         rejected = tuple(
             Rejected(*pair, why) for pair, why in self._rejected.items() if pair not in taken
@@ -262,10 +275,10 @@ class _Run:
     def _sequence(self, way: Way, *, hands_over: bool) -> list[_Pending]:
         """Return the macro operations of the task."""
         first, second = self._first, self._first.other
+        way = way if first is End.A else way.reversed
         parts = [way]
         if hands_over and self._task.meeting_mm is not None:
             parts = list(way.split(self._task.meeting_mm))
-            parts = parts if first is End.A else parts[::-1]
         ends = {Macro.INSERT: [first, second]}
         ways = {Macro.ROUTE: parts}
         middle = [Macro.ROUTE, Macro.HAND_OVER, Macro.ROUTE] if len(parts) > 1 else [Macro.ROUTE]
@@ -287,9 +300,9 @@ class _Run:
 
     def _do(self, head: _Pending, states: list[_State]) -> list[_State]:
         if head.subtask.for_each_clip:
-            once = Subtask(head.subtask.name)
-            clips = [replace(head, subtask=once, clip=clip) for clip in head.way.clips]
-            return self._all(clips, states)
+            once = replace(head, subtask=Subtask(head.subtask.name))
+            legs = zip(head.way.clips, head.way.legs(), strict=False)
+            return self._all([replace(once, clip=clip, way=leg) for clip, leg in legs], states)
         if head.subtask.name in self._d.use_case.actions:
             return _cheapest(after for s in states for after in self._act(head, s))
         return self._choose(head, states)
@@ -299,18 +312,32 @@ class _Run:
         task = head.subtask.name
         features = self._d.features(self._task, head.way, head.end)
         after: dict[str, list[_State]] = {}
+        passed_over = -1
         for method in self._d.use_case.methods[task]:
             if not method.when.holds(features):
                 self._reject(task, method.name, method.when.reason(features))
                 continue
             path = (*head.methods, (task, method.name))
-            inner = [replace(head, subtask=sub, methods=path) for sub in method.subtasks]
-            after[method.name] = self._all(inner, states)
-        costs = {name: min(s.cost_s for s in found) for name, found in after.items() if found}
-        for name, cost in costs.items():
-            if cost > min(costs.values()):
-                self._reject(task, name, _dearer(cost - min(costs.values())))
+            inner = [
+                replace(head, subtask=sub, methods=path, way=self._part(head.way, method, sub))
+                for sub in method.subtasks
+            ]
+            passed_over += not (method.if_cheaper and after)
+            after[method.name] = [
+                replace(state, passed_over=state.passed_over + passed_over)
+                for state in self._all(inner, states)
+            ]
+        ranks = {name: min(s.rank for s in found) for name, found in after.items() if found}
+        for name, rank in ranks.items():
+            if rank > min(ranks.values()):
+                self._reject(task, name, _behind(rank, min(ranks.values())))
         return _cheapest(state for found in after.values() for state in found)
+
+    def _part(self, way: Way, method: Method, subtask: Subtask) -> Way:
+        """Return the part of a way that a subtask is about: beside clips, what they leave."""
+        if subtask.for_each_clip or not any(sub.for_each_clip for sub in method.subtasks):
+            return way
+        return way.legs()[-1]
 
     def _act(self, head: _Pending, state: _State) -> list[_State]:
         """Return the state after an action, looked before as far as it needs to; or none."""
@@ -334,7 +361,8 @@ class _Run:
         failure_s = self._d.use_case.cell.failure_s * (1 - expected.success)
         cost_s = state.cost_s + expected.duration_s + failure_s
         tool = state.tool or action.tool
-        return [_State((*state.steps, step), frozenset(known), tool, cost_s)]
+        steps = (*state.steps, step)
+        return [_State(steps, frozenset(known), tool, state.passed_over, cost_s)]
 
     def _looking(self, head: _Pending, scope: Scope) -> Macro:
         """Return the macro operation whose time it is that is spent on looking before an action.
@@ -368,10 +396,13 @@ def _cheapest(states: Iterable[_State]) -> list[_State]:
     best: dict[tuple[frozenset[tuple[str, str]], str], _State] = {}
     for state in states:
         key = (state.known, state.tool)
-        if key not in best or state.cost_s < best[key].cost_s:
+        if key not in best or state.rank < best[key].rank:
             best[key] = state
     return list(best.values())
 
 
-def _dearer(difference_s: float) -> str:
-    return f"is expected to cost {difference_s:.1f} s more"
+def _behind(rank: tuple[int, float], best: tuple[int, float]) -> str:
+    """Say why what has one rank was not taken, and what has a better one was."""
+    if rank[0] > best[0]:
+        return "comes after one that can be taken"
+    return f"is expected to cost {rank[1] - best[1]:.1f} s more"

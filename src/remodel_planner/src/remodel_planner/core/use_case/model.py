@@ -117,10 +117,15 @@ class Subtask:
 
 @dataclass(frozen=True)
 class Method:
-    """One way of doing a task, for those that meet its condition."""
+    """One way of doing a task, for those that meet its condition.
+
+    Attributes:
+        if_cheaper: whether it may be taken in place of the method before it, if it costs less.
+    """
 
     name: str
     when: Condition
+    if_cheaper: bool
     subtasks: tuple[Subtask, ...]
 
 

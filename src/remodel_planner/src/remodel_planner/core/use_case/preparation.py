@@ -26,6 +26,8 @@ class Prepared:
 
     order: WorkOrder
     use_case: UseCase
+    limits: Limits
+    expectations: Expectations | None
     plans: tuple[TaskPlan, ...]
     preferred: Preferred
 
@@ -67,4 +69,4 @@ def prepare(
         with blamed(name):
             preferred = apply_preferences(preferred, document, situations)
             require_sound(preferred.problem)
-    return Prepared(order, use_case, plans, preferred)
+    return Prepared(order, use_case, limits, expectations, plans, preferred)

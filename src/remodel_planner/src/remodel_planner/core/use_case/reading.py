@@ -137,7 +137,8 @@ def _method(item: Json) -> Method:
         Subtask(sub) if isinstance(sub, str) else Subtask(sub["for_each_clip"], True)
         for sub in item["do"]
     )
-    return Method(item["name"], _condition(item.get("when", {})), subtasks)
+    when, if_cheaper = _condition(item.get("when", {})), item.get("if_cheaper", False)
+    return Method(item["name"], when, if_cheaper, subtasks)
 
 
 def _unknown_names(use_case: UseCase) -> Iterator[str]:

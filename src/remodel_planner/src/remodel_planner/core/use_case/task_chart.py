@@ -67,12 +67,13 @@ def task_chart(
         UseCaseError: if an action refers to a value that the task does not have.
     """
     chart = _Charting(use_case, decomposition, component_of, arms).chart()
-    return replace(chart, description=f"{chart.description}\nContent {content_hash(chart)}.")
+    digest = hashlib.sha256(write_chart(chart).encode()).hexdigest()[:_HASH_DIGITS]
+    return replace(chart, description=f"{chart.description}\nContent {digest}.")
 
 
-def content_hash(chart: Chart) -> str:
-    """Return a hash of what a chart says, whatever it is used for."""
-    return hashlib.sha256(write_chart(chart).encode()).hexdigest()[:_HASH_DIGITS]
+def content_mark(chart: Chart) -> str:
+    """Return the last line of a task chart's description, a hash of all that the chart says."""
+    return chart.description.splitlines()[-1]
 
 
 @dataclass(frozen=True)
@@ -228,11 +229,9 @@ class _Charting:
             values["meeting_pose"] = poses([self._task.meeting_mm], height_m)[0]
         if step.end is not None:
             values |= self._of_end("", step.end)
-        path = step.way.path_mm if self._first is End.A else step.way.path_mm[::-1]
         if step.clip is not None:
             values["clip"] = step.clip.name
-            path = (step.clip.position_mm,)
-        values["path"] = poses(path, height_m)
+        values["path"] = poses(step.way.path_mm, height_m)
         return {**values, **dict(self._task.values)}
 
     def _of_end(self, prefix: str, end: End) -> dict[str, object]:

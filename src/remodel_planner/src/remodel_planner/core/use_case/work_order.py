@@ -42,6 +42,19 @@ class Way:
         """Its length [m]."""
         return sum(math.dist(a, b) for a, b in pairwise(self.path_mm)) / 1e3
 
+    @property
+    def reversed(self) -> Way:
+        """The same way from its end to its beginning."""
+        return Way(self.path_mm[::-1], self.clips[::-1], self.segments)
+
+    def legs(self) -> tuple[Way, ...]:
+        """Return the parts from clip to clip, and the rest after the last clip."""
+        legs, rest = [], replace(self, clips=())
+        for clip in self.clips:
+            leg, rest = rest.split(clip.position_mm)
+            legs.append(leg)
+        return (*legs, rest)
+
     def split(self, point: Point) -> tuple[Way, Way]:
         """Return the parts before and after the place of the way that is nearest to a point."""
         leg, place = min(
