@@ -265,3 +265,35 @@ def test_a_closed_pipe_ends_a_command_quietly(arguments):
     )
     os.close(writer)
     assert (done.returncode, done.stderr) == (141, "")
+
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def test_a_plan_with_five_broken_preferences_is_explained_in_words(tmp_path, capsys):
+    panel, output = str(EXAMPLES / "panel.json"), str(tmp_path / "plan.json")
+    preferences = ["--preferences", str(EXAMPLES / "panel_preferences.yaml")]
+    assert plan_command.main([panel, "--output", output, "--time-limit=0.2", *preferences]) == 0
+    capsys.readouterr()
+    assert explain_command.main([panel, output, *preferences]) == 0
+    told = capsys.readouterr().out
+    heads = [line for line in told.splitlines() if line.startswith("broken, costs ")]
+    names = {line.split("`")[1] for line in heads if "`" in line}
+    assert len(names) >= 5
+    assert "would cost" in told
+
+
+def test_requirements_of_a_situation_bind_when_it_is_there(tmp_path, capsys):
+    panel, output = str(EXAMPLES / "panel.json"), tmp_path / "plan.json"
+    options = ["--preferences", str(EXAMPLES / "panel_preferences.yaml"), "--time-limit=0"]
+    while_there = ["--while", "operator in B"]
+    assert plan_command.main([panel, "--output", str(output), *options]) == 0
+    capsys.readouterr()
+    assert check_command.main([panel, str(output), *options[:2], *while_there]) == 1
+    assert "out of reach" in capsys.readouterr().out
+    assert plan_command.main([panel, "--output", str(output), *options, *while_there]) == 0
+    assert check_command.main([panel, str(output), *options[:2], *while_there]) == 0
+    assert plan_command.main([panel, "--output", str(output), *options, "--while", "fire"]) == 1
+    assert "--while fire: no requirement says so; there are operator in B" in (
+        capsys.readouterr().err
+    )

@@ -115,9 +115,9 @@ def _tell_arms(preferred: Preferred, plan: Plan, mender: Mender) -> Iterator[str
         arms = {name: str(problem.wire[name].preferred_arm) for name in names}
         able = [n for n in names if any(mode.arm == index[arms[n]] for mode in modes[n])]
         yield (
-            f"broken, costs {len(names) * problem.weights.arm}: `{reason}`: {len(names)} "
-            f"wires are picked by the other arm, of which {len(names) - len(able)} are out of the "
-            "preferred arm's reach"
+            f"broken, costs {len(names) * problem.weights.arm}: `{reason}`: {', '.join(names)} picked "
+            f"by the other arm; {len(names) - len(able)} of {len(names)} out of the preferred "
+            "arm's reach"
         )
         for name in able[:_TOLD]:
             yield _judge(f"{name} by {arms[name]}", mender.done_by(name, arms[name]))
@@ -133,7 +133,8 @@ def _tell_group(
         paid = sum(item.wish.weight for item in group)
         yield f"broken, costs {paid}: `{reason}`: {len(group)} of {pairs} pairs, such as"
     for item in told:
-        yield from _tell(item, mender)
+        lines = _tell(item, mender)
+        yield from lines if told == group else (f"  {line}" for line in lines)
 
 
 def _tell(item: BrokenWish, mender: Mender) -> Iterator[str]:

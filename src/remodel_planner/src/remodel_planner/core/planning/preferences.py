@@ -175,7 +175,7 @@ def _limit_reach(problem: Problem, item: Fields, zones: Fields) -> Problem:
     arm = next(arm for arm in problem.arms if arm.name == arm_name)
     if item.has("out_of"):
         zone = item.choice("out_of", zones.keys())
-        limited = _outside(arm, zones.pair(zone))
+        limited = _outside(problem, arm, zones.pair(zone))
     else:
         least, greatest = item.pair("x_mm")
         limited = (max(least, arm.reach_mm[0]), min(greatest, arm.reach_mm[1]))
@@ -183,11 +183,15 @@ def _limit_reach(problem: Problem, item: Fields, zones: Fields) -> Problem:
     return replace(problem, arms=tuple(arms))
 
 
-def _outside(arm: Arm, zone: tuple[int, int]) -> tuple[int, int]:
-    """Return the greater part of an arm's reach that a zone leaves: it does not leap over it."""
+def _outside(problem: Problem, arm: Arm, zone: tuple[int, int]) -> tuple[int, int]:
+    """Return what a zone leaves of an arm's reach: the side of it that has more terminals."""
     least, greatest = arm.reach_mm
     left, right = (least, min(greatest, zone[0] - 1)), (max(least, zone[1] + 1), greatest)
-    return max(left, right, key=lambda part: part[1] - part[0])
+
+    def terminals(part: tuple[int, int]) -> int:
+        return sum(part[0] <= t.position_mm[0] <= part[1] for t in problem.terminals)
+
+    return max(left, right, key=terminals)
 
 
 def _avoid(preferred: Preferred, segment: str, name: str) -> Preferred:
