@@ -115,9 +115,9 @@ def _tell_arms(preferred: Preferred, plan: Plan, mender: Mender) -> Iterator[str
         arms = {name: str(problem.wire[name].preferred_arm) for name in names}
         able = [n for n in names if any(mode.arm == index[arms[n]] for mode in modes[n])]
         yield (
-            f"broken, costs {len(names) * problem.weights.arm}: `{reason}`: {', '.join(names)} picked "
-            f"by the other arm; {len(names) - len(able)} of {len(names)} out of the preferred "
-            "arm's reach"
+            f"broken, costs {len(names) * problem.weights.arm}: `{reason}`: another arm picks "
+            f"{', '.join(names)}; {len(names) - len(able)} of {len(names)} are out of its "
+            "reach"
         )
         for name in able[:_TOLD]:
             yield _judge(f"{name} by {arms[name]}", mender.done_by(name, arms[name]))
