@@ -49,7 +49,8 @@ lint: .venv/.ready ## Style, types of the pure cores, and XML
 bench-engine: build build/bench-venv/.ready ## Measure the engine, with peers; figures in out/bench/engine.jsonl
 	@$(SOURCED) benchmarks/engine/run.py --py-trees build/bench-venv/bin/python
 
-bench-planner: build build/bench-venv/.ready ## Measure the planner beside GTPyhop, against its targets
+bench-planner: build build/bench-venv/.ready ## Measure the planner beside GTPyhop and Fast Downward, against its targets
+	@$(SOURCED) benchmarks/planner/witness.py --python build/bench-venv/bin/python
 	@$(SOURCED) benchmarks/planner/panels.py --gtpyhop build/bench-venv/bin/python $(BENCH)
 
 bench-synthesis: build ## Time of the synthesis by size of the chart, beside that of lxml and the schema alone

@@ -27,7 +27,7 @@ extern "C" {
 struct WiringTables {
   std::int32_t wires, components, segments, arms, unders, pins, softs, openings;
   std::int32_t speed;                                                // [mm/tick]
-  std::int32_t pick, locate, fix, change_tool, extract, hand_over;   // [tick]
+  std::int32_t locate, change_tool, extract, hand_over;              // [tick]
   std::int32_t colour_weight, zone_weight, start_weight, tool_weight, heavy_weight, arm_weight;
   std::int32_t light_started;            // a wire that is not heavy was picked before
   const std::int32_t* slot;              // (wires, 2) [mm]
@@ -37,7 +37,9 @@ struct WiringTables {
   const std::int32_t* colour;            // (wires)
   const std::int32_t* zone;              // (wires)
   const std::int32_t* heavy;             // (wires) 0 or 1
-  const std::int32_t* insert;            // (wires) [tick] per end
+  const std::int32_t* pick;              // (wires) [tick]
+  const std::int32_t* insert;            // (wires, 2) [tick]
+  const std::int32_t* fix;               // (wires) [tick]
   const std::int32_t* route;             // (wires) [tick]
   const std::int32_t* handover;          // (wires, 2) [mm]
   const std::int32_t* handover_route;    // (wires, 2) [tick] between each end and the handover

@@ -140,13 +140,13 @@ void Simulator::prepare(Arm& arm, int index) {
       const Point station = p_.station(index);
       return aim(arm, station, station, p_.t.change_tool);
     }
-    case Phase::pick: return aim(arm, p_.slot(wire), p_.slot(wire), p_.t.pick);
+    case Phase::pick: return aim(arm, p_.slot(wire), p_.slot(wire), p_.t.pick[wire]);
     case Phase::extract: {
       const Point at = p_.end(wire, p_.t.jammed[wire]);
       return aim(arm, at, at, p_.t.extract);
     }
     case Phase::locate_first: return aim(arm, a, a, p_.t.locate);
-    case Phase::insert_first: return aim(arm, a, a, p_.t.insert[wire]);
+    case Phase::insert_first: return aim(arm, a, a, p_.t.insert[2 * wire + arm.first]);
     case Phase::route: {
       const int* part = p_.t.handover_route + 2 * wire;
       if (arm.receiver || p_.t.stage[wire] == kGiven)
@@ -157,8 +157,8 @@ void Simulator::prepare(Arm& arm, int index) {
     case Phase::hand_over:
     case Phase::receive: return aim(arm, p_.handover(wire), p_.handover(wire), p_.t.hand_over);
     case Phase::locate_second: return aim(arm, b, b, p_.t.locate);
-    case Phase::insert_second: return aim(arm, b, b, p_.t.insert[wire]);
-    case Phase::fix: return aim(arm, b, b, p_.t.fix);
+    case Phase::insert_second: return aim(arm, b, b, p_.t.insert[2 * wire + 1 - arm.first]);
+    case Phase::fix: return aim(arm, b, b, p_.t.fix[wire]);
     case Phase::idle: return;
   }
 }

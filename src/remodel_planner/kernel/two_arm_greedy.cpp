@@ -76,12 +76,13 @@ class Builder {
     const int way = way_to_pick(arm, wire) + p_.travel(p_.slot(wire), p_.end(wire, first));
     int order = 0;
     for (int before : p_.under[wire]) order = std::max(order, routed_[before]);
-    const int could = giver.free + way + p_.t.pick + p_.t.insert[wire];
+    const int could = giver.free + way + p_.t.pick[wire] + p_.t.insert[2 * wire + first];
     const int route = std::max(could, order);
+    const int finish = p_.t.insert[2 * wire + 1 - first] + p_.t.fix[wire];
     choice.cost = way + (route - could) + penalty(arm, wire);
     if (!Mode::hands_over(mode)) {
       choice.routed = route + p_.t.route[wire];
-      choice.given = choice.done = choice.routed + p_.t.insert[wire] + p_.t.fix;
+      choice.given = choice.done = choice.routed + finish;
       return choice;
     }
     const ArmClock& receiver = arms_[1 - arm];
@@ -90,7 +91,7 @@ class Builder {
     choice.cost += std::abs(brought - came) + (came - receiver.free);
     choice.given = std::max(brought, came) + p_.t.hand_over;
     choice.routed = choice.given + p_.t.handover_route[2 * wire + 1 - first];
-    choice.done = choice.routed + p_.t.insert[wire] + p_.t.fix;
+    choice.done = choice.routed + finish;
     return choice;
   }
 

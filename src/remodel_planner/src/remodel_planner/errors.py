@@ -1,5 +1,10 @@
 """What can be wrong with an order before anything moves."""
 
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+
 
 class PlannerError(Exception):
     """Base of the errors that a user can mend; the text says where, what was found, what to do."""
@@ -31,3 +36,16 @@ class InstanceError(PlannerError):
 
 class KernelError(PlannerError):
     """The compiled search kernel is not there."""
+
+
+class UseCaseError(PlannerError):
+    """A use case is malformed, or not there."""
+
+
+@contextlib.contextmanager
+def blamed(where: object) -> Iterator[None]:
+    """Put the name of a file or document before what is said to be wrong inside."""
+    try:
+        yield
+    except PlannerError as error:
+        raise type(error)(f"{where}: {error}") from error

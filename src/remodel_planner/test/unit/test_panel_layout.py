@@ -8,7 +8,6 @@ import pytest
 
 from remodel_planner.core.panel_layout import PanelRules, lay_out
 from remodel_planner.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
-from remodel_planner.core.wire_sequence import sequence
 from remodel_planner.edge.catalogue_file import read_catalogue
 from remodel_planner.errors import CatalogueError, LayoutError
 
@@ -80,15 +79,6 @@ def test_a_wire_is_long_enough_for_its_way_and_its_loose_end_stays_in_reach():
         onwards = 1 if cut.second_y >= cut.first_y else -1
         assert cut.length + onwards * cut.first_y <= RULES.reach_y
         assert {cut.first, cut.second} == {cut.wire.a, cut.wire.b}
-
-
-def test_thick_wires_are_placed_first():
-    whole = order(("Q1:B1", "Q2:T1"), ("Q1:B2", "Q2:T2"))
-    thick = Wire("W3", TerminalRef("Q1", "B1"), TerminalRef("Q2", "T1"), "BK", 10.0, "test")
-    layout = lay_out(
-        Order("t", "", "", whole.components, (whole.wires[1], thick)), CATALOGUE, RULES
-    )
-    assert [cut.wire.name for cut in sequence(layout.wires)] == ["W3", "W2"]
 
 
 def test_wires_that_contradict_each_other_are_named():

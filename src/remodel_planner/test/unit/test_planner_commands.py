@@ -11,11 +11,13 @@ from xml.etree import ElementTree
 
 import pytest
 
+from remodel_planner.commands import charts as charts_command
 from remodel_planner.commands import check as check_command
 from remodel_planner.commands import draw as draw_command
 from remodel_planner.commands import explain as explain_command
 from remodel_planner.commands import plan as plan_command
 from remodel_planner.commands import sequence as sequence_command
+from remodel_planner.commands import tasks as tasks_command
 from remodel_planner.testing.random_panel import random_panel
 
 DATA = Path(__file__).parent / "data"
@@ -212,3 +214,86 @@ def test_plans_that_are_not_valid_are_not_worked_on(instance, capsys, command):
     assert "the plan is not valid:" in capsys.readouterr().out
     assert command.main([str(output), str(output), *rest]) == 3
     assert not drawing.exists()
+
+
+CABINET = Path(__file__).parents[2] / "examples" / "cabinet.yaml"
+
+
+def test_tasks_of_an_order_are_told(instance, capsys):
+    assert tasks_command.main([str(CABINET)]) == 0
+    told = capsys.readouterr().out
+    assert "W1: Q1:1 to Q2:1, " in told
+    assert "  route: along the channel\n    Pick b (PickCable), " in told
+    assert tasks_command.main([str(instance)]) == 1
+    assert "states a problem, and no tasks to decompose" in capsys.readouterr().err
+
+
+def test_an_order_is_planned_checked_explained_and_charted(tmp_path, capsys):
+    output = tmp_path / "plan.json"
+    options = ["--output", str(output), "--time-limit=0.02"]
+    assert plan_command.main([str(CABINET), *options]) == 0
+    assert check_command.main([str(CABINET), str(output)]) == 0
+    assert explain_command.main([str(CABINET), str(output)]) == 0
+    assert "`from right to left`" in capsys.readouterr().out
+    charts = [str(CABINET), str(output), "--output", str(tmp_path / "charts")]
+    assert charts_command.main(charts) == 0
+    assert capsys.readouterr().out.count(" written\n") == 4
+    assert charts_command.main(charts) == 0
+    assert capsys.readouterr().out.count(" unchanged\n") == 4
+    document = json.loads(output.read_text())
+    document["actions"].pop()
+    output.write_text(json.dumps(document))
+    assert charts_command.main(charts) == 1
+    assert charts_command.main([str(CABINET), str(CABINET), "--output", str(tmp_path)]) == 3
+
+
+@pytest.mark.parametrize("arguments", [["check", "--help"], ["tasks", str(CABINET)]])
+def test_a_closed_pipe_ends_a_command_quietly(arguments):
+    program = (
+        "import sys; from remodel_planner.commands.entry import run; "
+        f"from remodel_planner.commands.{arguments[0]} import main; run(main)"
+    )
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run(
+        [sys.executable, "-c", program, *arguments[1:]],
+        stdout=writer,
+        stderr=subprocess.PIPE,
+        text=True,
+        timeout=WAIT_S,
+        check=False,
+    )
+    os.close(writer)
+    assert (done.returncode, done.stderr) == (141, "")
+
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def test_a_plan_with_five_broken_preferences_is_explained_in_words(tmp_path, capsys):
+    panel, output = str(EXAMPLES / "panel.json"), str(tmp_path / "plan.json")
+    preferences = ["--preferences", str(EXAMPLES / "panel_preferences.yaml")]
+    assert plan_command.main([panel, "--output", output, "--time-limit=0.2", *preferences]) == 0
+    capsys.readouterr()
+    assert explain_command.main([panel, output, *preferences]) == 0
+    told = capsys.readouterr().out
+    heads = [line for line in told.splitlines() if line.startswith("broken, costs ")]
+    names = {line.split("`")[1] for line in heads if "`" in line}
+    assert len(names) >= 5
+    assert "would cost" in told
+
+
+def test_requirements_of_a_situation_bind_when_it_is_there(tmp_path, capsys):
+    panel, output = str(EXAMPLES / "panel.json"), tmp_path / "plan.json"
+    options = ["--preferences", str(EXAMPLES / "panel_preferences.yaml"), "--time-limit=0"]
+    while_there = ["--while", "operator in B"]
+    assert plan_command.main([panel, "--output", str(output), *options]) == 0
+    capsys.readouterr()
+    assert check_command.main([panel, str(output), *options[:2], *while_there]) == 1
+    assert "out of reach" in capsys.readouterr().out
+    assert plan_command.main([panel, "--output", str(output), *options, *while_there]) == 0
+    assert check_command.main([panel, str(output), *options[:2], *while_there]) == 0
+    assert plan_command.main([panel, "--output", str(output), *options, "--while", "fire"]) == 1
+    assert "--while fire: no requirement says so; there are operator in B" in (
+        capsys.readouterr().err
+    )

@@ -34,7 +34,14 @@ def kernel():
 
 
 def panel(wires, seed, arms):
-    problem = problem_from(random_panel(wires, seed, arms))
+    """Return a random problem; with odd seeds, each wire has durations of its own."""
+    data = random_panel(wires, seed, arms)
+    if seed % 2:
+        rng = random.Random(seed)
+        for wire in data["wires"]:
+            inserts = [rng.randrange(90), rng.randrange(90)]
+            wire["handling"] = {"pick": rng.randrange(50), "insert": inserts, "fix": 7}
+    problem = problem_from(data)
     require_sound(problem)
     return problem
 

@@ -14,8 +14,8 @@ from remodel_planner.core.planning.instance import problem_from
 from remodel_planner.core.planning.listing import listing_of
 from remodel_planner.core.planning.modes import Mode
 from remodel_planner.core.planning.order import wire_order
-from remodel_planner.core.planning.preferences import apply_preferences
-from remodel_planner.core.planning.problem import ActionKind, Wish
+from remodel_planner.core.planning.preferences import Preferred, apply_preferences
+from remodel_planner.core.planning.problem import ActionKind, Detour, Wish
 from remodel_planner.core.planning.tables import tables_of
 from remodel_planner.edge.anytime_planner import AnytimePlanner
 from remodel_planner.edge.search_kernel import Kernel
@@ -31,7 +31,7 @@ def problem():
 
 
 def preferred(problem, text):
-    return apply_preferences(problem, {**HEAD, **yaml.safe_load(text)})
+    return apply_preferences(Preferred(problem), {**HEAD, **yaml.safe_load(text)})
 
 
 def planned(problem):
@@ -79,7 +79,7 @@ def test_requirements_bind_the_plan(problem):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("wishes: []", "wishes: no such field; there are format, weights, prefer, require"),
+        ("wishes: []", "wishes: no such field; there are format, zones, weights, prefer, require"),
         ("weights: {speed: 3}", "weights.speed: no such field"),
         ("prefer: [{name: x, pick: w99, before: w1, weight: 1}]", r"prefer\[0\].pick: no wire w99"),
         ("prefer: [{name: x, pick: [3], before: w1, weight: 1}]", r"prefer\[0\].pick: no wire 3"),
@@ -90,6 +90,14 @@ def test_requirements_bind_the_plan(problem):
         ("prefer: [{name: x, pick: {size: 1}, before: w1, weight: 1}]", "size: no such field"),
         ("require: [{name: x, route: w1, over: w2}]", r"require\[0\].over: no such field"),
         ("require: [{name: x, arm: R, x_mm: 3}]", r"x_mm: expected two integers"),
+        ("require: [{name: x, arm: R, out_of: C}]", r"out_of: expected one of "),
+        (
+            "prefer: [{name: x, pick: all, in_order_of: size, from: least, weight: 1}]",
+            "in_order_of: expected one of colour, tool, heavy, zone, found 'size'",
+        ),
+        ("prefer: [{name: x, pick: {zone: {over: 1}}, before: w1, weight: 1}]", "over: no such"),
+        ("prefer: [{name: x, pick: {zone: {at_least: a}}, before: w1, weight: 1}]", "a number"),
+        ("prefer: [{name: x, pick: {zone: [[1]]}, before: w1, weight: 1}]", "a value, a list of"),
         (
             "require: [{name: no rail, avoid_segment: 'h1:1'}]",
             "`no rail`: .* are routed through segment",
@@ -101,11 +109,110 @@ def test_entries_that_cannot_be_kept_are_refused(problem, text, message):
         preferred(problem, text)
 
 
+def test_wires_are_put_in_the_order_of_a_value(problem):
+    text = """
+        prefer:
+          - {name: right first, pick: [w0, w1, w2], in_order_of: zone, from: greatest, weight: 2}
+        require: [{name: thick first, route: all, in_order_of: heavy, from: greatest}]
+    """
+    bound = preferred(problem, text).problem
+    zone = {name: problem.wire[name].zone for name in ("w0", "w1", "w2")}
+    added = {(w.before, w.after) for w in bound.wishes if w.reason == "right first"}
+    assert added == {(a, b) for a in zone for b in zone if zone[a] > zone[b]}
+    thick = {w.name for w in problem.wires if w.heavy}
+    under = {(u.before, u.after) for u in bound.unders if u.reason == "thick first"}
+    assert under == {(a, b) for a in thick for b in problem.wire if b not in thick}
+
+
+def test_wires_are_chosen_by_characteristics_and_bounds(problem):
+    thin = {"section_mm2": 0.5, "shielded": True}
+    stated = replace(
+        problem,
+        wires=tuple(
+            replace(w, characteristics=tuple(thin.items())) if w.zone == 1 else w
+            for w in problem.wires
+        ),
+    )
+    text = """
+        prefer:
+          - {name: thin, pick: {section_mm2: {at_most: 1}}, before: w0, weight: 1}
+          - {name: shielded, pick: {shielded: true, zone: {at_least: 1}}, before: w0, weight: 1}
+          - {name: none, pick: {colour: [pink, gold]}, before: w0, weight: 1, if_any: true}
+    """
+    added = preferred(stated, text).problem.wishes[len(problem.wishes) :]
+    chosen = [w.name for w in problem.wires if w.zone == 1 and w.name != "w0"]
+    assert [(w.before, w.reason) for w in added] == [(n, "thin") for n in chosen] + [
+        (n, "shielded") for n in chosen
+    ]
+
+
+def test_requirements_of_a_situation_count_in_it_only(problem):
+    text = """
+        zones: {B: [400, 620]}
+        require: [{name: stay away, arm: R, out_of: B, while: operator in B}]
+    """
+    document = {**HEAD, **yaml.safe_load(text)}
+    calm = apply_preferences(Preferred(problem), document)
+    assert calm.situations == {"operator in B"}
+    assert calm.problem == problem
+    tense = apply_preferences(Preferred(problem), document, calm.situations)
+    assert tense.problem.arms[1].reach_mm == (problem.arms[1].reach_mm[0], 399)
+
+
+def test_a_forbidden_segment_is_avoided_by_a_detour(problem):
+    wire = next(w for w in problem.wires if w.segments)
+    segment = wire.segments[0]
+    wires = tuple(
+        replace(w, detours=(Detour((segment,), 1), Detour(("elsewhere",), 77, w.handover)))
+        for w in problem.wires
+    )
+    result = preferred(
+        replace(problem, wires=wires), f"require: [{{name: rail, avoid_segment: {segment!r}}}]"
+    )
+    for before, after in zip(wires, result.problem.wires, strict=True):
+        if segment in before.segments:
+            assert (after.segments, after.route_ticks) == (("elsewhere",), 77)
+            assert result.detours[after.name] == "rail"
+        else:
+            assert after.segments == before.segments
+            assert after.name not in result.detours
+        assert all(segment not in way.segments for way in after.detours)
+    assert check(result.problem, planned(result.problem).plan).valid
+
+
+def test_a_force_limit_refuses_what_pushes_harder(problem):
+    text = "require: [{name: gently, insert: w3, force_n: 20}]"
+    with pytest.raises(InstanceError, match="`gently`: nobody tells with which force wire w3"):
+        preferred(problem, text)
+    for force_n, accepted in ((20, True), (21, False)):
+        wires = tuple(replace(w, insert_force_n=force_n) for w in problem.wires)
+        stated = replace(problem, wires=wires)
+        if accepted:
+            assert preferred(stated, text).problem == stated
+        else:
+            with pytest.raises(InstanceError, match="w3 is pushed in with 21 N, over 20 N"):
+                preferred(stated, text)
+
+
 def test_a_requirement_against_the_design_is_a_cycle(problem):
     under = problem.unders[0]
     text = f"require: [{{name: x, route: {under.after}, before: {under.before}}}]"
     with pytest.raises(InstanceError, match="cyclic precedence"):
         require_sound(preferred(problem, text).problem)
+
+
+class FakeMender:
+    """Finds that the first change saves 1, the next one costs nothing, and so on."""
+
+    def __init__(self):
+        self.asked = -2
+
+    def picked_before(self, first, second):
+        self.asked += 1
+        return self.asked
+
+    def done_by(self, wire, arm):
+        return None if wire.endswith("1") else 7
 
 
 def test_broken_wishes_are_explained(problem):
@@ -119,14 +226,8 @@ def test_broken_wishes_are_explained(problem):
     result = preferred(problem, text)
     plan = planned(result.problem).plan
     verdict = check(result.problem, plan)
-    costs = {}
-
-    def mend(first, second):
-        costs[first, second] = len(costs) - 1
-        return costs[first, second]
-
-    broken = broken_wishes(result.problem, plan, mend)
-    lines = "\n".join(explain(result, plan, verdict, broken))
+    broken = broken_wishes(result.problem, plan)
+    lines = "\n".join(explain(result, plan, verdict, FakeMender()))
     assert f"cost {verdict.cost} = makespan {verdict.makespan}" in lines
     assert sum(item.wish.weight for item in broken) == verdict.penalties["soft"]
     chain = f"{under.before} must come before {under.after}"
@@ -135,6 +236,72 @@ def test_broken_wishes_are_explained(problem):
     assert "would save 1" in lines
     assert "would cost 0 more in all" in lines
     assert "`left`: " in lines
+
+
+NAMES = [f"w{i}" for i in range(6)]
+CHOICES = st.one_of(
+    st.just("all"),
+    st.sampled_from(NAMES),
+    st.lists(st.sampled_from(NAMES), min_size=1, max_size=3, unique=True),
+    st.fixed_dictionaries({"zone": st.integers(0, 3)}),
+    st.fixed_dictionaries({"colour": st.sampled_from(["blue", "black", "red"])}),
+    st.fixed_dictionaries({"heavy": st.booleans()}),
+)
+VALUES = {
+    "in_order_of": st.sampled_from(["zone", "colour", "heavy"]),
+    "from": st.sampled_from(["least", "greatest"]),
+}
+WEIGHT = {"name": st.just("p"), "if_any": st.just(True), "weight": st.integers(1, 30)}
+PREFERENCES = st.lists(
+    st.one_of(
+        st.fixed_dictionaries({**WEIGHT, "pick": CHOICES, "before": CHOICES}),
+        st.fixed_dictionaries({**WEIGHT, **VALUES, "pick": CHOICES}),
+    ),
+    max_size=4,
+)
+REQUIREMENTS = st.lists(
+    st.one_of(
+        st.fixed_dictionaries(
+            {"name": st.just("r"), "if_any": st.just(True), "route": CHOICES, "before": CHOICES}
+        ),
+        st.fixed_dictionaries(
+            {
+                "name": st.just("z"),
+                "arm": st.sampled_from(["L", "R"]),
+                "x_mm": st.tuples(st.integers(-50, 200), st.integers(300, 900)).map(list),
+            }
+        ),
+    ),
+    max_size=2,
+)
+
+
+@settings(max_examples=60, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@given(st.integers(6, 20), st.integers(0, 999), PREFERENCES, REQUIREMENTS)
+def test_plans_keep_all_requirements_or_the_document_is_refused(wires, seed, prefer, require):
+    problem = problem_from(random_panel(wires, seed, 2))
+    document = {**HEAD, "prefer": prefer, "require": require}
+    try:
+        bound = apply_preferences(Preferred(problem), document).problem
+        require_sound(bound)
+    except InstanceError as error:
+        assert "cyclic precedence" in str(error) or "unreachable" in str(error)
+        return
+    plan = planned(bound).plan
+    assert check(bound, plan).violations == ()
+    routed = {
+        a.wire: a.start_ticks
+        for a in plan.actions
+        if a.kind is ActionKind.ROUTE and a.end is not None
+    }
+    for under in bound.unders:
+        assert routed[under.before] < routed[under.after]
+    for item in require:
+        if "x_mm" in item:
+            for action in plan.actions:
+                if action.arm == item["arm"] and action.kind is ActionKind.PICK:
+                    at = bound.wire[action.wire].slot_mm[0]
+                    assert item["x_mm"][0] <= at <= item["x_mm"][1]
 
 
 @settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))

@@ -1,14 +1,21 @@
 """A task that fails is tried again with a new wire, and not for ever."""
 
+import os
 from pathlib import Path
 
 import pytest
 from sensor_msgs.msg import Image
 
+from remodel_planner.core.cell_order import USE_CASE, cell_order
 from remodel_planner.core.panel_layout import PanelRules, lay_out
 from remodel_planner.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
+from remodel_planner.core.use_case.planned_tasks import planned_tasks
+from remodel_planner.core.use_case.preparation import prepare
+from remodel_planner.core.use_case.task_chart import content_mark
 from remodel_planner.edge.catalogue_file import read_catalogue
+from remodel_planner.edge.order_planner import plan_problem
 from remodel_planner.edge.production_database import ProductionDatabase
+from remodel_planner.edge.use_case_files import find_use_case
 from remodel_planner.errors import CellError
 from remodel_planner.ros import use_case_supervisor
 from remodel_planner.ros.task_supervisor import TaskRun
@@ -28,6 +35,9 @@ ORDER = Order(
     ),
 )
 LAYOUT = lay_out(ORDER, CATALOGUE, PanelRules())
+
+PREPARED = prepare(cell_order(LAYOUT), find_use_case(USE_CASE))
+TASKS = tuple(planned_tasks(PREPARED, plan_problem(PREPARED.preferred.problem, 0.0).plan))
 
 
 class FakeCell:
@@ -52,12 +62,11 @@ class FakeCell:
 
 
 class FakeSynthesizer:
-    def __init__(self):
-        self.asked = []
+    asked = ()
 
     def synthesize(self, chart_file, behavior):
         assert Path(chart_file).is_file()
-        self.asked.append(behavior)
+        FakeSynthesizer.asked += (behavior,)
 
 
 class FakeTasks:
@@ -80,9 +89,11 @@ def run(tmp_path, monkeypatch):
     database.add_order(ORDER)
 
     def run(*outcomes, stuck_after=-1):
+        FakeSynthesizer.asked = ()
         FakeTasks.outcomes, FakeTasks.ended, FakeTasks.stuck_after = outcomes, [], stuck_after
         supervisor = use_case_supervisor.UseCaseSupervisor(database, tmp_path)
-        for wire_run in supervisor.run(database.start_run(ORDER), LAYOUT, PanelRules()):
+        started = database.start_run(ORDER)
+        for wire_run in supervisor.run(started, LAYOUT, PanelRules(), TASKS):
             execution = wire_run.execution
             yield execution.wire, execution.attempt, execution.placed, wire_run.last
 
@@ -109,3 +120,25 @@ def test_a_cell_that_refuses_ends_the_run_after_what_was_done(run):
     assert next(runs)[1:] == (1, False, False)
     with pytest.raises(CellError, match="the gripper holds a wire"):
         next(runs)
+
+
+MANIFEST = """<?xml version="1.0"?>
+<behavior name="{name}"><description>A wire.\n{mark}</description></behavior>
+"""
+PACKAGE = """<package format="3"><name>made</name><version>0.0.0</version>
+<description>x</description><maintainer email="a@b.c">a</maintainer><license>BSD</license>
+<export><flexbe_behaviors/></export></package>"""
+
+
+def test_a_behavior_that_exists_with_the_same_content_is_not_made_again(run, tmp_path, monkeypatch):
+    first, second = TASKS
+    manifests = tmp_path / "made" / "manifest"
+    manifests.mkdir(parents=True)
+    (tmp_path / "made" / "package.xml").write_text(PACKAGE)
+    (manifests / "broken.xml").write_text("<behavior")
+    for task, mark in ((first, content_mark(first.chart)), (second, "Content 0000.")):
+        text = MANIFEST.format(name=task.chart.name, mark=mark)
+        (manifests / f"{task.name}.xml").write_text(text)
+    monkeypatch.setenv("ROS_PACKAGE_PATH", f"{tmp_path}:{os.environ['ROS_PACKAGE_PATH']}")
+    assert len(list(run("finished", "finished"))) == 2
+    assert FakeSynthesizer.asked == (second.chart.name,)

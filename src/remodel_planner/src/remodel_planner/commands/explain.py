@@ -10,7 +10,7 @@ import numpy as np
 
 from remodel_planner.commands.problem_files import add_problem_options, read_plan, read_problem
 from remodel_planner.core.planning.checker import check
-from remodel_planner.core.planning.explanation import broken_wishes, explain
+from remodel_planner.core.planning.explanation import explain
 from remodel_planner.core.planning.listing import Listing, listing_of
 from remodel_planner.core.planning.problem import Plan, Problem
 from remodel_planner.core.planning.tables import tables_of
@@ -32,22 +32,23 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("plan", type=Path, help="plan of that problem")
     options = parser.parse_args(arguments)
     try:
-        preferred = read_problem(options)
+        preferred = read_problem(options).preferred
         plan = read_plan(options.plan)
         verdict = check(preferred.problem, plan)
         if not verdict.valid:
             print("\n".join(("the plan is not valid:", *verdict.violations)))
             return 1
-        broken = broken_wishes(preferred.problem, plan, _Mender(preferred.problem, plan))
+        mender = _Mender(preferred.problem, plan)
+        lines = list(explain(preferred, plan, verdict, mender))
     except PlannerError as error:
         print(f"explain: {error}", file=sys.stderr)
         return 3
-    print("\n".join(explain(preferred, plan, verdict, broken)))
+    print("\n".join(lines))
     return 0
 
 
 class _Mender:
-    """Simulates the plan with one wire moved before another one."""
+    """Simulates a plan with one wire changed."""
 
     def __init__(self, problem: Problem, plan: Plan) -> None:
         self._problem = problem
@@ -56,10 +57,17 @@ class _Mender:
         self._listing = listing_of(problem, plan)
         self._cost = self._cost_of(self._listing)
 
-    def __call__(self, first: str, second: str) -> int:
-        """Return what the plan would cost more."""
+    def picked_before(self, first: str, second: str) -> int:
+        """Return the difference if a wire is picked right before another one."""
         listing = self._listing.with_first_before(self._problem, first, second)
         return self._cost_of(listing) - self._cost
+
+    def done_by(self, wire: str, arm: str) -> int | None:
+        """Return the least difference if an arm picks a wire; None if it cannot."""
+        names = [arm.name for arm in self._problem.arms]
+        modes = [m for m in self._tables.modes[wire] if names[m.arm] == arm]
+        costs = [self._cost_of(self._listing.with_mode(wire, mode)) for mode in modes]
+        return min(costs) - self._cost if costs else None
 
     def _cost_of(self, listing: Listing) -> int:
         number = {name: i for i, name in enumerate(self._tables.wires)}

@@ -10,14 +10,14 @@ from pathlib import Path
 from remodel_planner.commands.limits import seconds, seed
 from remodel_planner.commands.problem_files import add_problem_options, read_problem
 from remodel_planner.commands.stop_signals import stop_on_signals
-from remodel_planner.core.planning.checker import check
 from remodel_planner.core.planning.plan_form import plan_data
 from remodel_planner.core.planning.planned import Planned
 from remodel_planner.core.planning.tables import tables_of
 from remodel_planner.edge.anytime_planner import AnytimePlanner, Limits
 from remodel_planner.edge.json_file import write_json
+from remodel_planner.edge.order_planner import require_valid
 from remodel_planner.edge.search_kernel import Kernel
-from remodel_planner.errors import InstanceError, PlannerError
+from remodel_planner.errors import PlannerError
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -67,10 +67,5 @@ def _plan(options: argparse.Namespace) -> None:
 
 def _write(planned: Planned, file: Path) -> None:
     """Write a plan that the checker accepts."""
-    verdict = check(planned.tables.problem, planned.plan)
-    if not verdict.valid or verdict.cost != planned.cost:
-        raise InstanceError(
-            f"the checker refuses the plan, which is a defect of this planner: cost "
-            f"{planned.cost} against {verdict.cost}; {'; '.join(verdict.violations[:3])}"
-        )
+    require_valid(planned)
     write_json(file, plan_data(planned.plan))

@@ -5,23 +5,32 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 import rospy
 from tqdm import tqdm
 
 from remodel_planner.commands.database_option import add_database_option
+from remodel_planner.core.cell_order import USE_CASE, cell_order
 from remodel_planner.core.panel_layout import PanelLayout, PanelRules, lay_out
 from remodel_planner.core.production import Order
 from remodel_planner.core.run import Execution
 from remodel_planner.core.run_report import Report, failure_line
+from remodel_planner.core.use_case.planned_tasks import PlannedTask, planned_tasks
+from remodel_planner.core.use_case.preparation import prepare
 from remodel_planner.edge.catalogue_file import read_catalogue
+from remodel_planner.edge.order_planner import plan_problem
 from remodel_planner.edge.package_files import catalogue_file
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.report_files import write_report
+from remodel_planner.edge.use_case_files import find_use_case
 from remodel_planner.errors import CellError, PlannerError
 from remodel_planner.ros.storyteller import Storyteller
 from remodel_planner.ros.use_case_supervisor import UseCaseSupervisor, WireRun
+
+# [s] of search for the best order: some wires, against minutes of work.
+_PLANNING_S = 0.5
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -45,12 +54,15 @@ def main(arguments: list[str] | None = None) -> int:
         database = ProductionDatabase(options.database)
         order = database.order(options.order).first(options.wires)
         layout = lay_out(order, read_catalogue(catalogue_file()), PanelRules())
+        prepared = prepare(cell_order(layout), find_use_case(USE_CASE))
+        planned = plan_problem(prepared.preferred.problem, _PLANNING_S)
+        tasks = tuple(planned_tasks(prepared, planned.plan))
     except PlannerError as error:
         print(f"run_order: {error}", file=sys.stderr)
         return 2
     rospy.init_node("use_case_supervisor")
     try:
-        report = _run(database, order, layout, options.output)
+        report = _run(database, order, layout, tasks, options.output)
     except PlannerError as error:
         print(f"run_order: {error}", file=sys.stderr)
         return 3
@@ -64,19 +76,27 @@ def main(arguments: list[str] | None = None) -> int:
     return 0 if report.complete else 1
 
 
-def _run(database: ProductionDatabase, order: Order, layout: PanelLayout, output: Path) -> Report:
+def _run(
+    database: ProductionDatabase,
+    order: Order,
+    layout: PanelLayout,
+    tasks: Sequence[PlannedTask],
+    output: Path,
+) -> Report:
     charts = output.resolve() / "charts"
     charts.mkdir(parents=True, exist_ok=True)
     supervisor = UseCaseSupervisor(database, charts)
     teller = Storyteller()
     stories, stopped, overview = [], "", ()
     print(f"order {order.name}: {len(order.wires)} wires, {len(order.components)} components")
+    print(f"plan: {' '.join(task.name for task in tasks)}")
+    started_run = database.start_run(order)
     started = time.monotonic()
     with tqdm(
         total=len(order.wires), unit="wire", file=sys.stdout, leave=False, disable=None
     ) as bar:
         try:
-            for wire_run in supervisor.run(database.start_run(order), layout, PanelRules()):
+            for wire_run in supervisor.run(started_run, layout, PanelRules(), tasks):
                 bar.write(_line(wire_run))
                 bar.update(wire_run.last)
                 stories.append(teller.story(wire_run))

@@ -12,6 +12,16 @@ def catalogue_file() -> Path:
     return _folder() / "config" / "catalogue.yaml"
 
 
+def use_case_folder() -> Path:
+    """Return the folder of the use cases."""
+    return _folder() / "config" / "use_cases"
+
+
+def use_case_schema() -> Path:
+    """Return the path of the use cases' schema."""
+    return _folder() / "config" / "use_case.schema.json"
+
+
 def report_template() -> Path:
     """Return the path of the report's template."""
     return _folder() / "templates" / "report.html.j2"

@@ -20,13 +20,24 @@ from remodel_planner.errors import InstanceError
 
 _SCALARS = (
     *("wires", "components", "segments", "arms", "unders", "pins", "softs", "openings", "speed"),
-    *("pick", "locate", "fix", "change_tool", "extract", "hand_over"),
+    *("locate", "change_tool", "extract", "hand_over"),
     *("colour_weight", "zone_weight", "start_weight", "tool_weight", "heavy_weight", "arm_weight"),
     "light_started",
 )
 _ARRAYS = (
-    *("slot", "end_position", "end_component", "tool", "colour", "zone", "heavy", "insert"),
-    *("route", "handover", "handover_route", "preferred_arm", "modes", "stage", "jammed"),
+    *("slot", "end_position", "end_component", "tool", "colour", "zone", "heavy"),
+    *(
+        "pick",
+        "insert",
+        "fix",
+        "route",
+        "handover",
+        "handover_route",
+        "preferred_arm",
+        "modes",
+        "stage",
+        "jammed",
+    ),
     *("segment_start", "segment", "under", "pin", "soft", "opening", "located"),
     *("arm_position", "arm_station", "arm_tool", "arm_colour", "arm_zone"),
 )

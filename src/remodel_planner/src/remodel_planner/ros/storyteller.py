@@ -14,7 +14,6 @@ from flexbe_synthesizer.edge.graphviz import dot_picture
 from remodel_planner.core.run import Operation
 from remodel_planner.core.run_report import Drawing, Picture, WireStory
 from remodel_planner.core.trace import Trace, trace
-from remodel_planner.core.wire_chart import CONNECT
 from remodel_planner.edge.package_files import behavior_charts
 from remodel_planner.ros.task_supervisor import Sight
 from remodel_planner.ros.use_case_supervisor import WireRun
@@ -29,7 +28,7 @@ class Storyteller:
         """Read the charts that tasks nest."""
         path = behavior_charts() / "place_connector.xml"
         chart = parse_chart(path.read_text(encoding="utf-8"), str(path))
-        self._nested = {CONNECT: chart}
+        self._nested = {chart.name: chart}
 
     def story(self, run: WireRun) -> WireStory:
         """Return one wire's story."""

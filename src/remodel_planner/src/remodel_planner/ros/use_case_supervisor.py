@@ -1,19 +1,20 @@
-"""The use case supervisor: takes an order wire by wire through chart, behavior, cell and record."""
+"""The use case supervisor: takes planned tasks through chart, behavior, cell and record."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from sensor_msgs.msg import Image
 
-from flexbe_synthesizer.core.codec import write_chart
 from flexbe_synthesizer.core.model import Chart
 from remodel_planner.core.panel_layout import CutWire, PanelLayout, PanelRules
 from remodel_planner.core.run import Execution
-from remodel_planner.core.wire_chart import FINISHED, wire_chart
-from remodel_planner.core.wire_sequence import sequence
+from remodel_planner.core.use_case.planned_tasks import PlannedTask
+from remodel_planner.core.use_case.task_chart import FINISHED, content_mark
+from remodel_planner.edge.chart_folder import keep_chart
+from remodel_planner.edge.known_behaviors import describes
 from remodel_planner.edge.production_database import ProductionDatabase, Run
 from remodel_planner.ros.behavior_synthesizer import BehaviorSynthesizer
 from remodel_planner.ros.cell import Cell
@@ -60,8 +61,10 @@ class UseCaseSupervisor:
         self._synthesizer = BehaviorSynthesizer()
         self._tasks = TaskSupervisor()
 
-    def run(self, run: Run, layout: PanelLayout, rules: PanelRules) -> Iterator[WireRun]:
-        """Build the panel, and place its wires one by one.
+    def run(
+        self, run: Run, layout: PanelLayout, rules: PanelRules, tasks: Sequence[PlannedTask]
+    ) -> Iterator[WireRun]:
+        """Build the panel, and place its wires one by one, in the order of a plan's tasks.
 
         A task that fails is tried again with a new wire. If the last attempt fails too, the wire
         stays where it is, and the next one is placed.
@@ -73,10 +76,11 @@ class UseCaseSupervisor:
             CellError: if the cell, the synthesizer or the engine refuses or falls silent.
         """
         self._cell.load(panel_message(layout, rules))
-        for cut in sequence(layout.wires):
-            chart = self._synthesize(cut, layout)
+        cuts = {cut.wire.name: cut for cut in layout.wires}
+        for task in tasks:
+            self._synthesize(task.chart)
             for attempt in range(1, ATTEMPTS + 1):
-                wire_run = self._place(run, cut, chart, attempt)
+                wire_run = self._place(run, cuts[task.name], task.chart, attempt)
                 yield wire_run
                 if wire_run.last:
                     break
@@ -85,12 +89,11 @@ class UseCaseSupervisor:
         """Return a picture of the whole cell."""
         return self._cell.picture("scene")
 
-    def _synthesize(self, cut: CutWire, layout: PanelLayout) -> Chart:
-        chart = wire_chart(cut, layout)
-        chart_file = self._chart_folder / f"place_wire_{cut.wire.name.lower()}.xml"
-        chart_file.write_text(write_chart(chart), encoding="utf-8")
-        self._synthesizer.synthesize(str(chart_file), chart.name)
-        return chart
+    def _synthesize(self, chart: Chart) -> None:
+        """Have the behavior of a chart made, unless it exists with the same content."""
+        chart_file, _ = keep_chart(chart, self._chart_folder)
+        if not describes(chart.name, content_mark(chart)):
+            self._synthesizer.synthesize(str(chart_file), chart.name)
 
     def _place(self, run: Run, cut: CutWire, chart: Chart, attempt: int) -> WireRun:
         wire = cut.wire.name

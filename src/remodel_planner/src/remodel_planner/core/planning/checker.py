@@ -198,7 +198,7 @@ class _Judge:
         self._require(arm.holding is None, f"arm {action.arm} holds wire {arm.holding} already")
         self._require(state.stage is Stage.STORED, f"wire {wire.name} is not in the magazine")
         self._require(arm.tool == wire.tool, f"wire {wire.name} needs tool {wire.tool}")
-        ticks = self.problem.durations.pick
+        ticks = self.problem.pick_ticks(wire)
         self._work(action, ticks, wire.slot_mm, wire.slot_mm, "the magazine")
         arm.holding, state.stage = wire.name, Stage.HELD
         self.picks.append((action.arm, wire.name))
@@ -230,7 +230,9 @@ class _Judge:
             time = self.wires[name].inserted_at.get(other)
             self._after(action, time, f"inserting end {other.letter} of wire {name}")
         at = terminal.position_mm
-        done = self._work(action, wire.insert_ticks, at, at, f"component {component}")
+        done = self._work(
+            action, self.problem.insert_ticks(wire, end), at, at, f"component {component}"
+        )
         state.inserted_at[end] = done
         if state.stage is Stage.HELD:
             state.stage, state.first = Stage.FIRST_IN, end
@@ -285,7 +287,7 @@ class _Judge:
         if state.stage is not Stage.SECOND_IN or state.first is None:
             raise _RefusedError(f"wire {wire.name} is {state.stage.name}, and cannot be fixed")
         terminal = self.problem.end_terminal(wire, state.first.other)
-        ticks, at = self.problem.durations.fix, terminal.position_mm
+        ticks, at = self.problem.fix_ticks(wire), terminal.position_mm
         self._work(action, ticks, at, at, f"component {terminal.component}")
         arm.holding, state.stage = None, Stage.FIXED
 

@@ -126,9 +126,8 @@ def _first_part(world: _World, index: int, wire: Wire, mode: Mode) -> Iterator[S
     if wire.stage is Stage.STORED:
         yield from _tool(world, index, wire)
         slot = wire.slot_mm
-        yield Step(
-            ActionKind.PICK, durations.pick, slot, slot, wire, excludes=frozenset({"magazine"})
-        )
+        ticks = world.problem.pick_ticks(wire)
+        yield Step(ActionKind.PICK, ticks, slot, slot, wire, excludes=frozenset({"magazine"}))
     if wire.stage is Stage.HELD and wire.jammed is not None:
         yield _at_terminal(world, wire, wire.jammed, ActionKind.EXTRACT, durations.extract)
     if wire.stage <= Stage.HELD:
@@ -147,7 +146,7 @@ def _second_part(world: _World, wire: Wire, mode: Mode) -> Iterator[Step]:
         yield _at_terminal(world, wire, second, ActionKind.EXTRACT, durations.extract)
     if wire.stage <= Stage.ROUTED:
         yield from _insertion(world, wire, second)
-    yield _at_terminal(world, wire, second, ActionKind.FIX, durations.fix)
+    yield _at_terminal(world, wire, second, ActionKind.FIX, world.problem.fix_ticks(wire))
 
 
 def _insertion(world: _World, wire: Wire, end: End) -> Iterator[Step]:
@@ -162,9 +161,8 @@ def _insertion(world: _World, wire: Wire, end: End) -> Iterator[Step]:
         if (pin.after, pin.after_end) == (wire.name, end)
     )
     fact = ("in", wire.name, end)
-    yield _at_terminal(
-        world, wire, end, ActionKind.INSERT, wire.insert_ticks, (located, *before), fact
-    )
+    ticks = world.problem.insert_ticks(wire, end)
+    yield _at_terminal(world, wire, end, ActionKind.INSERT, ticks, (located, *before), fact)
 
 
 def _at_terminal(

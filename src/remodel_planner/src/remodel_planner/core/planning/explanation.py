@@ -1,14 +1,16 @@
 """Why a plan is as it is, in words: what it costs, what it breaks, and what mending would cost.
 
 For each wish that the plan breaks, the plan is simulated again with the one wire moved right before
-the other: what it costs more is the reason for which the wish was not kept. A wish that the order
-constraints forbid is told with the constraints.
+the other, or done by the arm that was asked for: what it costs more is the reason for which the
+wish was not kept. A wish that the order constraints forbid is told with the constraints.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Protocol
 
 from remodel_planner.core.planning.checker import Verdict
 from remodel_planner.core.planning.modes import possible_modes
@@ -16,10 +18,9 @@ from remodel_planner.core.planning.order import wire_order
 from remodel_planner.core.planning.preferences import Preferred
 from remodel_planner.core.planning.problem import ActionKind, Plan, Problem, Wish
 
-# What a plan costs more if one wire is picked right before another one.
-CostOfMending = Callable[[str, str], int]
-
 _TICKS_PER_S = 10
+# Of one preference, so many broken pairs are told one by one.
+_TOLD = 3
 _PENALTIES = {
     "tool": "changes of tool",
     "heavy": "heavy wires picked after a light one",
@@ -30,6 +31,16 @@ _PENALTIES = {
 }
 
 
+class Mender(Protocol):
+    """Whoever simulates a plan with a change, and says what it costs more in all."""
+
+    def picked_before(self, first: str, second: str) -> int:
+        """Return the difference if a wire is picked right before another one."""
+
+    def done_by(self, wire: str, arm: str) -> int | None:
+        """Return the least difference if an arm picks a wire; None if it cannot."""
+
+
 @dataclass(frozen=True)
 class BrokenWish:
     """A wish that a plan breaks.
@@ -37,16 +48,14 @@ class BrokenWish:
     Attributes:
         places: of the two wires among the picks, from 1.
         chain: wires that must be done one after the other and forbid the wish; or empty.
-        mending: what the plan would cost more if the wish were kept; 0 where it is forbidden.
     """
 
     wish: Wish
     places: tuple[int, int]
     chain: tuple[str, ...]
-    mending: int
 
 
-def broken_wishes(problem: Problem, plan: Plan, mend: CostOfMending) -> tuple[BrokenWish, ...]:
+def broken_wishes(problem: Problem, plan: Plan) -> tuple[BrokenWish, ...]:
     """Return the wishes that a valid plan breaks, the dearest first."""
     picks = [str(action.wire) for action in plan.actions if action.kind is ActionKind.PICK]
     place = {wire: i for i, wire in enumerate(picks, 1)}
@@ -56,17 +65,13 @@ def broken_wishes(problem: Problem, plan: Plan, mend: CostOfMending) -> tuple[Br
     broken = []
     for wish in problem.wishes:
         places = place.get(wish.before), place.get(wish.after)
-        if places[0] is None or places[1] is None or places[0] < places[1]:
-            continue
-        chain = _chain(after, wish.after, wish.before)
-        mending = 0 if chain else mend(wish.before, wish.after)
-        broken.append(BrokenWish(wish, (places[0], places[1]), chain, mending))
+        if places[0] is not None and places[1] is not None and places[0] > places[1]:
+            chain = _chain(after, wish.after, wish.before)
+            broken.append(BrokenWish(wish, (places[0], places[1]), chain))
     return tuple(sorted(broken, key=lambda item: -item.wish.weight))
 
 
-def explain(
-    preferred: Preferred, plan: Plan, verdict: Verdict, broken: tuple[BrokenWish, ...]
-) -> Iterator[str]:
+def explain(preferred: Preferred, plan: Plan, verdict: Verdict, mender: Mender) -> Iterator[str]:
     """Yield the explanation of a valid plan, line by line."""
     problem = preferred.problem
     yield (
@@ -80,32 +85,59 @@ def explain(
             yield f"  {paid}: {paid // weights[name]} {what}, {weights[name]} each"
     if verdict.penalties["soft"]:
         yield f"  {verdict.penalties['soft']}: wishes broken, of {len(problem.wishes)}"
-    yield from _tell_arms(preferred, plan)
-    for item in broken:
-        yield from _tell(item)
+    for reason, wires in _by_reason(preferred.detours).items():
+        yield f"kept: `{reason}`: {', '.join(wires)} take another way"
+    yield from _tell_arms(preferred, plan, mender)
+    by_reason = sorted(broken_wishes(problem, plan), key=lambda item: item.wish.reason)
+    for reason, group in itertools.groupby(by_reason, lambda item: item.wish.reason):
+        yield from _tell_group(reason, list(group), problem, mender)
 
 
-def _tell_arms(preferred: Preferred, plan: Plan) -> Iterator[str]:
+def _by_reason(reasons: dict[str, str]) -> dict[str, list[str]]:
+    wires: dict[str, list[str]] = {}
+    for wire, reason in reasons.items():
+        wires.setdefault(reason, []).append(wire)
+    return wires
+
+
+def _tell_arms(preferred: Preferred, plan: Plan, mender: Mender) -> Iterator[str]:
     """Tell which of the user's preferences for an arm the plan breaks."""
     problem = preferred.problem
     index = {arm.name: i for i, arm in enumerate(problem.arms)}
     modes = possible_modes(problem)
-    against: dict[str, list[bool]] = {}
+    against: dict[str, list[str]] = {}
     for action in plan.actions:
         name = str(action.wire)
         wished = problem.wire[name].preferred_arm if name in preferred.arm_reasons else None
         if action.kind is ActionKind.PICK and wished is not None and wished != action.arm:
-            able = any(mode.arm == index[wished] for mode in modes[name])
-            against.setdefault(preferred.arm_reasons[name], []).append(able)
-    for reason, able_ones in against.items():
+            against.setdefault(preferred.arm_reasons[name], []).append(name)
+    for reason, names in against.items():
+        arms = {name: str(problem.wire[name].preferred_arm) for name in names}
+        able = [n for n in names if any(mode.arm == index[arms[n]] for mode in modes[n])]
         yield (
-            f"broken, costs {len(able_ones) * problem.weights.arm}: `{reason}`: {len(able_ones)} "
-            f"wires are picked by the other arm, of which {able_ones.count(False)} are out of the "
-            "preferred arm's reach"
+            f"broken, costs {len(names) * problem.weights.arm}: `{reason}`: another arm picks "
+            f"{', '.join(names)}; {len(names) - len(able)} of {len(names)} are out of its "
+            "reach"
         )
+        for name in able[:_TOLD]:
+            yield _judge(f"{name} by {arms[name]}", mender.done_by(name, arms[name]))
 
 
-def _tell(item: BrokenWish) -> Iterator[str]:
+def _tell_group(
+    reason: str, group: list[BrokenWish], problem: Problem, mender: Mender
+) -> Iterator[str]:
+    """Tell the broken pairs of one preference; those of the design one by one."""
+    told = group if not reason else group[:_TOLD]
+    if len(told) < len(group):
+        pairs = sum(wish.reason == reason for wish in problem.wishes)
+        paid = sum(item.wish.weight for item in group)
+        yield f"broken, costs {paid}: `{reason}`: {len(group)} of {pairs} pairs, such as"
+    for item in told:
+        lines = _tell(item, mender)
+        yield from lines if told == group else (f"  {line}" for line in lines)
+
+
+def _tell(item: BrokenWish, mender: Mender) -> Iterator[str]:
     wish = item.wish
     title = f"`{wish.reason}`: " if wish.reason else ""
     yield (
@@ -114,16 +146,17 @@ def _tell(item: BrokenWish) -> Iterator[str]:
     )
     if item.chain:
         yield f"    cannot be kept: {' must come before '.join(item.chain)}"
-    elif item.mending >= 0:
-        yield (
-            f"    rejected: {wish.before} right before {wish.after} would cost {item.mending} more "
-            "in all"
-        )
     else:
-        yield (
-            f"    not found: {wish.before} right before {wish.after} would save {-item.mending}; "
-            "more time for the search may mend it"
-        )
+        mending = mender.picked_before(wish.before, wish.after)
+        yield _judge(f"{wish.before} right before {wish.after}", mending)
+
+
+def _judge(change: str, mending: int | None) -> str:
+    if mending is None:
+        return f"    rejected: {change} makes the arms wait for each other for ever"
+    if mending >= 0:
+        return f"    rejected: {change} would cost {mending} more in all"
+    return f"    not found: {change} would save {-mending}; more time for the search may mend it"
 
 
 def _chain(after: dict[str, list[str]], start: str, goal: str) -> tuple[str, ...]:

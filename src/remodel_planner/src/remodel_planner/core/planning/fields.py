@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -65,12 +66,33 @@ class Fields:
             raise self.fail(key, "true or false")
         return value
 
-    def pair(self, key: str) -> tuple[int, int]:
+    def pair(self, key: str, least: int = -GREATEST) -> tuple[int, int]:
         """Return a field that is two integers, such as a position in mm."""
         value = self.value(key)
-        if not isinstance(value, list) or len(value) != 2 or not all(map(_is_length, value)):
-            raise self.fail(key, f"two integers from -{GREATEST} to {GREATEST}")
+        if not (
+            isinstance(value, list)
+            and len(value) == 2
+            and all(_is_integer(item) and least <= item <= GREATEST for item in value)
+        ):
+            raise self.fail(key, f"two integers from {least} to {GREATEST}")
         return (value[0], value[1])
+
+    def pairs(self, key: str) -> tuple[tuple[int, int], ...]:
+        """Return a field that is a list of at least two pairs of integers, such as a path in mm."""
+        value = self.value(key)
+        if not isinstance(value, list) or len(value) < 2:
+            raise self.fail(key, "a list of at least two positions")
+        places = Fields({str(i): place for i, place in enumerate(value)}, self.place(key))
+        return tuple(places.pair(str(i)) for i in range(len(value)))
+
+    def plain(self, key: str) -> str | float | bool:
+        """Return a field that is a text, a finite number, or true or false."""
+        value = self.value(key)
+        if not isinstance(value, str | int | float) or (
+            isinstance(value, float) and not math.isfinite(value)
+        ):
+            raise self.fail(key, "a text, a number, or true or false")
+        return value
 
     def choice(self, key: str, choices: tuple[str, ...]) -> str:
         """Return a field that is one of some words."""
@@ -120,10 +142,6 @@ class Fields:
 
 def _is_integer(value: object) -> bool:
     return isinstance(value, int) and not isinstance(value, bool)
-
-
-def _is_length(value: object) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool) and abs(value) <= GREATEST
 
 
 def _show(value: object) -> str:

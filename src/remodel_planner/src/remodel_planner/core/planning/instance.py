@@ -5,8 +5,11 @@ from __future__ import annotations
 from remodel_planner.core.planning.fields import GREATEST, GREATEST_TIME, Fields
 from remodel_planner.core.planning.problem import (
     Arm,
+    Characteristic,
+    Detour,
     Durations,
     End,
+    Handling,
     Handover,
     Pin,
     Problem,
@@ -61,9 +64,12 @@ def problem_from(data: object) -> Problem:
             *(weights.number(key) for key in ("colour", "zone", "start", "tool", "heavy", "arm"))
         ),
         tools=fields.texts("tools"),
-        arms=tuple(_arm(item, init.inner("arms")) for item in fields.objects("arms")),
+        arms=tuple(
+            arm_from(item, init.inner("arms").inner(item.text("id")))
+            for item in fields.objects("arms")
+        ),
         components=tuple(item.text("id") for item in fields.objects("components")),
-        terminals=tuple(_terminal(item) for item in fields.objects("terminals")),
+        terminals=tuple(terminal_from(item) for item in fields.objects("terminals")),
         wires=tuple(_wire(item, states) for item in fields.objects("wires")),
         unders=tuple(
             Under(item.text("before"), item.text("after"))
@@ -85,11 +91,10 @@ def _wire_states(states: Fields) -> dict[str, Fields]:
     return {name: states.inner(name) for name in states.keys()}  # noqa: SIM118 - not a dict
 
 
-def _arm(item: Fields, states: Fields) -> Arm:
-    name = item.text("id")
-    state = states.inner(name)
+def arm_from(item: Fields, state: Fields) -> Arm:
+    """Return the arm of an entry, and of one that tells what it is doing."""
     return Arm(
-        name,
+        item.text("id"),
         item.pair("station"),
         item.pair("reach"),
         state.pair("pos"),
@@ -98,7 +103,8 @@ def _arm(item: Fields, states: Fields) -> Arm:
     )
 
 
-def _terminal(item: Fields) -> Terminal:
+def terminal_from(item: Fields) -> Terminal:
+    """Return the terminal of an entry."""
     position = (item.number("x", least=-GREATEST), item.number("y", least=-GREATEST))
     return Terminal(item.text("id"), item.text("comp"), position)
 
@@ -127,7 +133,28 @@ def _wire(item: Fields, states: dict[str, Fields]) -> Wire:
         stage,
         first,
         jammed,
+        _handling(item.inner("handling")) if item.has("handling") else None,
+        tuple(map(_detour, item.objects("detours"))) if item.has("detours") else (),
+        item.number("insert_force_n") if item.has("insert_force_n") else None,
+        characteristics_of(item),
     )
+
+
+def characteristics_of(item: Fields) -> tuple[tuple[str, Characteristic], ...]:
+    """Return the field `characteristics`, if there is one: texts, finite numbers, booleans."""
+    if not item.has("characteristics"):
+        return ()
+    inner = item.inner("characteristics")
+    return tuple((name, inner.plain(name)) for name in inner.keys())  # noqa: SIM118 - not a dict
+
+
+def _handling(item: Fields) -> Handling:
+    return Handling(item.number("pick"), item.pair("insert", least=0), item.number("fix"))
+
+
+def _detour(item: Fields) -> Detour:
+    meeting = _handover(item.inner("handover")) if item.has("handover") else None
+    return Detour(item.texts("segments"), item.number("route"), meeting)
 
 
 def _handover(item: Fields) -> Handover:

@@ -16,6 +16,10 @@ class Listing:
     wires: tuple[str, ...]
     modes: dict[str, Mode]
 
+    def with_mode(self, wire: str, mode: Mode) -> Listing:
+        """Return the list with a wire done in another way."""
+        return Listing(self.wires, {**self.modes, wire: mode})
+
     def with_first_before(self, problem: Problem, first: str, second: str) -> Listing:
         """Return the list with a wire, and all that must come before it, right before another."""
         before: dict[str, list[str]] = {}

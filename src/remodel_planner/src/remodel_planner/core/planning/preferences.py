@@ -3,43 +3,42 @@
 The grammar, in YAML (docs/planning.md has an example):
 
     format: remodel-preferences-1
-    weights: {NAME: TICKS, ...}         # of Weights; those not named stay
-    prefer:                             # soft: a plan may break it, and pays
+    zones: {ZONE: [LEAST, GREATEST], ...}       # parts of the panel, in x [mm]
+    weights: {NAME: TICKS, ...}                 # of Weights; those not named stay
+    prefer:                                     # soft: a plan may break it, and pays
       - {name: TEXT, pick: WIRES, before: WIRES, weight: TICKS}
-      - {name: TEXT, pick: WIRES, with_arm: ARM}        # weight: weights.arm, for each wire
-    require:                            # hard: no plan breaks it
+      - {name: TEXT, pick: WIRES, in_order_of: NAME, from: least|greatest, weight: TICKS}
+      - {name: TEXT, pick: WIRES, with_arm: ARM}             # weight: weights.arm, for each wire
+    require:                                    # hard: no plan breaks it
       - {name: TEXT, route: WIRES, before: WIRES}
-      - {name: TEXT, arm: ARM, x_mm: [LEAST, GREATEST]}
+      - {name: TEXT, route: WIRES, in_order_of: NAME, from: least|greatest}
+      - {name: TEXT, arm: ARM, x_mm: [LEAST, GREATEST], while: SITUATION}
+      - {name: TEXT, arm: ARM, out_of: ZONE, while: SITUATION}
       - {name: TEXT, avoid_segment: SEGMENT}
-    WIRES: a wire's name, a list of names, or {colour|tool|component|heavy|zone: VALUE, ...},
-           the wires that have all these values
+      - {name: TEXT, insert: WIRES, force_n: NEWTON}
+    WIRES, NAME: choices.py
 
 A preference holds between all wires of the one choice and all of the other, without the pairs of a
-wire with itself.
+wire with itself; one of an order, between all wires whose values differ. What has a `while` counts
+in that situation only; without it, always. A choice that no wire meets is refused, unless the entry
+says `if_any: true`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 
+from remodel_planner.core.planning.choices import choose, feature, features_of
 from remodel_planner.core.planning.fields import Fields
-from remodel_planner.core.planning.problem import End, Problem, Under, Wire, Wish
+from remodel_planner.core.planning.problem import Arm, Problem, Under, Wire, Wish
 from remodel_planner.errors import InstanceError
 
 FORMAT = "remodel-preferences-1"
 
 _WEIGHTS = ("colour", "zone", "start", "tool", "heavy", "arm")
-_Tests = dict[str, Callable[[Problem, Wire, object], bool]]
-_TESTS: _Tests = {
-    "colour": lambda _, wire, value: wire.colour == value,
-    "tool": lambda _, wire, value: wire.tool == value,
-    "heavy": lambda _, wire, value: wire.heavy is value,
-    "zone": lambda _, wire, value: value is not True and wire.zone == value,
-    "component": lambda problem, wire, value: any(
-        problem.end_terminal(wire, end).component == value for end in End
-    ),
-}
+_SHOWN = 5
 
 
 @dataclass(frozen=True)
@@ -48,122 +47,207 @@ class Preferred:
 
     Attributes:
         arm_reasons: the names of the preferences for an arm, by wire.
+        detours: names of the requirements for which wires leave their own ways, by wire.
+        situations: in which some requirement counts.
     """
 
     problem: Problem
-    arm_reasons: dict[str, str]
+    arm_reasons: dict[str, str] = field(default_factory=dict)
+    detours: dict[str, str] = field(default_factory=dict)
+    situations: frozenset[str] = frozenset()
 
 
-def apply_preferences(problem: Problem, data: object) -> Preferred:
-    """Return the problem with the preferences of a parsed document.
+def apply_preferences(
+    preferred: Preferred, data: object, situations: frozenset[str] = frozenset()
+) -> Preferred:
+    """Return the problem with the preferences of a parsed document, in the present situations.
 
     Raises:
         InstanceError: naming the first entry that is malformed, speaks of what is not there, or
             cannot be kept by any plan.
     """
-    fields = Fields(data, "")
-    fields.only("format", "weights", "prefer", "require")
-    fields.choice("format", (FORMAT,))
+    fields = document_fields(data)
     if fields.has("weights"):
-        problem = _with_weights(problem, fields.inner("weights"))
-    arm_reasons: dict[str, str] = {}
+        weights = _weights(preferred.problem, fields.inner("weights"))
+        preferred = replace(preferred, problem=weights)
     for item in fields.objects("prefer") if fields.has("prefer") else []:
-        problem = _prefer(problem, item, arm_reasons)
-    for item in fields.objects("require") if fields.has("require") else []:
-        problem = _require(problem, item)
-    return Preferred(problem, arm_reasons)
+        preferred = _prefer(preferred, item)
+    zones = fields.inner("zones") if fields.has("zones") else Fields({}, "zones")
+    for item in requirements(fields):
+        if item.has("while"):
+            situation = item.text("while")
+            preferred = replace(preferred, situations=preferred.situations | {situation})
+            if situation not in situations:
+                continue
+        preferred = _require(preferred, item, zones)
+    return preferred
 
 
-def _with_weights(problem: Problem, fields: Fields) -> Problem:
+def document_fields(data: object) -> Fields:
+    """Return the fields of a preferences document.
+
+    Raises:
+        InstanceError: if it is none.
+    """
+    fields = Fields(data, "")
+    fields.only("format", "zones", "weights", "prefer", "require")
+    fields.choice("format", (FORMAT,))
+    return fields
+
+
+def requirements(fields: Fields) -> list[Fields]:
+    """Return the entries of a document that no plan breaks."""
+    return fields.objects("require") if fields.has("require") else []
+
+
+def _weights(problem: Problem, fields: Fields) -> Problem:
     fields.only(*_WEIGHTS)
     weights = {name: fields.number(name) for name in fields.keys()}  # noqa: SIM118 - not a dict
     return replace(problem, weights=replace(problem.weights, **weights))
 
 
-def _prefer(problem: Problem, item: Fields, arm_reasons: dict[str, str]) -> Problem:
-    name = item.text("name")
+def _prefer(preferred: Preferred, item: Fields) -> Preferred:
+    name, problem = item.text("name"), preferred.problem
     if item.has("with_arm"):
-        item.only("name", "pick", "with_arm")
+        item.only("name", "if_any", "pick", "with_arm")
         arm = item.choice("with_arm", tuple(arm.name for arm in problem.arms))
-        chosen = {wire.name for wire in _choose(problem, item, "pick")}
-        arm_reasons.update(dict.fromkeys(sorted(chosen), name))
+        chosen = {wire.name for wire in choose(problem, item, "pick")}
         wires = (replace(w, preferred_arm=arm) if w.name in chosen else w for w in problem.wires)
-        return replace(problem, wires=tuple(wires))
-    item.only("name", "pick", "before", "weight")
+        reasons = {**preferred.arm_reasons, **dict.fromkeys(sorted(chosen), name)}
+        return replace(preferred, problem=replace(problem, wires=tuple(wires)), arm_reasons=reasons)
+    if item.has("in_order_of"):
+        item.only("name", "if_any", "pick", "in_order_of", "from", "weight")
+        groups = _groups(problem, item, "pick")
+        pairs = [pair for two in itertools.combinations(groups, 2) for pair in _between(*two)]
+    else:
+        item.only("name", "if_any", "pick", "before", "weight")
+        pairs = list(_between(choose(problem, item, "pick"), choose(problem, item, "before")))
     weight = item.number("weight", least=1)
-    pairs = _pairs(problem, item, "pick")
     wishes = tuple(Wish(before, after, weight, name) for before, after in pairs)
-    return replace(problem, wishes=problem.wishes + wishes)
+    return replace(preferred, problem=replace(problem, wishes=problem.wishes + wishes))
 
 
-def _require(problem: Problem, item: Fields) -> Problem:
-    name = item.text("name")
-    if item.has("route"):
-        item.only("name", "route", "before")
-        unders = tuple(Under(*pair, name) for pair in _pairs(problem, item, "route"))
-        return replace(problem, unders=problem.unders + unders)
+def _require(preferred: Preferred, item: Fields, zones: Fields) -> Preferred:
+    name, problem = item.text("name"), preferred.problem
     if item.has("avoid_segment"):
-        item.only("name", "avoid_segment")
-        return _without_segment(problem, item.text("avoid_segment"), name)
-    item.only("name", "arm", "x_mm")
+        item.only("name", "avoid_segment", "while")
+        return _avoid(preferred, item.text("avoid_segment"), name)
+    if item.has("route"):
+        problem = _in_order(problem, item, name)
+    elif item.has("insert"):
+        _limit_force(problem, item, name)
+    else:
+        problem = _limit_reach(problem, item, zones)
+    return replace(preferred, problem=problem)
+
+
+def _in_order(problem: Problem, item: Fields, name: str) -> Problem:
+    if item.has("in_order_of"):
+        item.only("name", "if_any", "route", "in_order_of", "from", "while")
+        groups = _groups(problem, item, "route")
+        pairs = [pair for two in itertools.pairwise(groups) for pair in _between(*two)]
+    else:
+        item.only("name", "if_any", "route", "before", "while")
+        pairs = list(_between(choose(problem, item, "route"), choose(problem, item, "before")))
+    return replace(problem, unders=problem.unders + tuple(Under(*pair, name) for pair in pairs))
+
+
+def _limit_force(problem: Problem, item: Fields, name: str) -> None:
+    item.only("name", "if_any", "insert", "force_n", "while")
+    limit = item.number("force_n", least=1)
+    for wire in choose(problem, item, "insert"):
+        if wire.insert_force_n is None:
+            raise InstanceError(
+                f"requirement `{name}`: nobody tells with which force wire {wire.name} is pushed "
+                "in: give its insert_force_n, or drop the requirement"
+            )
+        if wire.insert_force_n > limit:
+            raise InstanceError(
+                f"requirement `{name}`: wire {wire.name} is pushed in with "
+                f"{wire.insert_force_n:g} N, over {limit} N: offer a gentler way, or drop the "
+                "requirement"
+            )
+
+
+def _limit_reach(problem: Problem, item: Fields, zones: Fields) -> Problem:
+    item.only("name", "arm", "x_mm", "out_of", "while")
     arm_name = item.choice("arm", tuple(arm.name for arm in problem.arms))
-    least, greatest = item.pair("x_mm")
-    arms = (
-        replace(arm, reach_mm=(max(least, arm.reach_mm[0]), min(greatest, arm.reach_mm[1])))
-        if arm.name == arm_name
-        else arm
-        for arm in problem.arms
-    )
+    arm = next(arm for arm in problem.arms if arm.name == arm_name)
+    if item.has("out_of"):
+        zone = item.choice("out_of", zones.keys())
+        limited = _outside(problem, arm, zones.pair(zone))
+    else:
+        least, greatest = item.pair("x_mm")
+        limited = (max(least, arm.reach_mm[0]), min(greatest, arm.reach_mm[1]))
+    arms = (replace(a, reach_mm=limited) if a is arm else a for a in problem.arms)
     return replace(problem, arms=tuple(arms))
 
 
-def _without_segment(problem: Problem, segment: str, name: str) -> Problem:
-    through = [wire.name for wire in problem.wires if segment in wire.segments]
+def _outside(problem: Problem, arm: Arm, zone: tuple[int, int]) -> tuple[int, int]:
+    """Return what a zone leaves of an arm's reach: the side of it that has more terminals."""
+    least, greatest = arm.reach_mm
+    left, right = (least, min(greatest, zone[0] - 1)), (max(least, zone[1] + 1), greatest)
+
+    def terminals(part: tuple[int, int]) -> int:
+        return sum(part[0] <= t.position_mm[0] <= part[1] for t in problem.terminals)
+
+    return max(left, right, key=terminals)
+
+
+def _avoid(preferred: Preferred, segment: str, name: str) -> Preferred:
+    problem = preferred.problem
+    wires = [_detoured(wire, segment) for wire in problem.wires]
+    through = [w.name for w, other in zip(problem.wires, wires, strict=True) if other is None]
     if through:
-        shown = ", ".join(through[:5]) + (", ..." if len(through) > 5 else "")
+        shown = ", ".join(through[:_SHOWN]) + (", ..." if len(through) > _SHOWN else "")
         raise InstanceError(
-            f"requirement `{name}`: {len(through)} wires are routed through segment {segment} "
-            f"({shown}): route them elsewhere, or drop the requirement"
+            f"requirement `{name}`: {len(through)} wires are routed through segment {segment} and "
+            f"have no detour ({shown}): offer them one, or drop the requirement"
         )
-    return problem
+    changed = tuple(wire for wire in wires if wire is not None)
+    moved = [w.name for w in changed if w.segments != problem.wire[w.name].segments]
+    return replace(
+        preferred,
+        problem=replace(problem, wires=changed),
+        detours={**preferred.detours, **dict.fromkeys(moved, name)},
+    )
 
 
-def _pairs(problem: Problem, item: Fields, key: str) -> Iterator[tuple[str, str]]:
-    later = _choose(problem, item, "before")
-    for first in _choose(problem, item, key):
+def _detoured(wire: Wire, segment: str) -> Wire | None:
+    """Return the wire on the first of its ways that avoids a segment; None if there is none."""
+    free = tuple(way for way in wire.detours if segment not in way.segments)
+    if segment not in wire.segments:
+        return replace(wire, detours=free)
+    if not free:
+        return None
+    way = free[0]
+    return replace(
+        wire,
+        segments=way.segments,
+        route_ticks=way.route_ticks,
+        handover=way.handover,
+        detours=free[1:],
+    )
+
+
+def _groups(problem: Problem, item: Fields, key: str) -> list[list[Wire]]:
+    """Return the chosen wires, those of equal values together, in the order asked for."""
+    name = item.choice("in_order_of", tuple(features_of(problem)))
+    greatest_first = item.choice("from", ("least", "greatest")) == "greatest"
+    values = [(feature(wire, name), wire) for wire in choose(problem, item, key)]
+    lacking = [wire.name for value, wire in values if value is None]
+    if lacking:
+        raise InstanceError(f"{item.place('in_order_of')}: wire {lacking[0]} has no {name}")
+    if len({isinstance(value, str) for value, _ in values}) > 1:
+        raise InstanceError(f"{item.place('in_order_of')}: {name} is text and number in turns")
+    ordered = sorted(values, key=lambda pair: pair[0], reverse=greatest_first)  # type: ignore[arg-type, return-value]
+    return [
+        [wire for _, wire in group] for _, group in itertools.groupby(ordered, lambda pair: pair[0])
+    ]
+
+
+def _between(earlier: list[Wire], later: list[Wire]) -> Iterator[tuple[str, str]]:
+    for first in earlier:
         for second in later:
             if first is not second:
                 yield first.name, second.name
-
-
-def _choose(problem: Problem, item: Fields, key: str) -> list[Wire]:
-    """Return the wires that a choice names or describes, at least one."""
-    value = item.value(key)
-    if isinstance(value, str):
-        value = [value]
-    if isinstance(value, list):
-        return [_named(problem, item, key, name) for name in value]
-    choice = item.inner(key)
-    choice.only(*_TESTS)
-    wires = [
-        wire
-        for wire in problem.wires
-        if all(
-            _TESTS[test](problem, wire, choice.value(test))
-            for test in choice.keys()  # noqa: SIM118 - not a dict
-        )
-    ]
-    if not wires:
-        raise item.fail(key, "a choice that at least one wire meets")
-    return wires
-
-
-def _named(problem: Problem, item: Fields, key: str, name: object) -> Wire:
-    if not isinstance(name, str) or name not in problem.wire:
-        raise InstanceError(f"{item.place(key)}: no wire {name}; the order has {_some(problem)}")
-    return problem.wire[name]
-
-
-def _some(problem: Problem) -> str:
-    names = [wire.name for wire in problem.wires]
-    return ", ".join(names[:3]) + (f", ... {names[-1]}" if len(names) > 3 else "")

@@ -13,6 +13,7 @@ from enum import Enum, IntEnum
 from functools import cached_property
 
 Point = tuple[int, int]
+Characteristic = str | float | bool
 
 
 class End(IntEnum):
@@ -84,6 +85,28 @@ class Handover:
 
 
 @dataclass(frozen=True)
+class Handling:
+    """What a wire's own picking, inserting and fixing take [ticks].
+
+    Attributes:
+        insert_ticks: of end a and of end b.
+    """
+
+    pick_ticks: int
+    insert_ticks: tuple[int, int]
+    fix_ticks: int
+
+
+@dataclass(frozen=True)
+class Detour:
+    """Another way for a wire's routing, by which it may go where its own way is forbidden."""
+
+    segments: tuple[str, ...]
+    route_ticks: int
+    handover: Handover | None = None
+
+
+@dataclass(frozen=True)
 class Wire:
     """A wire to be placed, and how far it is when planning begins.
 
@@ -94,6 +117,10 @@ class Wire:
         insert_ticks: of each end.
         first: the end inserted first, once that is settled.
         jammed: the end whose insertion failed; it must be extracted.
+        handling: its own durations, where they are not those of all wires.
+        detours: other ways, the best one first.
+        insert_force_n: [N] with which an end is pushed in, the greater of both; None: not told.
+        characteristics: names and values by which preferences can choose it.
     """
 
     name: str
@@ -111,6 +138,10 @@ class Wire:
     stage: Stage = Stage.STORED
     first: End | None = None
     jammed: End | None = None
+    handling: Handling | None = None
+    detours: tuple[Detour, ...] = ()
+    insert_force_n: float | None = None
+    characteristics: tuple[tuple[str, Characteristic], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -223,6 +254,18 @@ class Problem:
     def end_terminal(self, wire: Wire, end: End) -> Terminal:
         """Return the terminal of a wire's end."""
         return self.terminal[wire.terminals[end]]
+
+    def pick_ticks(self, wire: Wire) -> int:
+        """Return how long picking a wire takes."""
+        return wire.handling.pick_ticks if wire.handling else self.durations.pick
+
+    def insert_ticks(self, wire: Wire, end: End) -> int:
+        """Return how long inserting a wire's end takes."""
+        return wire.handling.insert_ticks[end] if wire.handling else wire.insert_ticks
+
+    def fix_ticks(self, wire: Wire) -> int:
+        """Return how long fixing a wire takes."""
+        return wire.handling.fix_ticks if wire.handling else self.durations.fix
 
 
 class ActionKind(Enum):

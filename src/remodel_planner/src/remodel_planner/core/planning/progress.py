@@ -30,9 +30,9 @@ def after_jam(problem: Problem, plan: Plan, index: int) -> Problem:
     """
     failing = plan.actions[index]
     wire = problem.wire[str(failing.wire)]
-    until = failing.start_ticks + wire.insert_ticks
-    left = _executed(problem, _begun(plan, index, until), at_least=until)
     end = End(failing.end or 0)
+    until = failing.start_ticks + problem.insert_ticks(wire, end)
+    left = _executed(problem, _begun(plan, index, until), at_least=until)
     component = problem.end_terminal(wire, end).component
     wires = tuple(replace(w, jammed=end) if w.name == wire.name else w for w in left.wires)
     at = problem.end_terminal(wire, end).position_mm
@@ -140,7 +140,7 @@ def _execute(problem: Problem, state: _State, action: Action) -> int:
         state.arms[arm.name] = replace(arm, position_mm=terminal.position_mm)
         return durations.locate
     wire = state.wires[str(action.wire)]
-    ticks, position, holding = durations.pick, wire.slot_mm, arm.holding
+    ticks, position, holding = problem.pick_ticks(wire), wire.slot_mm, arm.holding
     if action.kind is ActionKind.PICK:
         holding = wire.name
         wire = replace(wire, stage=Stage.HELD)
@@ -157,7 +157,7 @@ def _execute(problem: Problem, state: _State, action: Action) -> int:
         end = action.end if action.end is not None else End(wire.first or 0).other
         position = problem.end_terminal(wire, end).position_mm
         if action.kind is ActionKind.INSERT:
-            ticks = wire.insert_ticks
+            ticks = problem.insert_ticks(wire, end)
             is_first = wire.stage is Stage.HELD
             wire = replace(wire, first=end, stage=Stage.FIRST_IN) if is_first else wire
             wire = wire if is_first else replace(wire, stage=Stage.SECOND_IN)
@@ -168,7 +168,8 @@ def _execute(problem: Problem, state: _State, action: Action) -> int:
         elif action.kind is ActionKind.EXTRACT:
             ticks, wire = durations.extract, replace(wire, jammed=None)
         else:
-            ticks, holding, wire = durations.fix, None, replace(wire, stage=Stage.FIXED)
+            ticks, holding = problem.fix_ticks(wire), None
+            wire = replace(wire, stage=Stage.FIXED)
     state.wires[wire.name] = wire
     state.arms[arm.name] = replace(arm, position_mm=position, holding=holding)
     return ticks

@@ -47,6 +47,7 @@ def tables_of(problem: Problem) -> Tables:
     arrays = {**_wire_arrays(problem, wires, opening), **_arm_arrays(problem), **relations}
     arrays["opening"] = _array(number[name] for name in opening.wires)
     arrays["located"] = _array([name in problem.located for name in problem.components])
+    durations = problem.durations
     light = any(not problem.wire[name].heavy for name, _ in problem.history)
     scalars = {
         "wires": len(wires),
@@ -58,7 +59,10 @@ def tables_of(problem: Problem) -> Tables:
         "softs": len(wishes),
         "openings": len(opening.wires),
         "speed": problem.speed_mm,
-        **vars(problem.durations),
+        "locate": durations.locate,
+        "change_tool": durations.change_tool,
+        "extract": durations.extract,
+        "hand_over": durations.hand_over,
         **{f"{name}_weight": weight for name, weight in vars(problem.weights).items()},
         "light_started": int(light),
     }
@@ -86,7 +90,9 @@ def _wire_arrays(problem: Problem, wires: list[Wire], opening: Opening) -> dict[
         "colour": _array(colour[wire.colour] for wire in wires),
         "zone": _array(wire.zone for wire in wires),
         "heavy": _array(wire.heavy for wire in wires),
-        "insert": _array(wire.insert_ticks for wire in wires),
+        "pick": _array(problem.pick_ticks(wire) for wire in wires),
+        "insert": _array(([problem.insert_ticks(w, end) for end in End] for w in wires), 2),
+        "fix": _array(problem.fix_ticks(wire) for wire in wires),
         "route": _array(wire.route_ticks for wire in wires),
         "handover": _array((w.handover.position_mm if w.handover else (0, 0) for w in wires), 2),
         "handover_route": _array(

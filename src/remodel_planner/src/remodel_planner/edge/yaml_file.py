@@ -1,4 +1,4 @@
-"""Read preferences from YAML."""
+"""YAML documents on disk."""
 
 from __future__ import annotations
 
@@ -10,13 +10,19 @@ from remodel_planner.edge.text_file import read_text
 from remodel_planner.errors import InstanceError
 
 
-def read_preferences(file: Path) -> object:
-    """Return the parsed document of a YAML file.
+def read_yaml(file: Path) -> object:
+    """Return the parsed document of a file.
 
     Raises:
         InstanceError: if it cannot be read or is no YAML, with the place.
     """
     try:
-        return yaml.safe_load(read_text(file))
+        return yaml.load(read_text(file), _Loader)
     except yaml.YAMLError as error:
         raise InstanceError(f"is no YAML: {' '.join(str(error).split())}") from error
+    except RecursionError as error:
+        raise InstanceError("is nested too deeply") from error
+
+
+# The same loader, in C where libyaml is there.
+_Loader: type = getattr(yaml, "CSafeLoader", yaml.SafeLoader)

@@ -1,0 +1,42 @@
+"""`rosrun remodel_planner charts ORDER PLAN.json`: make a state chart of each task of a plan."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from remodel_planner.commands.problem_files import add_problem_options, read_order, read_plan
+from remodel_planner.core.planning.checker import check
+from remodel_planner.core.use_case.planned_tasks import planned_tasks
+from remodel_planner.edge.chart_folder import keep_chart
+from remodel_planner.errors import PlannerError
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Write the charts, print one line a task, and return the exit code."""
+    parser = argparse.ArgumentParser(
+        prog="charts",
+        description="Write the state chart of each task, in the order of a plan. A chart that is "
+        "there already, unchanged, is left alone.",
+        epilog="Exit code: 0 written, 1 the plan is not valid, 2 wrong usage, 3 a file is "
+        "malformed or cannot be written.",
+    )
+    add_problem_options(parser)
+    parser.add_argument("plan", type=Path, help="plan of that order")
+    parser.add_argument("--output", type=Path, required=True, help="folder of the charts")
+    options = parser.parse_args(arguments)
+    try:
+        prepared = read_order(options)
+        plan = read_plan(options.plan)
+        verdict = check(prepared.preferred.problem, plan)
+        if not verdict.valid:
+            print("\n".join(("the plan is not valid:", *verdict.violations)))
+            return 1
+        for task in planned_tasks(prepared, plan):
+            file, written = keep_chart(task.chart, options.output)
+            print(f"{task.name}: {file} {'written' if written else 'unchanged'}")
+    except PlannerError as error:
+        print(f"charts: {error}", file=sys.stderr)
+        return 3
+    return 0

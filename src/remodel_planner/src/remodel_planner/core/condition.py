@@ -1,0 +1,82 @@
+"""What is asked of a wire or a task: a conjunction of tests of named values.
+
+In YAML: `{NAME: VALUE, NAME: [VALUE, ...], NAME: {at_least: NUMBER, at_most: NUMBER}, ...}`.
+
+A value of the task that is not there, such as a component's clamp where no end is concerned,
+passes no test.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+Value = str | float | bool
+Features = Mapping[str, Value]
+
+
+@dataclass(frozen=True)
+class Test:
+    """A test of one value: it is one of some, or a number in a range.
+
+    Attributes:
+        one_of: values allowed; empty: any number from `least` to `most`.
+    """
+
+    name: str
+    one_of: tuple[Value, ...] = ()
+    least: float = -math.inf
+    most: float = math.inf
+
+    def passes(self, features: Features) -> bool:
+        """Tell whether the value is as it must be."""
+        value = features.get(self.name)
+        if self.one_of:
+            return any(_same(value, allowed) for allowed in self.one_of)
+        return is_number(value) and self.least <= float(value) <= self.most  # type: ignore[arg-type]
+
+    def reason(self, features: Features) -> str:
+        """Say why it does not pass."""
+        found = features.get(self.name, "not given")
+        if self.one_of:
+            return f"{self.name} is {found}, not {' or '.join(map(str, self.one_of))}"
+        bounds = []
+        if self.least > -math.inf:
+            bounds.append(f"at least {self.least:g}")
+        if self.most < math.inf:
+            bounds.append(f"at most {self.most:g}")
+        return f"{self.name} is {found}, not {' and '.join(bounds)}"
+
+    @classmethod
+    def stated(cls, name: str, asked: object) -> Test:
+        """Return the test that YAML of the right form states."""
+        if isinstance(asked, Mapping):
+            least, most = asked.get("at_least", -math.inf), asked.get("at_most", math.inf)
+            return cls(name, (), least, most)
+        return cls(name, tuple(asked) if isinstance(asked, list | tuple) else (asked,))  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Tests that must all pass; none: always true."""
+
+    tests: tuple[Test, ...] = ()
+
+    def holds(self, features: Features) -> bool:
+        """Tell whether all tests pass."""
+        return all(test.passes(features) for test in self.tests)
+
+    def reason(self, features: Features) -> str:
+        """Say why it does not hold: the first test that fails."""
+        return next(test.reason(features) for test in self.tests if not test.passes(features))
+
+
+def is_number(value: object) -> bool:
+    """Tell whether a value is a number; true and false are none."""
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _same(value: object, allowed: Value) -> bool:
+    # True equals 1 in Python, and means something else here.
+    return value == allowed and isinstance(value, bool) == isinstance(allowed, bool)

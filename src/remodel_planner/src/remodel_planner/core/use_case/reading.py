@@ -1,0 +1,211 @@
+"""Read a use case from its parsed document.
+
+The form has been checked against config/use_case.schema.json before; here the names are: whatever
+is referred to must be there, and looking and decomposing must come to an end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from graphlib import CycleError, TopologicalSorter
+from typing import Any
+
+from remodel_planner.core.condition import Condition, Test
+from remodel_planner.core.use_case.expectation import Frozen, FrozenExpectations
+from remodel_planner.core.use_case.model import (
+    Action,
+    CellTimes,
+    Characteristic,
+    ControlRule,
+    Fact,
+    Macro,
+    Method,
+    Scope,
+    Subtask,
+    UseCase,
+)
+from remodel_planner.errors import UseCaseError
+
+Json = dict[str, Any]
+
+_REQUIRED = (Macro.PICK, Macro.INSERT, Macro.ROUTE, Macro.FIX)
+# What every task has, besides what the use case declares.
+_COMPUTED = {"length_m": 0.0, "clips": 0.0}
+
+
+def use_case_from(data: Json) -> UseCase:
+    """Return the use case of a document that has the schema's form.
+
+    Raises:
+        UseCaseError: with all names that refer to nothing, and circles.
+    """
+    stated = data["characteristics"]
+    use_case = UseCase(
+        name=data["name"],
+        title=data["title"],
+        description=data["description"],
+        task_characteristics=_characteristics(stated.get("task", {})),
+        component_characteristics=_characteristics(stated.get("component", {})),
+        heavy=_condition(data.get("heavy", {})),
+        facts={
+            name: Fact(name, Scope(item["of"]), item["look"])
+            for name, item in data.get("unknown", {}).items()
+        },
+        expectations=FrozenExpectations(
+            {name: _frozen(item) for name, item in data["abilities"].items()}
+        ),
+        actions={name: _action(name, item) for name, item in data["actions"].items()},
+        methods={task: tuple(map(_method, methods)) for task, methods in data["methods"].items()},
+        rules=tuple(
+            ControlRule(item["name"], item["never"], _condition(item.get("when", {})))
+            for item in data.get("rules", [])
+        ),
+        cell=CellTimes(**data["cell"]),
+        give_up=data["give_up"],
+        preferences=data.get("preferences", {}),
+    )
+    findings = [*_unknown_names(use_case), *_circles(use_case)]
+    if findings:
+        raise UseCaseError("\n  ".join(findings))
+    return use_case
+
+
+def _characteristics(stated: Json) -> dict[str, Characteristic]:
+    return {
+        name: Characteristic(
+            name,
+            item["default"],
+            tuple(item.get("one_of", ())),
+            item.get("at_least", float("-inf")),
+            item.get("at_most", float("inf")),
+        )
+        for name, item in stated.items()
+    }
+
+
+def _condition(stated: Json) -> Condition:
+    return Condition(tuple(Test.stated(name, asked) for name, asked in stated.items()))
+
+
+def _frozen(stated: Json | list[Json]) -> tuple[Frozen, ...]:
+    items = stated if isinstance(stated, list) else [stated]
+    return tuple(
+        Frozen(
+            _condition(item.get("when", {})),
+            item["duration_s"],
+            item.get("per_m_s", 0.0),
+            item["success"],
+        )
+        for item in items
+    )
+
+
+def _action(name: str, item: Json) -> Action:
+    return Action(
+        name=name,
+        title=item["title"],
+        type=item.get("state") or item["behavior"],
+        is_behavior="behavior" in item,
+        done=tuple(_several(item["done"])),
+        abilities=tuple(item["abilities"]),
+        tool=item.get("tool", ""),
+        force_n=float(item.get("force_n", 0.0)),
+        needs=_named(item.get("needs", ())),
+        reveals=_named(item.get("reveals", ())),
+        forgets=tuple(item.get("forgets", ())),
+        grasps=item.get("grasps", False),
+        inputs=tuple(item.get("inputs", {}).items()),
+        params=tuple(item.get("params", {}).items()),
+        attempts=item.get("attempts", 1),
+        on_failure=item.get("on_failure", ""),
+    )
+
+
+def _several(stated: str | list[str]) -> list[str]:
+    return [stated] if isinstance(stated, str) else stated
+
+
+def _named(stated: Json | list[str]) -> tuple[tuple[str, str], ...]:
+    """Return facts with the inputs or outputs that carry them; a list names facts alone."""
+    if isinstance(stated, dict):
+        return tuple(stated.items())
+    return tuple((fact, "") for fact in stated)
+
+
+def _method(item: Json) -> Method:
+    subtasks = tuple(
+        Subtask(sub) if isinstance(sub, str) else Subtask(sub["for_each_clip"], True)
+        for sub in item["do"]
+    )
+    when, if_cheaper = _condition(item.get("when", {})), item.get("if_cheaper", False)
+    return Method(item["name"], when, if_cheaper, subtasks)
+
+
+def _unknown_names(use_case: UseCase) -> Iterator[str]:
+    actions, facts = use_case.actions, use_case.facts
+    tasks = [macro.value for macro in _REQUIRED if macro.value not in use_case.methods]
+    yield from (f"methods: none for {task}, of which every task is made" for task in tasks)
+    yield from _missing("give_up", [use_case.give_up], actions, "action")
+    for name, fact in facts.items():
+        yield from _missing(f"unknown.{name}.look", [fact.look], actions, "action")
+        revealed = [f for f, _ in actions[fact.look].reveals] if fact.look in actions else [name]
+        if name not in revealed:
+            yield f"unknown.{name}.look: {fact.look} does not reveal it"
+    for name, action in actions.items():
+        where = f"actions.{name}"
+        yield from _missing(
+            f"{where}.abilities", action.abilities, use_case.expectations.stated, "ability"
+        )
+        yield from _missing(f"{where}.needs", [f for f, _ in action.needs], facts, "unknown fact")
+        yield from _missing(
+            f"{where}.reveals", [f for f, _ in action.reveals], facts, "unknown fact"
+        )
+        yield from _missing(f"{where}.forgets", action.forgets, facts, "unknown fact")
+        yield from _missing(
+            f"{where}.on_failure", filter(None, [action.on_failure]), actions, "action"
+        )
+    for task, methods in use_case.methods.items():
+        if task in actions:
+            yield f"methods.{task}: an action has this name too"
+        for method in methods:
+            where = f"methods.{task}.{method.name}"
+            known = {*actions, *use_case.methods}
+            yield from _missing(where, [sub.name for sub in method.subtasks], known, "task")
+            yield from _features(f"{where}.when", method.when, use_case)
+    for rule in use_case.rules:
+        yield from _missing(f"rules.{rule.name}.never", [rule.never], actions, "action")
+        yield from _features(f"rules.{rule.name}.when", rule.when, use_case)
+    yield from _features("heavy", use_case.heavy, use_case)
+    for ability, stated in use_case.expectations.stated.items():
+        for frozen in stated:
+            yield from _features(f"abilities.{ability}.when", frozen.when, use_case)
+        if stated[-1].when.tests:
+            yield f"abilities.{ability}: the last entry must have no `when`, to stand for the rest"
+
+
+def _features(where: str, condition: Condition, use_case: UseCase) -> Iterator[str]:
+    known = {*_COMPUTED, *use_case.task_characteristics}
+    known |= {f"component.{name}" for name in use_case.component_characteristics}
+    yield from _missing(where, [test.name for test in condition.tests], known, "characteristic")
+
+
+def _missing(where: str, names: Iterable[str], known: Iterable[str], what: str) -> Iterator[str]:
+    there = sorted(known)
+    for name in names:
+        if name not in there:
+            yield f"{where}: no {what} {name}; there are {', '.join(there) or 'none'}"
+
+
+def _circles(use_case: UseCase) -> Iterator[str]:
+    """Find tasks that are parts of themselves, and looking that needs itself."""
+    parts = {
+        task: {sub.name for method in methods for sub in method.subtasks}
+        for task, methods in use_case.methods.items()
+    }
+    for name, action in use_case.actions.items():
+        facts = [use_case.facts[fact] for fact, _ in action.needs if fact in use_case.facts]
+        parts[name] = {fact.look for fact in facts}
+    try:
+        TopologicalSorter(parts).prepare()
+    except CycleError as error:
+        yield "decomposition without end: " + " needs ".join(reversed(error.args[1]))

@@ -1,0 +1,69 @@
+"""Use cases on disk."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import jsonschema
+import yaml
+
+from remodel_planner.core.use_case.model import UseCase
+from remodel_planner.core.use_case.reading import use_case_from
+from remodel_planner.edge.json_file import read_json
+from remodel_planner.edge.package_files import use_case_folder, use_case_schema
+from remodel_planner.edge.text_file import read_text
+from remodel_planner.errors import InstanceError, UseCaseError
+
+# Folders with use cases of the user's own, before those of the package; separated as PATH is.
+VARIABLE = "REMODEL_USE_CASES"
+
+
+def find_use_case(name: str) -> UseCase:
+    """Return the use case of a name.
+
+    Raises:
+        UseCaseError: if there is none, or its file is malformed.
+    """
+    folders = [Path(part) for part in os.environ.get(VARIABLE, "").split(os.pathsep) if part]
+    files = [file for folder in [*folders, use_case_folder()] for file in folder.glob("*.yaml")]
+    for file in files:
+        if file.stem == name:
+            return read_use_case(file)
+    names = ", ".join(sorted({file.stem for file in files})) or "none"
+    raise UseCaseError(
+        f"no use case {name}; there are {names}: name one of them, or add its folder to {VARIABLE}"
+    )
+
+
+def read_use_case(file: Path) -> UseCase:
+    """Return the use case in a file, which bears its name.
+
+    Raises:
+        UseCaseError: naming the file, and what is wrong where.
+    """
+    try:
+        data = yaml.safe_load(read_text(file))
+    except InstanceError as error:
+        raise UseCaseError(f"{file}: {error}") from error
+    except yaml.YAMLError as error:
+        raise UseCaseError(f"{file}: is no YAML: {' '.join(str(error).split())}") from error
+    schema = jsonschema.Draft202012Validator(read_json(use_case_schema()))
+    findings = [_told(error) for error in sorted(schema.iter_errors(data), key=_place)]
+    if not findings and data["name"] != file.stem:
+        findings = [f"name: expected {file.stem}, as the file is called, found {data['name']}"]
+    if findings:
+        raise UseCaseError(f"{file}: " + "\n  ".join(findings))
+    try:
+        return use_case_from(data)
+    except UseCaseError as error:
+        raise UseCaseError(f"{file}: {error}") from error
+
+
+def _told(error: jsonschema.ValidationError) -> str:
+    deepest = jsonschema.exceptions.best_match([error])
+    return f"{_place(deepest) or 'the document'}: {deepest.message}"
+
+
+def _place(error: jsonschema.ValidationError) -> str:
+    return ".".join(map(str, error.absolute_path))

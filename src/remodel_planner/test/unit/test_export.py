@@ -1,0 +1,110 @@
+"""What is exported parses, and tells the costs of the plan; the benchmarks have it solved."""
+
+import json
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from pddl.parser.domain import DomainParser
+from pddl.parser.problem import ProblemParser
+
+from remodel_planner.commands import export as export_command
+from remodel_planner.commands import plan as plan_command
+from remodel_planner.core.planning import hddl, pddl
+from remodel_planner.core.planning.instance import problem_from
+from remodel_planner.core.planning.problem import Plan
+from remodel_planner.core.planning.symbolic import steps_of, symbols_of
+from remodel_planner.edge.order_planner import plan_problem
+from remodel_planner.errors import InstanceError
+from remodel_planner.testing.random_panel import random_panel
+
+# The action's static function, and which of its parameters that takes.
+COSTS = {
+    "change-tool": ("change-cost", (0,)),
+    "pick-heavy": ("pick-cost", (2, 3, 0, 4)),
+    "pick-light": ("pick-cost", (2, 3, 0, 4)),
+    "break-wish": ("wish-weight", (0,)),
+    "aim": ("approach", (0, 1)),
+    "locate": ("look-cost", ()),
+    "insert-first": ("insert-cost", (0, 1)),
+    "insert-second": ("insert-cost", (0, 1)),
+    "route": ("route-cost", (0,)),
+    "fix": ("fix-cost", (0,)),
+}
+
+
+def problem(wires, seed):
+    return problem_from(random_panel(wires, seed, 1))
+
+
+def test_domain_and_problem_parse():
+    # The parser counts the functions of :action-costs as numeric fluents.
+    text = pddl.domain_text().replace(":action-costs", ":action-costs :numeric-fluents")
+    domain = DomainParser()(text)
+    assert {action.name for action in domain.actions} == {*COSTS, "keep-wish", "take"}
+    parsed = ProblemParser()(pddl.problem_text(symbols_of(problem(12, 3))))
+    assert parsed.domain_name == domain.name
+    wires = [name for name in parsed.objects if name.type_tag == "wire"]
+    assert len(wires) == 12
+
+
+def test_the_hierarchical_domain_has_the_same_actions_and_its_tasks():
+    text = hddl.domain_text()
+    assert pddl.ACTIONS in text
+    for task in ("wire-all", "lay-wire", "equip", "settle", "put-in"):
+        assert f"(:task {task} :parameters" in text
+        assert f":task ({task}" in text
+    stated = hddl.problem_text(symbols_of(problem(5, 1)))
+    assert "(:htn\n    :ordered-subtasks (and (wire-all)))" in stated
+    assert text.count("(") == text.count(")")
+    assert stated.count("(") == stated.count(")")
+
+
+@settings(max_examples=30, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@given(st.integers(2, 30), st.integers(0, 999))
+def test_the_exported_plan_costs_what_the_plan_does(wires, seed):
+    stated = problem(wires, seed)
+    planned = plan_problem(stated, 0.01)
+    symbols = symbols_of(stated)
+    value = {cost.term: cost.value for cost in symbols.costs}
+    total = 0
+    for name, *parameters in steps_of(stated, planned.plan, symbols):
+        if name in COSTS:
+            function, places = COSTS[name]
+            total += value[function, *(parameters[i] for i in places)]
+    assert total == planned.cost
+
+
+def test_what_cannot_be_told_is_refused():
+    with pytest.raises(InstanceError, match="has 2 arms"):
+        symbols_of(problem_from(random_panel(4, 1, 2)))
+    data = random_panel(4, 1, 1)
+    wire = data["wires"][0]["id"]
+    data["init"]["arms"]["A"]["holding"] = wire
+    data["init"]["wires"] = {wire: {"stage": "held"}}
+    with pytest.raises(InstanceError, match=f"the arm holds wire {wire}"):
+        symbols_of(problem_from(data))
+    stated = problem(4, 1)
+    plan = plan_problem(stated, 0.01).plan
+    located = next(i for i, action in enumerate(plan.actions) if action.kind.value == "locate")
+    early = Plan(plan.problem, (plan.actions[located], *plan.actions[: located - 1]))
+    with pytest.raises(InstanceError, match="before it must"):
+        steps_of(stated, early, symbols_of(stated))
+
+
+def test_the_command_writes_all_files(tmp_path, capsys):
+    instance, plan = tmp_path / "panel.json", tmp_path / "plan.json"
+    instance.write_text(json.dumps(random_panel(5, 1, 1)))
+    assert plan_command.main([str(instance), "--output", str(plan), "--time-limit=0"]) == 0
+    capsys.readouterr()
+    options = ["--format", "pddl", "--output", str(tmp_path)]
+    assert export_command.main([str(instance), str(plan), *options]) == 0
+    told = capsys.readouterr().out.split()
+    assert told == [str(tmp_path / name) for name in ("domain.pddl", "problem.pddl", "plan.txt")]
+    cost = (tmp_path / "plan.txt").read_text().splitlines()[-1]
+    assert cost.startswith("; cost = ")
+    document = json.loads(plan.read_text())
+    document["actions"].pop()
+    plan.write_text(json.dumps(document))
+    assert export_command.main([str(instance), str(plan), *options]) == 1
+    assert export_command.main([str(plan), *options]) == 3

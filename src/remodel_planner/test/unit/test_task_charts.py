@@ -1,0 +1,148 @@
+"""Planned tasks become charts that the synthesizer accepts, with the recovery of their use case."""
+
+import os
+from pathlib import Path
+
+import pytest
+import yaml
+
+from flexbe_synthesizer.core.check import check_chart
+from flexbe_synthesizer.core.codec import parse_chart, write_chart
+from flexbe_synthesizer.core.signature import chart_behavior
+from flexbe_synthesizer.edge.package_path import find_packages, read_library
+from remodel_planner.core.planning.problem import End
+from remodel_planner.core.use_case.planned_tasks import planned_tasks
+from remodel_planner.core.use_case.preparation import prepare
+from remodel_planner.core.use_case.task_chart import content_mark
+from remodel_planner.core.use_case.work_order import order_from
+from remodel_planner.edge.chart_folder import keep_chart
+from remodel_planner.edge.order_planner import plan_problem
+from remodel_planner.edge.use_case_files import find_use_case
+from remodel_planner.errors import InstanceError, UseCaseError
+
+PACKAGE = Path(__file__).parents[2]
+EXAMPLES = [
+    PACKAGE / "examples" / f"{name}.yaml"
+    for name in ("automotive_harness", "branched_harness", "cabinet", "dialysis_hoses")
+]
+
+
+def tasks_of(text):
+    order = order_from(yaml.safe_load(text))
+    prepared = prepare(order, find_use_case(order.use_case))
+    planned = plan_problem(prepared.preferred.problem, 0.02)
+    return {task.name: task for task in planned_tasks(prepared, planned.plan)}
+
+
+@pytest.fixture(scope="module")
+def library():
+    packages, _ = find_packages(os.environ["ROS_PACKAGE_PATH"])
+    wanted = [p for p in packages if p.name in ("remodel_states", "remodel_behaviors")]
+    return read_library(wanted)[0]
+
+
+@pytest.mark.parametrize("file", EXAMPLES, ids=lambda file: file.stem)
+def test_the_synthesizer_accepts_the_charts_of_all_examples(file, library):
+    connector = PACKAGE.parent / "remodel_behaviors" / "charts" / "place_connector.xml"
+    inner = parse_chart(connector.read_text(), "place_connector.xml")
+    known = {"place_connector.xml": chart_behavior(inner, "remodel_behaviors")}
+    for task in tasks_of(file.read_text()).values():
+        text = write_chart(task.chart)
+        chart = parse_chart(text, f"{task.name}.xml")
+        assert chart == task.chart
+        assert check_chart(chart, library, known).problems == ()
+
+
+@pytest.fixture(scope="module")
+def cabinet():
+    return tasks_of((PACKAGE / "examples" / "cabinet.yaml").read_text())
+
+
+def transitions(chart):
+    return {node.id: {t.event: t.target for t in node.transitions} for node in chart.nodes}
+
+
+def test_what_fails_is_done_again_as_the_use_case_says(cabinet):
+    nodes = transitions(cabinet["W1"].chart)
+    assert nodes["Find wire"]["failed"] == "Find wire"
+    assert nodes["Route b"]["failed"] == "Pick b"
+    assert cabinet["W1"].chart.nodes[0].attempts == 3
+
+
+def test_whatever_is_given_up_with_a_full_hand_ends_in_emptying_it(cabinet):
+    nodes = transitions(cabinet["W1"].chart)
+    assert nodes["Find wire"]["exhausted"] == "failed"
+    for node, event in (
+        ("Connect a", "failed"),
+        ("Pick b", "exhausted"),
+        ("Route b", "command_error"),
+        ("Connect b", "failed"),
+    ):
+        assert nodes[node][event] == "Lay down"
+    assert set(nodes["Lay down"].values()) == {"failed"}
+
+
+def test_the_chart_carries_the_task_in_its_inputs(cabinet):
+    chart = cabinet["W2"].chart
+    defaults = {port.name: port.default for port in chart.inputs}
+    assert chart.name == "Place Wire W2"
+    assert (defaults["cable_id"], defaults["a_component"], defaults["a_terminal"]) == (
+        "W2",
+        "Q1",
+        "2",
+    )
+    (route,) = [node for node in chart.nodes if node.id == "Route b"]
+    assert route.params[0].value == ((0.05, 0.09, 0.04, 1.5708),)
+
+
+def test_what_one_state_sees_flows_to_the_one_that_needs_it():
+    task = tasks_of((PACKAGE / "examples" / "dialysis_hoses.yaml").read_text())["H1"]
+    first = task.decomposition.first
+    flows = {(c.output_state_id, c.output, c.input_state_id) for c in task.chart.connections}
+    for end in (first, first.other):
+        locate, push = f"Locate {end.letter}", f"Push on {end.letter}"
+        assert (locate, "socket_pose", push) in flows
+
+
+def test_who_takes_over_does_what_follows_the_handover():
+    tasks = tasks_of((PACKAGE / "examples" / "automotive_harness.yaml").read_text())
+    task = tasks["W1"]
+    assert len(task.arms) == 2
+    robots = [
+        param.value
+        for node in task.chart.nodes
+        for param in node.params
+        if param.name == "robot_name"
+    ]
+    given = robots.index(task.arms[1])
+    assert set(robots[:given]) == {task.arms[0]}
+    assert set(robots[given:]) == {task.arms[1]}
+
+
+def test_unchanged_charts_are_kept_and_changed_ones_have_another_mark(tmp_path, cabinet):
+    text = (PACKAGE / "examples" / "cabinet.yaml").read_text()
+    again, other = tasks_of(text), tasks_of(text.replace("section_mm2: 6.0", "section_mm2: 4.0"))
+    assert content_mark(again["W2"].chart) == content_mark(cabinet["W2"].chart)
+    assert content_mark(other["W2"].chart) != content_mark(cabinet["W2"].chart)
+    file, written = keep_chart(cabinet["W2"].chart, tmp_path / "charts")
+    assert (file.name, written) == ("place_wire_w2.xml", True)
+    assert keep_chart(again["W2"].chart, tmp_path / "charts") == (file, False)
+    assert keep_chart(other["W2"].chart, tmp_path / "charts") == (file, True)
+
+
+def test_a_folder_that_cannot_be_written_is_refused(tmp_path, cabinet):
+    (tmp_path / "charts").write_text("")
+    with pytest.raises(InstanceError, match=r"charts/place_wire_w1\.xml: cannot be used: "):
+        keep_chart(cabinet["W1"].chart, tmp_path / "charts")
+
+
+def test_a_value_that_the_task_lacks_is_named():
+    text = (PACKAGE / "examples" / "cabinet.yaml").read_text().replace("carry_path", "path_carried")
+    with pytest.raises(
+        UseCaseError, match=r"task W\d: carry refers to \$carry_path, which it does"
+    ):
+        tasks_of(text)
+
+
+def test_the_first_end_asked_for_is_kept(cabinet):
+    assert {task.decomposition.first for task in cabinet.values()} == {End.A}
