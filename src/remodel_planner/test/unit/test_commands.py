@@ -28,7 +28,7 @@ def refused_import(file, database, capsys):
 def test_a_design_is_imported_once(database, capsys):
     arguments = [str(DESIGN), "--order", "house", "--database", database]
     assert import_design.main(arguments) == 0
-    assert "wires to place" in capsys.readouterr().out
+    assert "58 wires lie in the cabinet" in capsys.readouterr().out
     assert import_design.main(arguments) == 1
     assert "has an order house already: give another name" in capsys.readouterr().err
 

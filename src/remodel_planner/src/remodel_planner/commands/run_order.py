@@ -43,7 +43,7 @@ def main(arguments: list[str] | None = None) -> int:
         parser.error(f"--wires must be at least 1, found {options.wires}")
     try:
         database = ProductionDatabase(options.database)
-        order = database.order(options.order).first(options.wires)
+        order = database.order(options.order).in_cabinet().first(options.wires)
         layout = lay_out(order, read_catalogue(catalogue_file()), PanelRules())
     except PlannerError as error:
         print(f"run_order: {error}", file=sys.stderr)

@@ -12,6 +12,11 @@ def catalogue_file() -> Path:
     return _folder() / "config" / "catalogue.yaml"
 
 
+def wire_list_mappings() -> list[Path]:
+    """Return the paths of the mappings of wire lists."""
+    return sorted((_folder() / "config" / "wire_lists").glob("*.yaml"))
+
+
 def report_template() -> Path:
     """Return the path of the report's template."""
     return _folder() / "templates" / "report.html.j2"
