@@ -9,13 +9,19 @@ from collections import Counter
 from pathlib import Path
 
 from remodel_planner.commands.database_option import add_database_option
+from remodel_planner.core.board.cabinet import laid_out
 from remodel_planner.core.imports.account import Imported
 from remodel_planner.core.imports.formats import DesignFormat, format_of, import_design
+from remodel_planner.core.order_problem import order_problem
+from remodel_planner.core.planning.preferences import apply_preferences
+from remodel_planner.core.production import Order
+from remodel_planner.edge.ability_files import read_abilities
 from remodel_planner.edge.catalogue_file import read_catalogue
 from remodel_planner.edge.design_files import read_design, read_mappings
 from remodel_planner.edge.package_files import catalogue_file
+from remodel_planner.edge.preferences_file import read_preferences
 from remodel_planner.edge.production_database import ProductionDatabase
-from remodel_planner.errors import DesignError, PlannerError
+from remodel_planner.errors import DesignError, InstanceError, PlannerError
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -38,15 +44,20 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument(
         "--mapping", type=Path, metavar="FILE", help="YAML of what the columns of a CSV file mean"
     )
+    parser.add_argument(
+        "--preferences", type=Path, metavar="FILE", help="YAML of what a user prefers and requires"
+    )
     parser.add_argument("--verbose", action="store_true", help="list every guess and omission")
     add_database_option(parser)
     options = parser.parse_args(arguments)
     name = options.order or re.sub(r"\W+", "_", options.file.stem)
     try:
         imported = _read(options, name)
+        order = laid_out(imported.order)
+        preferences = _preferences(options.preferences, order)
         database = ProductionDatabase(options.database)
         try:
-            database.add_order(imported.order)
+            database.add_order(order, preferences, read_abilities())
         finally:
             database.close()
     except PlannerError as error:
@@ -68,6 +79,18 @@ def _read(options: argparse.Namespace, name: str) -> Imported:
         return import_design(data, form, name, file.name, catalogue, mappings)
     except DesignError as error:
         raise DesignError(f"{file}: {error}") from error
+
+
+def _preferences(file: Path | None, order: Order) -> object:
+    """Return the document of the preferences in a file, which fit the order; None for no file."""
+    if file is None:
+        return None
+    try:
+        document = read_preferences(file)
+        apply_preferences(order_problem(order), document)
+    except InstanceError as error:
+        raise InstanceError(f"{file}: {error}") from error
+    return document
 
 
 def _tell(imported: Imported, *, verbose: bool) -> None:
