@@ -48,6 +48,8 @@ class DuctGraph:
         best: tuple[float, int, int, tuple[str, ...]] | None = None
         for start in (first.start, first.end):
             for end in (last.start, last.end):
+                if end not in self._from(start):
+                    continue
                 length, route = self._from(start)[end]
                 # A way over the far node of its own segment would pass it twice.
                 if first.name in route or last.name in route:

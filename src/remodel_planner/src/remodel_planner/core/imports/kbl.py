@@ -148,7 +148,7 @@ class _Reader:
         ends = self._ends(element)
         wires = self._tree.referred(element, "Wire")
         if len(ends) < 2:
-            self._left_out.append(LeftOut(source, f"it has {len(ends)} contact points"))
+            self._left_out.append(LeftOut(source, f"{len(ends)} of its ends have a contact point"))
             return
         if len(wires) != 1:
             self._left_out.append(LeftOut(source, f"it has {len(wires)} wires; one is needed"))
@@ -303,7 +303,8 @@ class _Reader:
         used = {connection.cable for connection in connections}
         for occurrence in self._tree.all(*_WIRES):
             name = _cable_name(occurrence)
-            if name in used and any(children(occurrence, "Core_occurrence")):
+            has_cores = next(children(occurrence, "Core_occurrence"), None) is not None
+            if name in used and has_cores:
                 used.discard(name)
                 part = self._tree.part(occurrence)
                 kind = "" if part is None else text_of(part, "Part_number")

@@ -98,8 +98,8 @@ class KblTree:
             values = [number(child.text or "") for child in children(point, "Coordinates")]
             known = [value for value in values if value is not None]
             if len(known) == len(values) and len(values) in (2, 3):
-                x, y, z = (*known, 0.0)[:3]
-                return x * _MM, y * _MM, z * _MM
+                x, y, z = (round(value * _MM, 9) for value in (*known, 0.0)[:3])
+                return x, y, z
             raise DesignError(
                 f"{line_of(point)}: {shown(point)}: two or three numbers are needed as Coordinates"
             )

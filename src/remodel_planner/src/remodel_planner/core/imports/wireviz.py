@@ -123,6 +123,7 @@ class _Reader:
                 "none of its connection sets joins two pins by a core, so there is nothing to wire"
                 + (f"; the first: {self._left_out[0]}" if self._left_out else "")
             )
+        cables = tuple(self._used_cables())
         assembly = assemble(self._devices(), connections)
         self._note_unused()
         metadata = self._root["metadata"] if "metadata" in self._root else Value({}, 1)
@@ -141,7 +142,7 @@ class _Reader:
             assembly.components,
             assembly.wires,
             account.notes,
-            tuple(self._used_cables()),
+            cables,
         )
         return Imported(order, account)
 
