@@ -91,11 +91,33 @@ def test_namespaces_and_cases_do_not_matter():
     assert changed.order == read().order
 
 
-def test_a_route_with_a_gap_is_left_out_and_named():
+def test_a_route_that_ends_elsewhere_is_taken_and_told():
     imported = read(("<Segments>seg2 seg1</Segments>", "<Segments>seg2</Segments>"))
+    assert imported.order.wires[0].route == ("S2",)
+    assert (
+        "line 29, connection K1: its route leads from N2 to N3, and its connectors sit at N1 and "
+        "N3; the route is taken"
+    ) in imported.account.guesses
+
+
+def test_a_route_with_a_gap_is_left_out_and_named():
+    apart = '<Segment id="seg9"><Start_node>n1</Start_node><End_node>n4</End_node></Segment>'
+    imported = read(
+        ("<Segments>seg1 seg3</Segments>", "<Segments>seg2 seg9</Segments>"),
+        ('<Unit id="mm">', f'{apart}<Unit id="mm">'),
+    )
     (ignored,) = imported.account.ignored
-    assert ignored.reason == "it leads from N2 to N3; its first end is at node N1"
-    assert imported.order.wires[0].route == ()
+    assert ignored.source == "line 33, connection K2, its route"
+    assert ignored.reason == "its segments S2, seg9 are no way: they form 2 separate ways"
+    assert imported.order.wires[1].route == ()
+
+
+def test_a_box_at_two_nodes_has_wires_from_both():
+    both = read(
+        (">f3<", ">f3 x1<"), ("<Segments>seg2 seg1</Segments>", "<Segments>seg2</Segments>")
+    )
+    assert both.order.wires[0].route == ("S2",)
+    assert not any("its connectors sit at" in guess for guess in both.account.guesses)
 
 
 @pytest.mark.parametrize(
@@ -147,12 +169,12 @@ SEGMENTS = [
     ],
 )
 def test_segments_that_are_no_way_are_told(segments, said):
-    assert said in ordered_route(segments, "", "")
+    assert said in ordered_route(segments, (), ())
 
 
 @pytest.mark.parametrize("order", [(0, 1, 2), (2, 0, 1), (1, 2, 0), (2, 1, 0)])
 def test_segments_in_any_order_are_one_way(order):
     segments = [SEGMENTS[i] for i in order]
-    names = [segment.name for segment in ordered_route(segments, "A", "D")]
+    names = [segment.name for segment in ordered_route(segments, ["A"], ["D"])]
     assert names == ["S1", "S2", "S3"]
-    assert ordered_route(segments, "", "A") == tuple(SEGMENTS[::-1])
+    assert ordered_route(segments, (), ["A"]) == tuple(SEGMENTS[::-1])

@@ -20,7 +20,7 @@ from remodel_planner.core.catalogue import Catalogue
 from remodel_planner.core.imports.account import Account, Imported, LeftOut
 from remodel_planner.core.imports.assembly import Connection, Device, assemble, unique_name
 from remodel_planner.core.imports.guesses import Guesses
-from remodel_planner.core.imports.kbl_routes import Topology, ordered_route
+from remodel_planner.core.imports.kbl_routes import Topology, ends_of, ordered_route
 from remodel_planner.core.imports.kbl_tree import KblTree, children, shown, text_of
 from remodel_planner.core.imports.units import number
 from remodel_planner.core.imports.xml_tree import line_of, local_name
@@ -59,7 +59,7 @@ class _Reader:
         self._ignored: list[LeftOut] = []
         self._note_version()
         self._topology = Topology(tree, self._guesses)
-        self._nodes = self._topology.node_of()
+        self._nodes = self._topology.nodes_of()
         self._names: dict[etree._Element, str] = {}
         self._kinds: dict[str, dict[str, str]] = {}
         self._terminal_names: dict[etree._Element, dict[etree._Element, str]] = {}
@@ -223,23 +223,35 @@ class _Reader:
     ) -> tuple[Segment, ...]:
         if not segments:
             return ()
-        a, b = (self._node_of(end.getparent()) for end in ends)
+        a, b = (self._nodes_of(contact) for contact in ends)
         way = ordered_route(segments, a, b)
         if isinstance(way, str):
             self._ignored.append(LeftOut(f"{source}, its route", way))
             return ()
+        found = set(ends_of(way))
+        if any(nodes and not found & set(nodes) for nodes in (a, b)):
+            where = " and ".join(" or ".join(nodes) or "no node" for nodes in (a, b))
+            self._guesses.add(
+                f"{source}: its route leads from {' to '.join(ends_of(way))}, and its connectors "
+                f"sit at {where}; the route is taken"
+            )
         return way
 
+    def _nodes_of(self, contact: etree._Element) -> list[str]:
+        """Return the nodes of a contact point: of its cavity, of its parts, of its connector."""
+        items = [
+            *self._tree.referred(contact, "Contacted_cavity"),
+            *self._tree.referred(contact, "Associated_parts"),
+            contact.getparent(),
+        ]
+        return [node for item in items for node in self._nodes.get(item, ())]
+
     def _node_of(self, connector: etree._Element) -> str:
-        """Return the node of a connector, of a part of its contact points, or of a cavity."""
-        if connector in self._nodes:
-            return self._nodes[connector]
-        for contact in children(connector, "Contact_points"):
-            for key in ("Associated_parts", "Contacted_cavity"):
-                for item in self._tree.referred(contact, key):
-                    if item in self._nodes:
-                        return self._nodes[item]
-        return ""
+        """Return the first node of a connector, or of one of its contact points; empty for none."""
+        for node in self._nodes.get(connector, ()):
+            return node
+        contacts = children(connector, "Contact_points")
+        return next((node for contact in contacts for node in self._nodes_of(contact)), "")
 
     def _connection(
         self,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from lxml import etree
 
@@ -39,14 +39,14 @@ class Topology:
         self._by_name = {segment.name: segment for segment in self.segments}
         self.clips = tuple(self._clips())
 
-    def node_of(self) -> dict[etree._Element, str]:
-        """Return the node at which each component or cavity sits."""
-        return {
-            item: name
-            for node, name in self._node_names.items()
-            for key in ("Referenced_components", "Referenced_cavities")
-            for item in self._tree.referred(node, key)
-        }
+    def nodes_of(self) -> dict[etree._Element, list[str]]:
+        """Return the nodes at which each component or cavity sits; a box may have several."""
+        nodes: dict[etree._Element, list[str]] = {}
+        for node, name in self._node_names.items():
+            for key in ("Referenced_components", "Referenced_cavities"):
+                for item in self._tree.referred(node, key):
+                    nodes.setdefault(item, []).append(name)
+        return nodes
 
     def segments_of(self, routing: etree._Element) -> list[Segment]:
         """Return the segments of a routing, in the file's order."""
@@ -128,13 +128,15 @@ class Topology:
         return text_of(part, "Description") or text_of(part, "Fixing_type")
 
 
-def ordered_route(segments: Sequence[Segment], a: str, b: str) -> tuple[Segment, ...] | str:
-    """Return the segments as a way from node a to node b, or why they are none.
+def ordered_route(
+    segments: Sequence[Segment], a: Collection[str], b: Collection[str]
+) -> tuple[Segment, ...] | str:
+    """Return the segments as a way from a node of a to a node of b, or why they are no way.
 
     Args:
         segments: in any order.
-        a: where the way begins; empty if it is not known.
-        b: where it ends; empty if it is not known.
+        a: nodes of the first end; if the way ends at none of them, it begins as the file has it.
+        b: nodes of the second end.
     """
     names = [segment.name for segment in segments]
     double = next((name for name in names if names.count(name) > 1), "")
@@ -151,9 +153,8 @@ def ordered_route(segments: Sequence[Segment], a: str, b: str) -> tuple[Segment,
     if len(ends) != 2:
         kind = "they form a cycle" if not ends else f"they form {len(ends) // 2} separate ways"
         return f"its segments {', '.join(names[:8])} are no way: {kind}"
-    start = _start(segments, ends, a, b)
-    if isinstance(start, str) and start not in ends:
-        return start
+    # The first segment's end is found first: of equal directions, that of the file is taken.
+    start = max(ends, key=lambda end: (end in a) + (ends[1 - ends.index(end)] in b))
     way: list[Segment] = []
     node = start
     while len(way) < len(segments):
@@ -165,17 +166,14 @@ def ordered_route(segments: Sequence[Segment], a: str, b: str) -> tuple[Segment,
     return tuple(way)
 
 
-def _start(segments: Sequence[Segment], ends: list[str], a: str, b: str) -> str:
-    """Return the end at which the way begins, or why a and b do not fit."""
-    for node, which in ((a, "first"), (b, "second")):
-        if node and node not in ends:
-            return f"it leads from {ends[0]} to {ends[1]}; its {which} end is at node {node}"
-    if a:
-        return a
-    if b:
-        return ends[1 - ends.index(b)]
-    first = segments[0]
-    return first.start if first.start in ends else first.end if first.end in ends else ends[0]
+def ends_of(way: Sequence[Segment]) -> tuple[str, str]:
+    """Return the nodes at which a way begins and ends."""
+    if len(way) == 1:
+        return way[0].start, way[0].end
+    first, last = way[0], way[-1]
+    begins = first.end if first.start in (way[1].start, way[1].end) else first.start
+    ends = last.end if last.start in (way[-2].start, way[-2].end) else last.start
+    return begins, ends
 
 
 def _names(elements: list[etree._Element]) -> dict[etree._Element, str]:
