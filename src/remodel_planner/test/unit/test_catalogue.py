@@ -23,10 +23,14 @@ def test_the_first_pattern_that_matches_decides():
     assert catalogue.place("embed://import/99_assembly_plan/x.elmt", "master") is Place.DRAWING
 
 
-def test_without_a_pattern_the_link_type_decides():
+def test_reports_and_thumbnails_are_no_devices_in_any_collection():
     catalogue = read_catalogue(FILE)
-    assert catalogue.place("embed://import/other/x.elmt", "master") is Place.PLATE
-    assert catalogue.place("embed://import/other/x.elmt", "simple") is Place.FIELD
+    assert catalogue.place("embed://import/other/x.elmt", "next_report") is Place.REFERENCE
+    assert catalogue.place("embed://import/other/x.elmt", "thumbnail") is Place.DRAWING
+
+
+def test_without_a_pattern_an_element_is_mounted_on_the_plate():
+    assert read_catalogue(FILE).place("embed://import/other/x.elmt", "simple") is Place.PLATE
 
 
 @pytest.mark.parametrize(

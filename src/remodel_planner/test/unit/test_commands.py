@@ -1,11 +1,12 @@
 """The command lines refuse bad input with a reason, and leave nothing behind."""
 
+import json
 import shutil
 from pathlib import Path
 
 import pytest
 
-from remodel_planner.commands import import_design, run_order
+from remodel_planner.commands import import_design, layout, run_order
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.errors import OrderError
 
@@ -28,9 +29,73 @@ def refused_import(file, database, capsys):
 def test_a_design_is_imported_once(database, capsys):
     arguments = [str(DESIGN), "--order", "house", "--database", database]
     assert import_design.main(arguments) == 0
-    assert "wires to place" in capsys.readouterr().out
+    assert "58 wires lie in the cabinet" in capsys.readouterr().out
     assert import_design.main(arguments) == 1
     assert "has an order house already: give another name" in capsys.readouterr().err
+
+
+def test_preferences_come_with_the_order_and_must_fit_it(tmp_path, database, capsys):
+    file = tmp_path / "wishes.yaml"
+    wish = "{name: first, pick: W1, before: %s, weight: 2}"
+    arguments = [str(DESIGN), "--order", "house", "--database", database]
+    arguments += ["--preferences", str(file)]
+    file.write_text(f"format: remodel-preferences-1\nprefer: [{wish % 'W9999'}]\n")
+    assert import_design.main(arguments) == 1
+    said = capsys.readouterr().err
+    assert f"{file}: " in said
+    assert "W9999" in said
+    file.write_text(f"format: remodel-preferences-1\nprefer: [{wish % 'W3'}]\n")
+    assert import_design.main(arguments) == 0
+    store = ProductionDatabase(database)
+    assert store.preferences("house")["prefer"][0]["before"] == "W3"
+    assert "InsertCable" in [ability.name for ability in store.abilities()]
+    store.close()
+
+
+def test_a_list_with_headings_of_its_own_needs_its_mapping(tmp_path, database, capsys):
+    file, mapping = tmp_path / "mine.csv", tmp_path / "mine.yaml"
+    file.write_text("Hier;Dort\nA:1;B:1\n")
+    assert "a CSV file with other headings needs --mapping" in refused_import(
+        file, database, capsys
+    )
+    mapping.write_text("format: remodel-wire-list-1\ncolumns: {from: Hier, to: Da}\n")
+    arguments = [str(file), "--order", "mine", "--database", database, "--mapping", str(mapping)]
+    assert import_design.main(arguments) == 1
+    assert "known headings: wire list: hier, da" in capsys.readouterr().err
+    mapping.write_text("format: remodel-wire-list-1\ncolumns: {from: Hier, to: Dort}\n")
+    assert import_design.main(arguments) == 0
+    mapping.write_text("columns: {}")
+    assert import_design.main([*arguments[:2], "more", *arguments[3:]]) == 1
+    assert f"{mapping}: line 1: format none found" in capsys.readouterr().err
+
+
+def test_a_format_can_be_forced(tmp_path, database, capsys):
+    file = tmp_path / "list.txt"
+    file.write_text("From,To\nA:1,B:1\n")
+    arguments = [str(file), "--database", database, "--verbose", "--format"]
+    assert import_design.main([*arguments, "qet"]) == 1
+    assert "is no XML" in capsys.readouterr().err
+    assert import_design.main([*arguments, "csv"]) == 0
+    assert "line 2: colour not given, BK taken" in capsys.readouterr().out
+
+
+def test_a_file_that_is_larger_than_any_design_is_refused(tmp_path, database, capsys, monkeypatch):
+    monkeypatch.setattr("remodel_planner.edge.design_files._MOST_BYTES", 5000)
+    file = tmp_path / "large.csv"
+    file.write_text("From,To\n" * 1000)
+    assert f"{file}: is larger than 0 MB" in refused_import(file, database, capsys)
+
+
+def test_an_order_is_drawn_with_its_planning_problem(tmp_path, database, capsys):
+    import_design.main([str(DESIGN), "--order", "house", "--database", database])
+    drawing, instance = tmp_path / "house.svg", tmp_path / "house.json"
+    arguments = ["house", "--output", str(drawing), "--database", database]
+    assert layout.main([*arguments, "--instance", str(instance)]) == 0
+    assert "58 wires" in capsys.readouterr().out
+    assert drawing.read_text().startswith("<svg")
+    assert len(json.loads(instance.read_text())["wires"]) == 58
+    assert layout.main(["hosue", *arguments[1:]]) == 1
+    assert "layout: the database has no order hosue; it has: house" in capsys.readouterr().err
 
 
 def test_a_missing_file_is_named(tmp_path, database, capsys):

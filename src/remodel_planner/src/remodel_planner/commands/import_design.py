@@ -9,60 +9,111 @@ from collections import Counter
 from pathlib import Path
 
 from remodel_planner.commands.database_option import add_database_option
+from remodel_planner.core.board.cabinet import laid_out
+from remodel_planner.core.imports.account import Imported
+from remodel_planner.core.imports.formats import DesignFormat, format_of, import_design
+from remodel_planner.core.order_problem import order_problem
+from remodel_planner.core.planning.preferences import apply_preferences
 from remodel_planner.core.production import Order
-from remodel_planner.core.qet import Account, import_qet
+from remodel_planner.edge.ability_files import read_abilities
 from remodel_planner.edge.catalogue_file import read_catalogue
+from remodel_planner.edge.design_files import read_design, read_mappings
 from remodel_planner.edge.package_files import catalogue_file
+from remodel_planner.edge.preferences_file import read_preferences
 from remodel_planner.edge.production_database import ProductionDatabase
-from remodel_planner.errors import DesignError, PlannerError
+from remodel_planner.errors import DesignError, InstanceError, PlannerError
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Import, say what was read, guessed and left out, and return the exit code."""
     parser = argparse.ArgumentParser(
         prog="import",
-        description="Read a QElectroTech project (.qet) into the production database.",
+        description="Read a design file into the production database: a QElectroTech project, a "
+        "KBL or WireViz harness, or a from-to list (CSV).",
         epilog="Exit code: 0 imported, 1 refused (nothing is stored), 2 wrong usage.",
     )
     parser.add_argument("file", type=Path, help="design file")
     parser.add_argument("--order", help="name of the order; default: the file's name")
+    parser.add_argument(
+        "--format",
+        type=DesignFormat,
+        choices=list(DesignFormat),
+        metavar="{" + ",".join(form.value for form in DesignFormat) + "}",
+        help="of the file; default: by its content",
+    )
+    parser.add_argument(
+        "--mapping", type=Path, metavar="FILE", help="YAML of what the columns of a CSV file mean"
+    )
+    parser.add_argument(
+        "--preferences", type=Path, metavar="FILE", help="YAML of what a user prefers and requires"
+    )
     parser.add_argument("--verbose", action="store_true", help="list every guess and omission")
     add_database_option(parser)
     options = parser.parse_args(arguments)
     name = options.order or re.sub(r"\W+", "_", options.file.stem)
     try:
-        order, account = _read(options.file, name)
+        imported = _read(options, name)
+        order = laid_out(imported.order)
+        preferences = _preferences(options.preferences, order)
         database = ProductionDatabase(options.database)
-        database.add_order(order)
-        database.close()
+        try:
+            database.add_order(order, preferences, read_abilities())
+        finally:
+            database.close()
     except PlannerError as error:
         print(f"import: {error}", file=sys.stderr)
         return 1
-    _tell(order, account, verbose=options.verbose)
+    _tell(imported, verbose=options.verbose)
     return 0
 
 
-def _read(file: Path, name: str) -> tuple[Order, Account]:
+def _read(options: argparse.Namespace, name: str) -> Imported:
+    file: Path = options.file
+    mappings = read_mappings(options.mapping)
+    data = read_design(file)
     try:
-        text = file.read_bytes()
-    except OSError as error:
-        raise DesignError(f"{file}: cannot be read: {error.strerror}") from error
-    try:
-        return import_qet(text, name, file.name, read_catalogue(catalogue_file()))
+        form = options.format or (
+            DesignFormat.WIRE_LIST if options.mapping else format_of(data, mappings)
+        )
+        catalogue = read_catalogue(catalogue_file())
+        return import_design(data, form, name, file.name, catalogue, mappings)
     except DesignError as error:
         raise DesignError(f"{file}: {error}") from error
 
 
-def _tell(order: Order, account: Account, *, verbose: bool) -> None:
-    direct = len(order.wires) - account.wires_joined
+def _preferences(file: Path | None, order: Order) -> object:
+    """Return the document of the preferences in a file, which fit the order; None for no file."""
+    if file is None:
+        return None
+    try:
+        document = read_preferences(file)
+        apply_preferences(order_problem(order), document)
+    except InstanceError as error:
+        raise InstanceError(f"{file}: {error}") from error
+    return document
+
+
+def _tell(imported: Imported, *, verbose: bool) -> None:
+    order, account = imported.order, imported.account
+    inside = len(order.in_cabinet().wires)
     print(f"imported order {order.name}: {order.title}")
-    print(f"  {len(order.components)} components, {len(order.wires)} wires to place")
-    print(f"  of {account.conductors} conductors in the file")
-    print(f"    {direct} are wires between two devices in the cabinet")
-    print(f"    {account.joined} meet at folio references and make {account.wires_joined} wires")
+    print(f"  {len(order.components)} components, {len(order.wires)} wires", end="")
+    for things, what in (
+        (order.cables, "cables"),
+        (order.segments, "segments"),
+        (order.clips, "clips"),
+    ):
+        print(f", {len(things)} {what}" if things else "", end="")
+    print(f"\n  of {account.connections} {account.unit} in the file")
+    print(f"    {len(order.wires) - account.wires_joined} are wires")
+    if account.joined:
+        print(f"    {account.joined} meet and make {account.wires_joined} wires")
     for reason, count in Counter(item.reason for item in account.left_out).most_common():
         print(f"    {count} left out: {reason}")
-    print(f"  {len(account.guesses)} guesses" + ("" if verbose else " (--verbose lists them)"))
+    if inside < len(order.wires):
+        print(f"  {inside} wires lie in the cabinet, {len(order.wires) - inside} lead away from it")
+    hint = "" if verbose else " (--verbose lists them)"
+    print(f"  {len(account.guesses)} guesses, {len(account.ignored)} other omissions{hint}")
     if verbose:
         for note in account.notes:
             print(f"    {note}")

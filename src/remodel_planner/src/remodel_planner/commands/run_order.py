@@ -52,7 +52,7 @@ def main(arguments: list[str] | None = None) -> int:
         parser.error(f"--wires must be at least 1, found {options.wires}")
     try:
         database = ProductionDatabase(options.database)
-        order = database.order(options.order).first(options.wires)
+        order = database.order(options.order).in_cabinet().first(options.wires)
         layout = lay_out(order, read_catalogue(catalogue_file()), PanelRules())
         prepared = prepare(cell_order(layout), find_use_case(USE_CASE))
         planned = plan_problem(prepared.preferred.problem, _PLANNING_S)

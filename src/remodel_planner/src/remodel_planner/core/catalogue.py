@@ -23,8 +23,12 @@ class Place(Enum):
     DRAWING = "drawing"
 
 
-# Link types that QElectroTech gives to devices with contacts or clamps of their own.
-_DEVICE_LINK_TYPES = frozenset({"master", "terminal"})
+# Link types of QElectroTech's elements that are no devices; they hold in collections of any kind.
+_PLACES_OF_LINK_TYPES = {
+    "next_report": Place.REFERENCE,
+    "previous_report": Place.REFERENCE,
+    "thumbnail": Place.DRAWING,
+}
 
 
 @dataclass(frozen=True)
@@ -51,16 +55,19 @@ class Catalogue:
     placement: tuple[tuple[str, Place], ...]
     colour_names: Mapping[str, str]
     colour_values: Mapping[str, str]
+    colour_codes: frozenset[str]
     default_colour: str
     default_section: float
     wires: Mapping[float, WireType]
 
     def place(self, path: str, link_type: str) -> Place:
         """Return where an element belongs, by its path in the collection and its link type."""
+        if link_type in _PLACES_OF_LINK_TYPES:
+            return _PLACES_OF_LINK_TYPES[link_type]
         for pattern, place in self.placement:
             if fnmatchcase(path, pattern):
                 return place
-        return Place.PLATE if link_type in _DEVICE_LINK_TYPES else Place.FIELD
+        return Place.PLATE
 
     def wire_type(self, section_mm2: float) -> WireType:
         """Return the properties of a wire of that section.
@@ -103,6 +110,7 @@ def catalogue_from(parsed: object) -> Catalogue:
             placement,
             dict(data["colour_names"]),
             dict(data["colour_values"]),
+            frozenset(map(str, data["colour_codes"])),
             str(data["default_colour"]),
             float(data["default_section"]),
             wires,

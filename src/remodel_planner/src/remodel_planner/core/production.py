@@ -1,16 +1,25 @@
 """Production knowledge: what an order is made of, whatever file it came from.
 
     Order ─ Component ─ Terminal
-          └ Wire ─ a, b: TerminalRef
+          ├ Wire ─ a, b: TerminalRef; route: names of segments
+          ├ Cable, of which wires are cores
+          └ Segment ─ start, end: Node; Clip
 
-A terminal takes one wire end. Where a drawing joins several wires at one point, the importer makes
+A terminal takes one wire end. Where a design joins several wires at one point, the importer makes
 one terminal of each.
+
+Frames: positions of components, nodes and clips are in the frame of the design (the panel's for a
+cabinet, the vehicle's or the formboard's for a harness), those of terminals in their component's.
 """
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from enum import Enum
+from functools import cached_property
+
+Vector = tuple[float, float, float]
 
 
 class Side(Enum):
@@ -18,6 +27,40 @@ class Side(Enum):
 
     TOP = "top"
     BOTTOM = "bottom"
+
+
+class Mount(Enum):
+    """Where a component is mounted: on the plate, or outside, so that wires to it lead away."""
+
+    PLATE = "plate"
+    FIELD = "field"
+
+
+class Role(Enum):
+    """What a component is to its wires: a device with clamps, or a connector with cavities."""
+
+    DEVICE = "device"
+    CONNECTOR = "connector"
+
+
+class SegmentKind(Enum):
+    """What holds the wires of a segment: a duct of the cabinet, or nothing but themselves."""
+
+    DUCT = "duct"
+    BUNDLE = "bundle"
+
+
+@dataclass(frozen=True)
+class Pose:
+    """A frame in another one.
+
+    Attributes:
+        position: [m] of its origin.
+        orientation: unit quaternion x, y, z, w.
+    """
+
+    position: Vector
+    orientation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -34,25 +77,49 @@ class TerminalRef:
 
 @dataclass(frozen=True)
 class Terminal:
-    """A clamp that takes one wire end; `name` is unique in its component.
+    """A clamp, or a connector's cavity, that takes one wire end; unique in its component by name.
+
+    What the design does not say is None, or empty.
 
     Attributes:
         point: at which the drawing joins its wire, with the component's other clamps of that point;
             empty if the clamp is its only one.
+        kind: its type, such as the article of the contact.
+        pose: of its mouth.
+        approach: unit vector along which a wire end goes in.
+        clearance_m: [m] that the gripper needs around the mouth.
+        insertion_force_limit_n: [N] that an insertion must not exceed.
     """
 
     name: str
     side: Side
     point: str = ""
+    kind: str = ""
+    pose: Pose | None = None
+    approach: Vector | None = None
+    clearance_m: float | None = None
+    insertion_force_limit_n: float | None = None
 
 
 @dataclass(frozen=True)
 class Component:
-    """A device mounted in the cabinet; `name` is unique in its order."""
+    """A device or a connector; `name` is unique in its order.
+
+    Attributes:
+        kind: for a person.
+        part_number: of its article; empty if the design does not say.
+        pose: None if the design does not say.
+        node: of the harness at which it sits; empty if there is none.
+    """
 
     name: str
     kind: str
     terminals: tuple[Terminal, ...]
+    mount: Mount = Mount.PLATE
+    role: Role = Role.DEVICE
+    part_number: str = ""
+    pose: Pose | None = None
+    node: str = ""
 
     def terminal(self, name: str) -> Terminal:
         """Return the terminal of that name; KeyError if there is none."""
@@ -60,13 +127,33 @@ class Component:
 
 
 @dataclass(frozen=True)
+class Cable:
+    """A cable, whose cores and shield are wires of the order.
+
+    Attributes:
+        kind: such as its type or article.
+        length_m: [m]; None if the design does not say.
+    """
+
+    name: str
+    kind: str
+    length_m: float | None
+    shielded: bool
+    source: str
+
+
+@dataclass(frozen=True)
 class Wire:
     """A wire between two terminals; `name` is unique in its order.
 
     Attributes:
-        colour: IEC 60757 code, such as "BU".
+        colour: IEC 60757 code, such as "BU"; of several colours, such as "GNYE".
         section_mm2: [mm^2] of the conductor.
         source: where the design file draws it, such as "folio 2, line 1234".
+        length_m: [m]; None if the design does not say.
+        cable: that it is a core of; empty if it is a single wire.
+        core: its name in the cable.
+        route: segments from a to b; empty if the design does not say.
     """
 
     name: str
@@ -75,11 +162,52 @@ class Wire:
     colour: str
     section_mm2: float
     source: str
+    length_m: float | None = None
+    cable: str = ""
+    core: str = ""
+    route: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Node:
+    """Where segments meet or end; position [m], None if the design does not say."""
+
+    name: str
+    position: Vector | None
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A piece of the way of wires, such as of a duct or a bundle, between two nodes."""
+
+    name: str
+    start: str
+    end: str
+    length_m: float
+    kind: SegmentKind = SegmentKind.BUNDLE
+
+
+@dataclass(frozen=True)
+class Clip:
+    """What holds the wires that pass it, on a segment or at a node.
+
+    Attributes:
+        segment: that it sits on; empty if it sits at a node.
+        along: its place on the segment, from 0 at its start to 1 at its end.
+        node: that it sits at; empty if it sits on a segment.
+    """
+
+    name: str
+    kind: str
+    segment: str = ""
+    along: float = 0.0
+    node: str = ""
+    position: Vector | None = None
 
 
 @dataclass(frozen=True)
 class Order:
-    """What is to be wired: components and wires, in the design's order.
+    """What is to be wired, in the design's order.
 
     Attributes:
         title: of the design.
@@ -93,10 +221,23 @@ class Order:
     components: tuple[Component, ...]
     wires: tuple[Wire, ...]
     notes: tuple[str, ...] = ()
+    cables: tuple[Cable, ...] = ()
+    nodes: tuple[Node, ...] = ()
+    segments: tuple[Segment, ...] = ()
+    clips: tuple[Clip, ...] = ()
 
     def first(self, count: int) -> Order:
         """Return the order cut down to its first wires and the components that they need."""
-        wires = self.wires[:count]
+        return self._with_wires(self.wires[:count])
+
+    def in_cabinet(self) -> Order:
+        """Return the order cut down to the wires with both ends on the plate."""
+        plate = {c.name for c in self.components if c.mount is Mount.PLATE}
+        return self._with_wires(
+            [wire for wire in self.wires if {wire.a.component, wire.b.component} <= plate]
+        )
+
+    def _with_wires(self, wires: Collection[Wire]) -> Order:
         ends = {end for wire in wires for end in (wire.a, wire.b)}
         components = []
         for component in self.components:
@@ -105,4 +246,59 @@ class Order:
             )
             if used:
                 components.append(replace(component, terminals=used))
-        return replace(self, components=tuple(components), wires=wires)
+        return replace(self, components=tuple(components), wires=tuple(wires))
+
+    def clips_of(self, wire: Wire) -> tuple[Clip, ...]:
+        """Return the clips along a wire's route, from its end a to its end b."""
+        passed: list[Clip] = []
+        for index, (segment, is_forward) in enumerate(self.way_of(wire)):
+            first, last = (segment.start, segment.end)[:: 1 if is_forward else -1]
+            if not index:
+                passed += self._clips_at.get(first, ())
+            clips = sorted(self._clips_on.get(segment.name, ()), key=lambda clip: clip.along)
+            passed += clips if is_forward else clips[::-1]
+            passed += self._clips_at.get(last, ())
+        return tuple(passed)
+
+    def way_of(self, wire: Wire) -> list[tuple[Segment, bool]]:
+        """Return the segments of a wire's route, and whether each is passed from start to end."""
+        segments = [self._segment[name] for name in wire.route]
+        if len(segments) == 1:
+            (only,) = segments
+            leaves_end = self._node_of.get(wire.a.component, "") == only.end
+            reaches_start = self._node_of.get(wire.b.component, "") == only.start
+            return [(only, not (leaves_end or reaches_start))]
+        way = []
+        for index, segment in enumerate(segments):
+            if index + 1 < len(segments):
+                following = segments[index + 1]
+                is_forward = segment.end in (following.start, following.end)
+            else:
+                before = segments[index - 1]
+                is_forward = segment.start in (before.start, before.end)
+            way.append((segment, is_forward))
+        return way
+
+    @cached_property
+    def _segment(self) -> dict[str, Segment]:
+        return {segment.name: segment for segment in self.segments}
+
+    @cached_property
+    def _node_of(self) -> dict[str, str]:
+        return {component.name: component.node for component in self.components}
+
+    @cached_property
+    def _clips_on(self) -> dict[str, list[Clip]]:
+        clips: dict[str, list[Clip]] = {}
+        for clip in self.clips:
+            if clip.segment:
+                clips.setdefault(clip.segment, []).append(clip)
+        return clips
+
+    @cached_property
+    def _clips_at(self) -> dict[str, list[Clip]]:
+        clips: dict[str, list[Clip]] = {}
+        for clip in self.clips:
+            if clip.node:
+                clips.setdefault(clip.node, []).append(clip)
+        return clips

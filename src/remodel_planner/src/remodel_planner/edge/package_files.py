@@ -22,6 +22,11 @@ def use_case_schema() -> Path:
     return _folder() / "config" / "use_case.schema.json"
 
 
+def wire_list_mappings() -> list[Path]:
+    """Return the paths of the mappings of wire lists."""
+    return sorted((_folder() / "config" / "wire_lists").glob("*.yaml"))
+
+
 def report_template() -> Path:
     """Return the path of the report's template."""
     return _folder() / "templates" / "report.html.j2"

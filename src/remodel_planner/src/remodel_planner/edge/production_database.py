@@ -1,154 +1,41 @@
 """The production knowledge database: orders, what they are made of, and what was done.
 
-    orders ─ components ─ terminals          what is to be built (importers write it)
-           ├ wires (two terminals each)
-           └ notes
-    runs ─ executions ─ ability_records      what was done (the supervisor writes it)
-             └ of a wire, by a behavior
-
-SQLite by default, any database that SQLAlchemy knows by URL. Every change is one transaction.
+SQLite by default, PostgreSQL by URL. Every change is one transaction, so that nothing is stored by
+half. docs/production-database.md tells and draws the tables.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import UTC, datetime
 
-from sqlalchemy import (
-    Boolean,
-    Column,
-    DateTime,
-    Float,
-    ForeignKey,
-    Integer,
-    String,
-    UniqueConstraint,
-    create_engine,
-    event,
-    select,
-)
+from sqlalchemy import create_engine, event, select
+from sqlalchemy.engine import Connection, Engine
 from sqlalchemy.exc import SQLAlchemyError
-from sqlalchemy.orm import Session, declarative_base, relationship
+from sqlalchemy.orm import Session
 
-from remodel_planner.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
+from remodel_planner.core.ability import Ability, AbilityParameter
+from remodel_planner.core.production import Order
 from remodel_planner.core.run import Execution, Operation
+from remodel_planner.edge.database_versions import NEWEST, upgrade, version_of
+from remodel_planner.edge.preference_rows import add_preference_rows, preferences_of_rows
+from remodel_planner.edge.production_models import (
+    AbilityParameterRow,
+    AbilityRecordRow,
+    AbilityRow,
+    ExecutionRow,
+    OrderRow,
+    RunRow,
+    TaskRow,
+    WireRow,
+)
+from remodel_planner.edge.production_rows import add_order_rows, order_of_row
 from remodel_planner.errors import OrderError
 
-Base = declarative_base()
-
-
-class OrderRow(Base):
-    """An order."""
-
-    __tablename__ = "orders"
-    id = Column(Integer, primary_key=True)
-    name = Column(String, nullable=False, unique=True)
-    title = Column(String, nullable=False, doc="of the design")
-    source = Column(String, nullable=False, doc="the design's file name")
-    components = relationship(
-        "ComponentRow", order_by="ComponentRow.id", cascade="all, delete-orphan"
-    )
-    wires = relationship("WireRow", order_by="WireRow.id", cascade="all, delete-orphan")
-    notes = relationship("NoteRow", order_by="NoteRow.id", cascade="all, delete-orphan")
-    runs = relationship("RunRow", order_by="RunRow.id", cascade="all, delete-orphan")
-
-
-class ComponentRow(Base):
-    """A device mounted in the cabinet."""
-
-    __tablename__ = "components"
-    __table_args__ = (UniqueConstraint("order_id", "name"),)
-    id = Column(Integer, primary_key=True)
-    order_id = Column(ForeignKey("orders.id"), nullable=False)
-    name = Column(String, nullable=False)
-    kind = Column(String, nullable=False, doc="for a person")
-    terminals = relationship("TerminalRow", order_by="TerminalRow.id", cascade="all, delete-orphan")
-
-
-class TerminalRow(Base):
-    """A clamp that takes one wire end."""
-
-    __tablename__ = "terminals"
-    __table_args__ = (UniqueConstraint("component_id", "name"),)
-    id = Column(Integer, primary_key=True)
-    component_id = Column(ForeignKey("components.id"), nullable=False)
-    name = Column(String, nullable=False)
-    side = Column(String, nullable=False, doc="top or bottom")
-    point = Column(String, nullable=False, doc="shared with other clamps, or empty")
-    component = relationship("ComponentRow", back_populates="terminals")
-
-
-class WireRow(Base):
-    """A wire between two terminals."""
-
-    __tablename__ = "wires"
-    __table_args__ = (UniqueConstraint("order_id", "name"),)
-    id = Column(Integer, primary_key=True)
-    order_id = Column(ForeignKey("orders.id"), nullable=False)
-    name = Column(String, nullable=False)
-    a_terminal_id = Column(ForeignKey("terminals.id"), nullable=False, unique=True)
-    b_terminal_id = Column(ForeignKey("terminals.id"), nullable=False, unique=True)
-    colour = Column(String, nullable=False, doc="IEC 60757 code")
-    section_mm2 = Column(Float, nullable=False)
-    source = Column(String, nullable=False, doc="place in the design file")
-    a_terminal = relationship("TerminalRow", foreign_keys=[a_terminal_id])
-    b_terminal = relationship("TerminalRow", foreign_keys=[b_terminal_id])
-
-
-class NoteRow(Base):
-    """What the import of an order guessed or left out."""
-
-    __tablename__ = "notes"
-    id = Column(Integer, primary_key=True)
-    order_id = Column(ForeignKey("orders.id"), nullable=False)
-    text = Column(String, nullable=False)
-
-
-class RunRow(Base):
-    """One run of an order."""
-
-    __tablename__ = "runs"
-    id = Column(Integer, primary_key=True)
-    order_id = Column(ForeignKey("orders.id"), nullable=False)
-    started = Column(DateTime, nullable=False, doc="wall time")
-    executions = relationship(
-        "ExecutionRow", order_by="ExecutionRow.id", cascade="all, delete-orphan"
-    )
-
-
-class ExecutionRow(Base):
-    """One execution of a wire's behavior."""
-
-    __tablename__ = "executions"
-    id = Column(Integer, primary_key=True)
-    run_id = Column(ForeignKey("runs.id"), nullable=False)
-    wire_id = Column(ForeignKey("wires.id"), nullable=False)
-    behavior = Column(String, nullable=False)
-    attempt = Column(Integer, nullable=False, doc="at placing the wire, from 1")
-    outcome = Column(String, nullable=False, doc="of the behavior, or how it ended without one")
-    placed = Column(Boolean, nullable=False, doc="by the simulated cell's ground truth")
-    started_s = Column(Float, nullable=False, doc="ROS time")
-    ended_s = Column(Float, nullable=False, doc="ROS time")
-    operations = relationship(
-        "AbilityRecordRow", order_by="AbilityRecordRow.id", cascade="all, delete-orphan"
-    )
-
-
-class AbilityRecordRow(Base):
-    """One execution of an ability, as remodel_msgs/AbilityRecord tells it."""
-
-    __tablename__ = "ability_records"
-    id = Column(Integer, primary_key=True)
-    execution_id = Column(ForeignKey("executions.id"), nullable=False)
-    state_path = Column(String, nullable=False)
-    ability = Column(String, nullable=False)
-    outcome = Column(String, nullable=False)
-    error_code = Column(Integer, nullable=False)
-    text = Column(String, nullable=False)
-    ended_s = Column(Float, nullable=False, doc="ROS time")
-    elapsed_s = Column(Float, nullable=False)
+# [s] that a program waits for another one's transaction; an import takes one second.
+_WAIT_S = 30
 
 
 @dataclass(frozen=True)
@@ -163,34 +50,48 @@ class ProductionDatabase:
     """The database's door: values in, values out."""
 
     def __init__(self, url: str) -> None:
-        """Connect, and make the tables that are missing.
+        """Connect, and bring the database to this program's version.
 
         Raises:
-            OrderError: if there is no database at the URL.
+            OrderError: if there is no database at the URL, or a newer program has made it.
         """
         try:
-            self._engine = create_engine(url, future=True)
-            event.listen(self._engine, "connect", _enforce_foreign_keys)
-            Base.metadata.create_all(self._engine)
-        except SQLAlchemyError as error:
-            raise OrderError(f"database {url}: {str(error).splitlines()[0]}") from error
+            self._engine = _engine(url)
+            with self._engine.connect() as connection:
+                is_newest = version_of(connection) == NEWEST
+            if not is_newest:
+                with self._writing().begin() as connection:
+                    upgrade(connection)
+        except OrderError as error:
+            raise OrderError(f"database {_shown(url)}: {error}") from error
+        except (SQLAlchemyError, ImportError) as error:
+            raise OrderError(f"database {_shown(url)}: {str(error).splitlines()[0]}") from error
 
     def close(self) -> None:
         """Let go of the database."""
         self._engine.dispose()
 
-    def add_order(self, order: Order) -> None:
+    def add_order(
+        self, order: Order, preferences: object = None, abilities: Sequence[Ability] = ()
+    ) -> None:
         """Store an order, whole or not at all.
 
+        Args:
+            order: to store.
+            preferences: parsed document of the user's preferences of its plan; None for none.
+            abilities: of the cell; those that are known already are brought up to date.
+
         Raises:
-            OrderError: if there is one of that name already.
+            OrderError: if there is an order of that name already.
         """
         with self._transaction() as session:
             if session.scalar(select(OrderRow).filter_by(name=order.name)):
                 raise OrderError(
                     f"the database has an order {order.name} already: give another name (--order)"
                 )
-            session.add(_order_row(order))
+            row = add_order_rows(session, order)
+            add_preference_rows(session, row.id, preferences)
+            _set_abilities(session, abilities)
 
     def order(self, name: str) -> Order:
         """Return an order.
@@ -198,32 +99,47 @@ class ProductionDatabase:
         Raises:
             OrderError: if there is none of that name.
         """
-        with self._transaction() as session:
-            row = session.scalar(select(OrderRow).filter_by(name=name))
-            if row is None:
-                known = ", ".join(session.scalars(select(OrderRow.name))) or "none"
-                raise OrderError(f"the database has no order {name}; it has: {known}")
-            return _order(row)
+        with self._reading() as session:
+            return order_of_row(session, _order_row(session, name))
+
+    def preferences(self, name: str) -> object:
+        """Return the document of an order's preferences, None if it has none.
+
+        Raises:
+            OrderError: if there is no order of that name.
+        """
+        with self._reading() as session:
+            return preferences_of_rows(session, _order_row(session, name).id)
+
+    def abilities(self) -> tuple[Ability, ...]:
+        """Return the abilities that are known, by name."""
+        with self._reading() as session:
+            rows = session.scalars(select(AbilityRow).order_by(AbilityRow.name))
+            return tuple(_ability(session, row) for row in rows)
 
     def start_run(self, order: Order) -> Run:
         """Begin a run of an order."""
         with self._transaction() as session:
-            row = session.scalars(select(OrderRow).filter_by(name=order.name)).one()
-            run = RunRow(started=datetime.now())
-            row.runs.append(run)
+            now = datetime.now(UTC).replace(tzinfo=None)
+            run = RunRow(order_id=_order_row(session, order.name).id, started=now)
+            session.add(run)
             session.flush()
             return Run(run.id, order)
 
     def add_execution(self, run: Run, execution: Execution) -> None:
-        """Store how the execution of one wire's behavior went."""
+        """Store how the execution of one wire's behavior went, and what state its task is in."""
         with self._transaction() as session:
             row = session.get(RunRow, run.id)
-            wire = session.scalars(
-                select(WireRow).filter_by(order_id=row.order_id, name=execution.wire)
+            task = session.scalars(
+                select(TaskRow)
+                .join(WireRow, TaskRow.wire_id == WireRow.id)
+                .where(TaskRow.order_id == row.order_id, WireRow.name == execution.wire)
             ).one()
-            row.executions.append(
+            task.state = "placed" if execution.placed else "failed"
+            session.add(
                 ExecutionRow(
-                    wire_id=wire.id,
+                    run_id=run.id,
+                    task_id=task.id,
                     behavior=execution.behavior,
                     attempt=execution.attempt,
                     outcome=execution.outcome,
@@ -234,82 +150,92 @@ class ProductionDatabase:
                 )
             )
 
+    def _writing(self) -> Engine:
+        """Return an engine whose transactions wait for each other from their start (SQLite)."""
+        return self._engine.execution_options(remodel_begin="IMMEDIATE")
+
     @contextmanager
     def _transaction(self) -> Iterator[Session]:
-        with Session(self._engine, future=True) as session, session.begin():
+        with Session(self._writing(), future=True) as session, session.begin():
+            yield session
+
+    @contextmanager
+    def _reading(self) -> Iterator[Session]:
+        with Session(self._engine, future=True) as session:
             yield session
 
 
-def _enforce_foreign_keys(connection: object, _record: object) -> None:
-    """SQLite checks foreign keys only when told to, connection by connection."""
-    if type(connection).__module__.startswith("sqlite3"):
-        connection.execute("PRAGMA foreign_keys=ON")  # type: ignore[attr-defined]
+def _engine(url: str) -> Engine:
+    engine = create_engine(url, future=True)
+    if engine.dialect.name == "sqlite":
+        event.listen(engine, "connect", _prepare_sqlite)
+        event.listen(engine, "begin", _begin_sqlite)
+    return engine
 
 
-def _order_row(order: Order) -> OrderRow:
-    components = [
-        ComponentRow(
-            name=component.name,
-            kind=component.kind,
-            terminals=[
-                TerminalRow(name=t.name, side=t.side.value, point=t.point)
-                for t in component.terminals
-            ],
+def _prepare_sqlite(connection: object, _record: object) -> None:
+    """Set what SQLite forgets with each connection; the driver is not to begin transactions."""
+    connection.isolation_level = None  # type: ignore[attr-defined]
+    cursor = connection.cursor()  # type: ignore[attr-defined]
+    for setting in ("foreign_keys=ON", f"busy_timeout={_WAIT_S * 1000}", "journal_mode=WAL"):
+        cursor.execute(f"PRAGMA {setting}")
+    cursor.close()
+
+
+def _begin_sqlite(connection: Connection) -> None:
+    kind = connection.get_execution_options().get("remodel_begin", "DEFERRED")
+    connection.exec_driver_sql(f"BEGIN {kind}")
+
+
+def _shown(url: str) -> str:
+    """Return a URL without its password."""
+    head, at, tail = url.rpartition("@")
+    return f"{head.rpartition(':')[0]}:***@{tail}" if at and ":" in head.split("//")[-1] else url
+
+
+def _order_row(session: Session, name: str) -> OrderRow:
+    row = session.scalar(select(OrderRow).filter_by(name=name))
+    if row is None:
+        known = ", ".join(session.scalars(select(OrderRow.name).order_by(OrderRow.id))) or "none"
+        raise OrderError(f"the database has no order {name}; it has: {known}")
+    return row
+
+
+def _set_abilities(session: Session, abilities: Sequence[Ability]) -> None:
+    rows = {row.name: row for row in session.scalars(select(AbilityRow))}
+    for ability in abilities:
+        row = rows.get(ability.name)
+        if row is not None and _ability(session, row) == ability:
+            continue
+        if row is not None:
+            session.delete(row)
+            session.flush()
+        row = AbilityRow(name=ability.name, description=ability.description)
+        session.add(row)
+        session.flush()
+        session.add_all(
+            AbilityParameterRow(
+                ability_id=row.id,
+                position=position,
+                name=parameter.name,
+                type=parameter.type,
+                description=parameter.description,
+            )
+            for position, parameter in enumerate(ability.parameters)
         )
-        for component in order.components
-    ]
-    terminals = {
-        TerminalRef(component.name, terminal.name): terminal
-        for component in components
-        for terminal in component.terminals
-    }
-    wires = [
-        WireRow(
-            name=wire.name,
-            a_terminal=terminals[wire.a],
-            b_terminal=terminals[wire.b],
-            colour=wire.colour,
-            section_mm2=wire.section_mm2,
-            source=wire.source,
-        )
-        for wire in order.wires
-    ]
-    return OrderRow(
-        name=order.name,
-        title=order.title,
-        source=order.source,
-        components=components,
-        wires=wires,
-        notes=[NoteRow(text=text) for text in order.notes],
+
+
+def _ability(session: Session, row: AbilityRow) -> Ability:
+    parameters = session.scalars(
+        select(AbilityParameterRow)
+        .filter_by(ability_id=row.id)
+        .order_by(AbilityParameterRow.position)
     )
-
-
-def _order(row: OrderRow) -> Order:
-    components = tuple(
-        Component(
-            component.name,
-            component.kind,
-            tuple(Terminal(t.name, Side(t.side), t.point) for t in component.terminals),
-        )
-        for component in row.components
+    return Ability(
+        row.name,
+        row.description,
+        tuple(AbilityParameter(p.name, p.type, p.description) for p in parameters),
     )
-    wires = tuple(
-        Wire(
-            wire.name,
-            _terminal_ref(wire.a_terminal),
-            _terminal_ref(wire.b_terminal),
-            wire.colour,
-            wire.section_mm2,
-            wire.source,
-        )
-        for wire in row.wires
-    )
-    notes = tuple(note.text for note in row.notes)
-    return Order(row.name, row.title, row.source, components, wires, notes)
-
-
-def _terminal_ref(row: TerminalRow) -> TerminalRef:
-    return TerminalRef(row.component.name, row.name)
 
 
 def _record_row(operation: Operation) -> AbilityRecordRow:

@@ -1,0 +1,61 @@
+"""Bring a database to this program's version, by the migrations in edge/migrations/versions."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from sqlalchemy import inspect, text
+from sqlalchemy.engine import Connection
+
+from remodel_planner.errors import OrderError
+
+NEWEST = "0002"
+# Databases were not versioned at first; they have these tables.
+_UNVERSIONED = "0001"
+_FIRST_TABLES = {"orders", "wires", "executions"}
+_VERSION_TABLE = "alembic_version"
+# Any number that no other program takes a lock by, in one database.
+_LOCK = 5_151_002
+
+
+def version_of(connection: Connection) -> str | None:
+    """Return the database's version; None if it has no tables of this program."""
+    tables = set(inspect(connection).get_table_names())
+    if _VERSION_TABLE in tables:
+        version = connection.scalar(text(f"SELECT version_num FROM {_VERSION_TABLE}"))
+        return None if version is None else str(version)
+    return _UNVERSIONED if tables >= _FIRST_TABLES else None
+
+
+def upgrade(connection: Connection) -> None:
+    """Bring a database to the newest version, from any older one or from nothing.
+
+    Args:
+        connection: with a transaction that the migrations become part of.
+
+    Raises:
+        OrderError: if a newer program has made the database.
+    """
+    if connection.dialect.name == "postgresql":
+        # One program at a time; the lock is given back at the transaction's end.
+        connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": _LOCK})
+    version = version_of(connection)
+    if version == NEWEST:
+        return
+    # Alembic takes longer to load than a database to open, and is needed once in its life.
+    from alembic import command
+    from alembic.config import Config
+    from alembic.script import ScriptDirectory
+
+    config = Config()
+    config.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
+    config.attributes["connection"] = connection
+    known = {script.revision for script in ScriptDirectory.from_config(config).walk_revisions()}
+    if version is not None and version not in known:
+        raise OrderError(
+            f"is of version {version}; this program knows versions {', '.join(sorted(known))}: "
+            "use a newer program, or give another database (--database)"
+        )
+    if version == _UNVERSIONED:
+        command.stamp(config, _UNVERSIONED)
+    command.upgrade(config, "head")
