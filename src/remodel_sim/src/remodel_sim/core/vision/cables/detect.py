@@ -16,7 +16,7 @@ import numpy as np
 from remodel_sim.core.vision.cables.crossings import find_crossings
 from remodel_sim.core.vision.cables.ends import AXIS_FROM, find_end
 from remodel_sim.core.vision.cables.evidence import ramp, weigh
-from remodel_sim.core.vision.cables.foreground import find_foreground
+from remodel_sim.core.vision.cables.foreground import Foreground, find_foreground
 from remodel_sim.core.vision.cables.joining import rough_cables
 from remodel_sim.core.vision.cables.model import Cable, Detection, End, Tip
 from remodel_sim.core.vision.cables.pixels import Pixels
@@ -25,40 +25,69 @@ from remodel_sim.core.vision.cables.refining import Refined, refine
 from remodel_sim.core.vision.cables.robust import median_colour
 from remodel_sim.core.vision.cables.spline import fit
 
-WORKING_COLUMNS = 320
+# The foreground is found in a picture of about so many columns; in the finer one where cables are
+# this thin in the first [px].
+WORKING_COLUMNS = (320, 640)
+THIN = 1.0
+MIN_SIDE = 64
 # Knots of the splines are this far apart: a cable bends no sharper [widths], [px].
 KNOTS_WIDTHS, KNOTS_PX = 3.0, 12.0
 # A tip pulls the spline as much as so many edges.
 TIP_WEIGHT = 3.0
 # Centrelines with less evidence are no cables; cables with less than SURE are doubted.
 NO_CABLE, SURE = 0.15, 0.5
-# Without that evidence, what is shorter than this share of the longest cable is a scrap.
-SCRAP = 0.25
+# What is shorter than this share of the longest sure cable is a scrap of the table's grain, unless
+# it is sure and its contrast at least this share of the faintest long cable's.
+SCRAP_LENGTH, SCRAP_CONTRAST = 0.25, 0.5
 # Joinings whose second best way is dearer by this are sure.
 SURE_MARGIN = (0.0, 0.25)
 
 
 def detect_cables(rgb: Pixels) -> Detection:
-    """Find the cables in a picture (height, width, 3)."""
-    scale = max(1, round(max(rgb.shape[:2]) / WORKING_COLUMNS))
-    small = cv2.resize(rgb, None, fx=1 / scale, fy=1 / scale, interpolation=cv2.INTER_AREA)
-    foreground = find_foreground(small)
+    """Find the cables in a picture (height, width, 3), RGB.
+
+    Raises:
+        ValueError: for another shape or type, or a picture of less than 64 px.
+    """
+    if rgb.dtype != np.uint8 or rgb.ndim != 3 or rgb.shape[2] != 3 or min(rgb.shape[:2]) < MIN_SIDE:
+        raise ValueError(
+            f"a picture of shape {rgb.shape} and type {rgb.dtype}; it must be (height, width, 3), "
+            f"uint8, and {MIN_SIDE} px or more each way"
+        )
+    for columns in WORKING_COLUMNS:
+        scale = max(1, round(max(rgb.shape[:2]) / columns))
+        small = cv2.resize(rgb, None, fx=1 / scale, fy=1 / scale, interpolation=cv2.INTER_AREA)
+        foreground = find_foreground(small)
+        if scale == 1 or foreground.half_width > THIN:
+            break
+    return _detect(rgb, scale, small, foreground)
+
+
+def _detect(rgb: Pixels, scale: int, small: Pixels, foreground: Foreground) -> Detection:
+    """Find the cables, given the foreground of a picture made `scale` times smaller."""
     rough = rough_cables(small, foreground)
     if not rough:
         return Detection((), (), ("nothing in the picture looks like a cable",))
     lines = [(r.line + 0.5) * scale - 0.5 for r in rough]
     refined = refine(rgb, lines, [r.width * scale for r in rough])
     candidates = [
-        (line, weigh(line, foreground.spread).total, ramp(r.margin, SURE_MARGIN))
+        (line, weigh(line, foreground.spread), ramp(r.margin, SURE_MARGIN))
         for r, line in zip(rough, refined, strict=True)
         if line is not None
     ]
-    longest = max((len(line.points) for line, sure, _ in candidates if sure >= SURE), default=0)
+    sure = [(line, evidence) for line, evidence, _ in candidates if evidence.total >= SURE]
+    long = SCRAP_LENGTH * max((len(line.points) for line, _ in sure), default=0)
+    faint = SCRAP_CONTRAST * min(
+        (e.levels for line, e in sure if len(line.points) > long), default=0
+    )
     cables = []
-    for line, sure, joined in candidates:
-        if sure < (SURE if len(line.points) < SCRAP * longest else NO_CABLE):
+    for line, evidence, joined in candidates:
+        is_short = len(line.points) <= long
+        if evidence.total < (SURE if is_short else NO_CABLE) or (
+            is_short and evidence.levels < faint
+        ):
             continue
-        cable = _cable(rgb, line, sure * joined)
+        cable = _cable(rgb, line, evidence.total * joined)
         cables.append(replace(cable, tips=_not_over(foreground.things, cable, scale)))
     cables.sort(key=lambda c: -len(c.centreline))
     return Detection(tuple(cables), find_crossings(rgb, cables), tuple(_doubts(cables)))

@@ -28,13 +28,23 @@ ALIKE = 0.7
 
 @dataclass(frozen=True)
 class Evidence:
-    """Factors from 0 (no cable) to 1 (a cable beyond doubt)."""
+    """Factors from 0 (no cable) to 1 (a cable beyond doubt).
+
+    Attributes:
+        contrast: of the edges.
+        edges: how many are found and agree.
+        ridge: two sides alike, and unlike the cable.
+        length: for a cable of its width.
+        even: how little the width varies.
+        levels: the contrast itself [grey levels].
+    """
 
     contrast: float
     edges: float
     ridge: float
     length: float
     even: float
+    levels: float
 
     @property
     def total(self) -> float:
@@ -57,6 +67,7 @@ def weigh(refined: Refined, spread: float) -> Evidence:
         ramp(float(alike.mean()), RIDGE),
         ramp(long, LENGTH_WIDTHS),
         ramp(refined.spread, UNEVEN),
+        usual,
     )
 
 

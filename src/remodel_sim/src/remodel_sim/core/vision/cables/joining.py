@@ -155,7 +155,7 @@ def _prolonged(line: Array, distance: Pixels, width: float) -> Array:
     powers = np.vander(np.arange(len(span), dtype=float), 3, increasing=True)
     fit = np.linalg.solve(powers.T @ powers, powers.T @ span)
     beyond = -np.arange(1.0, PROLONG_WIDTHS[1] * width)
-    more = np.vander(beyond, 3, increasing=True) @ fit
+    more = np.asarray(np.vander(beyond, 3, increasing=True) @ fit, np.float64)
     bare = np.flatnonzero(_values(distance, more) < DEVIATIONS)
     hidden = int(bare[0]) if len(bare) else len(more)
     if hidden < PROLONG_WIDTHS[0] * width:

@@ -71,6 +71,7 @@ class Network:
         """Drop spurs, and make one place of those that belong together."""
         self._prune()
         self._contract_short()
+        self._prune()
         self._contract_shared()
 
     def _prune(self) -> None:
