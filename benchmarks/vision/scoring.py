@@ -1,0 +1,184 @@
+"""Compare an answer with the truth."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+from cable_curves import Array, CableCurve, TrueCrossing
+from renderer import paint_labels
+from scenes import SIZE, Scene
+
+from remodel_sim.core.vision.cables import Cable, Detection, End
+
+# A cable is found when its centreline lies within these of the true one [px], [widths].
+MEAN_LIMIT_PX, FAR_LIMIT_WIDTHS = 1.0, 1.0
+TIP_LIMIT_PX = 5.0
+# A crossing is found within this distance [px].
+REACH_PX = 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class Score:
+    """How an answer compares with the truth.
+
+    Attributes:
+        count_right: as many cables as there are.
+        right: count, every centreline and every end; a person would say so too.
+        centreline: mean error of each found cable [px].
+        tips: errors of loose tips [px].
+        dice: of each true cable's visible pixels; 0 where it was not found.
+        upper_right: for each true crossing that was found, whether the upper strand is right.
+        crossings_missed: true crossings without an answer.
+        doubted: the answer itself says that it may be wrong.
+    """
+
+    count_right: bool
+    right: bool
+    centreline: tuple[float, ...]
+    tips: tuple[float, ...]
+    dice: tuple[float, ...]
+    upper_right: tuple[bool, ...]
+    crossings_missed: int
+    doubted: bool
+
+
+def score(scene: Scene, found: Detection) -> Score:
+    """Score what was found in a scene."""
+    truths = [_visible(cable) for cable in scene.cables]
+    matched = _match(truths, found.cables)
+    errors, tips, all_right = [], [], len(matched) == len(truths)
+    for t, f in matched.items():
+        cable = found.cables[f]
+        forth, back = (
+            _distances(cable.centreline, truths[t]),
+            _distances(truths[t], cable.centreline),
+        )
+        mean = float((forth.mean() + back.mean()) / 2)
+        errors.append(mean)
+        ends, ends_right = _ends(scene.cables[t], cable)
+        tips += ends
+        limit = FAR_LIMIT_WIDTHS * scene.cables[t].width
+        far = max(np.quantile(forth, 0.98), np.quantile(back, 0.98))
+        all_right &= bool(mean < MEAN_LIMIT_PX and far < limit and ends_right)
+    count_right = len(found.cables) == len(truths)
+    upper, missed = _crossings(scene, found, matched)
+    return Score(
+        count_right,
+        count_right and all_right,
+        tuple(errors),
+        tuple(tips),
+        _dice(scene, found, matched),
+        upper,
+        missed,
+        bool(found.doubts),
+    )
+
+
+def _visible(cable: CableCurve) -> Array:
+    limit = np.array(SIZE) - 1
+    return cable.points[np.all((cable.points >= 0) & (cable.points <= limit), axis=1)]
+
+
+def _distances(points: Array, line: Array) -> Array:
+    """Return the distances of points (n, 2) from a polyline (m, 2)."""
+    start, way = line[:-1], np.diff(line, axis=0)
+    share = np.einsum("nkd,kd->nk", points[:, None] - start, way) / np.sum(way**2, axis=1)
+    nearest = start + np.clip(share, 0, 1)[..., None] * way
+    return np.asarray(np.linalg.norm(points[:, None] - nearest, axis=-1).min(axis=1))
+
+
+def _match(truths: list[Array], found: tuple[Cable, ...]) -> dict[int, int]:
+    """Pair true and found cables, the nearest first, while most of a true one is covered."""
+    options = []
+    for (t, truth), (f, cable) in itertools.product(enumerate(truths), enumerate(found)):
+        gaps = _distances(truth[::4], cable.centreline)
+        options.append((float(np.median(gaps)), t, f))
+    pairs: dict[int, int] = {}
+    for gap, t, f in sorted(options):
+        if gap < 3.0 and t not in pairs and f not in pairs.values():
+            pairs[t] = f
+    return pairs
+
+
+def _ends(truth: CableCurve, found: Cable) -> tuple[list[float], bool]:
+    """Return the errors of the loose tips [px], and whether both ends are what they are."""
+    limit = np.array(SIZE) - 1
+    errors, right = [], True
+    for point in (truth.points[0], truth.points[-1]):
+        if np.any((point < 0) | (point > limit)):
+            right &= any(tip.end is End.TRUNCATED for tip in found.tips)
+            continue
+        gaps = [float(np.linalg.norm(tip.point - point)) for tip in found.tips]
+        near = int(np.argmin(gaps))
+        errors.append(gaps[near])
+        right &= gaps[near] < TIP_LIMIT_PX and found.tips[near].end is End.TIP
+    return errors, right
+
+
+def _dice(scene: Scene, found: Detection, matched: dict[int, int]) -> tuple[float, ...]:
+    """Return for each true cable the Dice index of what one sees of it."""
+    curves = tuple(_curve(cable) for cable in found.cables)
+    crossings = tuple(
+        TrueCrossing(
+            c.point,
+            c.upper,
+            c.lower,
+            _index(curves[c.upper], found.cables[c.upper].spline.at(np.array([c.upper_at]))[0]),
+            _index(curves[c.lower], c.point),
+        )
+        for c in found.crossings
+    )
+    labels = paint_labels(SIZE, curves, crossings)
+    indices = []
+    for t in range(len(scene.cables)):
+        if t not in matched:
+            indices.append(0.0)
+            continue
+        true, ours = scene.rendered.labels == t + 1, labels == matched[t] + 1
+        indices.append(float(2 * np.sum(true & ours) / max(1, np.sum(true) + np.sum(ours))))
+    return tuple(indices)
+
+
+def _curve(cable: Cable) -> CableCurve:
+    """Return a found cable in steps of 1 px; one that leaves the picture goes on beyond it."""
+    line = [cable.centreline]
+    for tip, first in zip(cable.tips, (True, False), strict=True):
+        if tip.end is End.TRUNCATED:
+            beyond = (tip.point + 2 * cable.width * tip.outward)[None]
+            line = [beyond, *line] if first else [*line, beyond]
+    points = np.vstack(line)
+    arc = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    even = np.arange(0, arc[-1], 1.0)
+    return CableCurve(
+        np.column_stack([np.interp(even, arc, points[:, i]) for i in (0, 1)]), cable.width
+    )
+
+
+def _index(curve: CableCurve, point: Array) -> int:
+    return int(np.argmin(np.linalg.norm(curve.points - point, axis=1)))
+
+
+def _crossings(
+    scene: Scene, found: Detection, matched: dict[int, int]
+) -> tuple[tuple[bool, ...], int]:
+    """Return whether the upper strand is right at the crossings found, and how many were missed."""
+    right, missed = [], 0
+    for truth in scene.crossings:
+        near = [c for c in found.crossings if np.linalg.norm(c.point - truth.point) < REACH_PX]
+        if not near:
+            missed += 1
+            continue
+        upper = _heading(scene.cables[truth.upper].points, truth.upper_index)
+        lower = _heading(scene.cables[truth.lower].points, truth.lower_index)
+        answer = near[0]
+        ends = found.cables[answer.upper].spline.at(answer.upper_at + np.array([-0.005, 0.005]))
+        heading = _heading(ends, 0)
+        right.append(bool(abs(heading @ upper) > abs(heading @ lower)))
+    return tuple(right), missed
+
+
+def _heading(points: Array, index: int) -> Array:
+    way = points[min(index + 1, len(points) - 1)] - points[max(index - 1, 0)]
+    return np.asarray(way / np.linalg.norm(way))

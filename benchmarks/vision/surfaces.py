@@ -1,0 +1,94 @@
+"""Table tops: plain, wood, brushed metal and fabric, with light that falls off, and clutter."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+Image = npt.NDArray[np.float32]
+
+SURFACES = ("plain", "wood", "metal", "fabric")
+
+
+def random_surface(random: np.random.Generator, size: tuple[int, int], kind: str) -> Image:
+    """Return a table top (height, width, 3), RGB from 0 to 1, for a size (width, height)."""
+    return {"plain": _plain, "wood": _wood, "metal": _metal, "fabric": _fabric}[kind](random, size)
+
+
+def smooth_noise(
+    random: np.random.Generator, size: tuple[int, int], cells: tuple[int, int]
+) -> Image:
+    """Return noise (height, width) about 0 that varies over cells (across, down)."""
+    small = random.normal(0, 1, (cells[1] + 1, cells[0] + 1)).astype(np.float32)
+    return cv2.resize(small, size, interpolation=cv2.INTER_CUBIC)
+
+
+def _tinted(base: npt.NDArray[np.float64], shade: Image) -> Image:
+    return (base[None, None] * (1 + shade[..., None])).astype(np.float32)
+
+
+def _plain(random: np.random.Generator, size: tuple[int, int]) -> Image:
+    base = np.clip(random.uniform(0.2, 0.95) + random.uniform(-0.12, 0.12, 3), 0.05, 0.97)
+    grain = 0.02 * smooth_noise(random, size, (size[0] // 3, size[1] // 3))
+    return _tinted(base, grain + 0.03 * smooth_noise(random, size, (6, 5)))
+
+
+def _wood(random: np.random.Generator, size: tuple[int, int]) -> Image:
+    dark, light = np.array([0.35, 0.21, 0.10]), np.array([0.85, 0.68, 0.47])
+    base = dark + random.uniform(0.1, 1.0) * (light - dark)
+    turned = random.uniform() < 0.5
+    shape = size[::-1] if turned else size
+    across = np.linspace(0, random.uniform(4, 14), shape[1], dtype=np.float32)[:, None]
+    warp = across + 0.6 * smooth_noise(random, shape, (3, 4))
+    rings = np.sin(2 * np.pi * warp) ** 3
+    grain = smooth_noise(random, shape, (12, shape[1] // 2))
+    fine = smooth_noise(random, shape, (shape[0] // 8, shape[1]))
+    shade = 0.07 * rings + 0.06 * grain + 0.03 * fine + 0.05 * smooth_noise(random, shape, (4, 3))
+    shade = shade * np.float32(random.uniform(0.5, 1.3))
+    return _tinted(base, shade.T if turned else shade)
+
+
+def _metal(random: np.random.Generator, size: tuple[int, int]) -> Image:
+    base = random.uniform(0.35, 0.8) * np.array([1.0, 1.0, 1.0]) + random.uniform(-0.02, 0.02, 3)
+    turned = random.uniform() < 0.5
+    shape = size[::-1] if turned else size
+    brushed = smooth_noise(random, shape, (10, shape[1]))
+    sheen = smooth_noise(random, shape, (2, 1))
+    shade = 0.04 * brushed + 0.10 * sheen
+    return _tinted(base, shade.T if turned else shade)
+
+
+def _fabric(random: np.random.Generator, size: tuple[int, int]) -> Image:
+    base = np.clip(random.uniform(0.1, 0.7) + random.uniform(-0.1, 0.1, 3), 0.04, 0.9)
+    period = random.uniform(2.5, 6.0)
+    x, y = np.meshgrid(np.arange(size[0]), np.arange(size[1]))
+    weave = np.sin(2 * np.pi * x / period) * np.sin(2 * np.pi * y / period)
+    shade = 0.10 * weave + 0.06 * smooth_noise(random, size, (size[0] // 3, size[1] // 3))
+    return _tinted(base, (shade + 0.05 * smooth_noise(random, size, (5, 4))).astype(np.float32))
+
+
+def add_clutter(random: np.random.Generator, surface: Image, pieces: int) -> None:
+    """Lay discs, cards and tape on a table top, in colours of their own, with soft shadows."""
+    height, width = surface.shape[:2]
+    for _ in range(pieces):
+        mask = np.zeros((height, width), np.uint8)
+        centre = random.uniform(0, 1, 2) * [width, height]
+        reach = random.uniform(0.03, 0.12) * width
+        if random.uniform() < 0.4:
+            middle = (int(centre[0]), int(centre[1]))
+            cv2.circle(mask, middle, int(reach * 0.6), 255, -1, cv2.LINE_AA)
+        else:
+            turn = random.uniform(0, 2 * np.pi)
+            half = reach * np.array([1.0, random.uniform(0.45, 1.0)])
+            corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half
+            spin = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+            cv2.fillPoly(mask, [np.int32(centre + corners @ spin)], 255, cv2.LINE_AA)
+        alpha = (mask / 255.0).astype(np.float32)[..., None]
+        fall = random.uniform(1, 4, 2)
+        move = np.array([[1, 0, fall[0]], [0, 1, fall[1]]])
+        dim = cv2.warpAffine(cv2.GaussianBlur(alpha[..., 0], (0, 0), 2.5), move, (width, height))
+        surface *= 1 - 0.35 * dim[..., None]
+        colour = random.uniform(0.05, 0.95, 3).astype(np.float32)
+        surface *= 1 - alpha
+        surface += alpha * colour

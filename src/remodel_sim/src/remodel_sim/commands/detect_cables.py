@@ -1,0 +1,104 @@
+"""Detect the cables in a picture.
+
+Prints what was found, for people or as JSON, and draws it. The exit code is 0 for an answer to rely
+on, 1 for one with doubts, which are told, and 2 when a file cannot be read or written.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import cv2
+
+from remodel_sim.core.vision.cables import Cable, Crossing, Detection, detect_cables
+from remodel_sim.core.vision.cables.sketch import sketch
+
+
+def main(arguments: list[str]) -> int:
+    """Run the command; return its exit code."""
+    parser = argparse.ArgumentParser("detect_cables", description=__doc__)
+    parser.add_argument("image", type=Path, help="any format that OpenCV reads")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument("--draw", type=Path, metavar="OUT.png", help="write what was found")
+    options = parser.parse_args(arguments)
+    bgr = cv2.imread(str(options.image), cv2.IMREAD_COLOR) if options.image.is_file() else None
+    if bgr is None:
+        what = "is no picture that OpenCV reads" if options.image.is_file() else "is no file"
+        return _refuse(f"{options.image} {what}; give a PNG, JPEG, BMP, TIFF or WebP")
+    rgb = cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB)
+    found = detect_cables(rgb)
+    if options.draw is not None:
+        drawn = cv2.cvtColor(sketch(rgb, found), cv2.COLOR_RGB2BGR)
+        try:
+            written = cv2.imwrite(str(options.draw), drawn)
+        except cv2.error:
+            written = False
+        if not written:
+            return _refuse(f"{options.draw} cannot be written; name a .png in a folder that exists")
+    print(json.dumps(as_dict(found)) if options.json else as_text(found))
+    return 1 if found.doubts else 0
+
+
+def _refuse(why: str) -> int:
+    print(f"detect_cables: {why}", file=sys.stderr)
+    return 2
+
+
+def as_dict(found: Detection) -> dict[str, Any]:
+    """Return a detection as plain values; pixels are columns and rows, whole ones are centres."""
+    return {
+        "cables": [_cable(cable) for cable in found.cables],
+        "crossings": [_crossing(crossing) for crossing in found.crossings],
+        "doubts": list(found.doubts),
+    }
+
+
+def _cable(cable: Cable) -> dict[str, Any]:
+    spline = cable.spline
+    return {
+        "centreline": cable.centreline.round(3).tolist(),
+        "spline": {
+            "t": spline.t.tolist(),
+            "c_x": spline.c_x.tolist(),
+            "c_y": spline.c_y.tolist(),
+            "k": spline.k,
+        },
+        "tips": [
+            {"point": t.point.tolist(), "outward": t.outward.tolist(), "end": t.end.value}
+            for t in cable.tips
+        ],
+        "width": cable.width,
+        "colour": cable.colour,
+        "confidence": cable.confidence,
+    }
+
+
+def _crossing(crossing: Crossing) -> dict[str, Any]:
+    return {
+        "point": crossing.point.tolist(),
+        "upper": crossing.upper,
+        "lower": crossing.lower,
+        "upper_at": crossing.upper_at,
+        "lower_at": crossing.lower_at,
+        "confidence": crossing.confidence,
+    }
+
+
+def as_text(found: Detection) -> str:
+    """Return a detection as lines for a person."""
+    lines = [f"{len(found.cables)} cables, {len(found.crossings)} crossings"]
+    for i, cable in enumerate(found.cables):
+        ends = ", ".join(f"{t.end.value} ({t.point[0]:.1f}, {t.point[1]:.1f})" for t in cable.tips)
+        lines.append(
+            f"cable {i}: {ends}; {cable.width:.1f} px wide; confidence {cable.confidence:.2f}"
+        )
+    lines += [
+        f"crossing ({c.point[0]:.1f}, {c.point[1]:.1f}): cable {c.upper} over cable {c.lower}; "
+        f"confidence {c.confidence:.2f}"
+        for c in found.crossings
+    ]
+    return "\n".join([*lines, *(f"doubt: {doubt}" for doubt in found.doubts)])

@@ -1,0 +1,133 @@
+"""Find all cables in a picture.
+
+A mask at low resolution says where the table is covered; its skeleton is cut into strands where
+they meet; strands are joined to cables; edges at full resolution give centrelines, widths and tips
+to a fraction of a pixel. What is not sure is said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import cv2
+import numpy as np
+
+from remodel_sim.core.vision.cables.crossings import find_crossings
+from remodel_sim.core.vision.cables.ends import AXIS_FROM, find_end
+from remodel_sim.core.vision.cables.evidence import ramp, weigh
+from remodel_sim.core.vision.cables.foreground import Foreground, find_foreground
+from remodel_sim.core.vision.cables.joining import rough_cables
+from remodel_sim.core.vision.cables.model import Cable, Detection, End, Tip
+from remodel_sim.core.vision.cables.pixels import Pixels
+from remodel_sim.core.vision.cables.polyline import arc_lengths
+from remodel_sim.core.vision.cables.refining import Refined, refine
+from remodel_sim.core.vision.cables.robust import median_colour
+from remodel_sim.core.vision.cables.spline import fit
+
+# The foreground is found in a picture of about so many columns; in the finer one where cables are
+# this thin in the first [px].
+WORKING_COLUMNS = (320, 640)
+THIN = 1.0
+MIN_SIDE = 64
+# Knots of the splines are this far apart: a cable bends no sharper [widths], [px].
+KNOTS_WIDTHS, KNOTS_PX = 3.0, 12.0
+# A tip pulls the spline as much as so many edges.
+TIP_WEIGHT = 3.0
+# Centrelines with less evidence are no cables; cables with less than SURE are doubted.
+NO_CABLE, SURE = 0.15, 0.5
+# What is shorter than this share of the longest sure cable is a scrap of the table's grain, unless
+# it is sure and its contrast at least this share of the faintest long cable's.
+SCRAP_LENGTH, SCRAP_CONTRAST = 0.25, 0.5
+# Joinings whose second best way is dearer by this are sure.
+SURE_MARGIN = (0.0, 0.25)
+
+
+def detect_cables(rgb: Pixels) -> Detection:
+    """Find the cables in a picture (height, width, 3), RGB.
+
+    Raises:
+        ValueError: for another shape or type, or a picture of less than 64 px.
+    """
+    if rgb.dtype != np.uint8 or rgb.ndim != 3 or rgb.shape[2] != 3 or min(rgb.shape[:2]) < MIN_SIDE:
+        raise ValueError(
+            f"a picture of shape {rgb.shape} and type {rgb.dtype}; it must be (height, width, 3), "
+            f"uint8, and {MIN_SIDE} px or more each way"
+        )
+    for columns in WORKING_COLUMNS:
+        scale = max(1, round(max(rgb.shape[:2]) / columns))
+        small = cv2.resize(rgb, None, fx=1 / scale, fy=1 / scale, interpolation=cv2.INTER_AREA)
+        foreground = find_foreground(small)
+        if scale == 1 or foreground.half_width > THIN:
+            break
+    return _detect(rgb, scale, small, foreground)
+
+
+def _detect(rgb: Pixels, scale: int, small: Pixels, foreground: Foreground) -> Detection:
+    """Find the cables, given the foreground of a picture made `scale` times smaller."""
+    rough = rough_cables(small, foreground)
+    if not rough:
+        return Detection((), (), ("nothing in the picture looks like a cable",))
+    lines = [(r.line + 0.5) * scale - 0.5 for r in rough]
+    refined = refine(rgb, lines, [r.width * scale for r in rough])
+    candidates = [
+        (line, weigh(line, foreground.spread), ramp(r.margin, SURE_MARGIN))
+        for r, line in zip(rough, refined, strict=True)
+        if line is not None
+    ]
+    sure = [(line, evidence) for line, evidence, _ in candidates if evidence.total >= SURE]
+    long = SCRAP_LENGTH * max((len(line.points) for line, _ in sure), default=0)
+    faint = SCRAP_CONTRAST * min(
+        (e.levels for line, e in sure if len(line.points) > long), default=0
+    )
+    cables = []
+    for line, evidence, joined in candidates:
+        is_short = len(line.points) <= long
+        if evidence.total < (SURE if is_short else NO_CABLE) or (
+            is_short and evidence.levels < faint
+        ):
+            continue
+        cable = _cable(rgb, line, evidence.total * joined)
+        cables.append(replace(cable, tips=_not_over(foreground.things, cable, scale)))
+    cables.sort(key=lambda c: -len(c.centreline))
+    return Detection(tuple(cables), find_crossings(rgb, cables), tuple(_doubts(cables)))
+
+
+def _not_over(things: Pixels, cable: Cable, scale: int) -> tuple[Tip, Tip]:
+    """Return a cable's tips; one at the edge of a thing is hidden."""
+    tips = []
+    for tip in cable.tips:
+        beyond = (tip.point + (cable.width + scale) * tip.outward + 0.5) / scale - 0.5
+        column, row = np.clip(np.rint(beyond).astype(int), 0, np.array(things.shape[::-1]) - 1)
+        hidden = tip.end is End.TIP and things[row, column]
+        tips.append(replace(tip, end=End.HIDDEN) if hidden else tip)
+    return tips[0], tips[1]
+
+
+def _doubts(cables: list[Cable]) -> Iterator[str]:
+    """Yield why the answer may be wrong."""
+    if not cables:
+        yield "nothing in the picture looks like a cable"
+    for i, cable in enumerate(cables):
+        if cable.confidence < SURE:
+            yield f"cable {i} may be none, or not one: confidence {cable.confidence:.2f}"
+        for tip in cable.tips:
+            if tip.end is End.HIDDEN:
+                column, row = tip.point
+                yield f"cable {i} may go on beyond ({column:.0f}, {row:.0f}), where a thing lies"
+
+
+def _cable(rgb: Pixels, refined: Refined, confidence: float) -> Cable:
+    """Find the ends and fit the spline."""
+    width = refined.width
+    first = find_end(rgb, refined.points, width)
+    last = find_end(rgb, refined.points[::-1], width)
+    arc = arc_lengths(refined.points)
+    near = AXIS_FROM * width
+    inner = (arc > near) & (arc < arc[-1] - near)
+    points = np.vstack([first.point, refined.points[inner], last.point])
+    weight = np.concatenate([[TIP_WEIGHT], refined.weight[inner], [TIP_WEIGHT]])
+    spline = fit(points, weight, max(KNOTS_WIDTHS * width, KNOTS_PX))
+    line = spline.at(np.linspace(0, 1, max(8, int(arc[-1] / 2))))
+    red, green, blue = median_colour(refined.ribs.middle).tolist()
+    return Cable(line, spline, (first, last), width, (red, green, blue), confidence)

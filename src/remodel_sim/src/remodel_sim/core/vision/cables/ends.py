@@ -1,0 +1,67 @@
+"""Find where cables end: at tips, or at the border of the picture."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from remodel_sim.core.geometry import Array
+from remodel_sim.core.vision.cables.model import End, Tip
+from remodel_sim.core.vision.cables.pixels import Pixels
+from remodel_sim.core.vision.cables.polyline import arc_lengths
+
+# The axis at an end is fitted to this part of the centreline, counted from the end: nearer to it
+# a skeleton turns into a corner of the cut [widths].
+AXIS_FROM, AXIS_TO = 0.9, 4.0
+# Along the axis, looked at from this far inside the expected tip to this far beyond it [widths].
+ALONG = np.linspace(-1.6, 1.4, 61)
+# Lines beside the axis that are averaged [widths].
+LINES = np.linspace(-0.24, 0.24, 5)
+# How far the tip may lie from where the skeleton says [widths].
+TOLERANCE = 0.5
+# A skeleton ends about this far before the tip [widths].
+SKELETON_SHORT = 0.4
+# Nearer to the border than this, a cable goes on beyond it [widths].
+BORDER_WIDTHS = 0.8
+
+
+def find_end(rgb: Pixels, line: Array, width: float) -> Tip:
+    """Return how a cable ends at the first point of its centreline (n, 2) [px]."""
+    arc = arc_lengths(line)
+    part = (arc >= AXIS_FROM * width) & (arc <= max(AXIS_TO * width, arc[min(8, len(arc) - 1)]))
+    # Where the axis would pass the end: a parabola over the arc length, straight if it is short.
+    degree = 2 if part.sum() >= 6 else 1
+    powers = np.vander(arc[part] / width, degree + 1, increasing=True)
+    fit = np.linalg.solve(powers.T @ powers, powers.T @ line[part])
+    start, outward = fit[0], -fit[1] / np.hypot(*fit[1])
+    limit = np.array([rgb.shape[1], rgb.shape[0]]) - 1.0
+    rim = BORDER_WIDTHS * width
+    if np.any(start < rim) or np.any(start > limit - rim):
+        return Tip(_to_border(start, outward, limit), outward, End.TRUNCATED)
+    return _find_tip(rgb, start + SKELETON_SHORT * width * outward, outward, width)
+
+
+def _to_border(start: Array, outward: Array, limit: Array) -> Array:
+    """Return where a ray from (2,) meets the border of a picture whose last pixel is (2,)."""
+    with np.errstate(divide="ignore"):
+        ways = np.where(outward > 0, (limit - start) / outward, -start / outward)
+    way = float(np.min(ways[np.isfinite(ways)]))
+    return np.clip(start + way * outward, 0, limit)
+
+
+def _find_tip(rgb: Pixels, expected: Array, outward: Array, width: float) -> Tip:
+    """Return the tip near an expected point (2,): where the colour changes fastest."""
+    along = ALONG * width
+    beside = np.array([-outward[1], outward[0]])
+    places = expected + along[None, :, None] * outward + (LINES * width)[:, None, None] * beside
+    x, y = places[..., 0].astype(np.float32), places[..., 1].astype(np.float32)
+    colours = cv2.remap(rgb, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    profile = cv2.blur(colours.astype(np.float32).mean(axis=0)[None], (3, 1))[0]
+    speed = np.linalg.norm(profile[2:] - profile[:-2], axis=1)
+    prior = np.exp(-0.5 * (along[1:-1] / (TOLERANCE * width)) ** 2)
+    best = int(np.clip(np.argmax(speed * prior), 1, len(speed) - 2))
+    before, here, after = speed[best - 1 : best + 2]
+    curve = before - 2 * here + after
+    shift = float(np.clip(0.5 * (before - after) / curve, -1, 1)) if curve < 0 else 0.0
+    place = along[best + 1] + shift * (along[1] - along[0])
+    return Tip(expected + place * outward, outward, End.TIP)

@@ -1,0 +1,76 @@
+"""How sure it is that a centreline is a cable: what its ribs show, as factors from 0 to 1.
+
+The limits were read off some 600 true and 100 false centrelines in rendered scenes
+(benchmarks/vision): between the two lies a wide gap for each of the factors.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from remodel_sim.core.vision.cables.polyline import arc_lengths
+from remodel_sim.core.vision.cables.refining import Refined
+from remodel_sim.core.vision.cables.ribs import length
+from remodel_sim.core.vision.cables.robust import median
+
+# From where a factor is 0 to where it is 1.
+CONTRAST_SPREADS = (2.5, 5.0)  # at the edges, in spreads of the table
+CONTRAST_LEVELS = (7.0, 16.0)  # the same [grey levels]
+EDGES = (0.40, 0.65)  # share of the edges that are found and agree
+RIDGE = (0.30, 0.65)  # share of the ribs whose two sides are alike, and unlike the cable
+LENGTH_WIDTHS = (5.0, 9.0)
+UNEVEN = (0.20, 0.10)  # spread of the width
+# Two sides are alike when they differ by less than this share of the cable's contrast.
+ALIKE = 0.7
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Factors from 0 (no cable) to 1 (a cable beyond doubt).
+
+    Attributes:
+        contrast: of the edges.
+        edges: how many are found and agree.
+        ridge: two sides alike, and unlike the cable.
+        length: for a cable of its width.
+        even: how little the width varies.
+        levels: the contrast itself [grey levels].
+    """
+
+    contrast: float
+    edges: float
+    ridge: float
+    length: float
+    even: float
+    levels: float
+
+    @property
+    def total(self) -> float:
+        """All factors together."""
+        return self.contrast * self.edges * self.ridge * self.length * self.even
+
+
+def weigh(refined: Refined, spread: float) -> Evidence:
+    """Weigh a centreline on a table whose colours have a spread [grey levels]."""
+    ribs = refined.ribs
+    rim = np.where(np.isfinite(ribs.edges), ribs.contrast, 0.0).min(axis=1)
+    left, right = ribs.beside[:, 0], ribs.beside[:, 1]
+    contrast = np.minimum(length(ribs.middle - left), length(ribs.middle - right))
+    alike = length(left - right) < ALIKE * contrast
+    usual = median(rim)
+    long = float(arc_lengths(refined.points)[-1]) / refined.width
+    return Evidence(
+        min(ramp(usual / spread, CONTRAST_SPREADS), ramp(usual, CONTRAST_LEVELS)),
+        ramp(float(refined.weight.mean()) / 2, EDGES),
+        ramp(float(alike.mean()), RIDGE),
+        ramp(long, LENGTH_WIDTHS),
+        ramp(refined.spread, UNEVEN),
+        usual,
+    )
+
+
+def ramp(value: float, limits: tuple[float, float]) -> float:
+    """Return 0 up to the first limit, 1 from the second on, and a straight line between."""
+    return float(np.clip((value - limits[0]) / (limits[1] - limits[0]), 0.0, 1.0))

@@ -1,0 +1,163 @@
+"""Which pixels show cables rather than the table they lie on.
+
+The table's colour at a place is the median around it, since cables cover little of a picture; how
+much it varies (grain, noise) is learned from the pixels that are nearest to it. A pixel counts as
+cable where its colour differs from every dimmed shade of the table by more than that variation.
+Things that are too thick for cables (cards, tools) are taken for table of another colour, so that
+a cable across them is seen as well.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from remodel_sim.core.geometry import Array
+from remodel_sim.core.vision.cables.pixels import Pixels
+from remodel_sim.core.vision.cables.robust import median
+
+# The table is sampled at every fourth pixel, and its median taken over this many samples: a third
+# of a picture of 320 columns.
+TABLE_STEP = 4
+TABLE_WINDOW = 25
+# Colours are this many standard deviations from the table's, and at least FLOOR grey levels.
+DEVIATIONS = 4.5
+FLOOR = 2.5
+# The darkest shadow, as a share of the table's light.
+DARKEST_SHADOW = 0.8
+# A cable is at most this thick, in half widths of the thin things in the picture.
+THICK_HALF_WIDTHS = 2.3
+THICK_AREA_HALF_WIDTHS = 30.0
+# What is dim and lies beside a cable is its shadow; a dim strip of its own is a dark cable: in a
+# window of so many pixels, less than this share of it is no shadow.
+CORE_WINDOW = 15
+CORE_SHARE = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Foreground:
+    """What does not look like the table.
+
+    Attributes:
+        mask: (height, width), 1 where a cable is seen.
+        things: (height, width), 1 on and around things too thick for a cable.
+        half_width: of the cables, roughly [px].
+        spread: standard deviation of the table's colours, the greatest direction [grey levels].
+        covered: (height, width) distance from the table's colours [standard deviations].
+        distance: the same, or that from a thing's colours on a thing.
+    """
+
+    mask: Pixels
+    things: Pixels
+    half_width: float
+    spread: float
+    covered: Pixels
+    distance: Pixels
+
+
+def find_foreground(rgb: Pixels) -> Foreground:
+    """Separate cables from the table in a picture (height, width, 3) of some 320 columns."""
+    pixels = rgb.astype(np.float32)
+    table = _table(rgb)
+    whiten, spread = _whitening(pixels - table)
+    covered, shadow_free = _distances(pixels, table, whiten)
+    distance = covered
+    mask = _cables_without_shadows(distance, shadow_free)
+    half_width = typical_half_width(mask)
+    things = _things(mask, half_width)
+    if things.any():
+        near = _table_nearby(rgb, half_width)
+        other, other_free = _distances(pixels, near, whiten)
+        on_thing = things > 0
+        distance = np.where(on_thing, np.minimum(covered, other), covered)
+        shadow_free = np.where(on_thing, np.minimum(shadow_free, other_free), shadow_free)
+        mask = _cables_without_shadows(distance, shadow_free)
+        mask[_things(mask, half_width) > 0] = 0
+    return Foreground(mask, things, half_width, spread, covered, distance)
+
+
+def _table(rgb: Pixels) -> Pixels:
+    height, width = rgb.shape[:2]
+    samples = np.ascontiguousarray(
+        rgb[TABLE_STEP // 2 :: TABLE_STEP, TABLE_STEP // 2 :: TABLE_STEP]
+    )
+    median = cv2.medianBlur(samples, TABLE_WINDOW).astype(np.float32)
+    return cv2.resize(median, (width, height), interpolation=cv2.INTER_LINEAR)
+
+
+def _whitening(difference: Pixels) -> tuple[Array, float]:
+    """Return the matrix (3, 3) that makes the table's variation round and 1, and its spread.
+
+    Half of the pixels are trusted: those nearest to the table's colour, found in three rounds
+    (the concentration steps of Rousseeuw's minimum covariance determinant).
+    """
+    samples = difference[1::4, 1::4].reshape(-1, 3).astype(np.float64)
+    white = samples
+    for _ in range(3):
+        near = np.square(white) @ np.ones(3)
+        trusted = samples[near <= median(near)]
+        # Half of a three-dimensional normal distribution has 0.46 of its variance (chi-squared).
+        spread = trusted.T @ trusted / len(trusted) / 0.46 + FLOOR**2 * np.eye(3)
+        values, vectors = np.linalg.eigh(spread)
+        whiten = (vectors / np.sqrt(values)).T
+        white = samples @ whiten.T
+    return whiten, float(np.sqrt(values[-1]))
+
+
+def _distances(pixels: Pixels, table: Pixels, whiten: Array) -> tuple[Pixels, Pixels]:
+    """Return each pixel's distance from the table's colour, and from the nearest shade of it."""
+    full = _length(cv2.transform(cv2.subtract(pixels, table), whiten))
+    shade = cv2.divide(_dot(pixels, table), _dot(table, table) + 1.0)
+    shade = np.clip(shade, DARKEST_SHADOW, 1.0)
+    shaded = cv2.multiply(cv2.merge([shade, shade, shade]), table)
+    return full, _length(cv2.transform(cv2.subtract(pixels, shaded), whiten))
+
+
+def _dot(a: Pixels, b: Pixels) -> Pixels:
+    return cv2.transform(cv2.multiply(a, b), np.ones((1, 3), np.float32))
+
+
+def _length(a: Pixels) -> Pixels:
+    return cv2.sqrt(_dot(a, a))
+
+
+def _cables_without_shadows(distance: Pixels, shadow_free: Pixels) -> Pixels:
+    """Return the pixels unlike the table and its shadows, and dim strips that are no shadow."""
+    strong = cv2.medianBlur((shadow_free > DEVIATIONS).astype(np.uint8), 3)
+    weak = cv2.medianBlur((distance > DEVIATIONS).astype(np.uint8), 3)
+    window = (CORE_WINDOW, CORE_WINDOW)
+    cores = cv2.boxFilter(strong, cv2.CV_32F, window, normalize=False)
+    whole = cv2.boxFilter(weak, cv2.CV_32F, window, normalize=False)
+    dark = (cores < CORE_SHARE * whole).astype(np.uint8)
+    return cv2.bitwise_or(strong, cv2.bitwise_and(weak, dark))
+
+
+def typical_half_width(mask: Pixels) -> float:
+    """Return the median distance from a mask's ridge to its border [px]; 1 for an empty mask."""
+    distance = cv2.distanceTransform(mask, cv2.DIST_L2, 5)
+    ridge = (distance >= cv2.dilate(distance, np.ones((3, 3), np.uint8))) & (distance >= 1.0)
+    return max(1.0, median(distance[ridge])) if ridge.any() else 1.0
+
+
+def _things(mask: Pixels, half_width: float) -> Pixels:
+    """Return what is too thick for a cable, with a rim as wide as a cable's half width."""
+    limit = THICK_HALF_WIDTHS * half_width + 1
+    cores = (cv2.distanceTransform(mask, cv2.DIST_L2, 5) > limit).astype(np.uint8)
+    if not cores.any():
+        return cores
+    opened = (cv2.distanceTransform(1 - cores, cv2.DIST_L2, 5) <= limit + 1).astype(np.uint8)
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(opened, connectivity=8)
+    big = stats[:, cv2.CC_STAT_AREA] > THICK_AREA_HALF_WIDTHS * half_width**2 + 40
+    big[0] = False
+    return big[labels].astype(np.uint8)
+
+
+def _table_nearby(rgb: Pixels, half_width: float) -> Pixels:
+    """Return the median over a few cable widths: the colour of a thing that a cable lies on."""
+    height, width = rgb.shape[:2]
+    samples = np.ascontiguousarray(rgb[1::2, 1::2])
+    window = 2 * round(1.8 * half_width) + 3
+    median = cv2.medianBlur(samples, window).astype(np.float32)
+    return cv2.resize(median, (width, height), interpolation=cv2.INTER_LINEAR)

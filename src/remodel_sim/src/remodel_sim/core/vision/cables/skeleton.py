@@ -1,0 +1,132 @@
+"""From a mask to strands: thin it, and cut the skeleton where strands meet.
+
+Thinning is Guo and Hall's (Comm. ACM 32, 1989), each half step a look-up of the eight neighbours'
+code. (Zhang and Suen's eats up diagonal lines of two pixels from their ends.)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from remodel_sim.core.geometry import Array
+from remodel_sim.core.vision.cables.pixels import Pixels
+
+MAX_ROUNDS = 40
+# The neighbours north, north-east, ... north-west as (row, column), and as bits of a code.
+NEIGHBOURS = ((-1, 0), (-1, 1), (0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1))
+BITS = np.array([[128, 1, 2], [64, 0, 4], [32, 16, 8]], np.float32)
+
+
+def _removable(first: bool) -> Pixels:
+    """Return for each code of neighbours whether a half step of the thinning removes the pixel."""
+    table = np.zeros(256, np.uint8)
+    for code in range(256):
+        north, ne, east, se, south, sw, west, nw = (bool(code >> bit & 1) for bit in range(8))
+        branches = (
+            (not north and (ne or east))
+            + (not east and (se or south))
+            + (not south and (sw or west))
+            + (not west and (nw or north))
+        )
+        pairs = min(
+            (nw or north) + (ne or east) + (se or south) + (sw or west),
+            (north or ne) + (east or se) + (south or sw) + (west or nw),
+        )
+        kept = (south or sw or not nw) and west if first else (north or ne or not se) and east
+        table[code] = branches == 1 and 2 <= pairs <= 3 and not kept
+    return table
+
+
+HALF_STEPS = (_removable(True), _removable(False))
+
+
+def thin(mask: Pixels) -> Pixels:
+    """Return the skeleton of a mask of 0 and 1; lines that touch the border are kept up to it."""
+    rim = 8
+    skeleton = cv2.copyMakeBorder(mask, rim, rim, rim, rim, cv2.BORDER_REPLICATE)
+    left = cv2.countNonZero(skeleton)
+    for _ in range(MAX_ROUNDS):
+        for removable in HALF_STEPS:
+            codes = cv2.filter2D(skeleton, -1, BITS, borderType=cv2.BORDER_CONSTANT)
+            skeleton = cv2.subtract(skeleton, cv2.LUT(codes, removable))
+        before, left = left, cv2.countNonZero(skeleton)
+        if left == before:
+            break
+    return np.ascontiguousarray(skeleton[rim:-rim, rim:-rim])
+
+
+@dataclass(frozen=True, eq=False)
+class Strand:
+    """A piece of skeleton between two places where strands end or meet.
+
+    Attributes:
+        points: (n, 2) columns and rows [px].
+        nodes: numbers of the pixels at its first and last point.
+    """
+
+    points: Array
+    nodes: tuple[int, int]
+
+
+def find_strands(skeleton: Pixels) -> list[Strand]:
+    """Return the pieces of a skeleton, a picture of 0 and 1."""
+    padded = cv2.copyMakeBorder(skeleton, 1, 1, 1, 1, cv2.BORDER_CONSTANT)
+    stride = skeleton.shape[1] + 2
+    places = np.flatnonzero(padded)
+    if not len(places):
+        return []
+    flat = padded.ravel().astype(bool)
+    steps = np.array([r * stride + c for r, c in NEIGHBOURS])
+    linked = flat[places[:, None] + steps]
+    # A diagonal link is dropped where a link through a shared neighbour exists.
+    for bit in (1, 3, 5, 7):
+        linked[:, bit] &= ~linked[:, bit - 1] & ~linked[:, (bit + 1) % 8]
+    degree = linked.sum(axis=1)
+    number = np.full(flat.size, -1)
+    number[places] = np.arange(len(places))
+    links: list[list[int]] = [[] for _ in places]
+    rows, bits = np.nonzero(linked)
+    for row, other in zip(rows.tolist(), number[places[rows] + steps[bits]].tolist(), strict=True):
+        links[row].append(other)
+    paths = _walk(links, degree)
+    columns, lines = places % stride - 1, places // stride - 1
+    points = np.column_stack([columns, lines]).astype(np.float64)
+    return [Strand(points[path], (path[0], path[-1])) for path in paths]
+
+
+def _walk(links: list[list[int]], degree: npt.NDArray[np.int64]) -> list[list[int]]:
+    """Return the paths between pixels that have not exactly two links, then the closed rings."""
+    paths = []
+    is_node = (degree != 2).tolist()
+    done = [False] * len(links)
+    for node in np.flatnonzero(degree != 2).tolist():
+        done[node] = True
+        for after in links[node]:
+            if done[after] and not is_node[after]:
+                continue
+            path, last, here = [node], node, after
+            while not is_node[here]:
+                done[here] = True
+                path.append(here)
+                a, b = links[here]
+                last, here = here, (b if a == last else a)
+            path.append(here)
+            # A link between two nodes is met from both.
+            if len(path) > 2 or node < here:
+                paths.append(path)
+    for start in range(len(links)):
+        if done[start]:
+            continue
+        path, last, here = [start], start, links[start][0]
+        done[start] = True
+        while here != start:
+            done[here] = True
+            path.append(here)
+            a, b = links[here]
+            last, here = here, (b if a == last else a)
+        paths.append([*path, start])
+    return paths

@@ -1,0 +1,165 @@
+"""Cable detection on drawn pictures; benchmarks/vision measures it on rendered ones."""
+
+import itertools
+import math
+
+import cv2
+import numpy as np
+import pytest
+
+from remodel_sim.core.vision.cables import End, detect_cables
+from remodel_sim.core.vision.cables.pairing import Arm, best_pairs, join_cost
+from remodel_sim.core.vision.cables.polyline import arc_lengths
+from remodel_sim.core.vision.cables.skeleton import find_strands, thin
+from remodel_sim.core.vision.cables.spline import basis, fit
+
+RED, BLUE, TABLE = (190, 30, 30), (30, 60, 190), (150, 140, 120)
+
+
+def table():
+    grain = np.random.default_rng(3).normal(0, 3, (480, 640, 3))
+    return np.clip(np.array(TABLE) + grain, 0, 255).astype(np.uint8)
+
+
+def lay(picture, points, colour=RED, width=8):
+    """Draw a cable (n, 2) with square ends, four times finer than the picture."""
+    fine = np.zeros((480 * 4, 640 * 4), np.uint8)
+    for a, b in itertools.pairwise(points):
+        along = (b - a) / np.linalg.norm(b - a)
+        side = np.array([-along[1], along[0]]) * width / 2
+        quad = (np.array([a + side, b + side, b - side, a - side]) * 4 + 1.5) * 16
+        cv2.fillConvexPoly(fine, np.rint(quad).astype(np.int32), 255, cv2.LINE_8, 4)
+    cover = cv2.resize(fine, (640, 480), interpolation=cv2.INTER_AREA)[..., None] / 255
+    picture[:] = np.rint(picture * (1 - cover) + np.array(colour) * cover).astype(np.uint8)
+
+
+def wave(start, end, height, count=200):
+    u = np.linspace(0, 1, count)[:, None]
+    line = np.array(start) + u * (np.array(end) - np.array(start))
+    way = (np.array(end) - start) / np.linalg.norm(np.array(end) - start)
+    return line + height * np.sin(2 * np.pi * u) * np.array([-way[1], way[0]])
+
+
+def errors(found, true):
+    return np.linalg.norm(found[:, None] - true[None], axis=-1).min(axis=1)
+
+
+def test_a_cable_is_found_with_its_tips_and_width():
+    picture, true = table(), wave((80, 120), (560, 330), 60, 2000)
+    lay(picture, true)
+    found = detect_cables(picture)
+    (cable,) = found.cables
+    assert errors(cable.centreline, true).mean() < 0.2
+    tips = np.array([tip.point for tip in cable.tips])
+    assert errors(true[[0, -1]], tips).max() < 0.6
+    assert [tip.end for tip in cable.tips] == [End.TIP, End.TIP]
+    assert cable.width == pytest.approx(8, abs=0.4)
+    assert found.doubts == ()
+
+
+def test_two_cables_of_one_colour_that_cross_stay_two():
+    picture = table()
+    lay(picture, wave((60, 240), (580, 240), 50))
+    lay(picture, wave((320, 40), (300, 440), 20))
+    found = detect_cables(picture)
+    assert len(found.cables) == 2
+    (crossing,) = found.crossings
+    assert {crossing.upper, crossing.lower} == {0, 1}
+
+
+def test_the_upper_cable_is_told_by_its_colour():
+    picture = table()
+    lay(picture, wave((60, 240), (580, 250), 5), BLUE)
+    lay(picture, wave((330, 60), (300, 430), 5), RED)
+    found = detect_cables(picture)
+    (crossing,) = found.crossings
+    assert found.cables[crossing.upper].colour[0] > 150, "the red one was drawn last"
+    assert crossing.confidence > 0.9
+
+
+def test_a_loop_is_one_cable_that_crosses_itself():
+    angle = np.linspace(-0.75 * math.pi, 1.25 * math.pi + 0.5 * math.pi, 600)
+    spiral = np.column_stack([320 + 2.2 * np.degrees(angle) / 3, np.zeros(600)])
+    spiral += 90 * np.column_stack([np.cos(angle), np.sin(angle)]) + [0, 240]
+    picture = table()
+    lay(picture, spiral)
+    found = detect_cables(picture)
+    assert len(found.cables) == 1
+    (crossing,) = found.crossings
+    assert crossing.upper == crossing.lower == 0
+
+
+def test_a_cable_that_leaves_the_picture_is_truncated_there():
+    picture = table()
+    lay(picture, wave((-30, 200), (400, 300), 20))
+    (cable,) = detect_cables(picture).cables
+    ends = {tip.end: tip.point for tip in cable.tips}
+    assert ends[End.TRUNCATED][0] < 3
+    assert np.linalg.norm(ends[End.TIP] - [400, 300]) < 1
+
+
+def test_a_cable_under_a_card_of_another_colour_is_one():
+    picture = table()
+    lay(picture, wave((80, 240), (560, 240), 30))
+    picture[180:300, 300:330] = (20, 90, 40)
+    found = detect_cables(picture)
+    assert len([c for c in found.cables if c.colour[0] > 150]) == 1
+
+
+def test_an_empty_table_has_no_cables_and_says_so():
+    found = detect_cables(table())
+    assert found.cables == ()
+    assert found.doubts
+
+
+def test_a_spline_keeps_to_points_on_a_circle():
+    angle = np.linspace(0, 4, 200)
+    circle = 100 * np.column_stack([np.cos(angle), np.sin(angle)])
+    spline = fit(circle, np.ones(200), 40.0)
+    assert len(spline.t) == len(spline.c_x) + spline.k + 1
+    radius = np.linalg.norm(spline.at(np.linspace(0, 1, 77)), axis=1)
+    np.testing.assert_allclose(radius, 100, atol=0.1)
+
+
+def test_the_basis_sums_to_one_everywhere():
+    t = np.array([0, 0, 0, 0, 0.2, 0.5, 1, 1, 1, 1])
+    np.testing.assert_allclose(basis(t, np.linspace(0, 1, 41)).sum(axis=1), 1)
+
+
+def test_a_diagonal_line_of_two_pixels_keeps_its_length():
+    mask = np.zeros((60, 60), np.uint8)
+    for k in range(40):
+        mask[10 + k, 10 + k : 12 + k] = 1
+    (strand,) = find_strands(thin(mask))
+    assert arc_lengths(strand.points)[-1] > 50
+
+
+def test_strands_of_a_cross_meet_in_the_middle():
+    mask = np.zeros((61, 61), np.uint8)
+    mask[30, 5:56] = mask[5:56, 30] = 1
+    strands = find_strands(mask)
+    assert len(strands) == 4
+    assert len({node for s in strands for node in s.nodes}) == 5
+
+
+def arm(number, place, heading, colour=(0, 0, 0)):
+    return Arm((number, 1), np.array(place, float), np.array(heading, float), np.array(colour), 4)
+
+
+def test_strands_go_straight_on_and_keep_their_colour():
+    east, west = arm(0, (-9, 0), (1, 0)), arm(1, (9, 0), (-1, 0))
+    north, south = arm(2, (0, -9), (0, 1)), arm(3, (0, 9), (0, -1))
+    pairs, margin = best_pairs([east, west, north, south])
+    assert {frozenset(pair) for pair in pairs} == {
+        frozenset({east.end, west.end}),
+        frozenset({north.end, south.end}),
+    }
+    assert margin > 0.5
+    red = arm(4, (9, 0), (-1, 0), (0, 60, 40))
+    assert join_cost(east, west) < 0.01 < join_cost(east, red)
+
+
+def test_an_end_beside_a_passing_strand_stays_alone():
+    east, west = arm(0, (-9, 0), (1, 0)), arm(1, (9, 0), (-1, 0))
+    pairs, _ = best_pairs([east, west, arm(2, (0, -9), (0, 1))])
+    assert pairs == [(east.end, west.end)]
