@@ -156,7 +156,7 @@ def test_the_grip_holds_as_coulomb_says(cell):
         for _ in range(60):
             apex, out = cable.tip(End.A)
             bullet.applyExternalForce(
-                cable.body, link, (force * out).tolist(), apex.tolist(), bullet.WORLD_FRAME
+                *link, (force * out).tolist(), apex.tolist(), bullet.WORLD_FRAME
             )
             cell.plant.step()
         return float(np.linalg.norm(cable.tip(End.A)[0] - start))

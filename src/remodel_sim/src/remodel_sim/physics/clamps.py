@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from remodel_sim.core.component_shape import BLACK, Box
-from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.core.geometry import Pose
 from remodel_sim.core.panel import Terminal
-from remodel_sim.physics.cable import Cable
+from remodel_sim.physics.cable import Cable, Link
 from remodel_sim.physics.panel_scene import add_static
 from remodel_sim.physics.world import World
 
@@ -26,7 +26,7 @@ BESIDE_M = 0.005
 class Clamp:
     """A clamp closed on a link of the wire: a constraint that slips above the retention force."""
 
-    def __init__(self, world: World, cable: Cable, link: int, zone: Pose, force: float) -> None:
+    def __init__(self, world: World, cable: Cable, link: Link, zone: Pose, force: float) -> None:
         """Hold a link where it is; `zone` is the jaw's place in the bore, world frame."""
         self._world = world
         self._bullet = world.bullet
@@ -34,11 +34,10 @@ class Clamp:
         self._link = link
         self._zone = zone
         self._force = force
-        position, quaternion = self._link_pose()
+        position, quaternion = cable.link_pose(link)
         self._anchor = position
         self._constraint: int | None = self._bullet.createConstraint(
-            cable.body,
-            link,
+            *link,
             -1,
             -1,
             self._bullet.JOINT_FIXED,
@@ -52,12 +51,8 @@ class Clamp:
         world.add_before_step(self._follow)
         self.holds = True
 
-    def _link_pose(self) -> tuple[Array, Array]:
-        centres, quaternions = self._cable.link_poses()
-        return centres[self._link + 1], quaternions[self._link + 1]
-
     def _follow(self) -> None:
-        position, quaternion = self._link_pose()
+        position, quaternion = self._cable.link_pose(self._link)
         away = position - self._anchor
         distance = float(np.linalg.norm(away))
         if distance <= 2 * SLIP_LAG_M:
@@ -110,9 +105,10 @@ def close_clamp(
         bullet.resetBasePositionAndOrientation(
             jaw, pose.position.tolist(), pose.quaternion.tolist()
         )
-        near = bullet.getClosestPoints(jaw, cable.body, TOUCH_M)
+        near = [p for body in cable.bodies for p in bullet.getClosestPoints(jaw, body, TOUCH_M)]
         if near:
-            link = min(near, key=lambda point: point[8])[4]
+            nearest = min(near, key=lambda point: point[8])
+            link = (nearest[2], nearest[4])
             break
     bullet.removeBody(jaw)
     if link is None:
