@@ -24,14 +24,22 @@ BESIDE_M = 0.005
 
 
 class Clamp:
-    """A clamp closed on a link of the wire: a constraint that slips above the retention force."""
+    """A clamp closed on a link of the wire: a constraint that slips above the retention force.
 
-    def __init__(self, world: World, cable: Cable, link: Link, zone: Pose, force: float) -> None:
+    It stands for the jaw and for the floor under the link: while it is closed, the link does not
+    touch the housing otherwise. Else two stiff things would fight over where the link is, and the
+    solver would let it creep out.
+    """
+
+    def __init__(
+        self, world: World, cable: Cable, link: Link, housing: int, zone: Pose, force: float
+    ) -> None:
         """Hold a link where it is; `zone` is the jaw's place in the bore, world frame."""
         self._world = world
         self._bullet = world.bullet
         self._cable = cable
         self._link = link
+        self._housing = housing
         self._zone = zone
         self._force = force
         position, quaternion = cable.link_pose(link)
@@ -48,6 +56,7 @@ class Clamp:
             quaternion.tolist(),
         )
         self._bullet.changeConstraint(self._constraint, maxForce=force)
+        self._touch_housing(False)
         world.add_before_step(self._follow)
         self.holds = True
 
@@ -65,6 +74,10 @@ class Clamp:
             self._constraint, self._anchor.tolist(), quaternion.tolist(), maxForce=self._force
         )
 
+    def _touch_housing(self, touch: bool) -> None:
+        body, index = self._link
+        self._bullet.setCollisionFilterPair(self._housing, body, -1, index, int(touch))
+
     def _under_jaw(self) -> bool:
         tips = self._zone.inverse().apply(self._cable.nodes()[[0, -1]])
         return bool(np.any((tips[:, 0] > 0) & (np.abs(tips[:, 1]) < BESIDE_M)))
@@ -81,14 +94,17 @@ class Clamp:
         """
         if self._constraint is not None:
             self._bullet.removeConstraint(self._constraint)
+            self._touch_housing(True)
             self._world.remove_before_step(self._follow)
             self._constraint = None
 
 
 def close_clamp(
-    world: World, cable: Cable, terminal: Terminal, world_from_socket: Pose
+    world: World, cable: Cable, terminal: Terminal, housing: int, world_from_socket: Pose
 ) -> Clamp | None:
     """Bring a terminal's jaw down; return the clamp, or None when it met nothing.
+
+    `housing` is the body of the terminal's component.
 
     The jaw moves from the top of the bore to its bottom and stops at the first touch, as a screw
     does.
@@ -114,4 +130,4 @@ def close_clamp(
     if link is None:
         return None
     zone = world_from_socket @ Pose.level(depth - JAW_LENGTH_M / 2, 0.0, 0.0)
-    return Clamp(world, cable, link, zone, terminal.retention_force)
+    return Clamp(world, cable, link, housing, zone, terminal.retention_force)
