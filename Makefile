@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis clean
+.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-sim clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -55,6 +55,9 @@ bench-planner: build build/bench-venv/.ready ## Measure the planner beside GTPyh
 
 bench-synthesis: build ## Time of the synthesis by size of the chart, beside that of lxml and the schema alone
 	@$(SOURCED) benchmarks/synthesis/sizes.py
+
+bench-sim: build build/bench-venv/.ready ## Measure the simulated wire against theory, beside MuJoCo; figures in out/bench/sim.jsonl
+	@$(SOURCED) benchmarks/sim/run.py --mujoco build/bench-venv/bin/python
 
 build/bench-venv/.ready: requirements-bench.txt | build
 	@/usr/bin/python3 -m venv build/bench-venv

@@ -23,6 +23,7 @@ from remodel_sim.cell import Cell  # noqa: E402
 from remodel_sim.core.errors import AbilityError  # noqa: E402
 from remodel_sim.core.geometry import Pose  # noqa: E402
 from remodel_sim.core.panel import End, Panel  # noqa: E402
+from remodel_sim.edge.wire_material_file import read_wire_materials  # noqa: E402
 from remodel_sim.physics.truth import ground_truth  # noqa: E402
 from remodel_sim.ros.conversions import read_panel  # noqa: E402
 
@@ -98,7 +99,7 @@ def main() -> None:
     parser.add_argument("--insertions", type=int, default=50, help="seeds of single insertions")
     parser.add_argument("--first-seed", type=int, default=0)
     arguments = parser.parse_args()
-    panel = read_panel(arguments.panel)
+    panel = read_panel(arguments.panel, read_wire_materials())
     first = arguments.first_seed
     measure_wires(panel, range(first, first + arguments.seeds))
     measure_insertions(panel, range(first, first + arguments.insertions))

@@ -1,15 +1,19 @@
 """Reference solutions for thin elastic rods, to test the simulated wire against.
 
-Heavy cantilever: clamped level at s = 0, free at s = L, EI phi'' = -w (L - s) cos(phi) with phi the
-angle below the horizontal (Bickley 1934); solved by shooting on the clamp's curvature with
-fourth-order Runge-Kutta.
+Independent of the simulation: the rod's own differential equations, solved by shooting, and a
+closed form.
 """
 
 import math
 
 
-def cantilever_drop(length, stiffness, weight, steps=400):
-    """Return how far the tip of a heavy cantilever hangs below the clamp [m]."""
+def cantilever_drop(length, stiffness, weight, steps=1000):
+    """Return how far the tip of a heavy cantilever hangs below the clamp [m].
+
+    Clamped level at s = 0, free at s = L: EI phi'' = -w (L - s) cos(phi), phi the angle below the
+    horizontal (W. G. Bickley, The heavy elastica, Phil. Mag. 17, 1934). Solved by bisection on the
+    curvature at the clamp, with fourth-order Runge-Kutta; weight per length [N/m].
+    """
     load = weight * length**3 / stiffness
     low, high = 0.0, load
     for _ in range(60):
@@ -42,3 +46,34 @@ def _shoot(curvature, load, steps):
         drop += h / 6 * (math.sin(angle) + 4 * math.sin(middle) + math.sin(angle_next))
         angle, curvature = angle_next, curvature + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
     return curvature, drop
+
+
+def buckling_load(length, stiffness):
+    """Return Euler's load of a rod clamped at one end and free at the other [N]."""
+    return math.pi**2 * stiffness / (4 * length**2)
+
+
+def buckled_tip_angle(ratio):
+    """Return the angle of the free tip under `ratio` times Euler's load, kept in direction [rad].
+
+    P / Pcr = (2 K(sin(a / 2)) / pi)^2, K the complete elliptic integral of the first kind
+    (S. Timoshenko and J. Gere, Theory of Elastic Stability, 2.7).
+    """
+    if ratio <= 1.0:
+        return 0.0
+    low, high = 0.0, 0.999 * math.pi
+    for _ in range(100):
+        middle = (low + high) / 2
+        if (2 * _complete_elliptic(math.sin(middle / 2)) / math.pi) ** 2 < ratio:
+            low = middle
+        else:
+            high = middle
+    return (low + high) / 2
+
+
+def _complete_elliptic(modulus):
+    """Return K(k) by the arithmetic-geometric mean."""
+    a, b = 1.0, math.sqrt(1.0 - modulus**2)
+    while a - b > 1e-15:
+        a, b = (a + b) / 2, math.sqrt(a * b)
+    return math.pi / (2 * a)

@@ -28,7 +28,9 @@ def component(name, marker, x, y, side, terminals=2, bore=0.0038):
 
 def wire(name, a, b, length, **changes):
     """A soft 1.5 mm^2 wire."""
-    soft = Wire(name, *a, *b, "BU", 1.5, 0.003, length, 0.020, 1e-3, 0.012)
+    soft = Wire(
+        name, *a, *b, "BU", 1.5, 0.003, length, 0.020, 1e-3, 0.012, 0.8e-3, 0.5, 0.4, 8.0, 0.3
+    )
     return dataclasses.replace(soft, **changes)
 
 

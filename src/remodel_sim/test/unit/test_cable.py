@@ -1,63 +1,134 @@
+import dataclasses
 import math
 
 import numpy as np
 import pytest
-from elastica import cantilever_drop
+import rods
+from elastica import buckled_tip_angle, cantilever_drop
 from panels import wire
 
 from remodel_sim.core.cable import MAX_LINKS, discretise
+from remodel_sim.core.panel import End
 from remodel_sim.physics.cable import Cable
-from remodel_sim.physics.world import GRAVITY, World
+from remodel_sim.physics.world import World
 
 
-def test_the_links_add_up_to_the_wire():
-    for length in (0.34, 0.5, 0.75):
-        ordered = wire("W", ("X", "1"), ("Y", "1"), length)
-        model = discretise(ordered, 1 / 240)
-        assert len(model.lengths) <= MAX_LINKS
-        assert math.isclose(model.lengths.sum() + 2 * model.radius, length)
-        assert math.isclose(model.masses.sum(), length * ordered.linear_density)
+def ordered(length, **changes):
+    return wire("W", ("X", "1"), ("Y", "1"), length, **changes)
+
+
+@pytest.mark.parametrize("length", [0.34, 0.5, 0.75, 1.2, 3.0])
+def test_the_links_add_up_to_the_wire(length):
+    whole = ordered(length)
+    model = discretise(whole, 1 / 240)
+    assert math.isclose(model.lengths.sum() + 2 * model.radius, length)
+    assert math.isclose(model.masses.sum(), length * whole.linear_density)
+    assert math.isclose(model.spans.sum(), length - 2 * whole.ferrule_length)
+    assert all(last - first <= MAX_LINKS for first, last in model.bodies)
+    assert len(model.bodies) == (1 if length <= 0.75 else math.ceil(length / 0.63))
 
 
 def test_torques_pull_back_to_the_rest_shape():
-    model = discretise(wire("W", ("X", "1"), ("Y", "1"), 0.4), 1 / 240)
+    model = discretise(ordered(0.4), 1 / 240)
     bend = np.zeros_like(model.stiffness)
     bend[5, 0] = 0.1
-    assert model.torques(bend, np.zeros_like(bend))[5, 0] == pytest.approx(
-        -0.1 * model.stiffness[5, 0]
-    )
+    torque = model.torques(bend, np.zeros_like(bend))[5, 0]
+    assert torque == pytest.approx(-0.1 * model.stiffness[5, 0])
 
 
-@pytest.mark.parametrize("load", [1.0, 5.0])
+def test_a_joint_yields_beyond_its_limit_and_hardens():
+    model = discretise(ordered(0.4, yield_curvature=5.0, hardening=0.25), 1 / 240)
+    limit = model.yield_angles[5]
+    bend, none = np.zeros((len(model.spans), 2)), np.zeros((len(model.spans), 2))
+    bend[5] = [0.6 * limit, 0.8 * limit]
+    assert model.yielded(bend, none) is none, "at the limit nothing yields"
+    plastic = model.yielded(3.0 * bend, none)
+    elastic = np.linalg.norm(3.0 * bend[5] - plastic[5])
+    assert elastic == pytest.approx((1.0 + 0.25 * 2.0) * limit), "a quarter of EI beyond it"
+    assert np.all(plastic[:5] == 0.0)
+    again = model.yielded(3.0 * bend, plastic)
+    assert again == pytest.approx(plastic), "the set is a set"
+
+
+@pytest.mark.parametrize("load", [1.0, 5.0, 21.0])
 def test_a_clamped_wire_hangs_like_the_heavy_elastica(load):
-    # The ferrule is rigid and clamped; the rest is a cantilever up to the middle of its last link,
-    # all but.
-    density = 0.020
-    ordered = wire("W", ("X", "1"), ("Y", "1"), 0.40, linear_density=density, ferrule_length=0.010)
-    free = ordered.length - ordered.ferrule_length
-    stiffness = density * GRAVITY * free**3 / load
-    ordered = wire(
-        "W",
-        ("X", "1"),
-        ("Y", "1"),
-        0.40,
-        linear_density=density,
-        ferrule_length=0.010,
-        bending_stiffness=stiffness,
+    expected = cantilever_drop(rods.LENGTH, 1.0, load / rods.LENGTH**3)
+    assert rods.sag(load) == pytest.approx(expected, rel=0.003)
+
+
+def test_a_wire_of_two_bodies_hangs_like_one():
+    assert rods.sag(5.0, cut=12) == pytest.approx(rods.sag(5.0), rel=1e-3)
+
+
+def test_a_pushed_wire_buckles_at_eulers_load_and_not_before():
+    assert rods.buckle(0.97) < math.radians(0.5)
+    assert rods.buckle(1.2) == pytest.approx(buckled_tip_angle(1.2), abs=math.radians(0.5))
+
+
+def test_an_overbent_wire_keeps_a_set():
+    def left_after_bending(**properties):
+        rod = rods.Rod(**properties)
+        moment_free_angle = rod.tip_angle
+        rod.settle((0.0, 0.0, 0.03))
+        rod.settle()
+        angle = rod.tip_angle
+        rod.close()
+        return angle - moment_free_angle
+
+    assert left_after_bending(yield_curvature=4.0) > math.radians(5)
+    assert left_after_bending(yield_curvature=100.0) < math.radians(0.1)
+
+
+def test_a_twisted_wire_turns_by_torsion_alone():
+    rod = rods.Rod(torsional_stiffness=0.8e-3)
+    torque, link = 2e-4, rod.cable.ferrule(End.B)
+    bullet = rod.world.bullet
+    for _ in range(240 * 4):
+        bullet.applyExternalTorque(*link, [torque, 0, 0], bullet.WORLD_FRAME)
+        rod.world.step()
+    turned = bullet.getDifferenceQuaternion(
+        rod.cable.link_pose(rod.cable.ferrule(End.A))[1].tolist(),
+        rod.cable.link_pose(link)[1].tolist(),
     )
+    rod.close()
+    # The last half cell carries no torque on from its middle.
+    flexible = rods.LENGTH * (1 - 0.5 / 24)
+    assert 2 * math.atan2(turned[0], turned[3]) == pytest.approx(
+        torque * flexible / 0.8e-3, rel=0.01
+    )
+
+
+def test_a_long_wire_rests_on_the_plate_in_one_piece():
     world = World(240)
-    model = discretise(ordered, world.time_step)
+    world.bullet.createMultiBody(0, world.bullet.createCollisionShape(world.bullet.GEOM_PLANE))
+    long = ordered(1.6)
+    model = discretise(long, world.time_step)
     cable = Cable(world, model, "BU")
-    cable.lay(np.array([0.0, 0.0, 1.0]), 0.0, np.zeros(len(model.lengths) - 1))
-    position, quaternion = world.bullet.getBasePositionAndOrientation(cable.body)
-    hold = world.bullet.createConstraint(
-        cable.body, -1, -1, -1, world.bullet.JOINT_FIXED, [0, 0, 0], [0, 0, 0], position,
-        [0, 0, 0, 1], quaternion,
-    )  # fmt: skip
-    world.bullet.changeConstraint(hold, maxForce=1e4)
-    for _ in range(240 * 12):
+    curvature = np.where(model.spans > 0, 3.0, 0.0)
+    cable.lay(np.array([0.0, 0.0, long.radius + 2e-4]), 0.3, curvature)
+    for _ in range(240):
         world.step()
-    drop = 1.0 - cable.nodes()[-1, 2]
-    expected = cantilever_drop(free, stiffness, density * GRAVITY)
-    assert drop == pytest.approx(expected, rel=0.02)
+    nodes = cable.nodes()
     world.close()
+    assert len(model.bodies) > 1
+    assert np.linalg.norm(np.diff(nodes, axis=0), axis=1).sum() == pytest.approx(1.6, abs=1e-4)
+    assert np.abs(nodes[:, 2] - long.radius).max() < 5e-4
+
+
+def test_a_wire_rests_on_another():
+    world = World(240)
+    world.bullet.createMultiBody(0, world.bullet.createCollisionShape(world.bullet.GEOM_PLANE))
+    stiff = dataclasses.replace(ordered(0.36), bending_stiffness=1e-2, torsional_stiffness=8e-3)
+    lower, upper = (
+        Cable(world, discretise(stiff, world.time_step), colour) for colour in ("BU", "RD")
+    )
+    straight = np.zeros(len(lower.model.spans))
+    lower.lay(np.array([0.0, -0.18, stiff.radius]), math.pi / 2, straight)
+    upper.lay(np.array([-0.18, 0.0, 3 * stiff.radius + 5e-4]), 0.0, straight)
+    for _ in range(480):
+        world.step()
+    crossing = float(np.interp(0.0, upper.nodes()[:, 0], upper.nodes()[:, 2]))
+    below = float(np.abs(lower.nodes()[:, 2] - stiff.radius).max())
+    world.close()
+    assert crossing > 2.5 * stiff.radius
+    assert below < 3e-4

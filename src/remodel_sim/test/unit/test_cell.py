@@ -1,14 +1,9 @@
 """Whole abilities by physics, without ROS."""
 
-import hashlib
-import re
-import subprocess
-import sys
-from pathlib import Path
-
 import numpy as np
 import place_wire as do
 import pytest
+from fingerprint import fingerprint_elsewhere
 from panels import panel
 
 from remodel_sim.cell import Cell
@@ -18,33 +13,9 @@ from remodel_sim.core.geometry import Pose
 from remodel_sim.core.panel import End
 from remodel_sim.physics.truth import ground_truth
 
-FINGERPRINT = """
-import sys
-sys.path[:0] = {paths!r}
-from test_cell import fingerprint
-print("fingerprint", fingerprint())
-"""
-
-
-def fingerprint():
-    """Locate, pick and insert an end; return a hash of every joint and node."""
-    made = Cell(panel(), seed=7)
-    made.feed("W1", "A")
-    do.insert(made, "W1", End.A, "X1", "1", do.locate(made, "X1", "1"))
-    state = made.plant.live.cable.nodes().tobytes() + made.plant.robot.joints.tobytes()
-    made.close()
-    return hashlib.sha256(state).hexdigest()
-
 
 def test_the_same_seed_and_goals_give_the_same_bits_in_two_processes():
-    script = FINGERPRINT.format(paths=[p for p in sys.path if p] + [str(Path(__file__).parent)])
-    runs = [
-        subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-        for _ in range(2)
-    ]
-    # PyBullet prints lines of its own, before or after.
-    first, second = (re.search(r"^fingerprint (\w{64})$", run.stdout, re.M)[1] for run in runs)
-    assert first == second
+    assert fingerprint_elsewhere() == fingerprint_elsewhere()
 
 
 def test_a_whole_wire_is_placed_by_physics(cell):
@@ -141,25 +112,3 @@ def test_feeding_with_a_wire_in_the_hand_is_refused(cell):
     with pytest.raises(AbilityError) as caught:
         cell.feed("W2", "A")
     assert caught.value.code is Code.OTHER_CABLE_HELD
-
-
-def test_the_grip_holds_as_coulomb_says(cell):
-    """A gripped wire slides when it is pulled with more than both pads' friction, 2 mu F."""
-    cell.feed("W1", "A")
-    do.do(cell, do.pick_cable, do.goals.PickGoal(do.ROBOT, "W1", End.A, 0.0))
-    cable, bullet = cell.plant.live.cable, cell.plant.world.bullet
-    friction = 2 * 0.5 * cell.station.finger_load  # pads 1.0 times insulation 0.5
-    link = cable.ferrule(End.A)
-
-    def slide(force):
-        start = cable.tip(End.A)[0]
-        for _ in range(60):
-            apex, out = cable.tip(End.A)
-            bullet.applyExternalForce(
-                cable.body, link, (force * out).tolist(), apex.tolist(), bullet.WORLD_FRAME
-            )
-            cell.plant.step()
-        return float(np.linalg.norm(cable.tip(End.A)[0] - start))
-
-    assert slide(0.6 * friction) < 0.002
-    assert slide(1.8 * friction) > 0.005

@@ -7,6 +7,7 @@ from panels import component, panel, wire
 
 from remodel_sim.core.errors import PanelError
 from remodel_sim.core.layout import find_problems
+from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.plant import Plant
 from remodel_sim.ros.conversions import read_panel
 
@@ -15,7 +16,12 @@ CONFIG = Path(__file__).parents[2] / "config"
 
 def test_good_panels_have_no_problem():
     assert find_problems(panel()) == ()
-    assert find_problems(read_panel(CONFIG / "panel.yaml")) == ()
+    assert (
+        find_problems(
+            read_panel(CONFIG / "panel.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))
+        )
+        == ()
+    )
 
 
 def changed(old, **changes):

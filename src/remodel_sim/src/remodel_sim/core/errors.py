@@ -22,6 +22,10 @@ class AbilityError(CellError):
         self.readings = readings
 
 
+class MaterialError(CellError):
+    """The table of wire materials is malformed or lacks a wire."""
+
+
 class PanelError(CellError):
     """A panel breaks the layout rules.
 

@@ -27,8 +27,7 @@ FORK_LENGTH_M = 0.040
 FORK_HEIGHT_M = 0.018
 FORK_POST_M = 0.004
 FORK_CLEARANCE_M = 0.003
-# A cut wire is straight but for a slight bow [1/m], at most so far off the line.
-CURVATURE_SIGMA = 0.4
+# A wire that bows further off the line does not pass the fork.
 MAX_BOW_M = 0.012
 
 
@@ -63,7 +62,7 @@ def plan_laying(
     start = float(mouth_a[1]) - direction * OVERLAP_M
     beyond = direction * start + wire.length - FEED_LIMIT_Y_M
     start -= direction * max(0.0, beyond)
-    curvature = _random_bow(joints, wire.length, noise)
+    curvature = _random_bow(joints, wire, noise)
     along, aside = _shape(curvature, wire.length)
     fork_along = float(np.interp(wire.length - FORK_BEHIND_TIP_M, along, along))
     fork_aside = float(np.interp(fork_along, along, aside))
@@ -74,11 +73,11 @@ def plan_laying(
     return Laying(tip_a, direction, curvature, fork)
 
 
-def _random_bow(joints: int, length: float, noise: np.random.Generator) -> Array:
+def _random_bow(joints: int, wire: Wire, noise: np.random.Generator) -> Array:
     s = np.linspace(0.0, 1.0, joints)
     waves = noise.uniform(0.5, 1.5) * s + noise.uniform(0.0, 1.0)
-    curvature = CURVATURE_SIGMA * (noise.standard_normal() + np.sin(2 * np.pi * waves))
-    bow = float(np.abs(_shape(curvature, length)[1]).max())
+    curvature = wire.rest_curvature * (noise.standard_normal() + np.sin(2 * np.pi * waves))
+    bow = float(np.abs(_shape(curvature, wire.length)[1]).max())
     return curvature * min(1.0, MAX_BOW_M / max(bow, 1e-9))
 
 

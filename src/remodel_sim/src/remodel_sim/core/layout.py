@@ -46,6 +46,11 @@ LENGTH_BEYOND_M = (0.22, 0.38)
 CROSSING_BEYOND_M = (0.42, 0.55)
 STIFFNESS_NM2 = (2e-4, 1.5e-2)
 DENSITY_KG_M = (0.005, 0.20)
+TORSION_NM2 = (1e-4, 1.5e-2)
+FRICTION = (0.1, 1.5)
+REST_CURVATURE_1_M = (0.0, 2.0)
+YIELD_CURVATURE_1_M = (2.0, 1000.0)  # less, and a wire folds where the hand turns it
+HARDENING = (0.0, 0.95)
 # Feeding: the far tip lies within this, and after end a is in, end b is picked within reach.
 FEED_LIMIT_Y_M = 0.45
 FEED_REACH_M = 0.52
@@ -231,6 +236,13 @@ def _wire(wire: Wire, panel: Panel) -> Iterator[str]:
     yield from _within(f"{name}: ferrule_length", wire.ferrule_length, FERRULE_M)
     yield from _within(f"{name}: linear_density", wire.linear_density, DENSITY_KG_M, "kg/m")
     yield from _within(f"{name}: bending_stiffness", wire.bending_stiffness, STIFFNESS_NM2, "N m^2")
+    yield from _within(
+        f"{name}: torsional_stiffness", wire.torsional_stiffness, TORSION_NM2, "N m^2"
+    )
+    yield from _within(f"{name}: friction", wire.friction, FRICTION, "")
+    yield from _within(f"{name}: rest_curvature", wire.rest_curvature, REST_CURVATURE_1_M, "1/m")
+    yield from _within(f"{name}: yield_curvature", wire.yield_curvature, YIELD_CURVATURE_1_M, "1/m")
+    yield from _within(f"{name}: hardening", wire.hardening, HARDENING, "")
     sockets = {}
     for end in End:
         component_id, terminal_id = wire.goes_to(end)

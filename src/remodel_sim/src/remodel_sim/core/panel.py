@@ -90,7 +90,7 @@ class Channel:
 
 @dataclass(frozen=True)
 class Wire:
-    """A wire with a ferrule on both ends."""
+    """A wire with a ferrule on both ends; all properties known."""
 
     id: str
     a_component: str
@@ -104,6 +104,11 @@ class Wire:
     linear_density: float
     bending_stiffness: float
     ferrule_length: float
+    torsional_stiffness: float
+    friction: float
+    rest_curvature: float
+    yield_curvature: float
+    hardening: float
 
     @property
     def radius(self) -> float:

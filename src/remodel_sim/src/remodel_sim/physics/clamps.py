@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from remodel_sim.core.component_shape import BLACK, Box
-from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.core.geometry import Pose
 from remodel_sim.core.panel import Terminal
-from remodel_sim.physics.cable import Cable
+from remodel_sim.physics.cable import Cable, Link
 from remodel_sim.physics.panel_scene import add_static
 from remodel_sim.physics.world import World
 
@@ -24,21 +24,28 @@ BESIDE_M = 0.005
 
 
 class Clamp:
-    """A clamp closed on a link of the wire: a constraint that slips above the retention force."""
+    """A clamp closed on a link of the wire: a constraint that slips above the retention force.
 
-    def __init__(self, world: World, cable: Cable, link: int, zone: Pose, force: float) -> None:
+    It stands for the jaw and for the floor under the link: while it is closed, the link does not
+    touch the housing otherwise. Else two stiff things would fight over where the link is, and the
+    solver would let it creep out.
+    """
+
+    def __init__(
+        self, world: World, cable: Cable, link: Link, housing: int, zone: Pose, force: float
+    ) -> None:
         """Hold a link where it is; `zone` is the jaw's place in the bore, world frame."""
         self._world = world
         self._bullet = world.bullet
         self._cable = cable
         self._link = link
+        self._housing = housing
         self._zone = zone
         self._force = force
-        position, quaternion = self._link_pose()
+        position, quaternion = cable.link_pose(link)
         self._anchor = position
         self._constraint: int | None = self._bullet.createConstraint(
-            cable.body,
-            link,
+            *link,
             -1,
             -1,
             self._bullet.JOINT_FIXED,
@@ -49,15 +56,12 @@ class Clamp:
             quaternion.tolist(),
         )
         self._bullet.changeConstraint(self._constraint, maxForce=force)
+        self._touch_housing(False)
         world.add_before_step(self._follow)
         self.holds = True
 
-    def _link_pose(self) -> tuple[Array, Array]:
-        centres, quaternions = self._cable.link_poses()
-        return centres[self._link + 1], quaternions[self._link + 1]
-
     def _follow(self) -> None:
-        position, quaternion = self._link_pose()
+        position, quaternion = self._cable.link_pose(self._link)
         away = position - self._anchor
         distance = float(np.linalg.norm(away))
         if distance <= 2 * SLIP_LAG_M:
@@ -69,6 +73,10 @@ class Clamp:
         self._bullet.changeConstraint(
             self._constraint, self._anchor.tolist(), quaternion.tolist(), maxForce=self._force
         )
+
+    def _touch_housing(self, touch: bool) -> None:
+        body, index = self._link
+        self._bullet.setCollisionFilterPair(self._housing, body, -1, index, int(touch))
 
     def _under_jaw(self) -> bool:
         tips = self._zone.inverse().apply(self._cable.nodes()[[0, -1]])
@@ -86,14 +94,17 @@ class Clamp:
         """
         if self._constraint is not None:
             self._bullet.removeConstraint(self._constraint)
+            self._touch_housing(True)
             self._world.remove_before_step(self._follow)
             self._constraint = None
 
 
 def close_clamp(
-    world: World, cable: Cable, terminal: Terminal, world_from_socket: Pose
+    world: World, cable: Cable, terminal: Terminal, housing: int, world_from_socket: Pose
 ) -> Clamp | None:
     """Bring a terminal's jaw down; return the clamp, or None when it met nothing.
+
+    `housing` is the body of the terminal's component.
 
     The jaw moves from the top of the bore to its bottom and stops at the first touch, as a screw
     does.
@@ -110,12 +121,13 @@ def close_clamp(
         bullet.resetBasePositionAndOrientation(
             jaw, pose.position.tolist(), pose.quaternion.tolist()
         )
-        near = bullet.getClosestPoints(jaw, cable.body, TOUCH_M)
+        near = [p for body in cable.bodies for p in bullet.getClosestPoints(jaw, body, TOUCH_M)]
         if near:
-            link = min(near, key=lambda point: point[8])[4]
+            nearest = min(near, key=lambda point: point[8])
+            link = (nearest[2], nearest[4])
             break
     bullet.removeBody(jaw)
     if link is None:
         return None
     zone = world_from_socket @ Pose.level(depth - JAW_LENGTH_M / 2, 0.0, 0.0)
-    return Clamp(world, cable, link, zone, terminal.retention_force)
+    return Clamp(world, cable, link, housing, zone, terminal.retention_force)

@@ -36,10 +36,11 @@ class PanelScene:
         self._components: dict[str, int] = {}
         thickness = panel.size[2]
         table_z = -thickness - TABLE_SIZE[2] / 2
-        self._static([Box((0.4, 0, table_z), TABLE_SIZE, TABLE_RGB)], Pose.level(0, 0, 0))
-        plate = [Box((0, 0, -thickness / 2), panel.size, PLATE_RGB)]
-        body = self._static(plate, WORLD_FROM_PANEL)
-        self._bullet.changeDynamics(body, -1, lateralFriction=PLATE_FRICTION)
+        table = Box((0.4, 0, table_z), TABLE_SIZE, TABLE_RGB, solid=False)
+        self._static([table], Pose.level(0, 0, 0))
+        plate = Box((0, 0, -thickness / 2), panel.size, PLATE_RGB, solid=False)
+        self._static([plate], WORLD_FROM_PANEL)
+        add_plate_surface(world)
         for channel in panel.channels:
             y = (channel.y_min + channel.y_max) / 2
             size = (channel.width, channel.y_max - channel.y_min, 0.0002)
@@ -59,6 +60,10 @@ class PanelScene:
     def _static(self, boxes: Iterable[Box], pose: Pose) -> int:
         return add_static(self._bullet, boxes, pose)
 
+    def body_of(self, component_id: str) -> int:
+        """Return PyBullet's number of a component."""
+        return self._components[component_id]
+
     def place_component(self, component_id: str, pose: Pose) -> None:
         """Put a component somewhere else, world frame."""
         self._bullet.resetBasePositionAndOrientation(
@@ -75,6 +80,18 @@ def _lips(channel: Channel) -> list[Box]:
     aside = channel.width / 2 - LIP_THICKNESS_M / 2
     size = (LIP_THICKNESS_M, channel.y_max - channel.y_min, LIP_HEIGHT_M)
     return [Box((channel.x + side * aside, y, LIP_HEIGHT_M / 2), size, LIP_RGB) for side in (-1, 1)]
+
+
+def add_plate_surface(world: World) -> int:
+    """Add the plane that wires lie on, z = 0; returns the body.
+
+    Bullet finds two points where a link lies on a plane, and up to four on a box, which take a
+    third more time. So what hangs over the plate's edge does not fall the plate's thickness.
+    """
+    bullet = world.bullet
+    surface = bullet.createMultiBody(0, bullet.createCollisionShape(bullet.GEOM_PLANE))
+    bullet.changeDynamics(surface, -1, lateralFriction=PLATE_FRICTION)
+    return surface
 
 
 def add_static(bullet, boxes: Iterable[Box], pose: Pose) -> int:  # noqa: ANN001

@@ -164,7 +164,8 @@ class Plant:
             return False
         terminal = self.panel.component(component_id).terminal(terminal_id)
         socket = self.world_from_socket(component_id, terminal_id)
-        clamp = close_clamp(self.world, self.live.cable, terminal, socket)
+        housing = self._scene.body_of(component_id)
+        clamp = close_clamp(self.world, self.live.cable, terminal, housing, socket)
         if clamp is None:
             return False
         tips = {end: self.live.cable.tip(end)[0] for end in End}

@@ -22,15 +22,18 @@ JOINT_NAMES = [f"panda_joint{i}" for i in range(1, 8)] + [
 ]
 ARM_TORQUE = 200.0  # [N m] stiff servo: the arm follows to 0.05 mm
 ARM_GAIN = 0.3
-# The fingers close slowly and stop as soon as their motors feel the grip force; then they hold that
-# position, as a self-locking gripper does. Squeezing by a force-limited motor instead loses the
-# wire: the solver moves the light link between two heavy fingers too little per step (it takes 200
-# iterations to hold 3 mm wire at 20 N).
+# The fingers close slowly and stop as soon as their motors feel the grip force; then they keep that
+# force by small, slow corrections of their position. Squeezing by a force-limited motor instead
+# loses the wire: the solver moves the light link between two heavy fingers too little per step.
 FINGER_SPEED = 0.10  # [m/s] while nothing is near
 FINGER_TOUCH_SPEED = 0.012  # [m/s] while a wire may be between the pads
 TOUCH_GAP = 0.008  # [m] between the pads: the thickest wire and some
 FINGER_MOTOR_FORCE = 150.0  # [N]
 GRIP_FORCE = 30.0  # [N] per finger at which closing stops; the Panda hand holds 70 N
+# The corrections [m/(N s)]: some 20 mm/s for each millimetre that the pads are pressed in; and how
+# far they may go in all [m], far less than a wire's thickness.
+GRIP_GAIN = 1e-4
+GRIP_CORRECTION_M = 0.0003
 PAD_FRICTION = 1.0
 # A rubber pad touches over a patch; its radius of some 4 mm resists turning about the contact
 # normal [m].
@@ -41,7 +44,12 @@ FORCE_TIME_CONSTANT = 0.008
 
 
 class Robot:
-    """A Panda on its base at the world's origin, pointing its tool down."""
+    """A Panda on its base at the world's origin, pointing its tool down.
+
+    Attributes:
+        body: PyBullet's number of it.
+        grip_force: per finger at which closing stops [N].
+    """
 
     def __init__(self, world: World, start: ToolPose) -> None:
         """Load the arm in a posture, fingers open."""
@@ -51,8 +59,11 @@ class Robot:
             path = Path(folder) / "panda.urdf"
             path.write_text(robot_description())
             self.body = self._bullet.loadURDF(str(path), useFixedBase=True)
+        self.grip_force = GRIP_FORCE
         self._force = np.zeros(3)
         self._opening = self._target = MAX_OPENING
+        self._grips = False
+        self._correction = 0.0
         joints = joints_for(start)
         for joint, angle in zip(ARM_JOINTS, joints, strict=True):
             self._bullet.resetJointState(self.body, joint, angle)
@@ -70,6 +81,7 @@ class Robot:
             )
         self._bullet.enableJointForceTorqueSensor(self.body, WRIST_JOINT, 1)
         self.drive(joints)
+        self._drive_fingers()
         world.add_before_step(self._sense)
 
     def drive(self, joints: Array) -> None:
@@ -92,17 +104,32 @@ class Robot:
         self._target = opening
 
     def _move_fingers(self) -> None:
+        if self._target == self._opening:
+            if self._grips:
+                self._keep_force()
+            return
         closing = self._target < self._opening
-        if closing and self.finger_load >= GRIP_FORCE:
-            self._target = self._opening
+        self._grips = closing and self.finger_load >= self.grip_force
+        if self._grips:
+            self._target, self._correction = self._opening, 0.0
         near = closing and 2 * self._opening < TOUCH_GAP
         step = (FINGER_TOUCH_SPEED if near else FINGER_SPEED) * self._time_step
-        self._opening += float(np.clip(self._target - self._opening, -step, step))
+        self._opening += max(-step, min(step, self._target - self._opening))
+        self._drive_fingers()
+
+    def _keep_force(self) -> None:
+        loads = self._finger_loads()
+        excess = sum(loads) / 2 - self.grip_force
+        correction = self._correction + GRIP_GAIN * excess * self._time_step
+        self._correction = max(-GRIP_CORRECTION_M, min(GRIP_CORRECTION_M, correction))
+        self._drive_fingers()
+
+    def _drive_fingers(self) -> None:
         self._bullet.setJointMotorControlArray(
             self.body,
             FINGER_JOINTS,
             self._bullet.POSITION_CONTROL,
-            targetPositions=[self._opening] * 2,
+            targetPositions=[self._opening + self._correction] * 2,
             forces=[FINGER_MOTOR_FORCE] * 2,
             positionGains=[0.5] * 2,
             velocityGains=[1.0] * 2,
@@ -111,8 +138,10 @@ class Robot:
     @property
     def finger_load(self) -> float:
         """Measured closing force of the weaker finger [N]."""
-        states = self._bullet.getJointStates(self.body, FINGER_JOINTS)
-        return min(-s[3] for s in states)
+        return min(self._finger_loads())
+
+    def _finger_loads(self) -> list[float]:
+        return [-s[3] for s in self._bullet.getJointStates(self.body, FINGER_JOINTS)]
 
     def _sense(self) -> None:
         self._move_fingers()

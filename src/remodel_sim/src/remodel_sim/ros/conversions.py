@@ -21,38 +21,59 @@ from remodel_sim.abilities.detect_cable import CableDetected
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.camera import View
 from remodel_sim.core.codes import Code
-from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.errors import AbilityError, MaterialError, PanelError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.layout import WORLD_FROM_PANEL
 from remodel_sim.core.panel import Channel, Component, Panel, Terminal, Wire
+from remodel_sim.core.wire_materials import PROPERTIES, WireMaterials
 from remodel_sim.physics.truth import WireTruth
 
 WORLD = "world"
 PANEL = "panel"
 
 
-def read_panel(path: Path) -> Panel:
+def read_panel(path: Path, materials: WireMaterials) -> Panel:
     """Read a panel from a YAML file, in the text form of remodel_msgs/Panel itself.
 
     Raises:
         OSError, yaml.YAMLError, genpy.MessageException: when the file is no such text.
+        PanelError: when a wire's material is not known.
     """
     message = PanelMsg()
     fill_message_args(message, [yaml.safe_load(path.read_text())])
-    return panel_from(message)
+    return panel_from(message, materials)
 
 
-def panel_from(message: PanelMsg) -> Panel:
-    """Return the panel of a message."""
+def panel_from(message: PanelMsg, materials: WireMaterials) -> Panel:
+    """Return the panel of a message, its wires' materials completed from the table.
+
+    Raises:
+        PanelError: when a wire's material is not known.
+    """
+    problems, wires = [], []
+    for wire in message.wires:
+        try:
+            wires.append(_wire_from(wire, materials))
+        except MaterialError as error:
+            problems.append(f"wire {wire.id!r}: {error}")
+    if problems:
+        raise PanelError(message.name, tuple(problems))
     return Panel(
         message.name,
         (message.size.x, message.size.y, message.size.z),
         tuple(_component_from(c) for c in message.components),
         tuple(Channel(c.id, c.x, c.width, c.y_min, c.y_max) for c in message.channels),
-        tuple(
-            Wire(*(getattr(w, name) for name in Wire.__dataclass_fields__)) for w in message.wires
-        ),
+        tuple(wires),
     )
+
+
+def _wire_from(message: object, materials: WireMaterials) -> Wire:
+    values = {name: getattr(message, name) for name in Wire.__dataclass_fields__}
+    unsaid = [name for name in PROPERTIES if values[name] == 0]
+    if unsaid:
+        material = materials.find(message.construction, message.section)
+        values.update({name: getattr(material, name) for name in unsaid})
+    return Wire(**values)
 
 
 def _component_from(message: object) -> Component:

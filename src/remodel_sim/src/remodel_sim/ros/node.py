@@ -12,6 +12,8 @@ from genpy import MessageException
 from remodel_sim.cell import Cell
 from remodel_sim.core.errors import CellError
 from remodel_sim.core.panel import End
+from remodel_sim.core.wire_materials import WireMaterials
+from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.ros.abilities import ABILITIES
 from remodel_sim.ros.ability_server import AbilityServer
 from remodel_sim.ros.conversions import read_panel
@@ -30,24 +32,25 @@ def main() -> int:
     rospy.init_node("cell")
     sys.setswitchinterval(SWITCH_INTERVAL_S)
     try:
-        owner = _build()
+        materials = read_wire_materials()
+        owner = _build(materials)
     except (CellError, OSError, ValueError, yaml.YAMLError, MessageException) as error:
         rospy.logfatal("the cell does not start: %s", error)
         return 1
     for ability in ABILITIES:
         AbilityServer(ability, owner)
-    Services(owner)
+    Services(owner, materials)
     rospy.loginfo("the cell is ready")
     owner.spin()
     owner.cell.close()
     return 0
 
 
-def _build() -> Owner:
+def _build(materials: WireMaterials) -> Owner:
     rate_hz = float(rospy.get_param("~rate_hz", 240.0))
     if not RATES_HZ[0] <= rate_hz <= RATES_HZ[1]:
         raise ValueError(f"rate_hz is {rate_hz}; allowed: {RATES_HZ[0]} to {RATES_HZ[1]}")
-    panel = read_panel(Path(rospy.get_param("~panel")))
+    panel = read_panel(Path(rospy.get_param("~panel")), materials)
     clock = SimClock()
     cell = Cell(
         panel,

@@ -11,6 +11,7 @@ from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError, CellError
+from remodel_sim.core.wire_materials import WireMaterials
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import image, panel_from, truth_message
 from remodel_sim.ros.owner import Owner
@@ -24,9 +25,10 @@ MAX_SHIFT_M = 0.1
 class Services:
     """Answers the cell's services, each in the owner's thread between two ticks."""
 
-    def __init__(self, owner: Owner) -> None:
-        """Advertise all of them."""
+    def __init__(self, owner: Owner, materials: WireMaterials) -> None:
+        """Advertise all of them; `materials` completes the wires of panels to come."""
         self._owner = owner
+        self._materials = materials
         for name, kind, answer in (
             ("feed_wire", srv.FeedWire, self._feed_wire),
             ("load_panel", srv.LoadPanel, self._load_panel),
@@ -53,7 +55,7 @@ class Services:
     def _load_panel(self, request: srv.LoadPanelRequest) -> srv.LoadPanelResponse:
         def load() -> None:
             self._require_idle()
-            self._owner.cell.load(panel_from(request.panel))
+            self._owner.cell.load(panel_from(request.panel, self._materials))
 
         return srv.LoadPanelResponse(*self._done(load, f"panel {request.panel.name!r} built"))
 

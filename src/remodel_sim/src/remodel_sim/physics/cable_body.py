@@ -1,0 +1,149 @@
+"""One multibody of a wire: rigid links with spherical joints, driven by elastic torques."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from remodel_sim.core.cable import CableModel, rotation_vectors
+from remodel_sim.core.geometry import Array
+from remodel_sim.core.wire_colours import Rgb
+from remodel_sim.physics.world import MASS_SCALE, World
+
+# Light drag instead of the internal friction of strands [1/s].
+DRAG = 3.0
+# Bullet draws a capsule by its collision hull, which is thicker by this margin.
+HULL_MARGIN_M = 0.001
+IDENTITY = [0.0, 0.0, 0.0, 1.0]
+
+
+class CableBody:
+    """A run of links that fits into one body of PyBullet.
+
+    Attributes:
+        model: of these links alone.
+        body: PyBullet's number of it; its base is the first link.
+    """
+
+    def __init__(self, world: World, model: CableModel, colours: list[Rgb]) -> None:
+        """Make the links, straight; see `place`."""
+        self._bullet = world.bullet
+        self.model = model
+        joints = len(model.spans)
+        self._joints = list(range(joints))
+        self._rest = np.zeros((joints, 3))
+        self._plastic = np.zeros((joints, 2))
+        self.body = self._create(colours)
+        self._set_dynamics()
+        # Bound once: these two are called in every step.
+        self._read_joints = self._bullet.getJointStatesMultiDof
+        self._apply_torques = self._bullet.setJointMotorControlMultiDofArray
+
+    def _create(self, colours: list[Rgb]) -> int:
+        model, bullet = self.model, self._bullet
+        masses = list(model.masses * MASS_SCALE)
+        shapes = [self._shapes(i, colour) for i, colour in enumerate(colours)]
+        half = [[0, 0, length / 2] for length in model.lengths]
+        count = len(self._joints)
+        return bullet.createMultiBody(
+            masses[0],
+            shapes[0][0],
+            shapes[0][1],
+            [0, 0, 0],
+            IDENTITY,
+            linkMasses=masses[1:],
+            linkCollisionShapeIndices=[s[0] for s in shapes[1:]],
+            linkVisualShapeIndices=[s[1] for s in shapes[1:]],
+            linkPositions=[half[0], *([0, 0, length] for length in model.lengths[1:-1])][:count],
+            linkOrientations=[IDENTITY] * count,
+            linkInertialFramePositions=half[1:],
+            linkInertialFrameOrientations=[IDENTITY] * count,
+            linkParentIndices=self._joints,
+            linkJointTypes=[bullet.JOINT_SPHERICAL] * count,
+            linkJointAxis=[[0, 0, 1]] * count,
+            flags=bullet.URDF_USE_SELF_COLLISION | bullet.URDF_USE_SELF_COLLISION_EXCLUDE_PARENT,
+        )
+
+    def _shapes(self, i: int, colour: Rgb) -> tuple[int, int]:
+        # Shapes sit in the link's own frame, which is at its first joint; the base's frame is its
+        # centre.
+        length, radius = self.model.lengths[i], self.model.radius
+        offset = [0, 0, 0] if i == 0 else [0, 0, length / 2]
+        capsule = self._bullet.GEOM_CAPSULE
+        return (
+            self._bullet.createCollisionShape(
+                capsule, radius=radius, height=length, collisionFramePosition=offset
+            ),
+            self._bullet.createVisualShape(
+                capsule,
+                radius=radius - HULL_MARGIN_M,
+                length=length,
+                rgbaColor=[*colour, 1],
+                visualFramePosition=offset,
+            ),
+        )
+
+    def _set_dynamics(self) -> None:
+        for i, inertia in enumerate(self.model.inertias):
+            self._bullet.changeDynamics(
+                self.body,
+                i - 1,
+                linearDamping=DRAG,
+                angularDamping=DRAG,
+                jointDamping=0,
+                localInertiaDiagonal=list(inertia),
+                lateralFriction=self.model.friction,
+                rollingFriction=0,
+                spinningFriction=0,
+                restitution=0,
+            )
+        for joint in self._joints:  # the default motors would hold the joints still
+            self._bullet.setJointMotorControlMultiDof(
+                self.body,
+                joint,
+                self._bullet.POSITION_CONTROL,
+                targetPosition=IDENTITY,
+                positionGain=0,
+                velocityGain=0,
+                force=[0, 0, 0],
+            )
+
+    def bend(self) -> None:
+        """Let the joints yield, and apply their elastic torques for the next step."""
+        states = self._read_joints(self.body, self._joints)
+        bend = rotation_vectors(np.array([s[0] for s in states])) - self._rest
+        rate = np.array([s[1] for s in states])
+        self._plastic = self.model.yielded(bend[:, :2], self._plastic)
+        bend[:, :2] -= self._plastic
+        self._apply_torques(
+            self.body,
+            self._joints,
+            self._bullet.TORQUE_CONTROL,
+            forces=self.model.torques(bend, rate).tolist(),
+        )
+
+    def place(self, position: Array, quaternion: Array, rest: Array) -> None:
+        """Put the links at rest into a shape that they keep, without any set.
+
+        Args:
+            position: (3,) centre of the first link [m], world frame.
+            quaternion: (4,) of the first link, world frame.
+            rest: (n - 1,) angle of each joint about its x axis [rad].
+        """
+        self._plastic[:] = 0.0
+        self._rest[:, 0] = rest
+        self._bullet.resetBasePositionAndOrientation(
+            self.body, position.tolist(), quaternion.tolist()
+        )
+        self._bullet.resetBaseVelocity(self.body, [0, 0, 0], [0, 0, 0])
+        for joint, angle in zip(self._joints, rest, strict=True):
+            turned = self._bullet.getQuaternionFromAxisAngle([1, 0, 0], float(angle))
+            self._bullet.resetJointStateMultiDof(self.body, joint, turned, [0, 0, 0])
+
+    def link_poses(self) -> tuple[Array, Array]:
+        """Return the links' centres (n, 3) [m] and quaternions (n, 4), world frame."""
+        base = self._bullet.getBasePositionAndOrientation(self.body)
+        states = self._bullet.getLinkStates(self.body, self._joints)
+        return (
+            np.array([base[0], *[s[0] for s in states]]),
+            np.array([base[1], *[s[1] for s in states]]),
+        )

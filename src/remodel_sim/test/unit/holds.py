@@ -1,0 +1,100 @@
+"""Experiments on what holds a wire, for tests and benchmarks: the grip, and a terminal's clamp."""
+
+import dataclasses
+import math
+
+import numpy as np
+from panels import component, wire
+
+from remodel_sim.core.arm import ToolPose
+from remodel_sim.core.cable import discretise
+from remodel_sim.core.component_shape import component_boxes
+from remodel_sim.core.geometry import Pose
+from remodel_sim.core.panel import End
+from remodel_sim.physics.cable import Cable
+from remodel_sim.physics.clamps import close_clamp
+from remodel_sim.physics.panel_scene import add_plate_surface, add_static
+from remodel_sim.physics.robot import PAD_FRICTION, Robot
+from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
+
+# A pull grows by this share of what should hold, per second: quasi-static.
+GROWTH_1_S = 0.5
+# How far an end moves since the pull began when it begins to slip, and when it has let go [m].
+BEGAN_M = 0.0003
+SLIPPED_M = 0.002
+PATIENCE_S = 5.0
+GRASP_M = 0.045  # from the tip
+TOOL = ToolPose(0.50, 0.0, 0.10, math.pi / 2)
+
+
+def pull_out(world, cable, end, along, expected):
+    """Pull an end with a growing force until it lets go; return the force it held last [N]."""
+    bullet, link = world.bullet, cable.ferrule(end)
+    start = cable.tip(end)[0] @ along
+    held = 0.0
+    for step in range(math.ceil(PATIENCE_S / world.time_step)):
+        force = GROWTH_1_S * expected * step * world.time_step
+        apex = cable.tip(end)[0]
+        bullet.applyExternalForce(
+            *link, (force * along).tolist(), apex.tolist(), bullet.WORLD_FRAME
+        )
+        world.step()
+        moved = float(cable.tip(end)[0] @ along - start)
+        if moved < BEGAN_M:
+            held = force
+        if moved > SLIPPED_M:
+            return held
+    raise AssertionError(f"{force:.1f} N did not pull the end out")
+
+
+def grip_pull_out(grip_force, friction=0.5, rate_hz=240.0):
+    """Grip a floating wire, pull it along itself.
+
+    Return the force that it took, and Coulomb's [N].
+    """
+    world = World(rate_hz)
+    world.bullet.setGravity(0, 0, 0)
+    robot = Robot(world, TOOL)
+    robot.grip_force = grip_force
+    specimen = wire("W", ("X", "1"), ("Y", "1"), 0.30, friction=friction)
+    cable = Cable(world, discretise(specimen, world.time_step), "BU")
+    # Along y through the hand, whose fingers close along x; end b outside.
+    length = specimen.length
+    tip = np.array([TOOL.x, GRASP_M - length, TOOL.z])
+    cable.lay(tip, math.pi / 2, np.zeros(len(cable.model.spans)))
+    robot.drive_fingers(0.0)
+    for _ in range(round(1.5 * rate_hz)):
+        world.step()
+    both_sides = 2 * PAD_FRICTION * friction
+    along = np.array([0.0, 1.0, 0.0])
+    expected = both_sides * grip_force
+    held = pull_out(world, cable, End.B, along, expected)
+    world.close()
+    return held, expected
+
+
+def clamp_pull_out(retention, rate_hz=240.0):
+    """Close a terminal on an end at the bottom of its bore, pull; return the force it took [N]."""
+    world = World(rate_hz)
+    add_plate_surface(world)
+    block = component("X", 1, 0.0, 0.0, -1, terminals=1)
+    (terminal,) = block.terminals
+    terminal = dataclasses.replace(terminal, retention_force=retention)
+    world_from_component = Pose.level(0.5, 0.0, 0.0)
+    body = add_static(world.bullet, component_boxes(block), world_from_component)
+    world.bullet.changeDynamics(
+        body, -1, lateralFriction=0.3,
+        contactStiffness=CONTACT_STIFFNESS, contactDamping=CONTACT_DAMPING,
+    )  # fmt: skip
+    socket = world_from_component @ terminal.component_from_socket
+    specimen = wire("W", ("X", "1"), ("Y", "1"), 0.30)
+    cable = Cable(world, discretise(specimen, world.time_step), "BU")
+    into = socket.rotation[:, 0]
+    seated = socket.position + (terminal.depth - 2e-4) * into
+    cable.lay(seated, math.atan2(-into[1], -into[0]), np.zeros(len(cable.model.spans)))
+    for _ in range(round(0.5 * rate_hz)):
+        world.step()
+    assert close_clamp(world, cable, terminal, body, socket) is not None
+    held = pull_out(world, cable, End.A, -into, retention)
+    world.close()
+    return held

@@ -1,0 +1,113 @@
+"""Experiments on a wire without ferrules, clamped at one end, for tests and benchmarks."""
+
+import math
+
+import numpy as np
+from elastica import buckling_load
+from panels import wire
+
+from remodel_sim.core.cable import Piece, chain
+from remodel_sim.core.panel import End
+from remodel_sim.physics.cable import Cable
+from remodel_sim.physics.world import GRAVITY, World
+
+LENGTH = 0.30
+STIFFNESS = 1e-3
+CLAMPED = 0.02
+HEIGHT = 1.0
+ELASTIC = 1e6  # a yield curvature that is never reached [1/m]
+# A rod is at rest when no node has moved by more than this in a quarter of a second [m].
+STILL = 2e-7
+PATIENCE_S = 60.0
+
+
+class Rod:
+    """A rod along x, its first link held by the world."""
+
+    def __init__(self, *, cells=24, load=0.0, rate_hz=240.0, cut=None, **properties):
+        """Make a rod of `cells` equal links beyond the clamp; `load` is w L^3 / EI.
+
+        It is cut in the middle of the cell number `cut` and bolted together again.
+        """
+        values = {"yield_curvature": ELASTIC, "bending_stiffness": STIFFNESS, **properties}
+        # Without weight, the lighter the rod the sooner it is at rest.
+        density = load * values["bending_stiffness"] / (GRAVITY * LENGTH**3) if load else 0.001
+        specimen = wire("rod", ("X", "1"), ("Y", "1"), LENGTH, linear_density=density, **values)
+        self.world = World(rate_hz)
+        if not load:
+            self.world.bullet.setGravity(0, 0, 0)
+        cell = LENGTH / cells
+        pieces = [Piece(cell, cell)] * (cells - 1) + [Piece(cell - specimen.radius, cell)]
+        if cut is not None:
+            pieces[cut : cut + 1] = [Piece(cell / 2, cell), Piece(cell / 2, cell, bolted=True)]
+        model = chain(specimen, [Piece(CLAMPED, 0.0), *pieces], self.world.time_step)
+        self.cable = Cable(self.world, model, "BU")
+        start = np.array([-CLAMPED - specimen.radius, 0.0, HEIGHT])
+        self.cable.lay(start, 0.0, np.zeros(len(model.spans)))
+        self._clamp()
+
+    def _clamp(self):
+        bullet, link = self.world.bullet, self.cable.ferrule(End.A)
+        position, quaternion = self.cable.link_pose(link)
+        hold = bullet.createConstraint(
+            *link, -1, -1, bullet.JOINT_FIXED, [0, 0, 0], [0, 0, 0], position.tolist(),
+            [0, 0, 0, 1], quaternion.tolist(),
+        )  # fmt: skip
+        bullet.changeConstraint(hold, maxForce=1e4)
+
+    def settle(self, force=None):
+        """Step until the rod is at rest, under a force at its tip (3,) [N] if one is given."""
+        check = round(0.25 / self.world.time_step)
+        before = self.cable.nodes()
+        for _ in range(math.ceil(PATIENCE_S / 0.25)):
+            for _ in range(check):
+                if force is not None:
+                    self.push(force)
+                self.world.step()
+            now = self.cable.nodes()
+            if np.abs(now - before).max() < STILL:
+                return
+            before = now
+        raise AssertionError(f"the rod is not at rest after {PATIENCE_S} s")
+
+    def push(self, force):
+        """Apply a force (3,) [N] of constant direction at the tip for the next step."""
+        bullet, link = self.world.bullet, self.cable.ferrule(End.B)
+        apex = self.cable.tip(End.B)[0]
+        bullet.applyExternalForce(*link, list(force), apex.tolist(), bullet.WORLD_FRAME)
+
+    @property
+    def drop(self):
+        """How far the tip is below the clamp [m]."""
+        return HEIGHT - float(self.cable.nodes()[-1, 2])
+
+    @property
+    def tip_angle(self):
+        """The angle between the tip's direction and the clamp's [rad]."""
+        out = self.cable.tip(End.B)[1]
+        return math.atan2(math.hypot(out[1], out[2]), out[0])
+
+    def close(self):
+        self.world.close()
+
+
+def sag(load, **options):
+    """Return how far the tip of a rod hangs down whose w L^3 / EI is `load` [m]."""
+    rod = Rod(load=load, **options)
+    rod.settle()
+    drop = rod.drop
+    rod.close()
+    return drop
+
+
+def buckle(ratio, **options):
+    """Return the tip's angle under `ratio` times Euler's load [rad], after a light kick."""
+    rod = Rod(**options)
+    load = ratio * buckling_load(LENGTH, STIFFNESS)
+    for _ in range(round(0.5 / rod.world.time_step)):
+        rod.push((-load, 0.0, 1e-3 * load))
+        rod.world.step()
+    rod.settle((-load, 0.0, 0.0))
+    angle = rod.tip_angle
+    rod.close()
+    return angle

@@ -1,0 +1,13 @@
+import pytest
+from holds import clamp_pull_out, grip_pull_out
+
+
+@pytest.mark.parametrize(("force", "friction"), [(10.0, 0.5), (30.0, 0.5)])
+def test_the_grip_lets_go_where_coulomb_says(force, friction):
+    held, expected = grip_pull_out(force, friction)
+    assert held == pytest.approx(expected, rel=0.15)
+
+
+@pytest.mark.parametrize("retention", [10.0, 80.0])
+def test_a_clamp_lets_go_at_its_retention_force(retention):
+    assert clamp_pull_out(retention) == pytest.approx(retention, rel=0.10)
