@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from remodel_planner.core.cell_order import BEYOND_M, CARRY_HEIGHT_M, USE_CASE, cell_order
+from remodel_planner.core.imports.qet import import_qet
 from remodel_planner.core.panel_layout import PanelRules, lay_out
-from remodel_planner.core.qet import import_qet
 from remodel_planner.core.use_case.planned_tasks import planned_tasks
 from remodel_planner.core.use_case.preparation import prepare
 from remodel_planner.edge.catalogue_file import read_catalogue
@@ -18,7 +18,7 @@ DESIGN = Path("/usr/share/qelectrotech/examples/tableau_domestique.qet")
 
 
 def layout_of(wires):
-    order, _ = import_qet(DESIGN.read_bytes(), "demo", DESIGN.name, CATALOGUE)
+    order = import_qet(DESIGN.read_bytes(), "demo", DESIGN.name, CATALOGUE).order.in_cabinet()
     return lay_out(order.first(wires), CATALOGUE, PanelRules())
 
 

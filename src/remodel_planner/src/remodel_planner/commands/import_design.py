@@ -13,15 +13,15 @@ from remodel_planner.core.board.cabinet import laid_out
 from remodel_planner.core.imports.account import Imported
 from remodel_planner.core.imports.formats import DesignFormat, format_of, import_design
 from remodel_planner.core.order_problem import order_problem
-from remodel_planner.core.planning.preferences import apply_preferences
+from remodel_planner.core.planning.preferences import Preferred, apply_preferences
 from remodel_planner.core.production import Order
 from remodel_planner.edge.ability_files import read_abilities
 from remodel_planner.edge.catalogue_file import read_catalogue
 from remodel_planner.edge.design_files import read_design, read_mappings
 from remodel_planner.edge.package_files import catalogue_file
-from remodel_planner.edge.preferences_file import read_preferences
 from remodel_planner.edge.production_database import ProductionDatabase
-from remodel_planner.errors import DesignError, InstanceError, PlannerError
+from remodel_planner.edge.yaml_file import read_yaml
+from remodel_planner.errors import DesignError, PlannerError, blamed
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -85,11 +85,9 @@ def _preferences(file: Path | None, order: Order) -> object:
     """Return the document of the preferences in a file, which fit the order; None for no file."""
     if file is None:
         return None
-    try:
-        document = read_preferences(file)
-        apply_preferences(order_problem(order), document)
-    except InstanceError as error:
-        raise InstanceError(f"{file}: {error}") from error
+    with blamed(file):
+        document = read_yaml(file)
+        apply_preferences(Preferred(order_problem(order)), document)
     return document
 
 
