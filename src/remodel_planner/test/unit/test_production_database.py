@@ -198,7 +198,7 @@ def test_two_programs_may_open_a_new_database_at_once(url):
     with ThreadPoolExecutor(4) as pool:
         for database in pool.map(ProductionDatabase, [url] * 4):
             database.close()
-    assert rows(url, "SELECT version_num FROM alembic_version") == [("0002",)]
+    assert rows(url, "SELECT version_num FROM alembic_version") == [("0003",)]
 
 
 @pytest.mark.parametrize(

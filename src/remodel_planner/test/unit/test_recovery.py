@@ -6,9 +6,11 @@ from hypothesis import given
 
 from remodel_planner.core.recovery.decide import decide
 from remodel_planner.core.recovery.failure import Failure, Spent
-from remodel_planner.core.recovery.fault import Do, Response
-from remodel_planner.core.recovery.policy import Limits, Policy
+from remodel_planner.core.recovery.fault import Change, Do, Response
+from remodel_planner.core.recovery.history import Recovery
+from remodel_planner.core.recovery.policy import Limits, Policy, policy_from
 from remodel_planner.edge.fault_file import read_faults
+from remodel_planner.errors import UseCaseError
 
 FAULTS = read_faults()
 LITTLE = Spent(task_attempts=1, task_s=10.0, run_failures=1, run_s=100.0)
@@ -50,7 +52,11 @@ def test_what_no_fault_knows_is_none():
 
 
 def test_responses_come_in_order():
-    assert answers("grasp_missed") == [Do.LOOK_AGAIN, Do.LOOK_AGAIN, Do.NEW_PART, Do.SET_ASIDE]
+    assert answers("grasp_missed") == [
+        *[Do.LOOK_AGAIN] * 2,
+        *[Do.NEW_PART] * 2,
+        Do.SET_ASIDE,
+    ]
 
 
 def test_each_fault_is_counted_by_itself():
@@ -60,7 +66,11 @@ def test_each_fault_is_counted_by_itself():
 
 
 def test_without_an_operator_nobody_is_asked():
-    assert answers("server_lost", possible=UNATTENDED) == [Do.RETRY, Do.RETRY, Do.SET_ASIDE]
+    assert answers("server_lost", possible=UNATTENDED) == [
+        *[Do.RETRY] * 2,
+        Do.NEW_PART,
+        Do.SET_ASIDE,
+    ]
     stopping = Policy(unattended=Do.STOP)
     assert answers("server_lost", stopping, UNATTENDED)[-1] is Do.STOP
 
@@ -113,3 +123,27 @@ def test_no_task_is_tried_for_ever(names, possible, attempts):
     assert len(decisions) <= attempts
     assert all(d.do in possible or d.do.is_lasting for d in decisions)
     assert Do.ASK_OPERATOR in possible or decisions[-1].do is not Do.ASK_OPERATOR
+
+
+def test_an_answer_to_no_fault_is_refused():
+    with pytest.raises(UseCaseError, match=r"recovery\.responses\.slip: there is no such fault"):
+        Recovery(FAULTS, Policy({"slip": (Response(Do.STOP),)}))
+
+
+def test_a_use_case_states_its_policy():
+    policy = policy_from(
+        {
+            "limits": {"task_attempts": 2},
+            "unattended": "stop",
+            "responses": {
+                "insufficient_force": [
+                    {"do": "retry_with", "change": {"force_limit": {"by": 2, "at_most": 35}}},
+                    {"do": "ask_operator"},
+                ]
+            },
+        }
+    )
+    assert policy.limits == Limits(task_attempts=2)
+    assert policy.unattended is Do.STOP
+    stated = policy.responses_to(FAULTS["insufficient_force"])
+    assert stated[0].change == (("force_limit", Change(2.0, 35.0)),)

@@ -1,6 +1,7 @@
 """A task that fails is tried again with a new wire, and not for ever."""
 
 import os
+import sqlite3
 from pathlib import Path
 
 import pytest
@@ -9,10 +10,14 @@ from sensor_msgs.msg import Image
 from remodel_planner.core.cell_order import USE_CASE, cell_order
 from remodel_planner.core.panel_layout import PanelRules, lay_out
 from remodel_planner.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
+from remodel_planner.core.recovery.fault import Do, Response
+from remodel_planner.core.recovery.history import Recovery
+from remodel_planner.core.recovery.policy import Policy
 from remodel_planner.core.use_case.planned_tasks import planned_tasks
 from remodel_planner.core.use_case.preparation import prepare
 from remodel_planner.core.use_case.task_chart import content_mark
 from remodel_planner.edge.catalogue_file import read_catalogue
+from remodel_planner.edge.fault_file import read_faults
 from remodel_planner.edge.order_planner import plan_problem
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.use_case_files import find_use_case
@@ -38,6 +43,14 @@ LAYOUT = lay_out(ORDER, CATALOGUE, PanelRules())
 
 PREPARED = prepare(cell_order(LAYOUT), find_use_case(USE_CASE))
 TASKS = tuple(planned_tasks(PREPARED, plan_problem(PREPARED.preferred.problem, 0.0).plan))
+
+
+PLAIN = Policy()
+
+
+def answering(*responses):
+    """Return a policy that answers so to tasks that fail without a reason."""
+    return Policy({"result_contradictory": responses})
 
 
 class FakeCell:
@@ -88,10 +101,14 @@ def run(tmp_path, monkeypatch):
     database = ProductionDatabase(f"sqlite:///{tmp_path}/production.sqlite")
     database.add_order(ORDER)
 
-    def run(*outcomes, stuck_after=-1):
+    def replan(names):
+        return [task for task in TASKS if task.name in names]
+
+    def run(*outcomes, stuck_after=-1, policy=PLAIN):
         FakeSynthesizer.asked = ()
         FakeTasks.outcomes, FakeTasks.ended, FakeTasks.stuck_after = outcomes, [], stuck_after
-        supervisor = use_case_supervisor.UseCaseSupervisor(database, tmp_path)
+        recovery = Recovery(read_faults(), policy)
+        supervisor = use_case_supervisor.UseCaseSupervisor(database, tmp_path, recovery, replan)
         started = database.start_run(ORDER)
         for wire_run in supervisor.run(started, LAYOUT, PanelRules(), TASKS):
             execution = wire_run.execution
@@ -110,9 +127,41 @@ def test_a_failed_task_takes_a_new_wire(run):
 
 
 def test_a_wire_that_cannot_be_placed_is_given_up_and_the_next_one_goes_on(run):
-    runs = list(run(*["failed"] * use_case_supervisor.ATTEMPTS, "finished"))
+    runs = list(run("failed", "failed", "failed", "finished"))
     assert [attempt for _, attempt, _, _ in runs] == [1, 2, 3, 1]
     assert [last for *_, last in runs] == [False, False, True, True]
+
+
+def test_what_its_policy_puts_off_is_done_when_the_rest_is(run):
+    policy = answering(Response(Do.REPLAN), Response(Do.SET_ASIDE))
+    first, second, third = run("failed", "finished", "finished", policy=policy)
+    assert (first[0], first[3]) == (third[0], False)
+    assert second[1:] == (1, True, True)
+    assert third[1:] == (2, True, True)
+
+
+def test_nothing_is_put_off_behind_nothing(run):
+    policy = answering(Response(Do.REPLAN, times=9), Response(Do.SET_ASIDE))
+    runs = list(run("finished", "failed", policy=policy))
+    assert [last for *_, last in runs] == [True, True]
+
+
+def test_its_policy_may_stop_the_run(run):
+    runs = list(run("failed", policy=answering(Response(Do.STOP))))
+    assert len(runs) == 1
+
+
+def test_decisions_are_kept_with_their_reasons(run, tmp_path):
+    list(run("failed", "finished", "finished"))
+    kept = sqlite3.connect(tmp_path / "production.sqlite").execute("SELECT * FROM decisions")
+    (row,) = kept.fetchall()
+    assert row[2:] == (
+        "result_contradictory",
+        5,
+        "the behavior ended failed",
+        "new_part",
+        "answer 1 of 2 to result_contradictory",
+    )
 
 
 def test_a_cell_that_refuses_ends_the_run_after_what_was_done(run):

@@ -5,7 +5,9 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import rospy
@@ -15,11 +17,16 @@ from remodel_planner.commands.database_option import add_database_option
 from remodel_planner.core.cell_order import USE_CASE, cell_order
 from remodel_planner.core.panel_layout import PanelLayout, PanelRules, lay_out
 from remodel_planner.core.production import Order
+from remodel_planner.core.recovery.fault import Do
+from remodel_planner.core.recovery.history import Recovery
 from remodel_planner.core.run import Execution
 from remodel_planner.core.run_report import Report, failure_line
+from remodel_planner.core.use_case.model import UseCase
 from remodel_planner.core.use_case.planned_tasks import PlannedTask, planned_tasks
 from remodel_planner.core.use_case.preparation import prepare
+from remodel_planner.core.use_case.work_order import WorkOrder
 from remodel_planner.edge.catalogue_file import read_catalogue
+from remodel_planner.edge.fault_file import read_faults
 from remodel_planner.edge.order_planner import plan_problem
 from remodel_planner.edge.package_files import catalogue_file
 from remodel_planner.edge.production_database import ProductionDatabase
@@ -31,6 +38,14 @@ from remodel_planner.ros.use_case_supervisor import UseCaseSupervisor, WireRun
 
 # [s] of search for the best order: some wires, against minutes of work.
 _PLANNING_S = 0.5
+
+# What is done about a failed task, told to a person.
+DONE = {
+    Do.NEW_PART: "feeding a new wire",
+    Do.REPLAN: "its turn comes later",
+    Do.SET_ASIDE: "set aside",
+    Do.STOP: "stopping",
+}
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -54,15 +69,19 @@ def main(arguments: list[str] | None = None) -> int:
         database = ProductionDatabase(options.database)
         order = database.order(options.order).in_cabinet().first(options.wires)
         layout = lay_out(order, read_catalogue(catalogue_file()), PanelRules())
-        prepared = prepare(cell_order(layout), find_use_case(USE_CASE))
-        planned = plan_problem(prepared.preferred.problem, _PLANNING_S)
-        tasks = tuple(planned_tasks(prepared, planned.plan))
+        use_case = find_use_case(USE_CASE)
+        recovery = Recovery(read_faults(), use_case.recovery)
+        replan = partial(_planned, cell_order(layout), use_case)
+        tasks = replan([cut.wire.name for cut in layout.wires])
     except PlannerError as error:
         print(f"run_order: {error}", file=sys.stderr)
         return 2
     rospy.init_node("use_case_supervisor")
     try:
-        report = _run(database, order, layout, tasks, options.output)
+        charts = options.output.resolve() / "charts"
+        charts.mkdir(parents=True, exist_ok=True)
+        supervisor = UseCaseSupervisor(database, charts, recovery, replan)
+        report = _run(database, supervisor, order, layout, tasks)
     except PlannerError as error:
         print(f"run_order: {error}", file=sys.stderr)
         return 3
@@ -76,16 +95,23 @@ def main(arguments: list[str] | None = None) -> int:
     return 0 if report.complete else 1
 
 
+def _planned(
+    order: WorkOrder, use_case: UseCase, names: Collection[str]
+) -> tuple[PlannedTask, ...]:
+    """Return the tasks of these names in the best order that is found in a moment."""
+    tasks = tuple(task for task in order.tasks if task.name in names)
+    prepared = prepare(replace(order, tasks=tasks), use_case)
+    planned = plan_problem(prepared.preferred.problem, _PLANNING_S)
+    return tuple(planned_tasks(prepared, planned.plan))
+
+
 def _run(
     database: ProductionDatabase,
+    supervisor: UseCaseSupervisor,
     order: Order,
     layout: PanelLayout,
     tasks: Sequence[PlannedTask],
-    output: Path,
 ) -> Report:
-    charts = output.resolve() / "charts"
-    charts.mkdir(parents=True, exist_ok=True)
-    supervisor = UseCaseSupervisor(database, charts)
     teller = Storyteller()
     stories, stopped, overview = [], "", ()
     print(f"order {order.name}: {len(order.wires)} wires, {len(order.components)} components")
@@ -112,8 +138,8 @@ def _line(wire_run: WireRun) -> str:
     result = "placed" if execution.placed else f"NOT placed ({execution.outcome})"
     if execution.attempt > 1:
         result += f" at attempt {execution.attempt}"
-    if not wire_run.last:
-        result += ", feeding a new wire"
+    if wire_run.decision:
+        result += f", {DONE[wire_run.decision.do]} ({wire_run.decision.because})"
     head = (
         f"{wire.name:>4}  {wire.a!s:>12} to {wire.b!s:<14} {wire.colour} "
         f"{wire.section_mm2:g} mm2  {result}, {_insertions(execution)}, {execution.cell_s:.1f} s"

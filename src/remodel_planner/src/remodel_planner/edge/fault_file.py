@@ -1,4 +1,4 @@
-"""Read the table of faults, and policies that answer otherwise."""
+"""Read the table of faults."""
 
 from __future__ import annotations
 
@@ -9,15 +9,8 @@ from typing import Any
 import yaml
 from rospkg import RosPack
 
-from remodel_planner.core.recovery.fault import (
-    Change,
-    Do,
-    Fault,
-    FaultTable,
-    Level,
-    Response,
-    Severity,
-)
+from remodel_planner.core.recovery.fault import Fault, FaultTable, Level, Severity
+from remodel_planner.core.recovery.policy import response_from
 
 
 def read_faults() -> FaultTable:
@@ -25,15 +18,6 @@ def read_faults() -> FaultTable:
     config = Path(RosPack().get_path("remodel_msgs")) / "config"
     codes = {row["name"]: row["code"] for row in _load(config / "error_codes.yaml")}
     return FaultTable([_fault(row, codes) for row in _load(config / "faults.yaml")])
-
-
-def response_of(row: Mapping[str, Any]) -> Response:
-    """Return a response as the YAML of the table, or of a policy, says it."""
-    change = tuple(
-        (name, Change(float(step["by"]), float(step["at_most"])))
-        for name, step in row.get("change", {}).items()
-    )
-    return Response(Do(row["do"]), row.get("times", 1), change)
 
 
 def _fault(row: Mapping[str, Any], codes: Mapping[str, int]) -> Fault:
@@ -45,7 +29,7 @@ def _fault(row: Mapping[str, Any], codes: Mapping[str, int]) -> Fault:
         Severity(row["severity"]),
         row["symptoms"],
         Level(row["first_level"]),
-        tuple(response_of(response) for response in row["responses"]),
+        tuple(response_from(response) for response in row["responses"]),
     )
 
 

@@ -18,6 +18,7 @@ from sqlalchemy.orm import Session
 
 from remodel_planner.core.ability import Ability, AbilityParameter
 from remodel_planner.core.production import Order
+from remodel_planner.core.recovery.decide import Decision
 from remodel_planner.core.run import Execution, Operation
 from remodel_planner.edge.database_versions import NEWEST, upgrade, version_of
 from remodel_planner.edge.preference_rows import add_preference_rows, preferences_of_rows
@@ -25,6 +26,7 @@ from remodel_planner.edge.production_models import (
     AbilityParameterRow,
     AbilityRecordRow,
     AbilityRow,
+    DecisionRow,
     ExecutionRow,
     OrderRow,
     RunRow,
@@ -126,8 +128,16 @@ class ProductionDatabase:
             session.flush()
             return Run(run.id, order)
 
-    def add_execution(self, run: Run, execution: Execution) -> None:
-        """Store how the execution of one wire's behavior went, and what state its task is in."""
+    def add_execution(
+        self, run: Run, execution: Execution, decision: Decision | None = None
+    ) -> None:
+        """Store how the execution of one wire's behavior went, and what state its task is in.
+
+        Args:
+            run: that it is part of.
+            execution: how it went.
+            decision: what is done about it, if it failed.
+        """
         with self._transaction() as session:
             row = session.get(RunRow, run.id)
             task = session.scalars(
@@ -147,6 +157,7 @@ class ProductionDatabase:
                     started_s=execution.started_s,
                     ended_s=execution.ended_s,
                     operations=[_record_row(operation) for operation in execution.operations],
+                    decision=_decision_row(decision) if decision else None,
                 )
             )
 
@@ -247,4 +258,14 @@ def _record_row(operation: Operation) -> AbilityRecordRow:
         text=operation.text,
         ended_s=operation.ended_s,
         elapsed_s=operation.elapsed_s,
+    )
+
+
+def _decision_row(decision: Decision) -> DecisionRow:
+    return DecisionRow(
+        fault=decision.failure.fault.name,
+        error_code=decision.failure.code,
+        evidence=decision.failure.text,
+        response=decision.do.value,
+        because=decision.because,
     )

@@ -342,6 +342,7 @@ class ExecutionRow(Base):
     started_s = Column(Float, nullable=False, comment="[s] ROS time")
     ended_s = Column(Float, nullable=False, comment="[s] ROS time")
     operations = relationship("AbilityRecordRow", order_by="AbilityRecordRow.id")
+    decision = relationship("DecisionRow", uselist=False)
 
 
 class AbilityRecordRow(Base):
@@ -358,3 +359,17 @@ class AbilityRecordRow(Base):
     text = _text("the result's message, or its error message")
     ended_s = Column(Float, nullable=False, comment="[s] ROS time")
     elapsed_s = Column(Float, nullable=False, comment="[s] ROS time")
+
+
+class DecisionRow(Base):
+    """A decision."""
+
+    __tablename__ = "decisions"
+    __table_args__ = _table("what was done about executions that failed, and why")
+    id = _key()
+    execution_id = _of("executions.id", "that failed")
+    fault = _text("kind of fault, as in remodel_msgs/config/faults.yaml")
+    error_code = Column(Integer, nullable=False, comment="remodel_msgs/ErrorCode that decided it")
+    evidence = _text("what the ability, or the engine, said")
+    response = _text("what was done, as in remodel_msgs/config/faults.yaml")
+    because = _text("the reason, a sentence")

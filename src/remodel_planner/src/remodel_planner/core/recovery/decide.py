@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from remodel_planner.core.recovery.failure import Failure, Spent
-from remodel_planner.core.recovery.fault import Change, Do, Response
+from remodel_planner.core.recovery.fault import Do, Response
 from remodel_planner.core.recovery.policy import Limits, Policy
 
 
@@ -107,11 +107,7 @@ def _changed(response: Response, failure: Failure, done: int) -> tuple[tuple[str
         if name not in values:
             continue
         value = float(values[name])
-        new = _bounded(value + change.by, change)
+        new = min(value + change.by, change.bound)
         if new != value:
             changed.append((name, new))
     return tuple(changed)
-
-
-def _bounded(value: float, change: Change) -> float:
-    return min(value, change.bound) if change.by > 0 else max(value, change.bound)

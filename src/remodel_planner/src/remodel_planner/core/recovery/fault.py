@@ -47,8 +47,8 @@ class Change:
     """How a parameter changes with each try.
 
     Attributes:
-        by: what is added to it.
-        bound: what it never exceeds, or never falls below if `by` is negative.
+        by: what is added to it, > 0.
+        bound: what it never exceeds.
     """
 
     by: float
@@ -110,6 +110,17 @@ class FaultTable:
     def names(self) -> tuple[str, ...]:
         """The names of all faults, in order."""
         return tuple(self._faults)
+
+    def of(self, code: int) -> Fault:
+        """Return the fault that an error code tells of by itself.
+
+        Raises:
+            KeyError: if none does.
+        """
+        fault = self.diagnose([code])
+        if fault is None:
+            raise KeyError(f"no fault has error code {code}")
+        return fault
 
     def diagnose(self, codes: Sequence[int]) -> Fault | None:
         """Return the fault that a task's error codes tell of; None if no fault has the last one.

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
-from remodel_planner.core.recovery.fault import Do, Fault, Response
+from remodel_planner.core.recovery.fault import Change, Do, Fault, Response
 
 
 @dataclass(frozen=True)
@@ -42,3 +43,24 @@ class Policy:
     def responses_to(self, fault: Fault) -> tuple[Response, ...]:
         """Return what to do about a fault, in order."""
         return self.responses.get(fault.name, fault.responses)
+
+
+def policy_from(data: Mapping[str, Any]) -> Policy:
+    """Return the policy of a document's `recovery`, which has the form of the use cases' schema."""
+    return Policy(
+        {
+            fault: tuple(response_from(response) for response in responses)
+            for fault, responses in data.get("responses", {}).items()
+        },
+        Limits(**data.get("limits", {})),
+        Do(data.get("unattended", Do.SET_ASIDE.value)),
+    )
+
+
+def response_from(data: Mapping[str, Any]) -> Response:
+    """Return a response, as the table of faults and the use cases write it."""
+    change = tuple(
+        (name, Change(float(step["by"]), float(step["at_most"])))
+        for name, step in data.get("change", {}).items()
+    )
+    return Response(Do(data["do"]), data.get("times", 1), change)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from remodel_planner.core.condition import Condition, Value, is_number
+from remodel_planner.core.recovery.policy import Policy
 from remodel_planner.core.use_case.expectation import FrozenExpectations
 
 
@@ -165,6 +166,7 @@ class UseCase:
         methods: by the name of the task that they do, in the order in which they are preferred.
         give_up: the action that empties the hand when a task is given up.
         preferences: weights, preferences and requirements, as in a preferences document.
+        recovery: what is done about tasks that fail.
     """
 
     name: str
@@ -181,3 +183,4 @@ class UseCase:
     cell: CellTimes
     give_up: str
     preferences: dict[str, object]
+    recovery: Policy

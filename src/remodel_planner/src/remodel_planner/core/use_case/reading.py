@@ -11,6 +11,7 @@ from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
 from remodel_planner.core.condition import Condition, Test
+from remodel_planner.core.recovery.policy import policy_from
 from remodel_planner.core.use_case.expectation import Frozen, FrozenExpectations
 from remodel_planner.core.use_case.model import (
     Action,
@@ -63,6 +64,7 @@ def use_case_from(data: Json) -> UseCase:
         cell=CellTimes(**data["cell"]),
         give_up=data["give_up"],
         preferences=data.get("preferences", {}),
+        recovery=policy_from(data.get("recovery", {})),
     )
     findings = [*_unknown_names(use_case), *_circles(use_case)]
     if findings:
