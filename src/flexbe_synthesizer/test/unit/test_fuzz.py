@@ -18,6 +18,7 @@ from flexbe_synthesizer.core.render_python import render_python
 from flexbe_synthesizer.core.scxml import ScxmlError, chart_to_scxml
 from flexbe_synthesizer.strategies import charts
 from flexbe_synthesizer.testing import app_complaints
+from flexbe_synthesizer.w3c_scxml import faults
 
 LONGEST_S = 5.0
 BOUNDED = settings(max_examples=120, deadline=None, derandomize=True)
@@ -59,7 +60,7 @@ def holds(library):
                 classes = [n for n in ast.parse(source).body if isinstance(n, ast.ClassDef)]
                 assert len(classes) == 1
                 try:
-                    chart_to_scxml(chart)
+                    assert faults(chart_to_scxml(chart)) == []
                 except ScxmlError as error:
                     assert "rename" in str(error)
         assert all(p.position.line >= 1 and p.position.column >= 1 for p in problems)
