@@ -12,7 +12,7 @@ from flexbe_synthesizer.core.fold import fold
 from flexbe_synthesizer.core.machine_reader import InexpressibleError, read_machine
 from flexbe_synthesizer.edge.atomic_write import write_all
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
-from flexbe_synthesizer.errors import SynthesisError
+from flexbe_synthesizer.errors import OutputError, SynthesisError
 
 FINE, INEXPRESSIBLE, USAGE = 0, 1, 2
 
@@ -24,7 +24,7 @@ def main(arguments: Sequence[str], ros_package_path: str) -> int:
     library, _more = read_library(packages)
     file: Path = options.behavior
     try:
-        machine = read_machine(file.read_text(encoding="utf-8"), str(file), library)
+        machine = read_machine(_read_text(file), str(file), library)
         text = write_chart(fold(machine, str(file)))
         if options.output is None:
             sys.stdout.write(text)
@@ -37,6 +37,13 @@ def main(arguments: Sequence[str], ros_package_path: str) -> int:
         sys.stderr.write(f"chart_from_behavior: {error}\n")
         return USAGE
     return FINE
+
+
+def _read_text(file: Path) -> str:
+    try:
+        return file.read_text(encoding="utf-8-sig")
+    except (OSError, ValueError) as error:
+        raise OutputError(f"{file} cannot be read: {error}") from error
 
 
 def _parser() -> argparse.ArgumentParser:

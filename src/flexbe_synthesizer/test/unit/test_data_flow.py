@@ -270,3 +270,13 @@ def test_a_read_of_another_states_value_is_found_and_nothing_else(drawn):
     problems = check_chart(drawn, LIBRARY, {}).problems
     assert early == reported(problems, Code.READ_BEFORE_WRITE)
     assert foreign - early == reported(problems, Code.OVERWRITTEN_VALUE)
+
+
+def test_a_long_path_is_told_by_its_beginning_and_its_end():
+    nodes = [state(f"A{index}", "Pass", f"A{index + 1}") for index in range(40)]
+    nodes += [state("A40", "Read", "W"), state("W", "Write")]
+    (problem,) = checked(nodes, [("W", "v", "A40", "v")]).problems
+    assert problem.code is Code.READ_BEFORE_WRITE
+    assert "A0 -a-> A1 " in problem.message
+    assert " ... 20 more ... -a-> A31 " in problem.message
+    assert "-a-> A40." in problem.message

@@ -1,5 +1,7 @@
 """A generated behavior is read back as the chart that gives it again, byte for byte."""
 
+import re
+
 import pytest
 
 from flexbe_synthesizer.core.chart_writer import write_chart
@@ -61,6 +63,19 @@ INSERT = "InsertCableState(force_limit_n=20)"
         ("        return _state_machine", "        return None", "does not return a container"),
         ("            # x:1080 y:40", "            print()", "a call of its own"),
         ("class", "clas", "no Python"),
+        ("class", "x = " + "-" * 100_000 + "1\nclass", "nested too deeply"),
+        ("class", "x = " + "+".join("1" * 3000) + "\nclass", "nested too deeply"),
+        ("class", "x = 1\nclass", "a statement of its own: x = 1"),
+        ("        # parameters of", "        self.x = 1 #", "a statement of its own: self.x = 1"),
+        ("            # x:1080 y:40", "            x = 1", "a statement of its own: x = 1"),
+        (
+            "    def create(self)",
+            "    def other(self):\n        pass\n\n    def create(self)",
+            "a method",
+        ),
+        ("add('Locate',", "add('Lo' 'cate' + '',", "the label of a state is no literal"),
+        ("conditions=[", "conditions=['x', ", "a condition that is not"),
+        ("_sm_fix_0,", "_state_machine,", "a container that it lies in itself"),
     ],
 )
 def test_what_a_chart_cannot_say_is_told_with_its_place(old, new, reason, golden, known):
@@ -70,6 +85,14 @@ def test_what_a_chart_cannot_say_is_told_with_its_place(old, new, reason, golden
         fold(read_machine(text.replace(old, new, 1), "a_sm.py", known), "a_sm.py")
     assert reason in str(caught.value)
     assert all(line.startswith("a_sm.py:") for line in caught.value.reasons)
+
+
+def test_transitions_may_be_given_by_position(golden, known):
+    text = text_of(golden, "place_connector")
+    chart = fold(read_machine(text, "a_sm.py", known), "a_sm.py")
+    bare = re.sub(r"\b(transitions|autonomy|remapping)=(?=\{)", "", text)
+    assert bare != text
+    assert fold(read_machine(bare, "a_sm.py", known), "a_sm.py") == chart
 
 
 def test_userdata_of_its_own_becomes_an_input_with_a_default(golden, known):

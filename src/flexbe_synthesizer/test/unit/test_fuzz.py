@@ -1,6 +1,9 @@
 """Whatever arrives: a closed behavior, or errors with lines; never a traceback or a hang."""
 
 import ast
+import cProfile
+import math
+import pstats
 import time
 
 import pytest
@@ -12,12 +15,13 @@ from flexbe_synthesizer.core.codec import read_chart
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart
 from flexbe_synthesizer.core.layout import lay_out
 from flexbe_synthesizer.core.model import Chart as ChartModel
-from flexbe_synthesizer.core.model import Input, Outcome, Param, State, Transition
+from flexbe_synthesizer.core.model import Connection, Input, Outcome, Param, State, Transition
 from flexbe_synthesizer.core.problem import errors_in
 from flexbe_synthesizer.core.render_python import render_python
 from flexbe_synthesizer.core.scxml import ScxmlError, chart_to_scxml
 from flexbe_synthesizer.strategies import charts
 from flexbe_synthesizer.testing import app_complaints
+from flexbe_synthesizer.w3c_scxml import faults
 
 LONGEST_S = 5.0
 BOUNDED = settings(max_examples=120, deadline=None, derandomize=True)
@@ -59,7 +63,7 @@ def holds(library):
                 classes = [n for n in ast.parse(source).body if isinstance(n, ast.ClassDef)]
                 assert len(classes) == 1
                 try:
-                    chart_to_scxml(chart)
+                    assert faults(chart_to_scxml(chart)) == []
                 except ScxmlError as error:
                     assert "rename" in str(error)
         assert all(p.position.line >= 1 and p.position.column >= 1 for p in problems)
@@ -185,6 +189,40 @@ MANY_MISTAKES = {
 @pytest.mark.parametrize("parts", MANY_MISTAKES.values(), ids=MANY_MISTAKES.keys())
 def test_thousands_of_mistakes_are_told_in_time(holds, parts):
     assert len(holds(f"{HEAD}{''.join(parts)}</statemachine>")) >= COUNT / 2 - 1
+
+
+def calls_for(count, library):
+    """Return how many calls it takes to make a behavior of a chart of some states."""
+    nodes, flows = [], []
+    for index in range(count):
+        on = f"S{index + 1}" if index < count - 1 else "finished"
+        if index % 3:
+            exits = (Transition("inserted", on), Transition("failed", "failed"))
+            force = (Param("force_limit_n", 20.0),)
+            nodes.append(State(f"S{index}", "InsertCableState", exits, params=force))
+            flows.append(Connection(f"S{index - index % 3}", "pose", f"S{index}", "pose"))
+        else:
+            exits = (Transition("located", on), Transition("failed", f"S{index}"))
+            exits += (Transition("exhausted", "failed"),)
+            nodes.append(State(f"S{index}", "LocateComponentState", exits, attempts=3))
+    outcomes = (Outcome("finished"), Outcome("failed"))
+    inputs = (Input("component_id"), Input("cable_id"))
+    chart = ChartModel(
+        "A", "S0", outcomes, tuple(nodes), inputs, connections=tuple(flows), file="a.xml"
+    )
+    profile = cProfile.Profile()
+    with profile:
+        checked = check_units([Unit(chart, "big")], library)["a.xml"]
+        machine = compile_chart(checked, "big")
+        render_python(machine, lay_out(machine.root), {})
+    return pstats.Stats(profile).total_calls
+
+
+def test_the_work_grows_no_faster_than_n_log_n(library):
+    calls_for(2, library)  # what is made once
+    small, large = 200, 2000
+    most = large * math.log(large) / (small * math.log(small))
+    assert calls_for(large, library) < most * calls_for(small, library)
 
 
 def test_a_long_chain_of_values_that_are_read_and_written_is_bound(check):

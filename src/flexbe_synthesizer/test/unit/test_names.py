@@ -69,3 +69,15 @@ def test_keys_are_identifiers_that_userdata_can_hold():
     assert names.is_key("pose_2")
     for key in ("2pose", "a b", "class", "_private", ""):
         assert not names.is_key(key)
+
+
+def test_among_thousands_a_name_is_found_that_differs_in_a_letter_or_two():
+    known = names.Vocabulary(f"Insert{n}" for n in range(5000))
+    assert names.misspelt("insrt77", known) == "Insert77"
+    assert names.misspelt("Insert99999", known) is None
+    assert names.allowed("Isnert4321", known).endswith("and 4988 more. Did you mean 'Insert4321'?")
+    assert names.misspelt("x" * 1_000_000, known) is None
+
+
+def test_a_long_name_is_shown_by_its_beginning():
+    assert len(names.allowed("x", ["y" * 10_000])) < 200

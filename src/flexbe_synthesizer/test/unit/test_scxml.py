@@ -9,6 +9,7 @@ from statemachine.io import load
 from flexbe_synthesizer.core.chart_run import run
 from flexbe_synthesizer.core.codec import parse_chart
 from flexbe_synthesizer.core.scxml import NAMESPACE, ScxmlError, chart_to_scxml, scxml_name
+from flexbe_synthesizer.w3c_scxml import faults
 
 CHARTS = ("plain.xml", "place_connector.xml", "wire_task.xml", "two_arms.xml")
 RUNS, MOST_STEPS = 15, 60
@@ -31,14 +32,41 @@ def configuration(machine):
     return {state.id for state in machine.configuration}
 
 
-def test_every_target_exists_and_every_id_stands_once(chart):
-    root = etree.fromstring(chart_to_scxml(chart).encode())
-    ids = root.xpath("//@id[not(parent::*[local-name() = 'send' or local-name() = 'data'])]")
-    assert len(ids) == len(set(ids))
-    assert set(root.xpath("//@target | //@initial")) <= set(ids)
-    events = set(root.xpath("//@event"))
-    assert events
-    assert all(" " not in name for name in (*ids, *events))
+def test_a_chart_is_written_as_w3c_says(chart):
+    assert faults(chart_to_scxml(chart)) == []
+
+
+def test_names_of_our_own_are_taken_from_no_one():
+    text = """<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="visits_C" initial="C">
+      <datamodel><outcome name="done"/></datamodel>
+      <ext:container id="C" initial="timer" ext:attempts="2" ext:timeout_s="1.5">
+        <datamodel><outcome name="attempts"/><outcome name="region"/></datamodel>
+        <state id="timer" type="T"><transition event="done" target="attempts"/></state>
+        <transition event="attempts" target="C"/><transition event="region" target="done"/>
+        <transition event="timed_out" target="done"/><transition event="exhausted" target="done"/>
+      </ext:container></statemachine>"""
+    assert faults(chart_to_scxml(parse_chart(text))) == []
+
+
+@pytest.mark.parametrize(
+    ("good", "bad"),
+    [
+        ('version="1.0" name', 'version="2" name'),
+        ("<final id", "<finale id"),
+        ('target="Fix"', 'target="Fiks"'),
+        ('initial="', 'initial="x'),
+        ('event="', 'event="a..'),
+        (' id="Fix"', ' id="Locate"'),
+        ("</scxml>", "<state id='1'/></scxml>"),
+        ("</scxml>", "x</scxml>"),
+        ("</scxml>", "<transition/></scxml>"),
+    ],
+)
+def test_the_rules_of_w3c_find_what_breaks_them(golden, good, bad):
+    path = golden / "charts" / "place_connector.xml"
+    text = chart_to_scxml(parse_chart(path.read_bytes(), path.name))
+    assert good in text
+    assert faults(text.replace(good, bad, 1)) != []
 
 
 @pytest.mark.parametrize("seed", range(RUNS))

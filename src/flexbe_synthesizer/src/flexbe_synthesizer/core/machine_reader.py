@@ -29,6 +29,8 @@ from flexbe_synthesizer.core.model import Autonomy
 from flexbe_synthesizer.core.signature import BehaviorClass, StateClass
 
 _KINDS = {kind.value: kind for kind in Kind}
+_CONSTRUCTION = ("super(", "self.add_behavior(")
+_ADDED_WITH = ("transitions", "autonomy", "remapping")  # of `add`, after label and state
 _LEVELS = {level.value.capitalize(): level for level in Autonomy}
 
 
@@ -49,11 +51,19 @@ def read_machine(text: str, file: str, library: Library) -> Machine:
     """
     try:
         tree = ast.parse(text)
-    except (SyntaxError, ValueError, RecursionError) as error:
-        raise InexpressibleError((f"{file}: no Python: {error}",)) from error
-    reader = _Reader(file, library, dict(_imports(tree)))
-    machine = reader.machine(tree)
-    reader.refuse_manual_sections(text)
+        reader = _Reader(file, library, dict(_imports(tree)))
+        reader.refuse_manual_sections(text)
+        machine = reader.machine(tree)
+    except SyntaxError as error:
+        raise InexpressibleError(
+            (f"{file}:{error.lineno or 1}: no Python: {error.msg}",)
+        ) from error
+    except ValueError as error:
+        raise InexpressibleError((f"{file}:1: no Python: {error}",)) from error
+    except (RecursionError, MemoryError) as error:
+        raise InexpressibleError(
+            (f"{file}:1: code that is nested too deeply to be read",)
+        ) from error
     if reader.reasons or machine is None:
         raise InexpressibleError(tuple(reader.reasons))
     return machine
@@ -76,10 +86,17 @@ class _Reader:
         self._imports = imports
         self._containers: dict[str, ast.Call] = {}
         self._blocks: dict[str, list[ast.Call]] = {}
+        self._inside: list[str] = []  # variables of the containers around what is being read
+        self._manual_lines: set[int] = set()
         self.reasons: list[str] = []
 
     def _refuse(self, node: ast.AST, reason: str) -> None:
-        self.reasons.append(f"{self._file}:{getattr(node, 'lineno', 1)}: {reason}")
+        line = getattr(node, "lineno", 1)
+        if line not in self._manual_lines:  # which are told as a section
+            self.reasons.append(f"{self._file}:{line}: {reason}")
+
+    def _refuse_statement(self, node: ast.AST) -> None:
+        self._refuse(node, f"a statement of its own: {ast.unparse(node).splitlines()[0]}")
 
     def refuse_manual_sections(self, text: str) -> None:
         try:
@@ -89,6 +106,7 @@ class _Reader:
         for name, content in sections.items():
             if content.strip():
                 line = text[: text.index(f"# [MANUAL_{name}]")].count("\n") + 1
+                self._manual_lines |= set(range(line, line + content.count("\n") + 1))
                 reason = f"code of its own in MANUAL_{name}, which a chart cannot carry"
                 self.reasons.append(f"{self._file}:{line}: {reason}")
 
@@ -96,6 +114,13 @@ class _Reader:
         classes = [c for c in tree.body if isinstance(c, ast.ClassDef)]
         found = next((c for c in classes if [*map(ast.unparse, c.bases)] == ["Behavior"]), None)
         methods = {m.name: m for m in found.body if isinstance(m, ast.FunctionDef)} if found else {}
+        for node in (*tree.body, *(found.body if found else ())):
+            is_layout = isinstance(node, ast.Import | ast.ImportFrom) or _is_text(node)
+            if not is_layout and node is not found and node not in methods.values():
+                self._refuse_statement(node)
+        for method in methods.values():
+            if method.name not in ("__init__", "create"):
+                self._refuse(method, f"a method of its own: {method.name}")
         if found is None or not {"__init__", "create"} <= methods.keys():
             self._refuse(tree, "no class (Behavior) with __init__ and create")
             return None
@@ -103,7 +128,7 @@ class _Reader:
         root, userdata = self._scan(methods["create"])
         if root is None or name is None:
             return None
-        container = self._container(self._containers[root], self._blocks.get(root, []), userdata)
+        container = self._container(root, userdata)
         return Machine(name, "", ast.get_docstring(found) or "", container)
 
     def _name(self, constructor: ast.FunctionDef) -> str | None:
@@ -111,9 +136,11 @@ class _Reader:
         name = None
         for node in constructor.body:
             if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "self.name":
-                name = ast.literal_eval(node.value)
+                name = self._literal(node.value, "self.name")
             elif isinstance(node, ast.Expr) and ast.unparse(node).startswith("self.add_parameter"):
                 self._refuse(node, f"a parameter of the behavior: {ast.unparse(node)}")
+            elif not _is_text(node) and not ast.unparse(node).startswith(_CONSTRUCTION):
+                self._refuse_statement(node)
         if not isinstance(name, str):
             self._refuse(constructor, "no self.name")
             return None
@@ -127,16 +154,19 @@ class _Reader:
             if isinstance(node, ast.Return) and isinstance(node.value, ast.Name):
                 root = node.value.id
             elif isinstance(node, ast.With):
-                calls = [e.value for e in node.body if isinstance(e, ast.Expr)]
-                adds = [c for c in calls if isinstance(c, ast.Call)]
-                self._blocks[ast.unparse(node.items[0].context_expr)] = adds
+                self._blocks[ast.unparse(node.items[0].context_expr)] = adds = []
+                for inner in node.body:
+                    if isinstance(inner, ast.Expr) and isinstance(inner.value, ast.Call):
+                        adds.append(inner.value)
+                    else:
+                        self._refuse_statement(inner)
             elif isinstance(node, ast.Assign) and _is_container(node):
                 self._containers[ast.unparse(node.targets[0])] = _call(node.value)
             elif isinstance(node, ast.Assign) and ".userdata." in ast.unparse(node.targets[0]):
                 key = ast.unparse(node.targets[0]).rpartition(".")[2]
                 userdata.append(Pair(key, self._value(node.value, f"default of '{key}'")))
-            else:
-                self._refuse(node, f"a statement of its own: {ast.unparse(node).splitlines()[0]}")
+            elif not _is_text(node):
+                self._refuse_statement(node)
         if root not in self._containers:
             self._refuse(create, "create does not return a container")
             return None, ()
@@ -152,44 +182,79 @@ class _Reader:
             self._refuse(node, f"{what} is no literal: {ast.unparse(node)}")
             return None
 
-    def _container(
-        self, call: ast.Call, adds: list[ast.Call], userdata: tuple[Pair, ...] = ()
-    ) -> Container:
+    def _literal(self, node: ast.expr, what: str) -> object:
+        """Return the value of a literal; refuse anything else."""
+        try:
+            return ast.literal_eval(node)
+        except (ValueError, TypeError):
+            self._refuse(node, f"{what} is no literal: {ast.unparse(node)}")
+            return None
+
+    def _names(self, node: ast.expr | None, what: str) -> tuple[str, ...]:
+        """Return a list of names."""
+        found = () if node is None else self._literal(node, what)
+        return tuple(map(str, found)) if isinstance(found, list | tuple) else ()
+
+    def _map(self, node: ast.expr | None, what: str) -> dict[str, str]:
+        """Return a dictionary of names."""
+        found = None if node is None else self._literal(node, what)
+        return {str(k): str(v) for k, v in found.items()} if isinstance(found, dict) else {}
+
+    def _conditions(self, node: ast.expr | None) -> Iterator[Condition]:
+        """Yield what a concurrency container ends with."""
+        found = None if node is None else self._literal(node, "conditions")
+        for item in found if isinstance(found, list | tuple) else ():
+            match item:
+                case (outcome, [*pairs]) if all(
+                    isinstance(p, tuple) and len(p) == 2 for p in pairs
+                ):
+                    yield Condition(str(outcome), tuple((str(s), str(o)) for s, o in pairs))
+                case _ if node is not None:
+                    self._refuse(
+                        node, f"a condition that is not (outcome, [(state, outcome)]): {item}"
+                    )
+
+    def _container(self, variable: str, userdata: tuple[Pair, ...] = ()) -> Container:
+        call, adds = self._containers[variable], self._blocks.get(variable, [])
         given = {k.arg: k.value for k in call.keywords}
-
-        def names(key: str) -> tuple[str, ...]:
-            return tuple(ast.literal_eval(given[key])) if key in given else ()
-
-        conditions = ast.literal_eval(given["conditions"]) if "conditions" in given else ()
+        self._inside.append(variable)
+        children = tuple(child for add in adds if (child := self._child(add)) is not None)
+        self._inside.pop()
         return Container(
             _KINDS[ast.unparse(call.func)],
-            names("outcomes"),
-            names("input_keys"),
-            names("output_keys"),
-            tuple(child for add in adds if (child := self._child(add)) is not None),
+            self._names(given.get("outcomes"), "outcomes"),
+            self._names(given.get("input_keys"), "input_keys"),
+            self._names(given.get("output_keys"), "output_keys"),
+            children,
             userdata,
-            tuple(Condition(outcome, tuple(map(tuple, pairs))) for outcome, pairs in conditions),
+            tuple(self._conditions(given.get("conditions"))),
         )
 
     def _child(self, add: ast.Call) -> Child | None:
         if ast.unparse(add.func) != "OperatableStateMachine.add" or len(add.args) < 2:
             self._refuse(add, f"a call of its own: {ast.unparse(add).splitlines()[0]}")
             return None
-        given = {k.arg: k.value for k in add.keywords}
-        label = str(ast.literal_eval(add.args[0]))
+        given: dict[str | None, ast.expr] = dict(zip(_ADDED_WITH, add.args[2:], strict=False))
+        given |= {k.arg: k.value for k in add.keywords}
+        label = self._literal(add.args[0], "the label of a state")
+        if not isinstance(label, str):
+            return None
         content = self._content(add.args[1], label)
         if content is None:
             return None
-        targets: dict[str, str] = ast.literal_eval(given.get("transitions", ast.Dict([], [])))
+        targets = self._map(given.get("transitions"), f"transitions of '{label}'")
         levels = dict(_levels(given.get("autonomy"), isinstance(content, StateUse)))
-        homes: dict[str, str] = ast.literal_eval(given.get("remapping", ast.Dict([], [])))
+        homes = self._map(given.get("remapping"), f"remapping of '{label}'")
         exits = tuple(Exit(o, target, levels.get(o)) for o, target in targets.items())
         return Child(label, content, exits, tuple(homes.items()))
 
     def _content(self, node: ast.expr, label: str) -> StateUse | BehaviorUse | Container | None:
         """Return what a child is."""
+        if isinstance(node, ast.Name) and node.id in self._inside:
+            self._refuse(node, f"'{label}' is a container that it lies in itself")
+            return None
         if isinstance(node, ast.Name) and node.id in self._containers:
-            return self._container(self._containers[node.id], self._blocks.get(node.id, []))
+            return self._container(node.id)
         if not isinstance(node, ast.Call):
             self._refuse(node, f"'{label}' is neither a state, a behavior nor a container")
             return None
@@ -217,10 +282,16 @@ class _Reader:
         listed = given.get("parameters")
         if isinstance(listed, ast.Dict):
             for key, value in zip(listed.keys, listed.values, strict=True):
-                name = str(ast.literal_eval(key or ast.Constant("")))
+                name = str(self._literal(key or ast.Constant(""), "the name of a parameter"))
                 parameters.append(Pair(name, self._value(value, f"'{name}' of '{label}'")))
-        kept = ast.literal_eval(given.get("default_keys", ast.List([])))
-        return BehaviorUse(found[0], tuple(parameters), tuple(kept))
+        kept = self._names(given.get("default_keys"), "default_keys")
+        return BehaviorUse(found[0], tuple(parameters), kept)
+
+
+def _is_text(node: ast.AST) -> bool:
+    """Tell whether a statement is a docstring, or nothing at all."""
+    is_text = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+    return is_text or isinstance(node, ast.Pass)
 
 
 def _is_container(node: ast.Assign) -> bool:
@@ -240,4 +311,4 @@ def _levels(node: ast.expr | None, is_state: bool) -> Iterator[tuple[str, Autono
     for key, value in zip(node.keys, node.values, strict=True):
         word = ast.unparse(value).rpartition(".")[2]
         if key is not None and word in _LEVELS and not (is_state and word == "Off"):
-            yield str(ast.literal_eval(key)), _LEVELS[word]
+            yield str(getattr(key, "value", key)), _LEVELS[word]

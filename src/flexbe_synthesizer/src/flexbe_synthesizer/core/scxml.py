@@ -2,11 +2,11 @@
 
 A state waits for the events `ID.EVENT` of its own path, sent by whoever executes it; the blanks of
 names become `_`. An outcome of the chart is a final state of its name. Attempts are counted in the
-data model (`ecmascript`), by a state `ID.attempts` before the state itself. A timeout sends the
-event `ID.timed_out` after its time. Routes by error code look at `_event.data.error_code`. A
-container is a compound state whose final states raise `ID.OUTCOME`; a concurrency container is a
-parallel state, left as soon as the final states of its regions fulfil a condition. The flow of data
-is FlexBE's and is left out.
+data model (`ecmascript`), by a state `ID._attempts` before the state itself; no name of the
+chart begins with `_`. A timeout sends the event `ID.timed_out` after its time. Routes by
+error code look at `_event.data.error_code`. A container is a compound state whose final states
+raise `ID.OUTCOME`; a concurrency container is a parallel state, left as soon as the final states of
+its regions fulfil a condition. The flow of data is FlexBE's and is left out.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def chart_to_scxml(chart: Chart) -> str:
 
 def _expect_distinct(root: etree._Element) -> None:
     found: set[str] = set()
-    for node_id in root.xpath("//*[not(self::*[local-name() = 'send'])]/@id"):
+    for node_id in root.xpath("//@id"):
         if node_id in found:
             raise ScxmlError(
                 f"two names of the chart become the SCXML id '{node_id}', which has neither blanks "
@@ -102,7 +102,7 @@ def _counts(chart: Chart, prefix: str) -> Iterator[str]:
 def _entry(chart: Chart, prefix: str, target: str) -> str:
     """Return the id of the state that a transition to a node or outcome leads to."""
     is_counted = any(n.id == target and n.attempts is not None for n in chart.nodes)
-    return _id(prefix, target) + ".attempts" * is_counted
+    return _id(prefix, target) + "._attempts" * is_counted
 
 
 def _add_sequence(parent: etree._Element, chart: Chart, prefix: str) -> None:
@@ -124,7 +124,7 @@ def _add_sequence(parent: etree._Element, chart: Chart, prefix: str) -> None:
 def _add_counter(parent: etree._Element, node_id: str, attempts: int, exhausted: str) -> None:
     """Append the state that lets a node be entered a number of times."""
     count = _count(node_id)
-    counter = _add(parent, "state", id=f"{node_id}.attempts")
+    counter = _add(parent, "state", id=f"{node_id}._attempts")
     again = _add(counter, "transition", cond=f"{count} < {attempts}", target=node_id)
     _add(again, "assign", location=count, expr=f"{count} + 1")
     _add(counter, "transition", target=exhausted)
@@ -151,7 +151,7 @@ def _add_node(
             final = _add(element, "final", id=_id(inside, outcome.name))
             _add(_add(final, "onentry"), "raise", event=_id(inside, outcome.name))
     if node.timeout_s is not None and TIMED_OUT in events:
-        timer = f"{node_id}.timer"
+        timer = f"{node_id}._timer"
         event = f"{node_id}.{TIMED_OUT}"
         delay = f"{node.timeout_s}s"
         _add(_add(element, "onentry"), "send", id=timer, event=event, delay=delay)
@@ -163,11 +163,11 @@ def _add_region(
     parent: etree._Element, node: AnyNode, node_id: str, events: Collection[str]
 ) -> None:
     """Append a node of a concurrency container: the node, and a final state for each event."""
-    region = _add(parent, "state", id=f"{node_id}.region", initial=node_id)
+    region = _add(parent, "state", id=f"{node_id}._region", initial=node_id)
     element = _add_node(region, node, node_id, events)
     for event in events:
-        _add(element, "transition", event=f"{node_id}.{event}", target=f"{node_id}.ended.{event}")
-        _add(region, "final", id=f"{node_id}.ended.{event}")
+        _add(element, "transition", event=f"{node_id}.{event}", target=f"{node_id}._ended.{event}")
+        _add(region, "final", id=f"{node_id}._ended.{event}")
 
 
 def _add_exit(
@@ -185,7 +185,7 @@ def _add_exit(
 
 def _holds(condition: Condition, node_id: str) -> str:
     ended = (
-        f"In('{_id(f'{node_id}.', when.state)}.ended.{scxml_name(when.event)}')"
+        f"In('{_id(f'{node_id}.', when.state)}._ended.{scxml_name(when.event)}')"
         for when in condition.all_of
     )
     return " && ".join(ended)

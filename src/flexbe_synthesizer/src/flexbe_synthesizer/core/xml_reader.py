@@ -150,7 +150,7 @@ def _encoding(data: bytes, file: str) -> str:
         return "utf-8-sig"
     name = declared[1].decode().lower()
     if name not in _ENCODINGS:
-        message = f"the encoding {name!r} is not read here; save the file as UTF-8."
+        message = f"the file says that it is in {name!r}, which is not read here; save it as UTF-8."
         raise ChartError([Problem(Position(file, 1, 1), Code.NOT_XML, message)])
     return name
 

@@ -10,11 +10,11 @@ from pathlib import Path
 from flexbe_synthesizer.errors import OutputError
 
 
-def write_all(files: Mapping[Path, str]) -> tuple[Path, ...]:
-    """Write the texts and return the paths whose content changed; others are left alone.
+def write_all(files: Mapping[Path, str | bytes]) -> tuple[Path, ...]:
+    """Write the contents and return the paths whose content changed; others are left alone.
 
-    Each text goes to a file beside its place first; only when all of them lie on the disk are they
-    renamed. If a rename fails, those before it are taken back.
+    Each content goes to a file beside its place first; only when all of them lie on the disk are
+    they renamed. If a rename fails, those before it are taken back.
 
     Raises:
         OutputError: if the files cannot be written; then none is changed.
@@ -22,11 +22,12 @@ def write_all(files: Mapping[Path, str]) -> tuple[Path, ...]:
     before: dict[Path, bytes | None] = {}
     staged: dict[Path, Path] = {}
     try:
-        for path, text in files.items():
+        for path, given in files.items():
+            content = given.encode() if isinstance(given, str) else given
             before[path] = path.read_bytes() if path.exists() else None
-            if before[path] != text.encode():
+            if before[path] != content:
                 path.parent.mkdir(parents=True, exist_ok=True)
-                staged[path] = _stage(path, text.encode())
+                staged[path] = _stage(path, content)
         _rename_all(staged, before)
     except OSError as error:
         raise OutputError(f"nothing was written: {error}") from error

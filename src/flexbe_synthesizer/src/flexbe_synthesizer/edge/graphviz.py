@@ -5,7 +5,8 @@ from __future__ import annotations
 import subprocess
 from pathlib import Path
 
-from flexbe_synthesizer.errors import DrawingError
+from flexbe_synthesizer.edge.atomic_write import write_all
+from flexbe_synthesizer.errors import DrawingError, OutputError
 
 FORMATS = (".svg", ".png")
 _TIMEOUT_S = 60.0  # a chart of a thousand states takes about ten seconds
@@ -43,8 +44,6 @@ def render_dot(dot: str, path: Path) -> None:
         DrawingError: if the suffix is no format, Graphviz fails, or the file can't be written.
     """
     try:
-        picture = dot_picture(dot, path.suffix)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(picture)
-    except (DrawingError, OSError) as error:
+        write_all({path: dot_picture(dot, path.suffix)})
+    except (DrawingError, OutputError) as error:
         raise DrawingError(f"{path} could not be drawn: {error}") from error
