@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis clean
+.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-vision clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -54,6 +54,9 @@ bench-planner: build build/bench-venv/.ready ## Measure the planner beside GTPyh
 
 bench-synthesis: build ## Time of the synthesis by size of the chart, beside that of lxml and the schema alone
 	@$(SOURCED) benchmarks/synthesis/sizes.py
+
+bench-vision: build ## Measure the detection of cables on rendered scenes, against its targets (BENCH=--scenes 50)
+	@$(SOURCED) benchmarks/vision/run.py $(BENCH)
 
 build/bench-venv/.ready: requirements-bench.txt | build
 	@/usr/bin/python3 -m venv build/bench-venv
