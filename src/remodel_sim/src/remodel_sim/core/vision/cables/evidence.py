@@ -82,7 +82,7 @@ def weigh(refined: Refined, spread: float) -> Evidence:
 
 
 def _of_one_hue(colours: Pixels, contrast: Pixels) -> float:
-    """Return how far colours (n, 3) are shades of their median, by contrast (n,), and at the ends."""
+    """Return how far colours (n, 3) are shades of their median: all along, and at the ends."""
     own = median_colour(colours)
     shade = np.clip(colours @ own / max(float(own @ own), 1.0), *SHADES)
     same = length(colours - shade[:, None] * own) < OTHER_HUE * median(contrast)

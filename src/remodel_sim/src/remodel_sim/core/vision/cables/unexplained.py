@@ -51,4 +51,4 @@ def _wipe(mask: Pixels, line: Pixels, width: float) -> None:
     stop = line[-1] + (line[-1] - line[-3]) / 2
     fixed = np.rint(np.vstack([start, line, stop]) * 16).astype(np.int32)
     thickness = round(RIM_WIDTHS * width + RIM_PX)
-    cv2.polylines(mask, [fixed], False, 0, thickness, cv2.LINE_8, 4)
+    cv2.polylines(mask, [fixed], False, (0,), thickness, cv2.LINE_8, 4)
