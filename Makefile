@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-sim clean
+.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-sim bench-vision clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -58,6 +58,9 @@ bench-synthesis: build ## Time of the synthesis by size of the chart, beside tha
 
 bench-sim: build build/bench-venv/.ready ## Measure the simulated wire against theory, beside MuJoCo; figures in out/bench/sim.jsonl
 	@$(SOURCED) benchmarks/sim/run.py --mujoco build/bench-venv/bin/python
+
+bench-vision: build ## Measure the detection of cables on rendered scenes, against its targets (BENCH=--scenes 50)
+	@$(SOURCED) benchmarks/vision/run.py $(BENCH)
 
 build/bench-venv/.ready: requirements-bench.txt | build
 	@/usr/bin/python3 -m venv build/bench-venv

@@ -24,6 +24,7 @@ from remodel_sim.core.vision.cables.polyline import arc_lengths
 from remodel_sim.core.vision.cables.refining import Refined, refine
 from remodel_sim.core.vision.cables.robust import median_colour
 from remodel_sim.core.vision.cables.spline import fit
+from remodel_sim.core.vision.cables.unexplained import unexplained
 
 # The foreground is found in a picture of about so many columns; in the finer one where cables are
 # this thin in the first [px].
@@ -90,7 +91,8 @@ def _detect(rgb: Pixels, scale: int, small: Pixels, foreground: Foreground) -> D
         cable = _cable(rgb, line, evidence.total * joined)
         cables.append(replace(cable, tips=_not_over(foreground.things, cable, scale)))
     cables.sort(key=lambda c: -len(c.centreline))
-    return Detection(tuple(cables), find_crossings(rgb, cables), tuple(_doubts(cables)))
+    doubts = [*_doubts(cables), *unexplained(foreground, cables, scale)]
+    return Detection(tuple(cables), find_crossings(rgb, cables), tuple(doubts))
 
 
 def _not_over(things: Pixels, cable: Cable, scale: int) -> tuple[Tip, Tip]:

@@ -10,10 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from remodel_sim.core.vision.cables.pixels import Pixels
 from remodel_sim.core.vision.cables.polyline import arc_lengths
 from remodel_sim.core.vision.cables.refining import Refined
 from remodel_sim.core.vision.cables.ribs import length
-from remodel_sim.core.vision.cables.robust import median
+from remodel_sim.core.vision.cables.robust import median, median_colour
 
 # From where a factor is 0 to where it is 1.
 CONTRAST_SPREADS = (2.5, 5.0)  # at the edges, in spreads of the table
@@ -22,6 +23,12 @@ EDGES = (0.40, 0.65)  # share of the edges that are found and agree
 RIDGE = (0.30, 0.65)  # share of the ribs whose two sides are alike, and unlike the cable
 LENGTH_WIDTHS = (5.0, 9.0)
 UNEVEN = (0.20, 0.10)  # spread of the width
+ONE_HUE = (0.75, 0.92)  # share of the ribs that show a shade of the cable's colour
+END_HUE = (0.2, 0.6)  # the same over so many ribs at either end
+END_RIBS = 10
+SHADES = (0.4, 2.0)
+# Another hue is this far from the shades of the cable's, as a share of its contrast.
+OTHER_HUE = 0.5
 # Two sides are alike when they differ by less than this share of the cable's contrast.
 ALIKE = 0.7
 
@@ -36,6 +43,7 @@ class Evidence:
         ridge: two sides alike, and unlike the cable.
         length: for a cable of its width.
         even: how little the width varies.
+        hue: how far its colour is the same all along.
         levels: the contrast itself [grey levels].
     """
 
@@ -44,12 +52,13 @@ class Evidence:
     ridge: float
     length: float
     even: float
+    hue: float
     levels: float
 
     @property
     def total(self) -> float:
         """All factors together."""
-        return self.contrast * self.edges * self.ridge * self.length * self.even
+        return self.contrast * self.edges * self.ridge * self.length * self.even * self.hue
 
 
 def weigh(refined: Refined, spread: float) -> Evidence:
@@ -67,8 +76,18 @@ def weigh(refined: Refined, spread: float) -> Evidence:
         ramp(float(alike.mean()), RIDGE),
         ramp(long, LENGTH_WIDTHS),
         ramp(refined.spread, UNEVEN),
+        _of_one_hue(ribs.middle, contrast),
         usual,
     )
+
+
+def _of_one_hue(colours: Pixels, contrast: Pixels) -> float:
+    """Return how far colours (n, 3) are shades of their median: all along, and at the ends."""
+    own = median_colour(colours)
+    shade = np.clip(colours @ own / max(float(own @ own), 1.0), *SHADES)
+    same = length(colours - shade[:, None] * own) < OTHER_HUE * median(contrast)
+    ends = min(float(same[:END_RIBS].mean()), float(same[-END_RIBS:].mean()))
+    return min(ramp(float(same.mean()), ONE_HUE), ramp(ends, END_HUE))
 
 
 def ramp(value: float, limits: tuple[float, float]) -> float:

@@ -26,14 +26,14 @@ TABLE_WINDOW = 25
 DEVIATIONS = 4.5
 FLOOR = 2.5
 # The darkest shadow, as a share of the table's light.
-DARKEST_SHADOW = 0.8
+DARKEST_SHADOW = 0.6
 # A cable is at most this thick, in half widths of the thin things in the picture.
 THICK_HALF_WIDTHS = 2.3
 THICK_AREA_HALF_WIDTHS = 30.0
 # What is dim and lies beside a cable is its shadow; a dim strip of its own is a dark cable: in a
 # window of so many pixels, less than this share of it is no shadow.
 CORE_WINDOW = 15
-CORE_SHARE = 0.5
+CORE_SHARE = 0.40
 
 
 @dataclass(frozen=True, eq=False)

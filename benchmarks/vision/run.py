@@ -1,0 +1,196 @@
+#!/usr/bin/env python3
+# ruff: noqa: T201 - a benchmark prints
+"""Measure the detection of cables on rendered scenes, against its targets.
+
+A pixel is 1 mm on the table. Prints a table and writes lines of JSON to out/bench/vision.jsonl.
+
+Usage: run.py [--scenes N] [--seed FIRST] [--processes N]
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import json
+import math
+import multiprocessing
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+from scenes import Kind, make_scene
+from scoring import Score, score
+
+from remodel_sim.core.vision.cables import detect_cables
+
+OUT = Path(__file__).parents[2] / "out" / "bench" / "vision.jsonl"
+COUNTS = (1, 2, 3, 4, 5)
+# What is made worse, one at a time, and by how much.
+SWEEP: dict[str, dict[str, float]] = {
+    "exposure 0.25": {"exposure": 0.25},
+    "exposure 0.5": {"exposure": 0.5},
+    "exposure 1.6": {"exposure": 1.6},
+    "exposure 2.5": {"exposure": 2.5},
+    "blur 1.5 px": {"blur": 1.5},
+    "blur 2.5 px": {"blur": 2.5},
+    "blur 4 px": {"blur": 4.0},
+    "noise 10": {"noise": 10.0},
+    "noise 20": {"noise": 20.0},
+    "light at 25 degrees": {"elevation": math.radians(25), "shadow": 0.6},
+    "highlights": {"specular": 1.0},
+    "lit from one side": {"falloff": 1.0},
+}
+CLUTTER = (2, 5)
+
+
+@dataclass(frozen=True)
+class Row:
+    """A figure, and what it is to be at least or at most; neither for a figure to know."""
+
+    what: str
+    value: float
+    unit: str = ""
+    at_least: float | None = None
+    at_most: float | None = None
+
+    @property
+    def verdict(self) -> str:
+        """Whether the target is met."""
+        if self.at_least is None and self.at_most is None:
+            return ""
+        low = self.at_least is None or self.value >= self.at_least
+        high = self.at_most is None or self.value <= self.at_most
+        return "met" if low and high else "MISSED"
+
+
+@dataclass(frozen=True)
+class Task:
+    """A scene to score."""
+
+    kind: Kind
+    seed: int
+    light: tuple[tuple[str, float], ...] = ()
+
+
+def run(task: Task) -> Score:
+    """Render a scene, look at it, and score the answer."""
+    cv2.setNumThreads(1)
+    scene = make_scene(task.kind, task.seed, **dict(task.light))
+    return score(scene, detect_cables(scene.rendered.rgb))
+
+
+def accuracy(group: str, scores: list[Score], least_count: float) -> list[Row]:
+    """Return the figures of scenes in ordinary light."""
+    lines = [e for s in scores for e in s.centreline]
+    tips = [e for s in scores for e in s.tips]
+    dice = [d for s in scores for d in s.dice]
+    upper = [u for s in scores for u in s.upper_right]
+    crossings = len(upper) + sum(s.crossings_missed for s in scores)
+    return [
+        Row(f"{group}: right number", _percent(s.count_right for s in scores), "%", least_count),
+        Row(f"{group}: centreline error, mean", _mean(lines), "px", at_most=0.2),
+        Row(f"{group}: tip error, median", float(np.median(tips)), "mm", at_most=0.5),
+        Row(f"{group}: tip error, p90", float(np.quantile(tips, 0.9)), "mm", at_most=1.0),
+        Row(f"{group}: Dice over instances, mean", _mean(dice), "", 0.985),
+        Row(f"{group}: crossings found", 100 * len(upper) / max(1, crossings), "%"),
+        Row(f"{group}: upper strand right", _percent(upper), "%"),
+        Row(f"{group}: all right", _percent(s.right for s in scores), "%"),
+        Row(f"{group}: doubted though right", _percent(s.right and s.doubted for s in scores), "%"),
+        Row(f"{group}: wrong without a doubt", _percent(map(_silent, scores)), "%", at_most=1.0),
+    ]
+
+
+def honesty(group: str, scores: list[Score]) -> Row:
+    """Return how many scenes under a condition were found or refused, with how many were found."""
+    right = _percent(s.right for s in scores)
+    return Row(
+        f"{group}: found or refused (found {right:.0f} %)",
+        100 - _percent(map(_silent, scores)),
+        "%",
+        at_least=99.0,
+    )
+
+
+def _silent(scored: Score) -> bool:
+    return not scored.right and not scored.doubted
+
+
+def _mean(values: list[float]) -> float:
+    return float(np.mean(values)) if values else math.nan
+
+
+def _percent(flags: object) -> float:
+    return 100 * _mean([float(flag) for flag in flags])
+
+
+def times(seed: int, scenes: int) -> list[Row]:
+    """Return the time per frame with one and two threads: medians of each frame's best of five."""
+    frames = [
+        make_scene(Kind(COUNTS[i % 5], i % 2 == 1), seed + i).rendered.rgb for i in range(scenes)
+    ]
+    rows = []
+    for threads in (1, 2):
+        cv2.setNumThreads(threads)
+        best = [min(_time(lambda f=frame: detect_cables(f)) for _ in range(5)) for frame in frames]
+        label = f"time per frame, {threads} thread" + "s" * (threads > 1)
+        target = 8.0 if threads == 1 else None
+        rows.append(Row(f"{label}, median", 1e3 * float(np.median(best)), "ms", at_most=target))
+        rows.append(Row(f"{label}, p90", 1e3 * float(np.quantile(best, 0.9)), "ms"))
+    return rows
+
+
+def _time(work: Callable[[], object]) -> float:
+    start = time.perf_counter()
+    work()
+    return time.perf_counter() - start
+
+
+def tell(row: Row) -> None:
+    """Print a line of the table and add a line to the file."""
+    target = f">= {row.at_least:g}" if row.at_least is not None else ""
+    target = f"<= {row.at_most:g}" if row.at_most is not None else target
+    print(f"{row.what:<62}{row.value:>9.3f} {row.unit:<3} {target:>9} {row.verdict}", flush=True)
+    with OUT.open("a", encoding="utf-8") as lines:
+        lines.write(json.dumps(asdict(row)) + "\n")
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--scenes", type=int, default=200, help="per group; a fifth per condition")
+    parser.add_argument("--seed", type=int, default=5000, help="of the first scene")
+    parser.add_argument("--processes", type=int, default=2)
+    options = parser.parse_args()
+    OUT.parent.mkdir(parents=True, exist_ok=True)
+    OUT.unlink(missing_ok=True)
+    first, few = options.seed, max(5, options.scenes // 5)
+    for row in times(first, 30):
+        tell(row)
+    with multiprocessing.Pool(options.processes) as pool:
+        for same, group, least in ((False, "colours", 99.0), (True, "one colour", 97.0)):
+            tasks = [Task(Kind(COUNTS[i % 5], same), first + i) for i in range(options.scenes)]
+            for row in accuracy(group, pool.map(run, tasks, chunksize=4), least):
+                tell(row)
+        everything: list[Score] = []
+        kinds = [Kind(count, same) for count, same in itertools.product(COUNTS, (False, True))]
+        for name, light in SWEEP.items():
+            condition = tuple(light.items())
+            tasks = [Task(kinds[i % 10], first + i, condition) for i in range(few)]
+            scores = pool.map(run, tasks, chunksize=4)
+            everything += scores
+            tell(honesty(name, scores))
+        for pieces in CLUTTER:
+            tasks = [
+                Task(Kind(COUNTS[i % 5], i % 2 == 1, clutter=pieces), first + i) for i in range(few)
+            ]
+            scores = pool.map(run, tasks, chunksize=4)
+            everything += scores
+            tell(honesty(f"{pieces} things on the table", scores))
+        tell(honesty("all conditions", everything))
+
+
+if __name__ == "__main__":
+    main()
