@@ -207,7 +207,10 @@ def test_malformed_use_cases_are_refused_with_the_place(tmp_path, change, messag
         (("pressure_kpa: 40", "pressure: 40"), "task H2: no characteristic pressure; the use case"),
         (('b: "pump:in"', 'b: "pump:up"'), "task H3, end b: no terminal pump:up"),
         (("comp: filter, x: 400", "comp: sieve, x: 400"), "filter:in: component sieve is missing"),
-        (("id: filter,", "id: pump,"), "components[1].id: expected a name of its own, found 'pump'"),
+        (
+            ("id: filter,", "id: pump,"),
+            "components[1].id: expected a name of its own, found 'pump'",
+        ),
         (("slot: [260, -150]", "slot: 3"), r"tasks[2].slot: expected two integers"),
         (("ways: [{path: [[580, 100]", "ways: [{path: [[1]"), r"tasks[2].ways[0].path.0: expected"),
         (("slot: [260, -150]", "meeting: [1, 1]\n    slot: [0, 0]"), "no method for hand_over"),

@@ -117,6 +117,7 @@ def _action(name: str, item: Json) -> Action:
         inputs=tuple(item.get("inputs", {}).items()),
         params=tuple(item.get("params", {}).items()),
         attempts=item.get("attempts", 1),
+        recover=item.get("recover", ""),
         on_failure=item.get("on_failure", ""),
     )
 
@@ -161,9 +162,8 @@ def _unknown_names(use_case: UseCase) -> Iterator[str]:
             f"{where}.reveals", [f for f, _ in action.reveals], facts, "unknown fact"
         )
         yield from _missing(f"{where}.forgets", action.forgets, facts, "unknown fact")
-        yield from _missing(
-            f"{where}.on_failure", filter(None, [action.on_failure]), actions, "action"
-        )
+        for key, named in (("recover", action.recover), ("on_failure", action.on_failure)):
+            yield from _missing(f"{where}.{key}", [named] if named else [], actions, "action")
     for task, methods in use_case.methods.items():
         if task in actions:
             yield f"methods.{task}: an action has this name too"
