@@ -192,6 +192,35 @@ def test_malformed_use_cases_are_refused_with_the_place(tmp_path, change, messag
     assert message in str(caught.value)
 
 
+LOOKING = """
+unknown: {near: {of: task, look: look_near}, far: {of: task, look: look_far}}
+actions:
+  look_near: {title: Near, state: S, done: d, abilities: [PickCable], reveals: [near], FORGETS}
+  look_far: {title: Far, state: S, done: d, abilities: [PickCable], reveals: [far], forgets: [near]}
+"""
+
+
+@pytest.mark.parametrize(
+    ("needs", "forgets", "message"),
+    [
+        ("[near, far]", "forgets: [far]", "take is never ready: looking at near undoes far undoes"),
+        (
+            "{near: key}",
+            "forgets: []",
+            "actions.look_near.reveals: name the output that tells near",
+        ),
+        ("[near, far]", "needs: [near]", "decomposition without end: look_near needs look_near"),
+    ],
+)
+def test_looking_that_leads_nowhere_is_refused(tmp_path, needs, forgets, message):
+    file = tmp_path / "ropes.yaml"
+    text = MINIMAL.replace("grasps: true", f"needs: {needs}")
+    file.write_text(text.replace("actions:", LOOKING.replace("FORGETS", forgets).strip()))
+    with pytest.raises(UseCaseError) as caught:
+        read_use_case(file)
+    assert message in str(caught.value)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

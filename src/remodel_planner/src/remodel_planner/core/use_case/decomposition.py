@@ -186,7 +186,6 @@ class Decomposer:
         self._components = components
         self._component_of = component_of
         self._expectations = expectations or use_case.expectations
-        self._limits = Limits()
 
     def decompose(
         self, task: Task, first: End, limits: Limits | None = None, *, hands_over: bool = False

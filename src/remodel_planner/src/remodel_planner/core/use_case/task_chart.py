@@ -64,7 +64,7 @@ def task_chart(
         arms: the arm that begins, and the one that takes over, if one does.
 
     Raises:
-        UseCaseError: if an action refers to a value that the task does not have.
+        UseCaseError: if an action refers to a value that the task does not have, or there is none.
     """
     chart = _Charting(use_case, decomposition, component_of, arms).chart()
     digest = hashlib.sha256(write_chart(chart).encode()).hexdigest()[:_HASH_DIGITS]
@@ -104,6 +104,8 @@ class _Charting:
         self._recoveries: list[State | Behavior] = []
 
     def chart(self) -> Chart:
+        if not self._placed:
+            raise UseCaseError(f"task {self._task.name}: there is nothing to do in it")
         nodes = [self._node(index) for index in range(len(self._placed))]
         nodes += self._recoveries
         if any(placed.step.action.grasps for placed in self._placed):
