@@ -234,7 +234,10 @@ def test_broken_wishes_are_explained(problem):
     assert f"`against the design`: {under.after} should be picked before {under.before}" in lines
     assert f"cannot be kept: {chain}" in lines
     assert "would save 1" in lines
-    assert "would cost 0 more in all" in lines
+    assert "costs the same in all" in lines
+    assert "would cost 1 more in all" in lines
+    picks = [a.wire for a in plan.actions if a.kind is ActionKind.PICK]
+    assert f"order: {' '.join(picks)}\nof 29 neighbours in it, order constraints hold " in lines
     assert "`left`: " in lines
 
 

@@ -192,6 +192,35 @@ def test_malformed_use_cases_are_refused_with_the_place(tmp_path, change, messag
     assert message in str(caught.value)
 
 
+LOOKING = """
+unknown: {near: {of: task, look: look_near}, far: {of: task, look: look_far}}
+actions:
+  look_near: {title: Near, state: S, done: d, abilities: [PickCable], reveals: [near], FORGETS}
+  look_far: {title: Far, state: S, done: d, abilities: [PickCable], reveals: [far], forgets: [near]}
+"""
+
+
+@pytest.mark.parametrize(
+    ("needs", "forgets", "message"),
+    [
+        ("[near, far]", "forgets: [far]", "take is never ready: looking at near undoes far undoes"),
+        (
+            "{near: key}",
+            "forgets: []",
+            "actions.look_near.reveals: name the output that tells near",
+        ),
+        ("[near, far]", "needs: [near]", "decomposition without end: look_near needs look_near"),
+    ],
+)
+def test_looking_that_leads_nowhere_is_refused(tmp_path, needs, forgets, message):
+    file = tmp_path / "ropes.yaml"
+    text = MINIMAL.replace("grasps: true", f"needs: {needs}")
+    file.write_text(text.replace("actions:", LOOKING.replace("FORGETS", forgets).strip()))
+    with pytest.raises(UseCaseError) as caught:
+        read_use_case(file)
+    assert message in str(caught.value)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -207,6 +236,10 @@ def test_malformed_use_cases_are_refused_with_the_place(tmp_path, change, messag
         (("pressure_kpa: 40", "pressure: 40"), "task H2: no characteristic pressure; the use case"),
         (('b: "pump:in"', 'b: "pump:up"'), "task H3, end b: no terminal pump:up"),
         (("comp: filter, x: 400", "comp: sieve, x: 400"), "filter:in: component sieve is missing"),
+        (
+            ("id: filter,", "id: pump,"),
+            "components[1].id: expected a name of its own, found 'pump'",
+        ),
         (("slot: [260, -150]", "slot: 3"), r"tasks[2].slot: expected two integers"),
         (("ways: [{path: [[580, 100]", "ways: [{path: [[1]"), r"tasks[2].ways[0].path.0: expected"),
         (("slot: [260, -150]", "meeting: [1, 1]\n    slot: [0, 0]"), "no method for hand_over"),

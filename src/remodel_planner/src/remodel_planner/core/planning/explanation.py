@@ -2,7 +2,8 @@
 
 For each wish that the plan breaks, the plan is simulated again with the one wire moved right before
 the other, or done by the arm that was asked for: what it costs more is the reason for which the
-wish was not kept. A wish that the order constraints forbid is told with the constraints.
+wish was not kept. A wish that the order constraints forbid is told with the constraints. So is the
+order: by what exchanging two neighbours would cost.
 """
 
 from __future__ import annotations
@@ -19,8 +20,10 @@ from remodel_planner.core.planning.preferences import Preferred
 from remodel_planner.core.planning.problem import ActionKind, Plan, Problem, Wish
 
 _TICKS_PER_S = 10
-# Of one preference, so many broken pairs are told one by one.
+# Of one preference, so many broken pairs are told one by one; of all exchanges, the nearest ones.
 _TOLD = 3
+# Exchanges are simulated one by one; of a large panel, those of the first wires.
+_EXAMINED = 200
 _PENALTIES = {
     "tool": "changes of tool",
     "heavy": "heavy wires picked after a light one",
@@ -85,12 +88,33 @@ def explain(preferred: Preferred, plan: Plan, verdict: Verdict, mender: Mender) 
             yield f"  {paid}: {paid // weights[name]} {what}, {weights[name]} each"
     if verdict.penalties["soft"]:
         yield f"  {verdict.penalties['soft']}: wishes broken, of {len(problem.wishes)}"
+    yield from _tell_order(problem, plan, mender)
     for reason, wires in _by_reason(preferred.detours).items():
         yield f"kept: `{reason}`: {', '.join(wires)} take another way"
     yield from _tell_arms(preferred, plan, mender)
     by_reason = sorted(broken_wishes(problem, plan), key=lambda item: item.wish.reason)
     for reason, group in itertools.groupby(by_reason, lambda item: item.wish.reason):
         yield from _tell_group(reason, list(group), problem, mender)
+
+
+def _tell_order(problem: Problem, plan: Plan, mender: Mender) -> Iterator[str]:
+    """Tell the order of the picks, and what the nearest other orders would cost."""
+    picks = [str(action.wire) for action in plan.actions if action.kind is ActionKind.PICK]
+    yield f"order: {' '.join(picks)}"
+    neighbours = list(itertools.pairwise(picks))[:_EXAMINED]
+    bound = set(wire_order(problem))
+    free = [pair for pair in neighbours if pair not in bound]
+    if not free:
+        return
+    costs = sorted(
+        (mender.picked_before(later, earlier), later, earlier) for earlier, later in free
+    )
+    yield (
+        f"of {len(neighbours)} neighbours in it, order constraints hold "
+        f"{len(neighbours) - len(free)}; the nearest exchanges of others:"
+    )
+    for mending, later, earlier in costs[:_TOLD]:
+        yield _judge(f"{later} right before {earlier}", mending)
 
 
 def _by_reason(reasons: dict[str, str]) -> dict[str, list[str]]:
@@ -154,7 +178,9 @@ def _tell(item: BrokenWish, mender: Mender) -> Iterator[str]:
 def _judge(change: str, mending: int | None) -> str:
     if mending is None:
         return f"    rejected: {change} makes the arms wait for each other for ever"
-    if mending >= 0:
+    if mending == 0:
+        return f"    as good: {change} costs the same in all"
+    if mending > 0:
         return f"    rejected: {change} would cost {mending} more in all"
     return f"    not found: {change} would save {-mending}; more time for the search may mend it"
 

@@ -186,7 +186,6 @@ class Decomposer:
         self._components = components
         self._component_of = component_of
         self._expectations = expectations or use_case.expectations
-        self._limits = Limits()
 
     def decompose(
         self, task: Task, first: End, limits: Limits | None = None, *, hands_over: bool = False
@@ -214,10 +213,16 @@ class Decomposer:
 
     def expected(self, action: Action, features: Features) -> Expectation:
         """Return what is expected of all attempts at an action."""
+        recovery = [self._use_case.actions[n] for n in (action.recover, action.on_failure) if n]
+        attempts = max(other.attempts for other in (action, *recovery))
+        between_s = sum(self._once(other, features).duration_s for other in recovery)
+        return self._once(action, features).tried(attempts, between_s)
+
+    def _once(self, action: Action, features: Features) -> Expectation:
         once = NOTHING
         for ability in action.abilities:
             once = once.then(self._expectations.expect(ability, features))
-        return once.tried(action.attempts)
+        return once
 
     def subject(self, task: Task, fact: str, end: End | None) -> str:
         """Return what a fact is about: the task, or the component at the end."""

@@ -19,11 +19,16 @@ class Expectation:
     duration_s: float
     success: float
 
-    def tried(self, attempts: int) -> Expectation:
-        """Return what is expected of up to that many calls, until the first that succeeds."""
+    def tried(self, attempts: int, between_s: float = 0.0) -> Expectation:
+        """Return what is expected of up to that many calls, until the first that succeeds.
+
+        Args:
+            attempts: at least 1.
+            between_s: what recovering from a failure takes.
+        """
         failure = (1 - self.success) ** attempts
         calls = (1 - failure) / self.success if self.success > 0 else attempts
-        return Expectation(self.duration_s * calls, 1 - failure)
+        return Expectation(self.duration_s * calls + between_s * (calls - 1), 1 - failure)
 
     def then(self, other: Expectation) -> Expectation:
         """Return what is expected of this and another call after it."""

@@ -87,7 +87,8 @@ class Action:
         inputs: of the state, as references to the task's values.
         params: of the state: literals, or references.
         attempts: how often it is tried.
-        on_failure: the action of the same task that is done again when it fails; empty: itself.
+        recover: the action that undoes what a failure leaves; empty: there is nothing to undo.
+        on_failure: the earlier action that is done again when it fails; empty: itself.
     """
 
     name: str
@@ -105,6 +106,7 @@ class Action:
     inputs: tuple[tuple[str, str], ...]
     params: tuple[tuple[str, object], ...]
     attempts: int
+    recover: str
     on_failure: str
 
 

@@ -66,7 +66,7 @@ def use_case_from(data: Json) -> UseCase:
         preferences=data.get("preferences", {}),
         recovery=policy_from(data.get("recovery", {})),
     )
-    findings = [*_unknown_names(use_case), *_circles(use_case)]
+    findings = list(_unknown_names(use_case)) or [*_untold_facts(use_case), *_circles(use_case)]
     if findings:
         raise UseCaseError("\n  ".join(findings))
     return use_case
@@ -119,6 +119,7 @@ def _action(name: str, item: Json) -> Action:
         inputs=tuple(item.get("inputs", {}).items()),
         params=tuple(item.get("params", {}).items()),
         attempts=item.get("attempts", 1),
+        recover=item.get("recover", ""),
         on_failure=item.get("on_failure", ""),
     )
 
@@ -163,9 +164,8 @@ def _unknown_names(use_case: UseCase) -> Iterator[str]:
             f"{where}.reveals", [f for f, _ in action.reveals], facts, "unknown fact"
         )
         yield from _missing(f"{where}.forgets", action.forgets, facts, "unknown fact")
-        yield from _missing(
-            f"{where}.on_failure", filter(None, [action.on_failure]), actions, "action"
-        )
+        for key, named in (("recover", action.recover), ("on_failure", action.on_failure)):
+            yield from _missing(f"{where}.{key}", [named] if named else [], actions, "action")
     for task, methods in use_case.methods.items():
         if task in actions:
             yield f"methods.{task}: an action has this name too"
@@ -198,16 +198,51 @@ def _missing(where: str, names: Iterable[str], known: Iterable[str], what: str) 
             yield f"{where}: no {what} {name}; there are {', '.join(there) or 'none'}"
 
 
+def _untold_facts(use_case: UseCase) -> Iterator[str]:
+    """Find actions that take what was seen from actions that do not tell it."""
+    for action in use_case.actions.values():
+        for fact in [fact for fact, key in action.needs if key]:
+            for teller in use_case.actions.values():
+                if (fact, "") in teller.reveals:
+                    yield (
+                        f"actions.{teller.name}.reveals: name the output that tells {fact}, which "
+                        f"{action.name} takes"
+                    )
+
+
 def _circles(use_case: UseCase) -> Iterator[str]:
-    """Find tasks that are parts of themselves, and looking that needs itself."""
+    """Find tasks that are parts of themselves, and looking that has no end."""
+    looks = {name: use_case.actions[fact.look] for name, fact in use_case.facts.items()}
     parts = {
         task: {sub.name for method in methods for sub in method.subtasks}
         for task, methods in use_case.methods.items()
     }
     for name, action in use_case.actions.items():
-        facts = [use_case.facts[fact] for fact, _ in action.needs if fact in use_case.facts]
-        parts[name] = {fact.look for fact in facts}
+        parts[name] = {looks[fact].name for fact, _ in action.needs}
+    cycle = _cycle(parts)
+    if cycle:
+        yield "decomposition without end: " + " needs ".join(cycle)
+        return
+    for action in use_case.actions.values():
+        needs = [fact for fact, _ in action.needs]
+        undoes = {f: _forgotten(looks[f], looks).intersection(needs) for f in needs}
+        cycle = _cycle(undoes)
+        if cycle:
+            yield f"{action.name} is never ready: looking at {' undoes '.join(cycle)}"
+
+
+def _forgotten(action: Action, looks: dict[str, Action]) -> set[str]:
+    """Return the facts that an action, and the looking that it needs, make untrue."""
+    forgotten = set(action.forgets)
+    for fact, _ in action.needs:
+        forgotten |= _forgotten(looks[fact], looks)
+    return forgotten - {fact for fact, _ in action.reveals}
+
+
+def _cycle(graph: dict[str, set[str]]) -> list[str]:
+    """Return the nodes of a cycle, the first one again at the end; or nothing."""
     try:
-        TopologicalSorter(parts).prepare()
+        TopologicalSorter(graph).prepare()
     except CycleError as error:
-        yield "decomposition without end: " + " needs ".join(reversed(error.args[1]))
+        return list(reversed(error.args[1]))
+    return []

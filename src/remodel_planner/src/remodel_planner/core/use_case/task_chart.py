@@ -64,7 +64,7 @@ def task_chart(
         arms: the arm that begins, and the one that takes over, if one does.
 
     Raises:
-        UseCaseError: if an action refers to a value that the task does not have.
+        UseCaseError: if an action refers to a value that the task does not have, or there is none.
     """
     chart = _Charting(use_case, decomposition, component_of, arms).chart()
     digest = hashlib.sha256(write_chart(chart).encode()).hexdigest()[:_HASH_DIGITS]
@@ -101,9 +101,13 @@ class _Charting:
         self._placed = tuple(_place(decomposition.steps, arms))
         self._inputs: dict[str, Input] = {}
         self._connections: list[Connection] = []
+        self._recoveries: list[State | Behavior] = []
 
     def chart(self) -> Chart:
+        if not self._placed:
+            raise UseCaseError(f"task {self._task.name}: there is nothing to do in it")
         nodes = [self._node(index) for index in range(len(self._placed))]
+        nodes += self._recoveries
         if any(placed.step.action.grasps for placed in self._placed):
             nodes.append(self._give_up())
         return Chart(
@@ -123,38 +127,58 @@ class _Charting:
         following = self._placed[index + 1].id if index + 1 < len(self._placed) else FINISHED
         up = self._up(index)
         loops = action.attempts > 1
-        back = placed.id if loops else up
-        if action.on_failure:
-            back = self._earlier(index, action.on_failure) or back
+        back = (action.on_failure and self._earlier(index, action.on_failure)) or (
+            placed.id if loops else up
+        )
+        if action.recover:
+            back = self._recover(index, back)
         transitions = {**dict.fromkeys(action.done, following), FAILED: back}
         if not action.is_behavior:
             transitions[_COMMAND_ERROR] = up
         if loops:
             transitions[_EXHAUSTED] = up
         revealed = tuple(Output(output) for _, output in action.reveals if output)
-        kind = Behavior if action.is_behavior else State
-        return kind(
+        return (Behavior if action.is_behavior else State)(
             id=placed.id,
             type=action.type,
-            inputs=(*self._bound(placed), *self._known(index)),
+            inputs=(*self._bound(placed), *self._known(index, placed)),
             outputs=(*revealed, *_ERRORS),
             params=self._params(placed),
             attempts=action.attempts if loops else None,
             transitions=_transitions(transitions),
         )
 
+    def _recover(self, index: int, back: str) -> str:
+        """Add the node that undoes what the failure of a step leaves, and return its id."""
+        failing = self._placed[index]
+        action = self._use_case.actions[failing.step.action.recover]
+        step = replace(failing.step, action=action)
+        taken = sum(node.id.startswith(step.title) for node in self._recoveries)
+        placed = _Placed(step, f"{step.title} {taken + 1}" if taken else step.title, failing.arm)
+        ended = {**dict.fromkeys(action.done, back), FAILED: self._up(index)}
+        self._recoveries.append(
+            self._aside(placed, ended, self._up(index), tuple(self._known(index, placed)))
+        )
+        return placed.id
+
     def _give_up(self) -> State | Behavior:
         action = self._use_case.actions[self._use_case.give_up]
         last = self._placed[-1]
-        placed = replace(last, step=replace(last.step, action=action, end=None, clip=None))
-        placed = replace(placed, id=self._up_id)
+        step = replace(last.step, action=action, end=None, clip=None)
         ended = dict.fromkeys((*action.done, FAILED), FAILED)
+        return self._aside(_Placed(step, self._up_id, last.arm), ended, FAILED, ())
+
+    def _aside(
+        self, placed: _Placed, ended: dict[str, str], refused: str, known: tuple[Input, ...]
+    ) -> State | Behavior:
+        """Return a node beside the sequence; it leaves the error as the failure has written it."""
+        action = placed.step.action
         if not action.is_behavior:
-            ended[_COMMAND_ERROR] = FAILED
+            ended[_COMMAND_ERROR] = refused
         return (Behavior if action.is_behavior else State)(
             id=placed.id,
             type=action.type,
-            inputs=tuple(self._bound(placed)),
+            inputs=(*self._bound(placed), *known),
             params=self._params(placed),
             transitions=_transitions(ended),
         )
@@ -173,9 +197,8 @@ class _Charting:
         found = [p.id for p in self._placed[:index] if p.step.action.name == action]
         return found[-1] if found else None
 
-    def _known(self, index: int) -> Iterator[Input]:
-        """Yield the inputs that take what has been revealed, and connect them."""
-        placed = self._placed[index]
+    def _known(self, index: int, placed: _Placed) -> Iterator[Input]:
+        """Yield the inputs that take what steps before have revealed, and connect them."""
         for fact, key in placed.step.action.needs:
             if key:
                 source, output = next(

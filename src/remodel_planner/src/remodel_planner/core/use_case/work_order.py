@@ -149,7 +149,7 @@ def order_from(data: object) -> WorkOrder:
         fields.text("name"),
         fields.text("use_case"),
         tuple(arm_from(item, item) for item in fields.objects("arms")),
-        {c.text("id"): dict(characteristics_of(c)) for c in fields.objects("components")},
+        _components(fields),
         tuple(terminal_from(item) for item in fields.objects("terminals")),
         tuple(_task(item) for item in fields.objects("tasks")),
         tuple(
@@ -162,6 +162,16 @@ def order_from(data: object) -> WorkOrder:
             for item in (fields.objects("soft_before") if fields.has("soft_before") else ())
         ),
     )
+
+
+def _components(fields: Fields) -> dict[str, dict[str, Value]]:
+    components: dict[str, dict[str, Value]] = {}
+    for item in fields.objects("components"):
+        item.only("id", "characteristics")
+        if item.text("id") in components:
+            raise item.fail("id", "a name of its own")
+        components[item.text("id")] = dict(characteristics_of(item))
+    return components
 
 
 def _task(item: Fields) -> Task:
