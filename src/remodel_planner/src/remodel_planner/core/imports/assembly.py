@@ -130,6 +130,17 @@ def unique_name(base: str, taken: Container[str]) -> str:
     return name
 
 
+@dataclass(frozen=True)
+class _Either:
+    """What is in one of two collections, without joining them for each question."""
+
+    one: Container[str]
+    other: Container[str]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.one or name in self.other
+
+
 class _Clamps:
     """Gives each connection at a point a terminal of its own."""
 
@@ -204,8 +215,8 @@ def _wire_names(connections: Sequence[Connection]) -> tuple[list[str], list[str]
     names, renamed = [], []
     for number, connection in enumerate(connections, start=1):
         base = connection.name or f"W{number}"
-        reserved = taken if first.get(base) is connection else taken | first.keys()
-        name = base if base not in reserved else unique_name(base, reserved)
+        is_first = first.get(base) is connection
+        name = base if is_first else unique_name(base, _Either(taken, first.keys()))
         if name != base and connection.name:
             where = first[base].source
             renamed.append(
