@@ -148,7 +148,7 @@ def test_aliases_that_multiply_are_refused_at_once():
         read("\n".join([*lines, "connections: []"]))
 
 
-@pytest.mark.parametrize("text", ["[" * 100_000, "\n".join(" " * n + "-" for n in range(200))])
+@pytest.mark.parametrize("text", [" [\n" * 100_000, "\n".join(" " * n + "-" for n in range(200))])
 def test_a_document_that_nests_without_end_is_refused_at_once(text):
     with pytest.raises(DesignError, match="51 levels found; at most 50 levels"):
         read(f"connections:\n{text}")
