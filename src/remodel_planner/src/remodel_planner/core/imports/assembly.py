@@ -184,7 +184,7 @@ def _component(device: Device, taken: list[tuple[str, str]]) -> Component:
     return Component(
         device.name,
         device.kind,
-        tuple(sorted(terminals, key=lambda terminal: natural_key(terminal.name))),
+        tuple(sorted(terminals, key=lambda terminal: _natural_key(terminal.name))),
         device.mount,
         device.role,
         device.part_number,
@@ -193,7 +193,7 @@ def _component(device: Device, taken: list[tuple[str, str]]) -> Component:
     )
 
 
-def natural_key(name: str) -> tuple[tuple[bool, int, str], ...]:
+def _natural_key(name: str) -> tuple[tuple[bool, int, str], ...]:
     """Return a key that puts T2 before T10."""
     return tuple(
         (part.isdecimal(), int(part) if part.isdecimal() else 0, part)
