@@ -18,31 +18,39 @@ _INWARDS = {"n": (0, 4), "e": (-4, 0), "s": (0, -4), "w": (4, 0)}
 
 # x to the right and y down, in the drawing's units.
 Spot = tuple[float, float]
-# Terminals, each with its element's uuid, by their numbers on a folio.
+# Terminals, each with its element's key, by their numbers on a folio.
 ByNumber = dict[str, list[tuple[str, etree._Element]]]
 
 
 def elements_of(project: etree._Element) -> dict[str, etree._Element]:
-    """Return the elements of all folios by their uuid, or their line before there were uuids."""
+    """Return the elements of all folios by their keys.
+
+    Raises:
+        DesignError: if a uuid stands for two of them.
+    """
     elements: dict[str, etree._Element] = {}
     for element in project.iterfind("diagram/elements/element"):
-        uuid = element.get("uuid") or line_of(element)
-        if uuid in elements:
+        key = key_of(element)
+        if key in elements:
             raise DesignError(
-                f"{line_of(element)}: element {uuid} is there before, at "
-                f"{line_of(elements[uuid])}; a uuid stands for one element: give it another one"
+                f"{line_of(element)}: element {key} is there before, at "
+                f"{line_of(elements[key])}; a uuid stands for one element: give it another one"
             )
-        elements[uuid] = element
+        elements[key] = element
     return elements
 
 
+def key_of(element: etree._Element) -> str:
+    """Return an element's uuid, or its place in the project before there were uuids."""
+    return element.get("uuid") or element.getroottree().getpath(element)
+
+
 def terminals_by_number(diagram: etree._Element) -> ByNumber:
-    """Return the terminals of a folio, each with its element's uuid, by their numbers."""
+    """Return the terminals of a folio, each with its element's key, by their numbers."""
     found: ByNumber = defaultdict(list)
     for element in diagram.iterfind("elements/element"):
         for terminal in element.iterfind("terminals/terminal"):
-            uuid = element.get("uuid") or line_of(element)
-            found[terminal.get("id", "")].append((uuid, terminal))
+            found[terminal.get("id", "")].append((key_of(element), terminal))
     return found
 
 
