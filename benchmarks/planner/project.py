@@ -27,12 +27,13 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         database = ["--database", f"sqlite:///{folder}/production.sqlite"]
         limit = ["--time-limit", options.time_limit]
+        order = ["--order", "project", *database]
         for line in (
-            ["import", str(options.design.resolve()), "--order", "project", *database],
-            ["layout", "project", "--output", "board.svg", "--instance", "problem.json", *database],
-            ["plan", "problem.json", "--output", "plan.json", *limit],
-            ["explain", "problem.json", "plan.json"],
-            ["draw", "problem.json", "plan.json", "--output", "plan.svg"],
+            ["import", str(options.design.resolve()), *order],
+            ["layout", "project", "--output", "board.svg", *database],
+            ["plan", *order, "--output", "plan.json", *limit],
+            ["explain", "plan.json", *order],
+            ["draw", "plan.json", *order, "--output", "plan.svg"],
         ):
             started = time.monotonic()
             command = ["rosrun", "remodel_planner", *line]
