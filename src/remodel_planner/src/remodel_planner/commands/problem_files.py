@@ -18,7 +18,6 @@ from remodel_planner.core.planning.problem import Plan
 from remodel_planner.core.production import Order
 from remodel_planner.edge.json_file import read_json
 from remodel_planner.edge.preferences_file import read_preferences
-from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.errors import InstanceError
 
 
@@ -73,6 +72,9 @@ def read_problem(options: argparse.Namespace) -> Preferred:
 
 def _read_order(options: argparse.Namespace) -> tuple[Order, object]:
     """Return an order of the production database, and the preferences that came with it."""
+    # SQLAlchemy takes longer to load than most problems to plan, and files do not need it.
+    from remodel_planner.edge.production_database import ProductionDatabase
+
     database = ProductionDatabase(options.database)
     try:
         return database.order(options.order), database.preferences(options.order)
