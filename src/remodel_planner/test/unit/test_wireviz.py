@@ -148,6 +148,11 @@ def test_aliases_that_multiply_are_refused_at_once():
         read("\n".join([*lines, "connections: []"]))
 
 
+def test_a_connector_that_is_only_mentioned_stays():
+    imported = read(PARTS + "  - [X1: 1, W1: 1, F.F1]\n  - [X2]")
+    assert [component.name for component in imported.order.components] == ["X1", "F1", "X2"]
+
+
 @pytest.mark.parametrize("text", [" [\n" * 100_000, "\n".join(" " * n + "-" for n in range(200))])
 def test_a_document_that_nests_without_end_is_refused_at_once(text):
     with pytest.raises(DesignError, match="51 levels found; at most 50 levels"):

@@ -35,6 +35,7 @@ class Device:
     Attributes:
         sides: of its points, as far as the design says them.
         kinds: of its points' terminals, as far as the design says them.
+        stays_bare: whether it is a component also if no wire goes to it.
     """
 
     name: str
@@ -46,6 +47,7 @@ class Device:
     node: str = ""
     sides: Mapping[str, Side] = field(default_factory=dict)
     kinds: Mapping[str, str] = field(default_factory=dict)
+    stays_bare: bool = False
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,7 @@ class Assembly:
 
 
 def assemble(devices: Iterable[Device], connections: Sequence[Connection]) -> Assembly:
-    """Return the components that have wires, in the order of the devices, and the wires.
+    """Return the components, in the order of the devices, and the wires.
 
     Raises:
         DesignError: if there are more connections than any cabinet or vehicle has.
@@ -110,7 +112,7 @@ def assemble(devices: Iterable[Device], connections: Sequence[Connection]) -> As
     for device in devices:
         taken = clamps.of.get(device.name, [])
         guessed += len({point for point, _ in taken} - set(device.sides))
-        if taken:
+        if taken or device.stays_bare:
             components.append(_component(device, taken))
     guesses = [*renamed, *clamps.shared()]
     if guessed:

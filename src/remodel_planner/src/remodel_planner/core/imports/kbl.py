@@ -29,6 +29,7 @@ from remodel_planner.errors import DesignError
 
 _VERSIONS = ("2.3", "2.4", "2.5")
 _WIRES = ("general_wire_occurrence", "wire_occurrence", "special_wire_occurrence")
+_CONNECTORS = ("connector_occurrence", "component_box_occurrence")
 # Of several lengths of a wire, the one to cut it to comes first.
 _LENGTH_TYPES = ("production", "cutting", "physical", "dmu")
 _BASE_COLOURS = ("grundfarbe", "base color", "base colour", "base", "basiccolor")
@@ -69,6 +70,7 @@ class _Reader:
         self._name_connectors()
         routings = self._routings()
         found = self._tree.all("Connection")
+        self._note_unconnected(found)
         connections = [c for element in found for c in self._connections(element, routings)]
         if not connections:
             raise DesignError(
@@ -114,11 +116,12 @@ class _Reader:
         return ""
 
     def _name_connectors(self) -> None:
-        """Name what owns contact points."""
+        """Name the connectors and boxes, and whatever else owns contact points."""
         taken: set[str] = set()
-        for contact in self._tree.all("Contact_points", "Contact_point"):
-            owner = contact.getparent()
-            if owner is None or owner in self._names or owner is self._tree.root:
+        contacts = self._tree.all("Contact_points")
+        owners = [contact.getparent() for contact in contacts]
+        for owner in dict.fromkeys([*self._tree.all(*_CONNECTORS), *owners]):
+            if owner is None or owner is self._tree.root:
                 continue
             base = text_of(owner, "Id") or owner.get("id") or line_of(owner)
             name = unique_name(base, taken)
@@ -139,6 +142,17 @@ class _Reader:
                     )
                 routings[routed] = routing
         return routings
+
+    def _note_unconnected(self, connections: list[etree._Element]) -> None:
+        """Note the wires and cores that no connection names."""
+        used = {w for c in connections for w in self._tree.referred(c, "Wire")}
+        for occurrence in self._tree.all(*_WIRES, "core_occurrence"):
+            cores = set(children(occurrence, "Core_occurrence"))
+            if occurrence not in used and not cores:
+                what = f"wire {_wire_name(occurrence)}"
+                self._ignored.append(
+                    LeftOut(f"{line_of(occurrence)}, {what}", "it connects nothing")
+                )
 
     def _connections(
         self, element: etree._Element, routings: dict[etree._Element, etree._Element]
@@ -301,7 +315,7 @@ class _Reader:
                 return lengths[kind]
         if route:
             self._guesses.add(f"{source}: length not given, that of its route taken")
-            return sum(segment.length_m for segment in route)
+            return round(sum(segment.length_m for segment in route), 9)
         return None
 
     def _cable_of(self, occurrence: etree._Element) -> etree._Element | None:
@@ -338,6 +352,7 @@ class _Reader:
                 pose=self._pose(owner),
                 node=self._node_of(owner),
                 kinds=self._kinds.get(name, {}),
+                stays_bare=True,
             )
 
     def _pose(self, connector: etree._Element) -> Pose | None:
