@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from remodel_planner.commands import import_design, layout, run_order
+from remodel_planner.commands import check, draw, explain, import_design, layout, plan, run_order
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.errors import OrderError
 
@@ -96,6 +96,28 @@ def test_an_order_is_drawn_with_its_planning_problem(tmp_path, database, capsys)
     assert len(json.loads(instance.read_text())["wires"]) == 58
     assert layout.main(["hosue", *arguments[1:]]) == 1
     assert "layout: the database has no order hosue; it has: house" in capsys.readouterr().err
+
+
+def test_an_order_is_planned_checked_explained_and_drawn(tmp_path, database, capsys):
+    wishes = tmp_path / "wishes.yaml"
+    wish = "{name: first, pick: W3, before: W1, weight: 5}"
+    wishes.write_text(f"format: remodel-preferences-1\nweights: {{heavy: 0}}\nprefer: [{wish}]\n")
+    stored = ["--order", "house", "--database", database]
+    import_design.main([str(DESIGN), *stored, "--preferences", str(wishes)])
+    made, drawing = str(tmp_path / "plan.json"), str(tmp_path / "plan.svg")
+    assert plan.main([*stored, "--output", made, "--time-limit", "0.1"]) == 0
+    assert check.main([made, *stored]) == 0
+    assert explain.main([made, *stored]) == 0
+    assert draw.main([made, *stored, "--output", drawing]) == 0
+    assert len(json.loads(Path(made).read_text())["actions"]) >= 58 * 5
+    capsys.readouterr()
+    assert plan.main(["--output", made, "--order", "hosue", "--database", database]) == 1
+    assert "has no order hosue; it has: house" in capsys.readouterr().err
+    assert plan.main(["--output", made]) == 1
+    assert "give either the file of a problem, or --order NAME" in capsys.readouterr().err
+    wishes.write_text("format: remodel-preferences-1\nprefer: [{pick: W77777, before: W1}]\n")
+    assert plan.main([*stored, "--output", made, "--preferences", str(wishes)]) == 1
+    assert f"{wishes}: " in capsys.readouterr().err
 
 
 def test_a_missing_file_is_named(tmp_path, database, capsys):

@@ -44,6 +44,16 @@ def test_what_an_assembly_part_is_made_of_is_not_read_twice():
     assert [component.name for component in imported.order.components] == ["X1", "X2", "X3"]
 
 
+def test_connectors_without_wires_stay_and_wires_without_connections_are_told():
+    bare = '<Connector_occurrence id="x4"><Id>X4</Id><Part>housing2</Part></Connector_occurrence>'
+    imported = read(('<Connector_occurrence id="x1">', f'{bare}<Connector_occurrence id="x1">'),
+                    ("<Wire>w2</Wire>", ""))  # fmt: skip
+    assert [c.name for c in imported.order.components] == ["X4", "X1", "X2", "X3"]
+    assert imported.order.components[0].terminals == ()
+    (ignored,) = imported.account.ignored
+    assert str(ignored) == "line 60, wire 12: left out, it connects nothing"
+
+
 def test_connectors_have_places_nodes_and_contacts():
     x1, x2, x3 = read().order.components
     assert (x1.kind, x1.role, x1.part_number, x1.node) == ("pump", Role.CONNECTOR, "H-2", "N1")

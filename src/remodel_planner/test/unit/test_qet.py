@@ -108,6 +108,13 @@ def test_terminals_numbered_on_the_folio_are_understood():
     assert order.wires[0].section_mm2 == 2.5
 
 
+def test_elements_without_uuids_are_told_apart_on_one_line():
+    elements = [element(BREAKER, "q1", "Q1"), element(BREAKER, "q2", "Q2", first_id=4)]
+    elements = [re.sub(' uuid="[^"]*"', "", text) for text in elements]
+    order, _ = read((elements, ['<conductor terminal1="3" terminal2="4"/>']))
+    assert ends(order) == [("Q1:B2", "Q2:T1")]
+
+
 def test_a_conductor_to_the_field_is_a_wire_that_leads_away():
     elements = [*TWO, element(LAMP, "e1")]
     conductors = [wire("q1", "b1", "q2", "t1"), wire("q2", "b1", "e1", "l")]

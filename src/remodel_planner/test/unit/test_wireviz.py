@@ -148,6 +148,22 @@ def test_aliases_that_multiply_are_refused_at_once():
         read("\n".join([*lines, "connections: []"]))
 
 
+def test_a_connector_that_is_only_mentioned_stays():
+    imported = read(PARTS + "  - [X1: 1, W1: 1, F.F1]\n  - [X2]")
+    assert [component.name for component in imported.order.components] == ["X1", "F1", "X2"]
+
+
+@pytest.mark.parametrize("text", [" [\n" * 100_000, "\n".join(" " * n + "-" for n in range(200))])
+def test_a_document_that_nests_without_end_is_refused_at_once(text):
+    with pytest.raises(DesignError, match="51 levels found; at most 50 levels"):
+        read(f"connections:\n{text}")
+
+
+def test_a_document_that_is_too_long_is_refused():
+    with pytest.raises(DesignError, match="values found; at most 50 levels and 200000 values"):
+        read("connections:\n" + "- [a, b]\n" * 150_000)
+
+
 def test_colour_codes_begin_again():
     assert core_colours("BW", 3) == ["BK", "WH", "BK"]
     assert core_colours("TEL", 3) == ["BUWH", "WHBU", "OGWH"]

@@ -6,11 +6,14 @@ import argparse
 from dataclasses import dataclass
 from pathlib import Path
 
+from remodel_planner.commands.database_option import add_database_option
+from remodel_planner.core.order_problem import order_problem
 from remodel_planner.core.planning.defects import require_sound
 from remodel_planner.core.planning.instance import problem_from
 from remodel_planner.core.planning.plan_form import plan_from
 from remodel_planner.core.planning.preferences import Preferred, apply_preferences
 from remodel_planner.core.planning.problem import Plan, Problem
+from remodel_planner.core.production import Order
 from remodel_planner.core.use_case.preparation import Prepared, prepare
 from remodel_planner.core.use_case.work_order import is_order, order_from
 from remodel_planner.edge.json_file import read_json
@@ -35,13 +38,21 @@ class ProblemFiles:
 
 
 def add_problem_options(parser: argparse.ArgumentParser) -> None:
-    """Add the instance, --preferences and --while."""
+    """Add the instance, or --order in its place, --preferences and --while."""
     parser.add_argument(
         "instance",
         type=Path,
+        nargs="?",
         help="problem (planbench-1, docs/planning.md) or order (remodel-order-1, "
         "docs/use-cases.md), as JSON or YAML",
     )
+    parser.add_argument(
+        "--order", metavar="NAME", help="order of the production database, in place of a file"
+    )
+    parser.add_argument(
+        "--arms", type=int, choices=(1, 2), default=2, help="that place an order (default 2)"
+    )
+    add_database_option(parser)
     parser.add_argument(
         "--preferences",
         type=Path,
@@ -61,23 +72,26 @@ def add_problem_options(parser: argparse.ArgumentParser) -> None:
 
 
 def read_problem(options: argparse.Namespace) -> ProblemFiles:
-    """Return the sound problem of the files, with its preferences.
+    """Return the sound problem of the files or of an order, with its preferences.
 
     Raises:
-        PlannerError: naming the file, and what is wrong where.
+        PlannerError: naming the file or the order, and what is wrong where.
     """
+    if (options.instance is None) == (options.order is None):
+        raise InstanceError("give either the file of a problem or order, or --order NAME")
     documents = [(str(file), read_document(file)) for file in options.preferences]
     situations = frozenset(options.situations)
-    file: Path = options.instance
-    data = read_document(file)
-    if is_order(data):
-        with blamed(file):
-            order = order_from(data)
-            use_case = find_use_case(order.use_case)
-            prepared = prepare(order, use_case, documents, situations)
-        files = ProblemFiles(prepared.preferred, prepared)
+    if options.order is not None:
+        stored, preferences = _stored_order(options)
+        if preferences is not None:
+            documents.insert(0, (f"preferences of order {stored.name}", preferences))
+        with blamed(f"order {stored.name}"):
+            problem = order_problem(stored, options.arms)
+        files = ProblemFiles(
+            _preferred(f"order {stored.name}", problem, documents, situations), None
+        )
     else:
-        files = ProblemFiles(_stated(file, data, documents, situations), None)
+        files = _read_file(options.instance, documents, situations)
     unknown = sorted(situations - files.preferred.situations)
     if unknown:
         known = ", ".join(sorted(files.preferred.situations)) or "none"
@@ -100,13 +114,32 @@ def read_order(options: argparse.Namespace) -> Prepared:
     return prepared
 
 
-def _stated(
-    file: Path, data: object, documents: list[tuple[str, object]], situations: frozenset[str]
-) -> Preferred:
-    """Return the sound problem that an instance states, with preferences."""
+def _read_file(
+    file: Path, documents: list[tuple[str, object]], situations: frozenset[str]
+) -> ProblemFiles:
+    """Return the problem that a file states, or that its order makes."""
+    data = read_document(file)
+    if is_order(data):
+        with blamed(file):
+            order = order_from(data)
+            use_case = find_use_case(order.use_case)
+            prepared = prepare(order, use_case, documents, situations)
+        return ProblemFiles(prepared.preferred, prepared)
     with blamed(file):
-        preferred = Preferred(problem_from(data))
-        require_sound(preferred.problem)
+        problem = problem_from(data)
+    return ProblemFiles(_preferred(file, problem, documents, situations), None)
+
+
+def _preferred(
+    source: Path | str,
+    problem: Problem,
+    documents: list[tuple[str, object]],
+    situations: frozenset[str],
+) -> Preferred:
+    """Return a problem that is sound, with preferences."""
+    with blamed(source):
+        preferred = Preferred(problem)
+        require_sound(problem)
     for name, document in documents:
         with blamed(name):
             preferred = apply_preferences(preferred, document, situations)
@@ -122,6 +155,18 @@ def read_document(file: Path) -> object:
     """
     with blamed(file):
         return read_yaml(file) if file.suffix in _YAML else read_json(file)
+
+
+def _stored_order(options: argparse.Namespace) -> tuple[Order, object]:
+    """Return an order of the production database, and the preferences that came with it."""
+    # SQLAlchemy takes longer to load than most problems to plan, and files do not need it.
+    from remodel_planner.edge.production_database import ProductionDatabase
+
+    database = ProductionDatabase(options.database)
+    try:
+        return database.order(options.order), database.preferences(options.order)
+    finally:
+        database.close()
 
 
 def read_plan(file: Path) -> Plan:

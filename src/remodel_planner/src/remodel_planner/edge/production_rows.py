@@ -54,7 +54,7 @@ def add_order_rows(session: Session, order: Order) -> OrderRow:
     session.add(product)
     session.flush()
     of = {"product_id": product.id}
-    session.add_all(NoteRow(text=text, **of) for text in order.notes)
+    session.bulk_insert_mappings(NoteRow, [{"text": text, **of} for text in order.notes])
     nodes = _added(
         session, {n.name: NodeRow(name=n.name, **_at(n.position), **of) for n in order.nodes}
     )
@@ -103,9 +103,12 @@ def add_order_rows(session: Session, order: Order) -> OrderRow:
     row = OrderRow(name=order.name, product_id=product.id)
     session.add(row)
     session.flush()
-    session.add_all(
-        TaskRow(order_id=row.id, wire_id=wires[wire.name], state="open")
-        for wire in order.in_cabinet().wires
+    session.bulk_insert_mappings(
+        TaskRow,
+        [
+            {"order_id": row.id, "wire_id": wires[wire.name], "state": "open"}
+            for wire in order.in_cabinet().wires
+        ],
     )
     return row
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
@@ -110,6 +111,7 @@ def _formboard(order: Order) -> Board:
     low = min(y for _, y in nodes.values())
     devices, mouths = [], {}
     loose_x = left
+    at_node: Counter[str] = Counter()
     for component in order.components:
         size = (max(1, len(component.terminals)) * _CAVITY_PITCH_M, _CONNECTOR_DEPTH_M)
         centre = nodes.get(component.node)
@@ -117,6 +119,11 @@ def _formboard(order: Order) -> Board:
             # The design says no node: it lies below the harness.
             centre = (loose_x + size[0] / 2, low - 4 * _CONNECTOR_DEPTH_M)
             loose_x += size[0] + _CONNECTOR_DEPTH_M
+        else:
+            # Of those at one node, each lies below the one before.
+            below = at_node[component.node] * 1.2 * _CONNECTOR_DEPTH_M
+            at_node[component.node] += 1
+            centre = (centre[0], centre[1] - below)
         devices.append(PlacedDevice(component, centre, size))
         for index, terminal in enumerate(component.terminals):
             x = centre[0] + (index - (len(component.terminals) - 1) / 2) * _CAVITY_PITCH_M

@@ -34,9 +34,6 @@ from remodel_planner.core.production import (
     Vector,
 )
 
-# Of a quaternion: half a turn, or none.
-_UPRIGHT = (0.0, 0.0, 0.0, 1.0)
-
 
 @dataclass(frozen=True)
 class CabinetRules:
@@ -81,9 +78,9 @@ class _Cabinet:
     def __init__(self, order: Order, inside: Order, rules: CabinetRules) -> None:
         self._order = order
         self._rules = rules
-        self._used = {component.name for component in inside.components}
-        # All components of the plate are placed, with all their terminals.
-        self._members = [c for c in order.components if c.name in self._used]
+        used = {component.name for component in inside.components}
+        # With all their terminals, also those of wires that lead away.
+        self._members = [c for c in order.components if c.name in used]
         self._wires = inside.wires
         posed = all(component.pose is not None for component in self._members)
         self._rows = self._given_rows() if posed else self._computed_rows()
@@ -223,13 +220,13 @@ class _Cabinet:
             up = 1 if side is Side.TOP else -1
             for index, terminal in enumerate(members):
                 dx = (index - (len(members) - 1) / 2) * self._rules.terminal_pitch
-                mouth = Pose((round(dx, 6), up * self._rules.height / 2, 0.0), _UPRIGHT)
+                mouth = Pose((round(dx, 6), up * self._rules.height / 2, 0.0))
                 terminals[terminal.name] = replace(
                     terminal, pose=terminal.pose or mouth, approach=(0.0, -float(up), 0.0)
                 )
         return replace(
             component,
-            pose=component.pose or Pose((round(x, 6), round(y, 6), 0.0), _UPRIGHT),
+            pose=component.pose or Pose((round(x, 6), round(y, 6), 0.0)),
             terminals=tuple(terminals[terminal.name] for terminal in component.terminals),
         )
 

@@ -35,6 +35,7 @@ class Device:
     Attributes:
         sides: of its points, as far as the design says them.
         kinds: of its points' terminals, as far as the design says them.
+        stays_bare: whether it is a component also if no wire goes to it.
     """
 
     name: str
@@ -46,6 +47,7 @@ class Device:
     node: str = ""
     sides: Mapping[str, Side] = field(default_factory=dict)
     kinds: Mapping[str, str] = field(default_factory=dict)
+    stays_bare: bool = False
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,7 @@ class Assembly:
 
 
 def assemble(devices: Iterable[Device], connections: Sequence[Connection]) -> Assembly:
-    """Return the components that have wires, in the order of the devices, and the wires.
+    """Return the components, in the order of the devices, and the wires.
 
     Raises:
         DesignError: if there are more connections than any cabinet or vehicle has.
@@ -110,7 +112,7 @@ def assemble(devices: Iterable[Device], connections: Sequence[Connection]) -> As
     for device in devices:
         taken = clamps.of.get(device.name, [])
         guessed += len({point for point, _ in taken} - set(device.sides))
-        if taken:
+        if taken or device.stays_bare:
             components.append(_component(device, taken))
     guesses = [*renamed, *clamps.shared()]
     if guessed:
@@ -128,6 +130,17 @@ def unique_name(base: str, taken: Container[str]) -> str:
         number += 1
         name = f"{base}#{number}"
     return name
+
+
+@dataclass(frozen=True)
+class _Either:
+    """What is in one of two collections, without joining them for each question."""
+
+    one: Container[str]
+    other: Container[str]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.one or name in self.other
 
 
 class _Clamps:
@@ -173,7 +186,7 @@ def _component(device: Device, taken: list[tuple[str, str]]) -> Component:
     return Component(
         device.name,
         device.kind,
-        tuple(sorted(terminals, key=lambda terminal: natural_key(terminal.name))),
+        tuple(sorted(terminals, key=lambda terminal: _natural_key(terminal.name))),
         device.mount,
         device.role,
         device.part_number,
@@ -182,7 +195,7 @@ def _component(device: Device, taken: list[tuple[str, str]]) -> Component:
     )
 
 
-def natural_key(name: str) -> tuple[tuple[bool, int, str], ...]:
+def _natural_key(name: str) -> tuple[tuple[bool, int, str], ...]:
     """Return a key that puts T2 before T10."""
     return tuple(
         (part.isdecimal(), int(part) if part.isdecimal() else 0, part)
@@ -204,8 +217,8 @@ def _wire_names(connections: Sequence[Connection]) -> tuple[list[str], list[str]
     names, renamed = [], []
     for number, connection in enumerate(connections, start=1):
         base = connection.name or f"W{number}"
-        reserved = taken if first.get(base) is connection else taken | first.keys()
-        name = base if base not in reserved else unique_name(base, reserved)
+        is_first = first.get(base) is connection
+        name = base if is_first else unique_name(base, _Either(taken, first.keys()))
         if name != base and connection.name:
             where = first[base].source
             renamed.append(

@@ -10,7 +10,6 @@ The structure is that of the recommendation's model (ecad-wiki.prostep.org, spec
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from itertools import pairwise
 
@@ -20,15 +19,17 @@ from remodel_planner.core.catalogue import Catalogue
 from remodel_planner.core.imports.account import Account, Imported, LeftOut
 from remodel_planner.core.imports.assembly import Connection, Device, assemble, unique_name
 from remodel_planner.core.imports.guesses import Guesses
+from remodel_planner.core.imports.kbl_pose import placed_pose
 from remodel_planner.core.imports.kbl_routes import Topology, ends_of, ordered_route
 from remodel_planner.core.imports.kbl_tree import KblTree, children, shown, text_of
 from remodel_planner.core.imports.units import number
 from remodel_planner.core.imports.xml_tree import line_of, local_name
-from remodel_planner.core.production import Cable, Order, Pose, Role, Segment, TerminalRef, Vector
+from remodel_planner.core.production import Cable, Order, Pose, Role, Segment, TerminalRef
 from remodel_planner.errors import DesignError
 
 _VERSIONS = ("2.3", "2.4", "2.5")
 _WIRES = ("general_wire_occurrence", "wire_occurrence", "special_wire_occurrence")
+_CONNECTORS = ("connector_occurrence", "component_box_occurrence")
 # Of several lengths of a wire, the one to cut it to comes first.
 _LENGTH_TYPES = ("production", "cutting", "physical", "dmu")
 _BASE_COLOURS = ("grundfarbe", "base color", "base colour", "base", "basiccolor")
@@ -69,6 +70,7 @@ class _Reader:
         self._name_connectors()
         routings = self._routings()
         found = self._tree.all("Connection")
+        self._note_unconnected(found)
         connections = [c for element in found for c in self._connections(element, routings)]
         if not connections:
             raise DesignError(
@@ -114,11 +116,12 @@ class _Reader:
         return ""
 
     def _name_connectors(self) -> None:
-        """Name what owns contact points."""
+        """Name the connectors and boxes, and whatever else owns contact points."""
         taken: set[str] = set()
-        for contact in self._tree.all("Contact_points", "Contact_point"):
-            owner = contact.getparent()
-            if owner is None or owner in self._names or owner is self._tree.root:
+        contacts = self._tree.all("Contact_points")
+        owners = [contact.getparent() for contact in contacts]
+        for owner in dict.fromkeys([*self._tree.all(*_CONNECTORS), *owners]):
+            if owner is None or owner is self._tree.root:
                 continue
             base = text_of(owner, "Id") or owner.get("id") or line_of(owner)
             name = unique_name(base, taken)
@@ -139,6 +142,17 @@ class _Reader:
                     )
                 routings[routed] = routing
         return routings
+
+    def _note_unconnected(self, connections: list[etree._Element]) -> None:
+        """Note the wires and cores that no connection names."""
+        used = {w for c in connections for w in self._tree.referred(c, "Wire")}
+        for occurrence in self._tree.all(*_WIRES, "core_occurrence"):
+            cores = set(children(occurrence, "Core_occurrence"))
+            if occurrence not in used and not cores:
+                what = f"wire {_wire_name(occurrence)}"
+                self._ignored.append(
+                    LeftOut(f"{line_of(occurrence)}, {what}", "it connects nothing")
+                )
 
     def _connections(
         self, element: etree._Element, routings: dict[etree._Element, etree._Element]
@@ -301,7 +315,7 @@ class _Reader:
                 return lengths[kind]
         if route:
             self._guesses.add(f"{source}: length not given, that of its route taken")
-            return sum(segment.length_m for segment in route)
+            return round(sum(segment.length_m for segment in route), 9)
         return None
 
     def _cable_of(self, occurrence: etree._Element) -> etree._Element | None:
@@ -338,18 +352,17 @@ class _Reader:
                 pose=self._pose(owner),
                 node=self._node_of(owner),
                 kinds=self._kinds.get(name, {}),
+                stays_bare=True,
             )
 
     def _pose(self, connector: etree._Element) -> Pose | None:
         """Return where a connector is: as it, or a part of its contact points, is placed."""
         contacts = list(children(connector, "Contact_points"))
         parts = [p for c in contacts for p in self._tree.referred(c, "Associated_parts")]
-        for owner in (connector, *parts):
-            for placement in children(owner, "Placement"):
-                position = self._tree.position(placement)
-                if position is not None:
-                    axes = [_vector(placement, key) for key in ("U", "V")]
-                    return Pose(position, _orientation(*axes))
+        for occurrence in (connector, *parts):
+            pose = placed_pose(self._tree, occurrence)
+            if pose is not None:
+                return pose
         nodes = {node.name: node.position for node in self._topology.nodes}
         position = nodes.get(self._node_of(connector))
         return None if position is None else Pose(position)
@@ -368,52 +381,3 @@ def _wire_name(occurrence: etree._Element) -> str:
 
 def _cable_name(occurrence: etree._Element) -> str:
     return text_of(occurrence, "Special_wire_id") or occurrence.get("id") or line_of(occurrence)
-
-
-def _vector(placement: etree._Element, key: str) -> Vector | None:
-    values = [number(child.text or "") for child in children(placement, key)]
-    known = [value for value in values if value is not None]
-    if len(known) != 3 or not any(known):
-        return None
-    x, y, z = known
-    return x, y, z
-
-
-def _orientation(u: Vector | None, v: Vector | None) -> tuple[float, float, float, float]:
-    """Return the quaternion of a frame by its x axis and (about) its y axis; identity by default.
-
-    Shepperd's method, by the largest of trace and diagonal (J. Guidance and Control 1(3), 1978).
-    """
-    if u is None or v is None:
-        return 0.0, 0.0, 0.0, 1.0
-    x = _unit(u)
-    z = _cross(x, v)
-    if not any(abs(value) > 1e-9 for value in z):
-        return 0.0, 0.0, 0.0, 1.0
-    z = _unit(z)
-    y = _cross(z, x)
-    m = tuple(zip(x, y, z, strict=True))  # rows of the matrix with the axes as columns
-    trace = m[0][0] + m[1][1] + m[2][2]
-    if trace > 0:
-        s = 2 * math.sqrt(trace + 1)
-        q = (m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1])
-        return q[0] / s, q[1] / s, q[2] / s, s / 4
-    i = max(range(3), key=lambda n: m[n][n])
-    j, k = (i + 1) % 3, (i + 2) % 3
-    s = 2 * math.sqrt(max(0.0, 1 + m[i][i] - m[j][j] - m[k][k]))
-    parts = [0.0, 0.0, 0.0]
-    parts[i], parts[j], parts[k] = s / 4, (m[j][i] + m[i][j]) / s, (m[k][i] + m[i][k]) / s
-    return parts[0], parts[1], parts[2], (m[k][j] - m[j][k]) / s
-
-
-def _unit(vector: Vector) -> Vector:
-    norm = math.sqrt(sum(value * value for value in vector))
-    return vector[0] / norm, vector[1] / norm, vector[2] / norm
-
-
-def _cross(a: Vector, b: Vector) -> Vector:
-    return (
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    )

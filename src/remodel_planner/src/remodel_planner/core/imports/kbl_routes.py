@@ -9,6 +9,7 @@ from lxml import etree
 
 from remodel_planner.core.imports.assembly import unique_name
 from remodel_planner.core.imports.guesses import Guesses
+from remodel_planner.core.imports.kbl_pose import placed_pose
 from remodel_planner.core.imports.kbl_tree import KblTree, children, shown, text_of
 from remodel_planner.core.imports.units import number
 from remodel_planner.core.imports.xml_tree import line_of, local_name
@@ -90,9 +91,9 @@ class Topology:
                     along = self._along(assignment, self._by_name[segment])
                     name = unique_name(_name(fixing), taken)
                     taken.add(name)
-                    position = self._place_of(fixing)
-                    kind = self._kind(fixing)
-                    clips.append(Clip(name, kind, segment, along, position=position))
+                    pose = placed_pose(self._tree, fixing)
+                    position = None if pose is None else pose.position
+                    clips.append(Clip(name, self._kind(fixing), segment, along, position=position))
         for node, node_name in self._node_names.items():
             for item in self._tree.referred(node, "Referenced_components"):
                 if local_name(item).lower() == "fixing_occurrence":
@@ -115,11 +116,6 @@ class Topology:
                 "number from 0 to 1 is needed"
             )
         return along
-
-    def _place_of(self, fixing: etree._Element) -> tuple[float, float, float] | None:
-        for placement in children(fixing, "Placement"):
-            return self._tree.position(placement)
-        return None
 
     def _kind(self, fixing: etree._Element) -> str:
         part = self._tree.part(fixing)

@@ -29,24 +29,26 @@ from remodel_planner.core.catalogue import Catalogue, Place
 from remodel_planner.core.imports.account import Account, Imported, LeftOut
 from remodel_planner.core.imports.assembly import Connection, Device, assemble, unique_name
 from remodel_planner.core.imports.guesses import Guesses
+from remodel_planner.core.imports.qet_drawing import (
+    ByNumber,
+    Spot,
+    definitions_of,
+    docked,
+    elements_of,
+    file_name,
+    information,
+    kind_of,
+    side_of,
+    spot_of,
+    terminals_by_number,
+)
 from remodel_planner.core.imports.xml_tree import line_of, parse_xml
 from remodel_planner.core.production import Mount, Order, Side, TerminalRef
 from remodel_planner.errors import DesignError
 
-# QElectroTech's terminal orientations: north, east, south, west. East and west terminals open to
-# the bottom of a component on a rail.
-_NORTH = 0
-# A definition says where a terminal's line ends, an instance where it begins: 4 units inwards.
-_INWARDS = {"n": (0, 4), "e": (-4, 0), "s": (0, -4), "w": (4, 0)}
-
 _NEWEST_FORMAT = 0.90
 _SECTION = re.compile(r"\d+(?:[.,]\d+)?\s*(?:mm|awg)|awg\s*\d+", re.IGNORECASE)
 _DEVICES = (Place.PLATE, Place.FIELD)
-
-# x to the right and y down, in the drawing's units.
-_Spot = tuple[float, float]
-# Terminals, each with its element's uuid, by their numbers on a folio.
-_ByNumber = dict[str, list[tuple[str, etree._Element]]]
 
 
 @dataclass(frozen=True)
@@ -95,8 +97,8 @@ class _Reader:
         self._guesses = Guesses(catalogue)
         self._left_out: list[LeftOut] = []
         self._note_version()
-        self._definitions = _definitions(project)
-        self._elements = _elements(project)
+        self._definitions = definitions_of(project)
+        self._elements = elements_of(project)
         self._masters = {uuid: self._master(uuid) for uuid in self._elements}
         self._places = {uuid: self._place(master) for uuid, master in self._masters.items()}
         self._sides: dict[str, dict[str, Side]] = defaultdict(dict)
@@ -157,27 +159,27 @@ class _Reader:
         definition = self._definitions.get(self._elements[uuid].get("type", ""))
         return "" if definition is None else definition.get("link_type", "")
 
-    def _name_points(self) -> dict[tuple[str, Side, _Spot], str]:
+    def _name_points(self) -> dict[tuple[str, Side, Spot], str]:
         """Name the terminals of each device by side and number, left to right, element by element.
 
         Returns:
             The name of each point, by element, side and place in the element.
         """
-        names: dict[tuple[str, Side, _Spot], str] = {}
+        names: dict[tuple[str, Side, Spot], str] = {}
         for uuid, element in self._elements.items():
             sides = self._sides[self._masters[uuid]]
             for side in Side:
                 letter = side.name[0]
                 used = sum(known is side for known in sides.values())
-                points = [t for t in element.iterfind("terminals/terminal") if _side(t) is side]
-                for number, spot in enumerate(sorted(set(map(_spot, points))), start=used + 1):
+                points = [t for t in element.iterfind("terminals/terminal") if side_of(t) is side]
+                for number, spot in enumerate(sorted(set(map(spot_of, points))), start=used + 1):
                     names[uuid, side, spot] = f"{letter}{number}"
                     sides[f"{letter}{number}"] = side
         return names
 
     def _conductors(self, folio: int, diagram: etree._Element) -> list[_Conductor]:
         """Return the conductors of a folio whose ends are known; note the others as left out."""
-        by_number = _terminals_by_number(diagram)
+        by_number = terminals_by_number(diagram)
         conductors = []
         for node in diagram.iterfind("conductors/conductor"):
             source = f"folio {folio}, {line_of(node)}"
@@ -200,7 +202,7 @@ class _Reader:
         self,
         node: etree._Element,
         number: str,
-        by_number: _ByNumber,
+        by_number: ByNumber,
     ) -> _Point | str:
         """Return the point at one end of a conductor, or why there is none."""
         uuid, key = node.get(f"element{number}"), node.get(f"terminal{number}", "")
@@ -223,8 +225,8 @@ class _Reader:
         return _Point(uuid, self._point_name(uuid, terminal))
 
     def _point_name(self, uuid: str, terminal: etree._Element) -> str:
-        side, spot = _side(terminal), _spot(terminal)
-        for candidate in (spot, _docked(spot, terminal.get("orientation", ""))):
+        side, spot = side_of(terminal), spot_of(terminal)
+        for candidate in (spot, docked(spot, terminal.get("orientation", ""))):
             known = self._point_names.get((uuid, side, candidate))
             if known is not None:
                 return known
@@ -304,17 +306,17 @@ class _Reader:
         for uuid, element in self._elements.items():
             if self._masters[uuid] != uuid or self._places[uuid] not in _DEVICES:
                 continue
-            label = _information(element, "label")
-            base = label or _information(element, "designation") or _file_name(element)
+            label = information(element, "label")
+            base = label or information(element, "designation") or file_name(element)
             name = unique_name(base, taken)
             taken.add(name)
             if name != label:
                 self._guesses.add(f"the element at {line_of(element)} is named {name}")
             devices[uuid] = Device(
                 name,
-                _kind(element),
+                kind_of(element),
                 Mount.PLATE if self._places[uuid] is Place.PLATE else Mount.FIELD,
-                part_number=_information(element, "manufacturer_reference"),
+                part_number=information(element, "manufacturer_reference"),
                 sides=self._sides[uuid],
             )
         return devices
@@ -331,7 +333,7 @@ class _Reader:
         """Return the devices with terminals to which no wire goes."""
         wired = {self._masters[uuid] for uuid in wired}
         return tuple(
-            LeftOut(f"{line_of(element)}, {_kind(element)}", "it has no wire")
+            LeftOut(f"{line_of(element)}, {kind_of(element)}", "it has no wire")
             for uuid, element in self._elements.items()
             if self._masters[uuid] == uuid
             and uuid not in wired
@@ -340,86 +342,9 @@ class _Reader:
         )
 
 
-def _elements(project: etree._Element) -> dict[str, etree._Element]:
-    """Return the elements of all folios by their uuid, or their line before there were uuids."""
-    elements: dict[str, etree._Element] = {}
-    for element in project.iterfind("diagram/elements/element"):
-        uuid = element.get("uuid") or line_of(element)
-        if uuid in elements:
-            raise DesignError(
-                f"{line_of(element)}: element {uuid} is there before, at "
-                f"{line_of(elements[uuid])}; a uuid stands for one element: give it another one"
-            )
-        elements[uuid] = element
-    return elements
-
-
-def _terminals_by_number(diagram: etree._Element) -> _ByNumber:
-    """Return the terminals of a folio, each with its element's uuid, by their numbers."""
-    found: _ByNumber = defaultdict(list)
-    for element in diagram.iterfind("elements/element"):
-        for terminal in element.iterfind("terminals/terminal"):
-            uuid = element.get("uuid") or line_of(element)
-            found[terminal.get("id", "")].append((uuid, terminal))
-    return found
-
-
-def _definitions(project: etree._Element) -> dict[str, etree._Element]:
-    """Return the definitions of the embedded collection by the path that elements refer to."""
-    definitions = {}
-    for element in project.iterfind("collection//element"):
-        definition = element.find("definition")
-        if definition is not None:
-            folders = [a.get("name", "") for a in element.iterancestors("category")]
-            path = "/".join([*reversed(folders), element.get("name", "")])
-            definitions[f"embed://{path}"] = definition
-    return definitions
-
-
-def _side(terminal: etree._Element) -> Side:
-    """Return the side on which a terminal opens; instances number it, definitions name it."""
-    return Side.TOP if terminal.get("orientation") in (str(_NORTH), "n") else Side.BOTTOM
-
-
-def _spot(terminal: etree._Element) -> _Spot:
-    """Return where a terminal is in its element."""
-    try:
-        return float(terminal.get("x", "0")), float(terminal.get("y", "0"))
-    except ValueError as error:
-        raise DesignError(
-            f"{line_of(terminal)}: a terminal is at x = {terminal.get('x')!r}, "
-            f"y = {terminal.get('y')!r}; numbers are needed"
-        ) from error
-
-
-def _docked(spot: _Spot, orientation: str) -> _Spot:
-    """Return where an instance has a terminal that its definition has at the spot."""
-    dx, dy = _INWARDS.get(orientation, (0, 0))
-    return spot[0] + dx, spot[1] + dy
-
-
 def _reference(conductor: _Conductor, places: dict[str, Place]) -> str:
     """Return the element of the (first) end that is a folio reference."""
     return next(end.element for end in conductor.ends if places[end.element] is Place.REFERENCE)
-
-
-def _information(element: etree._Element, key: str) -> str:
-    for node in element.iterfind("elementInformations/elementInformation"):
-        if node.get("name") == key and node.text:
-            return " ".join(node.text.split())
-    return ""
-
-
-def _kind(element: etree._Element) -> str:
-    return (
-        _information(element, "description")
-        or _information(element, "designation")
-        or _file_name(element)
-    )
-
-
-def _file_name(element: etree._Element) -> str:
-    return element.get("type", "element").rsplit("/", 1)[-1].removesuffix(".elmt") or "element"
 
 
 def _reasons(left_out: list[LeftOut]) -> str:

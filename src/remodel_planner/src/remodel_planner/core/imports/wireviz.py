@@ -345,6 +345,7 @@ class _Reader:
                         role=Role.CONNECTOR,
                         part_number=part.part_number,
                         kinds=kinds,
+                        stays_bare=True,
                     )
                 )
         return devices

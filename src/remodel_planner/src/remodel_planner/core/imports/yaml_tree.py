@@ -11,6 +11,8 @@ from remodel_planner.errors import DesignError
 
 # Values after all aliases are followed; a harness of 1000 connections has some ten thousand.
 _MOST_VALUES = 200_000
+# Composing recurses; a WireViz harness nests seven deep.
+_MOST_DEPTH = 50
 _MERGE = "tag:yaml.org,2002:merge"
 
 
@@ -79,6 +81,7 @@ def parse_yaml(text: str) -> Value:
         DesignError: if it is no YAML, has keys twice, or grows without end by its aliases.
     """
     try:
+        _refuse_deep(text)
         loader = yaml.CSafeLoader(text)
         try:
             node = loader.get_single_node()
@@ -94,6 +97,23 @@ def parse_yaml(text: str) -> Value:
         raise DesignError(f"{where}is no YAML: {error.problem}") from error
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise DesignError(f"is no YAML: {' '.join(str(error).split())[:200]}") from error
+
+
+def _refuse_deep(text: str) -> None:
+    """Refuse a document that nests too deeply or is too long, before it is composed."""
+    depth = 0
+    for count, event in enumerate(yaml.parse(text, Loader=yaml.CSafeLoader)):
+        if isinstance(event, yaml.CollectionStartEvent):
+            depth += 1
+        elif isinstance(event, yaml.CollectionEndEvent):
+            depth -= 1
+        if depth > _MOST_DEPTH or count > 2 * _MOST_VALUES:
+            line = event.start_mark.line + 1
+            found = f"{depth} levels" if depth > _MOST_DEPTH else f"{count} values"
+            raise DesignError(
+                f"line {line}: {found} found; at most {_MOST_DEPTH} levels and {_MOST_VALUES} "
+                "values are read: split the file"
+            )
 
 
 def _children(node: yaml.Node) -> Iterator[yaml.Node]:
