@@ -7,12 +7,14 @@ import numpy as np
 from panels import component, wire
 
 from remodel_sim.core.arm import ToolPose
-from remodel_sim.core.cable import discretise
+from remodel_sim.core.cable import Piece, chain, discretise
 from remodel_sim.core.component_shape import component_boxes
+from remodel_sim.core.fixtures import PLAY_M, Clip
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.panel import End
 from remodel_sim.physics.cable import Cable
 from remodel_sim.physics.clamps import close_clamp
+from remodel_sim.physics.clips import add_clip
 from remodel_sim.physics.panel_scene import add_plate_surface, add_static
 from remodel_sim.physics.robot import PAD_FRICTION, Robot
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
@@ -98,3 +100,40 @@ def clamp_pull_out(retention, rate_hz=240.0):
     held = pull_out(world, cable, End.A, -into, retention)
     world.close()
     return held
+
+
+def clip_forces(retention, diameter=0.003, rate_hz=240.0):
+    """Push a wire into a clip and pull it out; return the forces that it took [N]."""
+    world = World(rate_hz)
+    add_plate_surface(world)
+    clip = Clip("C1", (0.0, 0.0, 0.0), diameter, 0.010, 0.008, retention)
+    add_clip(world, clip, Pose.level(0.0, 0.0, 0.0))
+    # Stiff, one cell in the middle of the clip, resting on the lips.
+    specimen = wire("W", ("X", "1"), ("Y", "1"), 0.06, diameter=diameter, bending_stiffness=1e-2)
+    model = chain(specimen, [Piece(0.02, 0.02)] * 3, world.time_step)
+    cable = Cable(world, model, "BU")
+    on_top = clip.lip_height + (clip.lip_height - clip.height)
+    cable.lay(np.array([-0.03 - diameter / 2, 0.0, on_top]), 0.0, np.zeros(2))
+    inside = _press(world, cable, -1.0, retention, lambda z: z < clip.height + 2 * PLAY_M)
+    for _ in range(round(0.3 * rate_hz)):
+        world.step()
+    rests = float(cable.link_pose((cable.bodies[0], 0))[0][2])
+    assert abs(rests - clip.height) < 2 * PLAY_M, f"it rests at {rests:.4f} m, not {clip.height:.4f}"
+    outside = _press(world, cable, 1.0, retention, lambda z: z > clip.lip_height + diameter / 2)
+    world.close()
+    return inside, outside
+
+
+def _press(world, cable, sign, expected, done):
+    """Press the middle link up or down with a growing force until `done(its height)`."""
+    bullet, link = world.bullet, (cable.bodies[0], 0)
+    for step in range(math.ceil(PATIENCE_S / world.time_step)):
+        force = GROWTH_1_S * expected * step * world.time_step
+        centre = cable.link_pose(link)[0]
+        if done(float(centre[2])):
+            return force
+        bullet.applyExternalForce(
+            *link, [0.0, 0.0, sign * force], centre.tolist(), bullet.WORLD_FRAME
+        )
+        world.step()
+    raise AssertionError(f"{force:.1f} N did not move the wire through the lips")

@@ -23,7 +23,7 @@ from remodel_sim.physics.cable import Cable
 from remodel_sim.physics.clamps import Clamp, close_clamp
 from remodel_sim.physics.feeder import lay
 from remodel_sim.physics.panel_scene import PanelScene, add_static
-from remodel_sim.physics.parked_wire import draw_parked
+from remodel_sim.physics.parked_wire import add_solid, draw_parked
 from remodel_sim.physics.robot import Robot
 from remodel_sim.physics.world import World
 
@@ -50,7 +50,7 @@ class LiveWire:
 
 @dataclass(frozen=True, eq=False)
 class ParkedWire:
-    """A wire that only its picture is left of.
+    """A wire that stays where it is.
 
     Attributes:
         nodes: (n, 3) from tip to tip [m], world frame.
@@ -70,9 +70,21 @@ class Plant:
         parked: the wires that have been parked.
     """
 
-    def __init__(self, panel: Panel, *, seed: int, rate_hz: float, gui: bool = False) -> None:
-        """Build the cell; raises PanelError."""
+    def __init__(
+        self,
+        panel: Panel,
+        *,
+        seed: int,
+        rate_hz: float,
+        gui: bool = False,
+        solid_parked: bool = False,
+    ) -> None:
+        """Build the cell; raises PanelError.
+
+        `solid_parked`: whether live wires touch parked ones.
+        """
         self.seed = seed
+        self._solid_parked = solid_parked
         self.world = World(rate_hz, gui=gui)
         self.load(panel)
 
@@ -105,8 +117,7 @@ class Plant:
         for component_id, terminal_id in sorted(self._blocked):
             self._add_plug(component_id, terminal_id)
         for wire_id, parked in self.parked.items():
-            wire = self.panel.wire(wire_id)
-            draw_parked(self.world, parked.nodes, wire)
+            self._add_parked(self.panel.wire(wire_id), parked)
         self.robot = Robot(self.world, tool)
 
     def step(self) -> None:
@@ -130,7 +141,8 @@ class Plant:
         self._keep_shape()
         self.parked.pop(wire_id, None)
         self._build(tool)
-        cable, laying, self._fork = lay(self.world, self.panel, wire, channel, self._noise)
+        lying = [other.nodes for other in self.parked.values()] if self._solid_parked else []
+        cable, laying, self._fork = lay(self.world, self.panel, wire, channel, lying, self._noise)
         self.live = LiveWire(wire, cable, {})
         return laying
 
@@ -139,18 +151,20 @@ class Plant:
         self.world.bullet.resetBasePositionAndOrientation(self._fork, [x, y, 0.0], [0, 0, 0, 1])
 
     def park(self) -> None:
-        """Turn the live wire into a picture of itself.
-
-        It stays where it is and touches nothing any more.
-        """
+        """Freeze the live wire where it is."""
         if self.live is None:
             return
         live = self.live
         self._keep_shape()
-        draw_parked(self.world, self.parked[live.wire.id].nodes, live.wire)
+        self._add_parked(live.wire, self.parked[live.wire.id])
         for clamp in live.clamps.values():
             clamp.release_constraint()
         live.cable.remove()
+
+    def _add_parked(self, wire: Wire, parked: ParkedWire) -> None:
+        draw_parked(self.world, parked.nodes, wire)
+        if self._solid_parked:
+            add_solid(self.world, parked.nodes, wire)
 
     def _keep_shape(self) -> None:
         if self.live is not None:
