@@ -17,7 +17,7 @@ import math
 from dataclasses import dataclass
 
 from remodel_sim.core.component_shape import Box
-from remodel_sim.core.geometry import Pose
+from remodel_sim.core.panel import Clip, Duct
 
 # Shares of the wire's diameter.
 GAP_SHARE = 0.6
@@ -32,73 +32,44 @@ FIXTURE_RGB = (0.86, 0.86, 0.82)
 
 
 @dataclass(frozen=True)
-class Clip:
-    """A clip; fields, units and frame as in remodel_msgs/Clip."""
+class Lips:
+    """The lips of a clip, in its frame.
 
-    id: str
-    pose: tuple[float, float, float]
-    wire_diameter: float
+    Attributes:
+        radius: of each one's round edge [m].
+        aside: from the middle to a closed one's centre [m].
+        height: of their centres above the plate [m].
+        travel: by which each gives way [m].
+        force: with which each closes [N].
+    """
+
+    radius: float
+    aside: float
     height: float
-    length: float
-    retention_force: float
-
-    @property
-    def panel_from_clip(self) -> Pose:
-        """Its frame: x along the wire, z away from the plate, the origin on the plate."""
-        x, y, yaw = self.pose
-        return Pose.level(x, y, 0.0, yaw)
-
-    @property
-    def lip_radius(self) -> float:
-        """Of each lip's round edge [m]."""
-        return LIP_RADIUS_SHARE * self.wire_diameter
-
-    @property
-    def lip_aside(self) -> float:
-        """From the middle to a closed lip's centre [m]."""
-        return GAP_SHARE * self.wire_diameter / 2 + self.lip_radius
-
-    @property
-    def lip_height(self) -> float:
-        """Of the lips' centres above the plate [m]."""
-        apart = self.wire_diameter / 2 + self.lip_radius
-        return self.height + PLAY_M + math.sqrt(apart**2 - self.lip_aside**2)
-
-    @property
-    def lip_travel(self) -> float:
-        """By which a lip gives way [m]."""
-        return self.wire_diameter / 2
-
-    @property
-    def lip_force(self) -> float:
-        """With which each lip closes, so that the wire comes free at the retention force [N]."""
-        angle = math.acos(self.lip_aside / (self.wire_diameter / 2 + self.lip_radius))
-        rubbing = math.atan(LIP_FRICTION * WIRE_FRICTION)
-        return self.retention_force / (2 * math.tan(angle + rubbing))
+    travel: float
+    force: float
 
 
-@dataclass(frozen=True)
-class Duct:
-    """A duct; fields, units and frame as in remodel_msgs/Duct."""
-
-    id: str
-    pose: tuple[float, float, float]
-    length: float
-    width: float
-    height: float
-
-    @property
-    def panel_from_duct(self) -> Pose:
-        """Its frame: x along the duct, z away from the plate, the origin on the plate."""
-        x, y, yaw = self.pose
-        return Pose.level(x, y, 0.0, yaw)
+def lips_of(clip: Clip) -> Lips:
+    """Return the lips that let a wire go at the clip's retention force."""
+    radius = LIP_RADIUS_SHARE * clip.wire_diameter
+    aside = GAP_SHARE * clip.wire_diameter / 2 + radius
+    apart = clip.wire_diameter / 2 + radius
+    angle, rubbing = math.acos(aside / apart), math.atan(LIP_FRICTION * WIRE_FRICTION)
+    return Lips(
+        radius,
+        aside,
+        clip.height + PLAY_M + math.sqrt(apart**2 - aside**2),
+        clip.wire_diameter / 2,
+        clip.retention_force / (2 * math.tan(angle + rubbing)),
+    )
 
 
 def clip_boxes(clip: Clip) -> tuple[Box, ...]:
     """Return the fixed parts of a clip, in its frame."""
     inner = clip.wire_diameter / 2 + PLAY_M
     floor = clip.height - clip.wire_diameter / 2
-    top = clip.lip_height
+    top = lips_of(clip).height
     outer = 2 * (inner + WALL_M)
     walls = [
         Box(
@@ -115,6 +86,4 @@ def duct_boxes(duct: Duct) -> tuple[Box, ...]:
     """Return the walls of a duct, in its frame."""
     aside = (duct.width + WALL_M) / 2
     size = (duct.length, WALL_M, duct.height)
-    return tuple(
-        Box((0.0, side * aside, duct.height / 2), size, FIXTURE_RGB) for side in (-1, 1)
-    )
+    return tuple(Box((0.0, side * aside, duct.height / 2), size, FIXTURE_RGB) for side in (-1, 1))

@@ -6,9 +6,10 @@ import math
 import tempfile
 from pathlib import Path
 
-from remodel_sim.core.fixtures import FIXTURE_RGB, LIP_FRICTION, Clip, clip_boxes
+from remodel_sim.core.fixtures import FIXTURE_RGB, LIP_FRICTION, clip_boxes, lips_of
 from remodel_sim.core.geometry import Pose
-from remodel_sim.physics.panel_scene import boxes_description
+from remodel_sim.core.panel import Clip
+from remodel_sim.physics.static_body import boxes_description
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
 
 LIP_MASS_KG = 0.05
@@ -17,7 +18,8 @@ CLOSING_M_S = 0.05
 
 LIP = """
 <link name="lip{i}">
-  <inertial><mass value="{mass}"/><inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="1e-4"/></inertial>
+  <inertial><mass value="{mass}"/>
+    <inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="1e-4"/></inertial>
   <visual>{shape}<material name="lip"><color rgba="{r} {g} {b} 1"/></material></visual>
   <collision>{shape}</collision>
 </link>
@@ -54,7 +56,7 @@ def add_clip(world: World, clip: Clip, world_from_clip: Pose) -> int:
         [0, 1],
         bullet.VELOCITY_CONTROL,
         targetVelocities=[-CLOSING_M_S] * 2,
-        forces=[clip.lip_force] * 2,
+        forces=[lips_of(clip).force] * 2,
     )
     return body
 
@@ -64,12 +66,13 @@ def _description(clip: Clip) -> str:
         '<robot name="clip"><link name="body"><inertial><mass value="0"/>'
         '<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'
     )
+    lips = lips_of(clip)
     shape = (
         f'<origin xyz="0 0 0" rpy="0 {math.pi / 2} 0"/><geometry>'
-        f'<capsule radius="{clip.lip_radius:.6f}" length="{clip.length:.6f}"/></geometry>'
+        f'<capsule radius="{lips.radius:.6f}" length="{clip.length:.6f}"/></geometry>'
     )
     red, green, blue = FIXTURE_RGB
-    lips = [
+    slides = [
         LIP.format(
             i=i,
             mass=LIP_MASS_KG,
@@ -77,11 +80,11 @@ def _description(clip: Clip) -> str:
             r=red,
             g=green,
             b=blue,
-            y=side * clip.lip_aside,
-            z=clip.lip_height,
+            y=side * lips.aside,
+            z=lips.height,
             side=side,
-            travel=clip.lip_travel,
+            travel=lips.travel,
         )
         for i, side in enumerate((-1, 1))
     ]
-    return "\n".join([head, *boxes_description(clip_boxes(clip)), "</link>", *lips, "</robot>"])
+    return "\n".join([head, *boxes_description(clip_boxes(clip)), "</link>", *slides, "</robot>"])

@@ -20,7 +20,7 @@ from remodel_sim.core.feeding import (
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.panel import Channel, Panel, Wire
 from remodel_sim.physics.cable import Cable
-from remodel_sim.physics.panel_scene import add_static
+from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.world import World
 
 FORK_RGB = (0.16, 0.45, 0.30)

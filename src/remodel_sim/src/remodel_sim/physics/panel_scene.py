@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Iterable, Iterator
-from pathlib import Path
+from collections.abc import Iterable
 
 from remodel_sim.core.component_shape import Box, component_boxes
+from remodel_sim.core.fixtures import duct_boxes
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.layout import WORLD_FROM_PANEL
 from remodel_sim.core.panel import Channel, Panel
 from remodel_sim.core.wire_colours import PLATE_RGB
+from remodel_sim.physics.clips import add_clip
+from remodel_sim.physics.static_body import add_described, add_static, boxes_description
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
 
 PLATE_FRICTION = 0.4
@@ -45,6 +46,10 @@ class PanelScene:
             size = (channel.width, channel.y_max - channel.y_min, 0.0002)
             lane = Box((channel.x, y, 0.0), size, LANE_RGB, solid=False)
             self._static([lane, *_lips(channel)], WORLD_FROM_PANEL)
+        for duct in panel.ducts:
+            self._static(duct_boxes(duct), WORLD_FROM_PANEL @ duct.panel_from_duct)
+        for clip in panel.clips:
+            add_clip(world, clip, WORLD_FROM_PANEL @ clip.panel_from_clip)
         for component in panel.components:
             body = self._static(component_boxes(component), poses[component.id])
             self._bullet.changeDynamics(
@@ -91,37 +96,3 @@ def add_plate_surface(world: World, looks: Iterable[Box] = ()) -> int:
     surface = add_described(world.bullet, [plane, *boxes_description(looks)], WORLD_FROM_PANEL)
     world.bullet.changeDynamics(surface, -1, lateralFriction=PLATE_FRICTION)
     return surface
-
-
-def add_static(bullet, boxes: Iterable[Box], pose: Pose) -> int:  # noqa: ANN001
-    """Add boxes as one body that never moves by itself; returns the body."""
-    return add_described(bullet, boxes_description(boxes), pose)
-
-
-def add_described(bullet, shapes: Iterable[str], pose: Pose) -> int:  # noqa: ANN001
-    """Add a body that never moves by itself of URDF shapes; returns the body."""
-    head = (
-        '<robot name="body"><link name="body"><inertial><mass value="0"/>'
-        '<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'
-    )
-    # Bullet reads a description line by line, and only so many characters of each.
-    text = "\n".join([head, *shapes, "</link></robot>"])
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "body.urdf"
-        path.write_text(text)
-        return bullet.loadURDF(
-            str(path), pose.position.tolist(), pose.quaternion.tolist(), useFixedBase=True
-        )
-
-
-def boxes_description(boxes: Iterable[Box]) -> Iterator[str]:
-    """Yield the URDF shapes of boxes."""
-    for box in boxes:
-        shape = '<origin xyz="{:.6f} {:.6f} {:.6f}" rpy="{:.8f} {:.8f} {:.8f}"/>'.format(
-            *box.centre, *box.rpy
-        ) + '<geometry><box size="{:.6f} {:.6f} {:.6f}"/></geometry>'.format(*box.size)
-        name = "rgb_{}_{}_{}".format(*box.rgb)
-        colour = '<color rgba="{} {} {} 1"/>'.format(*box.rgb)
-        yield f'<visual>{shape}<material name="{name}">{colour}</material></visual>'
-        if box.solid:
-            yield f"<collision>{shape}</collision>"

@@ -14,7 +14,7 @@ import numpy as np
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.panel import Wire
 from remodel_sim.core.wire_colours import FERRULE_RGB, WIRE_RGB
-from remodel_sim.physics.panel_scene import add_described
+from remodel_sim.physics.static_body import add_described
 from remodel_sim.physics.world import World
 
 SIDES = 8

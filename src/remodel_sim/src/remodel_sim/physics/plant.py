@@ -22,9 +22,10 @@ from remodel_sim.physics import cameras
 from remodel_sim.physics.cable import Cable
 from remodel_sim.physics.clamps import Clamp, close_clamp
 from remodel_sim.physics.feeder import lay
-from remodel_sim.physics.panel_scene import PanelScene, add_static
+from remodel_sim.physics.panel_scene import PanelScene
 from remodel_sim.physics.parked_wire import add_solid, draw_parked
 from remodel_sim.physics.robot import Robot
+from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.world import World
 
 # Out of the overhead camera's picture.
