@@ -100,6 +100,12 @@ class Robot:
             velocityGains=[1.0] * 7,
         )
 
+    def weaken(self, friction: float, grip: float) -> None:
+        """Leave a share of the pads' friction and of the grip force."""
+        self.grip_force = grip * GRIP_FORCE
+        for finger in FINGER_JOINTS:
+            self._bullet.changeDynamics(self.body, finger, lateralFriction=friction * PAD_FRICTION)
+
     def drive_fingers(self, opening: float) -> None:
         """Send each finger to a distance from the middle [m].
 
