@@ -35,10 +35,11 @@ class Cell:
         seed: int = 0,
         rate_hz: float = 240.0,
         gui: bool = False,
+        solid_parked: bool = False,
         on_look: OnLook | None = None,
     ) -> None:
-        """Build the cell; raises PanelError."""
-        self.plant = Plant(panel, seed=seed, rate_hz=rate_hz, gui=gui)
+        """Build the cell, see Plant; raises PanelError."""
+        self.plant = Plant(panel, seed=seed, rate_hz=rate_hz, gui=gui, solid_parked=solid_parked)
         self._on_look = on_look
         self.station = Station(self.plant, on_look)
 

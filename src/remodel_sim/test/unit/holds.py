@@ -7,14 +7,17 @@ import numpy as np
 from panels import component, wire
 
 from remodel_sim.core.arm import ToolPose
-from remodel_sim.core.cable import discretise
+from remodel_sim.core.cable import Piece, chain, discretise
 from remodel_sim.core.component_shape import component_boxes
+from remodel_sim.core.fixtures import PLAY_M, lips_of
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.panel import End
+from remodel_sim.core.panel import Clip, End
 from remodel_sim.physics.cable import Cable
 from remodel_sim.physics.clamps import close_clamp
-from remodel_sim.physics.panel_scene import add_plate_surface, add_static
+from remodel_sim.physics.clips import add_clip
+from remodel_sim.physics.panel_scene import add_plate_surface
 from remodel_sim.physics.robot import PAD_FRICTION, Robot
+from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
 
 # A pull grows by this share of what should hold, per second: quasi-static.
@@ -23,6 +26,10 @@ GROWTH_1_S = 0.5
 BEGAN_M = 0.0003
 SLIPPED_M = 0.002
 PATIENCE_S = 5.0
+# What drives a wire through a clip: a spring, a damper and their speed.
+DRIVE_N_M = 4e3
+DRIVE_NS_M = 15.0
+DRIVE_M_S = 0.01
 GRASP_M = 0.045  # from the tip
 TOOL = ToolPose(0.50, 0.0, 0.10, math.pi / 2)
 
@@ -98,3 +105,50 @@ def clamp_pull_out(retention, rate_hz=240.0):
     held = pull_out(world, cable, End.A, -into, retention)
     world.close()
     return held
+
+
+def clip_forces(retention, diameter=0.003, rate_hz=240.0):
+    """Push a wire slowly into a clip and pull it out; return the largest forces on the way [N]."""
+    world = World(rate_hz)
+    world.bullet.setGravity(0, 0, 0)
+    clip = Clip("C1", (0.0, 0.0, 0.0), diameter, 0.010, 0.008, retention)
+    add_clip(world, clip, Pose.level(0.0, 0.0, 0.0))
+    # Stiff, one cell in the middle of the clip; heavy, so that a stiff spring can drive it.
+    specimen = wire(
+        "W", ("X", "1"), ("Y", "1"), 0.06,
+        diameter=diameter, bending_stiffness=1e-2, torsional_stiffness=1e-2, linear_density=0.5,
+    )  # fmt: skip
+    model = chain(specimen, [Piece(0.02, 0.02)] * 3, world.time_step)
+    cable = Cable(world, model, "BU")
+    above = lips_of(clip).height + diameter
+    cable.lay(np.array([-0.03 - diameter / 2, 0.0, above]), 0.0, np.zeros(2))
+    inward = _drive(world, cable, above, clip.height)
+    for _ in range(round(0.2 * rate_hz)):
+        world.step()
+    rests = float(cable.link_pose(_middle(cable))[0][2])
+    assert abs(rests - clip.height) < 2 * PLAY_M, f"it rests at {rests:.4f} m"
+    outward = _drive(world, cable, rests, above)
+    world.close()
+    return inward, outward
+
+
+def _middle(cable):
+    return cable.bodies[0], 0
+
+
+def _drive(world, cable, start, end):
+    """Move the middle link by a spring from one height to another; return its largest force."""
+    bullet, sign = world.bullet, math.copysign(1.0, end - start)
+    steps = math.ceil(abs(end - start) / (DRIVE_M_S * world.time_step))
+    largest = 0.0
+    for step in range(1, steps + 1):
+        at = cable.link_pose(_middle(cable))[0]
+        velocity = bullet.getLinkState(*_middle(cable), computeLinkVelocity=1)[6][2]
+        target = start + sign * step * DRIVE_M_S * world.time_step
+        force = DRIVE_N_M * (target - at[2]) + DRIVE_NS_M * (sign * DRIVE_M_S - velocity)
+        bullet.applyExternalForce(
+            *_middle(cable), [0.0, 0.0, force], at.tolist(), bullet.WORLD_FRAME
+        )
+        world.step()
+        largest = max(largest, sign * force)
+    return largest

@@ -10,6 +10,8 @@ from panels import wire
 from remodel_sim.core.cable import MAX_LINKS, discretise
 from remodel_sim.core.panel import End
 from remodel_sim.physics.cable import Cable
+from remodel_sim.physics.panel_scene import add_plate_surface
+from remodel_sim.physics.parked_wire import add_solid, draw_parked
 from remodel_sim.physics.world import World
 
 
@@ -100,7 +102,7 @@ def test_a_twisted_wire_turns_by_torsion_alone():
 
 def test_a_long_wire_rests_on_the_plate_in_one_piece():
     world = World(240)
-    world.bullet.createMultiBody(0, world.bullet.createCollisionShape(world.bullet.GEOM_PLANE))
+    add_plate_surface(world)
     long = ordered(1.6)
     model = discretise(long, world.time_step)
     cable = Cable(world, model, "BU")
@@ -117,7 +119,7 @@ def test_a_long_wire_rests_on_the_plate_in_one_piece():
 
 def test_a_wire_rests_on_another():
     world = World(240)
-    world.bullet.createMultiBody(0, world.bullet.createCollisionShape(world.bullet.GEOM_PLANE))
+    add_plate_surface(world)
     stiff = dataclasses.replace(ordered(0.36), bending_stiffness=1e-2, torsional_stiffness=8e-3)
     lower, upper = (
         Cable(world, discretise(stiff, world.time_step), colour) for colour in ("BU", "RD")
@@ -132,3 +134,24 @@ def test_a_wire_rests_on_another():
     world.close()
     assert crossing > 2.5 * stiff.radius
     assert below < 3e-4
+
+
+def test_a_wire_rests_on_a_parked_one_that_is_solid():
+    def crossing_height(*additions):
+        world = World(240)
+        add_plate_surface(world)
+        live = ordered(0.36)
+        cable = Cable(world, discretise(live, world.time_step), "BU")
+        line = np.linspace(-0.2, 0.2, 20)[:, None] * np.array([0.0, 1.0, 0.0])
+        for add in additions:
+            add(world, line + np.array([0.0, 0.0, live.radius]), live)
+        start = np.array([-0.18, 0.0, 3 * live.radius + 5e-4])
+        cable.lay(start, 0.0, np.zeros(len(cable.model.spans)))
+        for _ in range(480):
+            world.step()
+        nodes = cable.nodes()
+        world.close()
+        return float(np.interp(0.0, nodes[:, 0], nodes[:, 2])) / live.radius
+
+    assert crossing_height(draw_parked) == pytest.approx(1.0, abs=0.1)
+    assert 2.0 < crossing_height(draw_parked, add_solid) < 3.1

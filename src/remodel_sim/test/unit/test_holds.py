@@ -1,5 +1,5 @@
 import pytest
-from holds import clamp_pull_out, grip_pull_out
+from holds import clamp_pull_out, clip_forces, grip_pull_out
 
 
 @pytest.mark.parametrize(("force", "friction"), [(10.0, 0.5), (30.0, 0.5)])
@@ -11,3 +11,10 @@ def test_the_grip_lets_go_where_coulomb_says(force, friction):
 @pytest.mark.parametrize("retention", [10.0, 80.0])
 def test_a_clamp_lets_go_at_its_retention_force(retention):
     assert clamp_pull_out(retention) == pytest.approx(retention, rel=0.10)
+
+
+@pytest.mark.parametrize(("retention", "diameter"), [(5.0, 0.003), (20.0, 0.006)])
+def test_a_clip_snaps_shut_on_a_wire_and_lets_go_at_its_retention_force(retention, diameter):
+    inward, outward = clip_forces(retention, diameter)
+    assert outward == pytest.approx(retention, rel=0.10)
+    assert inward == pytest.approx(retention, rel=0.20)

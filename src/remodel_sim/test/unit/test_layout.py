@@ -7,15 +7,19 @@ from panels import component, panel, wire
 
 from remodel_sim.core.errors import PanelError
 from remodel_sim.core.layout import find_problems
+from remodel_sim.core.panel import Clip, Duct
 from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.plant import Plant
 from remodel_sim.ros.conversions import read_panel
 
+CLIP = Clip("C1", (0.0, 0.1, math.pi / 2), 0.003, 0.010, 0.008, 5.0)
+DUCT = Duct("D1", (0.0, 0.0, math.pi / 2), 0.4, 0.040, 0.020)
 CONFIG = Path(__file__).parents[2] / "config"
 
 
 def test_good_panels_have_no_problem():
     assert find_problems(panel()) == ()
+    assert find_problems(panel(clips=(CLIP,), ducts=(DUCT,))) == ()
     assert (
         find_problems(
             read_panel(CONFIG / "panel.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))
@@ -43,6 +47,14 @@ def with_wire(**changes):
 @pytest.mark.parametrize(
     ("broken", "words"),
     [
+        (panel(clips=(CLIP, CLIP)), "2 of the clips are called 'C1'"),
+        (panel(clips=(changed(CLIP, retention_force=50.0),)), "clip 'C1': retention_force is 50 N"),
+        (panel(clips=(changed(CLIP, height=0.002),)), "clip 'C1': height is 0.002 m"),
+        (panel(clips=(changed(CLIP, pose=(0.3, 0.0, 0.0)),)), "clip 'C1' reaches beyond the plate"),
+        (panel(ducts=(changed(DUCT, width=0.3),)), "duct 'D1': width is 0.3 m"),
+        (panel(ducts=(changed(DUCT, length=0.8),)), "duct 'D1' reaches beyond the plate"),
+        (with_wire(friction=0.0), "friction is 0"),
+        (with_wire(yield_curvature=1.0), "yield_curvature is 1 1/m"),
         (panel(size=(2.0, 0.7, 0.003)), "the plate's size in x is 2 m"),
         (panel(channels=()), "no channel"),
         (with_terminal(insertion_yaw=1.0), "allowed: 0 or pi"),

@@ -26,6 +26,10 @@ class MaterialError(CellError):
     """The table of wire materials is malformed or lacks a wire."""
 
 
+class FaultError(CellError):
+    """A fault that cannot be caused as it is asked for."""
+
+
 class PanelError(CellError):
     """A panel breaks the layout rules.
 

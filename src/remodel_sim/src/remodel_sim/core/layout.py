@@ -10,7 +10,18 @@ from itertools import pairwise
 
 from remodel_sim.core.arm import ToolPose, reaches
 from remodel_sim.core.geometry import Pose, wrap_angle
-from remodel_sim.core.panel import Channel, Component, End, Named, Panel, Terminal, Wire, unit_x
+from remodel_sim.core.panel import (
+    Channel,
+    Clip,
+    Component,
+    Duct,
+    End,
+    Named,
+    Panel,
+    Terminal,
+    Wire,
+    unit_x,
+)
 from remodel_sim.core.wire_colours import WIRE_RGB
 
 # The panel lies flat in front of the arm: the plate's surface is the world's z = 0.
@@ -51,6 +62,12 @@ FRICTION = (0.1, 1.5)
 REST_CURVATURE_1_M = (0.0, 2.0)
 YIELD_CURVATURE_1_M = (2.0, 1000.0)  # less, and a wire folds where the hand turns it
 HARDENING = (0.0, 0.95)
+CLIP_FLOOR_M = 0.002  # under the wire
+CLIP_MAX_HEIGHT_M = 0.030
+CLIP_LENGTH_M = (0.004, 0.030)
+CLIP_RETENTION_N = (2.0, 20.0)
+DUCT_WIDTH_M = (0.010, 0.150)
+DUCT_HEIGHT_M = (0.005, 0.045)  # the hand passes over
 # Feeding: the far tip lies within this, and after end a is in, end b is picked within reach.
 FEED_LIMIT_Y_M = 0.45
 FEED_REACH_M = 0.52
@@ -70,6 +87,8 @@ def find_problems(panel: Panel) -> tuple[str, ...]:
         *_names(panel),
         *(p for channel in panel.channels for p in _channel(channel)),
         *(p for component in panel.components for p in _component(component, panel)),
+        *(p for clip in panel.clips for p in _clip(clip, panel)),
+        *(p for duct in panel.ducts for p in _duct(duct, panel)),
         *_overlaps(panel),
         *(p for wire in panel.wires for p in _wire(wire, panel)),
         *_sharing(panel),
@@ -105,6 +124,8 @@ def _names(panel: Panel) -> Iterator[str]:
         ("components", panel.components),
         ("channels", panel.channels),
         ("wires", panel.wires),
+        ("clips", panel.clips),
+        ("ducts", panel.ducts),
     ]
     groups += [(f"terminals of {c.id!r}", c.terminals) for c in panel.components]
     for noun, items in groups:
@@ -123,6 +144,32 @@ def _channel(channel: Channel) -> Iterator[str]:
     yield from _within(f"{name}: width", channel.width, CHANNEL_WIDTH_M)
     if channel.y_max <= channel.y_min:
         yield f"{name}: y_max {channel.y_max} must be above y_min {channel.y_min}"
+
+
+def _clip(clip: Clip, panel: Panel) -> Iterator[str]:
+    name = f"clip {clip.id!r}"
+    yield from _within(f"{name}: wire_diameter", clip.wire_diameter, DIAMETER_M)
+    low = clip.wire_diameter / 2 + CLIP_FLOOR_M
+    yield from _within(f"{name}: height", clip.height, (low, CLIP_MAX_HEIGHT_M))
+    yield from _within(f"{name}: length", clip.length, CLIP_LENGTH_M)
+    yield from _within(f"{name}: retention_force", clip.retention_force, CLIP_RETENTION_N, "N")
+    yield from _on_plate(name, clip.pose, clip.length / 2, panel)
+
+
+def _duct(duct: Duct, panel: Panel) -> Iterator[str]:
+    name = f"duct {duct.id!r}"
+    yield from _within(f"{name}: width", duct.width, DUCT_WIDTH_M)
+    yield from _within(f"{name}: height", duct.height, DUCT_HEIGHT_M)
+    yield from _on_plate(name, duct.pose, duct.length / 2, panel)
+
+
+def _on_plate(
+    name: str, pose: tuple[float, float, float], half_length: float, panel: Panel
+) -> Iterator[str]:
+    x, y, yaw = pose
+    reach = (abs(x) + half_length * abs(math.cos(yaw)), abs(y) + half_length * abs(math.sin(yaw)))
+    if reach[0] > panel.size[0] / 2 + 1e-6 or reach[1] > panel.size[1] / 2 + 1e-6:
+        yield f"{name} reaches beyond the plate"
 
 
 def _component(component: Component, panel: Panel) -> Iterator[str]:

@@ -89,6 +89,41 @@ class Channel:
 
 
 @dataclass(frozen=True)
+class Clip:
+    """A clip that the wire runs through along its x; `pose` is (x, y, yaw) in the panel frame."""
+
+    id: str
+    pose: tuple[float, float, float]
+    wire_diameter: float
+    height: float
+    length: float
+    retention_force: float
+
+    @property
+    def panel_from_clip(self) -> Pose:
+        """Its frame: x along the wire, z away from the plate, the origin on the plate."""
+        x, y, yaw = self.pose
+        return Pose.level(x, y, 0.0, yaw)
+
+
+@dataclass(frozen=True)
+class Duct:
+    """A trough between two walls, along its x; `pose` is (x, y, yaw) in the panel frame."""
+
+    id: str
+    pose: tuple[float, float, float]
+    length: float
+    width: float
+    height: float
+
+    @property
+    def panel_from_duct(self) -> Pose:
+        """Its frame: x along the duct, z away from the plate, the origin on the plate."""
+        x, y, yaw = self.pose
+        return Pose.level(x, y, 0.0, yaw)
+
+
+@dataclass(frozen=True)
 class Wire:
     """A wire with a ferrule on both ends; all properties known."""
 
@@ -131,6 +166,8 @@ class Panel:
     components: tuple[Component, ...]
     channels: tuple[Channel, ...]
     wires: tuple[Wire, ...]
+    clips: tuple[Clip, ...] = ()
+    ducts: tuple[Duct, ...] = ()
 
     def component(self, component_id: str) -> Component:
         """Return the component of that name, or say which there are."""

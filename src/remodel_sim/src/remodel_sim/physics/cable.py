@@ -96,6 +96,13 @@ class Cable:
         last = self._parts[-1]
         return last.body, len(last.model.spans) - 1
 
+    def bend_ferrule(self, end: End, angle: float) -> None:
+        """Give the joint behind an end's ferrule another angle at rest, by so much [rad]."""
+        if end is End.A:
+            self._parts[0].bend_rest(0, angle)
+        else:
+            self._parts[-1].bend_rest(-1, angle)
+
     def tip(self, end: End) -> tuple[Array, Array]:
         """Return an end's apex (3,) [m] and the unit vector out of it (3,), world frame."""
         nodes = self.nodes()

@@ -13,6 +13,8 @@ from remodel_sim.physics.world import MASS_SCALE, World
 DRAG = 3.0
 # Bullet draws a capsule by its collision hull, which is thicker by this margin.
 HULL_MARGIN_M = 0.001
+# How fast a joint is bent for good [rad/s].
+TURN_RAD_S = 0.5
 IDENTITY = [0.0, 0.0, 0.0, 1.0]
 
 
@@ -32,6 +34,8 @@ class CableBody:
         self._joints = list(range(joints))
         self._rest = np.zeros((joints, 3))
         self._plastic = np.zeros((joints, 2))
+        self._to_turn = np.zeros(joints)
+        self._turn_per_step = TURN_RAD_S * world.time_step
         self.body = self._create(colours)
         self._set_dynamics()
         # Bound once: these two are called in every step.
@@ -109,6 +113,8 @@ class CableBody:
 
     def bend(self) -> None:
         """Let the joints yield, and apply their elastic torques for the next step."""
+        if self._to_turn.any():
+            self._turn_rest()
         states = self._read_joints(self.body, self._joints)
         bend = rotation_vectors(np.array([s[0] for s in states])) - self._rest
         rate = np.array([s[1] for s in states])
@@ -130,6 +136,7 @@ class CableBody:
             rest: (n - 1,) angle of each joint about its x axis [rad].
         """
         self._plastic[:] = 0.0
+        self._to_turn[:] = 0.0
         self._rest[:, 0] = rest
         self._bullet.resetBasePositionAndOrientation(
             self.body, position.tolist(), quaternion.tolist()
@@ -138,6 +145,18 @@ class CableBody:
         for joint, angle in zip(self._joints, rest, strict=True):
             turned = self._bullet.getQuaternionFromAxisAngle([1, 0, 0], float(angle))
             self._bullet.resetJointStateMultiDof(self.body, joint, turned, [0, 0, 0])
+
+    def bend_rest(self, joint: int, angle: float) -> None:
+        """Turn a joint's shape at rest about its x axis [rad], over the next steps.
+
+        So slowly that the joint follows instead of taking a set the other way.
+        """
+        self._to_turn[joint] += angle
+
+    def _turn_rest(self) -> None:
+        turn = np.clip(self._to_turn, -self._turn_per_step, self._turn_per_step)
+        self._rest[:, 0] += turn
+        self._to_turn -= turn
 
     def link_poses(self) -> tuple[Array, Array]:
         """Return the links' centres (n, 3) [m] and quaternions (n, 4), world frame."""

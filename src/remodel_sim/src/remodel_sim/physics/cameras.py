@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from remodel_sim.core.camera import Picture, View
+from remodel_sim.core.geometry import Pose
 from remodel_sim.physics.world import World
 
 NEAR_M = 0.05
@@ -18,10 +19,28 @@ NOISE_LEVELS = 3.0
 DEPTH_NOISE_M = 0.001
 
 
-def take(world: World, view: View, noise: np.random.Generator, *, depth: bool = False) -> Picture:
-    """Take a picture as a camera of the cell would: diffuse light, blur and noise."""
-    rgb, metres = _render(world, view, shadow=False)
-    blurred = cv2.GaussianBlur(rgb, (0, 0), BLUR_PX).astype(np.float32)
+def take(
+    world: World,
+    view: View,
+    noise: np.random.Generator,
+    *,
+    depth: bool = False,
+    light: float = 1.0,
+    seen_from: Pose | None = None,
+) -> Picture:
+    """Take a picture as a camera of the cell would: diffuse light, blur and noise.
+
+    Args:
+        world: what is looked at.
+        view: of the camera, as the cell believes.
+        noise: of the sensor.
+        depth: whether it measures depth too.
+        light: share of the usual light.
+        seen_from: where the camera really is, when it has been bumped; world frame.
+    """
+    real = view if seen_from is None else View(view.lens, seen_from)
+    rgb, metres = _render(world, real, shadow=False)
+    blurred = light * cv2.GaussianBlur(rgb, (0, 0), BLUR_PX).astype(np.float32)
     blurred += NOISE_LEVELS * noise.standard_normal(rgb.shape, dtype=np.float32)
     seen = np.clip(np.rint(blurred), 0, 255).astype(np.uint8)
     if not depth:

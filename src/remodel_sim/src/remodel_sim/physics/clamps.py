@@ -8,7 +8,7 @@ from remodel_sim.core.component_shape import BLACK, Box
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.panel import Terminal
 from remodel_sim.physics.cable import Cable, Link
-from remodel_sim.physics.panel_scene import add_static
+from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.world import World
 
 # The jaw comes down on the last millimetres of the bore.

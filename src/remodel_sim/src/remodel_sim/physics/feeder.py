@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -16,22 +17,35 @@ from remodel_sim.core.feeding import (
     Laying,
     plan_laying,
 )
-from remodel_sim.core.geometry import Pose
+from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.panel import Channel, Panel, Wire
 from remodel_sim.physics.cable import Cable
-from remodel_sim.physics.panel_scene import add_static
+from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.world import World
 
 FORK_RGB = (0.16, 0.45, 0.30)
 SETTLE_S = 0.3
-# Laid this far above the plate, the wire settles without a push [m].
+# A wire is at rest when no node moves faster than this [m/s]; it is waited for so long [s].
+REST_M_S = 0.002
+CHECK_S = 0.1
+PATIENCE_S = 3.0
+# Laid this far above what lies in the channel, the wire settles without a push [m].
 DROP_M = 2e-4
+# What is parked so near to the line counts; and the thickest wire's radius, for the wires below.
+BESIDE_M = 0.010
+MAX_RADIUS_M = 0.0031
+POINTS_PER_LINK = 10
 
 
 def lay(
-    world: World, panel: Panel, wire: Wire, channel: Channel, noise: np.random.Generator
+    world: World,
+    panel: Panel,
+    wire: Wire,
+    channel: Channel,
+    parked: Iterable[Array],
+    noise: np.random.Generator,
 ) -> tuple[Cable, Laying, int]:
-    """Set the fork, lay a wire and let it settle.
+    """Set the fork, lay a wire onto what is parked, nodes (n, 3) [m], and let it settle.
 
     Return the wire, where it lies, and the fork's body.
     """
@@ -39,11 +53,45 @@ def lay(
     laying = plan_laying(panel, wire, channel, len(model.lengths) - 1, noise)
     fork = _make_fork(world, wire, laying)
     cable = Cable(world, model, wire.colour)
-    tip = np.array([*laying.tip_a, wire.radius + DROP_M])
-    cable.lay(tip, laying.direction * math.pi / 2, laying.curvature)
+    yaw = laying.direction * math.pi / 2
+    cable.lay(np.array([*laying.tip_a, 0.0]), yaw, laying.curvature)
+    height = _free_height(cable.nodes(), wire, parked)
+    cable.lay(np.array([*laying.tip_a, height + DROP_M]), yaw, laying.curvature)
     for _ in range(round(SETTLE_S / world.time_step)):
         world.step()
+    if height > wire.radius:
+        _settle(world, cable)
     return cable, laying, fork
+
+
+def _free_height(line: Array, wire: Wire, parked: Iterable[Array]) -> float:
+    """Return the height at which a level wire along a line touches nothing, (n, 3) [m]."""
+    height = wire.radius
+    for nodes in parked:
+        points = _dense(nodes)
+        away = np.linalg.norm(points[:, None, :2] - _dense(line)[None, :, :2], axis=2).min(axis=1)
+        near = points[away < BESIDE_M]
+        if len(near):
+            height = max(height, float(near[:, 2].max()) + 2 * wire.radius + MAX_RADIUS_M)
+    return height
+
+
+def _dense(nodes: Array) -> Array:
+    """Return points between nodes (n, 3), less than a wire's thickness apart."""
+    shares = np.linspace(0.0, 1.0, POINTS_PER_LINK, endpoint=False)[None, :, None]
+    return (nodes[:-1, None] + shares * np.diff(nodes, axis=0)[:, None]).reshape(-1, 3)
+
+
+def _settle(world: World, cable: Cable) -> None:
+    """Step until a wire that fell from a height is at rest."""
+    before = cable.nodes()
+    for _ in range(math.ceil(PATIENCE_S / CHECK_S)):
+        for _ in range(round(CHECK_S / world.time_step)):
+            world.step()
+        now = cable.nodes()
+        if float(np.abs(now - before).max()) < REST_M_S * CHECK_S:
+            return
+        before = now
 
 
 def _make_fork(world: World, wire: Wire, laying: Laying) -> int:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterable
-from pathlib import Path
 
 from remodel_sim.core.component_shape import Box, component_boxes
+from remodel_sim.core.fixtures import duct_boxes
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.layout import WORLD_FROM_PANEL
 from remodel_sim.core.panel import Channel, Panel
 from remodel_sim.core.wire_colours import PLATE_RGB
+from remodel_sim.physics.clips import add_clip
+from remodel_sim.physics.static_body import add_described, add_static, boxes_description
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
 
 PLATE_FRICTION = 0.4
@@ -39,13 +40,16 @@ class PanelScene:
         table = Box((0.4, 0, table_z), TABLE_SIZE, TABLE_RGB, solid=False)
         self._static([table], Pose.level(0, 0, 0))
         plate = Box((0, 0, -thickness / 2), panel.size, PLATE_RGB, solid=False)
-        self._static([plate], WORLD_FROM_PANEL)
-        add_plate_surface(world)
+        add_plate_surface(world, [plate])
         for channel in panel.channels:
             y = (channel.y_min + channel.y_max) / 2
             size = (channel.width, channel.y_max - channel.y_min, 0.0002)
             lane = Box((channel.x, y, 0.0), size, LANE_RGB, solid=False)
             self._static([lane, *_lips(channel)], WORLD_FROM_PANEL)
+        for duct in panel.ducts:
+            self._static(duct_boxes(duct), WORLD_FROM_PANEL @ duct.panel_from_duct)
+        for clip in panel.clips:
+            add_clip(world, clip, WORLD_FROM_PANEL @ clip.panel_from_clip)
         for component in panel.components:
             body = self._static(component_boxes(component), poses[component.id])
             self._bullet.changeDynamics(
@@ -82,42 +86,13 @@ def _lips(channel: Channel) -> list[Box]:
     return [Box((channel.x + side * aside, y, LIP_HEIGHT_M / 2), size, LIP_RGB) for side in (-1, 1)]
 
 
-def add_plate_surface(world: World) -> int:
-    """Add the plane that wires lie on, z = 0; returns the body.
+def add_plate_surface(world: World, looks: Iterable[Box] = ()) -> int:
+    """Add the plane that wires lie on, z = 0, that looks like these boxes; returns the body.
 
     Bullet finds two points where a link lies on a plane, and up to four on a box, which take a
     third more time. So what hangs over the plate's edge does not fall the plate's thickness.
     """
-    bullet = world.bullet
-    surface = bullet.createMultiBody(0, bullet.createCollisionShape(bullet.GEOM_PLANE))
-    bullet.changeDynamics(surface, -1, lateralFriction=PLATE_FRICTION)
+    plane = '<collision><geometry><plane normal="0 0 1"/></geometry></collision>'
+    surface = add_described(world.bullet, [plane, *boxes_description(looks)], WORLD_FROM_PANEL)
+    world.bullet.changeDynamics(surface, -1, lateralFriction=PLATE_FRICTION)
     return surface
-
-
-def add_static(bullet, boxes: Iterable[Box], pose: Pose) -> int:  # noqa: ANN001
-    """Add boxes as one body that never moves by itself; returns the body."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "body.urdf"
-        path.write_text(boxes_description(boxes))
-        return bullet.loadURDF(
-            str(path), pose.position.tolist(), pose.quaternion.tolist(), useFixedBase=True
-        )
-
-
-def boxes_description(boxes: Iterable[Box]) -> str:
-    """Return the URDF of one massless link made of boxes."""
-    parts = [
-        '<robot name="body"><link name="body"><inertial><mass value="0"/>'
-        '<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'
-    ]
-    for box in boxes:
-        shape = '<origin xyz="{:.6f} {:.6f} {:.6f}" rpy="{:.8f} {:.8f} {:.8f}"/>'.format(
-            *box.centre, *box.rpy
-        ) + '<geometry><box size="{:.6f} {:.6f} {:.6f}"/></geometry>'.format(*box.size)
-        name = "rgb_{}_{}_{}".format(*box.rgb)
-        colour = '<color rgba="{} {} {} 1"/>'.format(*box.rgb)
-        parts.append(f'<visual>{shape}<material name="{name}">{colour}</material></visual>')
-        if box.solid:
-            parts.append(f"<collision>{shape}</collision>")
-    # Bullet reads a description line by line, and only so many characters of each.
-    return "\n".join([*parts, "</link></robot>"])

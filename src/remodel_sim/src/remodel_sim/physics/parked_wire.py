@@ -1,16 +1,30 @@
-"""A wire that has its place: only its picture remains, at the shape it had."""
+"""A wire that has its place: it stays at the shape it had, as a picture or as a solid.
+
+Live wires lie on a solid one and slide along it; it yields to them softly, as a slack wire does,
+but comes back. The hand passes through it: it would push a real wire aside for good.
+"""
 
 from __future__ import annotations
 
+import math
+from itertools import pairwise
+
 import numpy as np
 
-from remodel_sim.core.geometry import Array
+from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.panel import Wire
 from remodel_sim.core.wire_colours import FERRULE_RGB, WIRE_RGB
+from remodel_sim.physics.static_body import add_described
 from remodel_sim.physics.world import World
 
 SIDES = 8
 STEP_M = 0.004
+# Bullet's own group of what moves; the hand is not in it (robot.py).
+MOVING_GROUP = 1
+STATIC_GROUP = 2
+# Of wire with EI 1e-3 N m^2, pushed in the middle between rests 60 mm apart: 48 EI / L^3.
+STIFFNESS_N_M = 220.0
+DAMPING_NS_M = 1.0
 
 
 def draw_parked(world: World, nodes: Array, wire: Wire) -> None:
@@ -35,6 +49,36 @@ def draw_parked(world: World, nodes: Array, wire: Wire) -> None:
             rgbaColor=[*rgb, 1],
         )
         bullet.createMultiBody(0, -1, shape, [0, 0, 0])
+
+
+def add_solid(world: World, nodes: Array, wire: Wire) -> None:
+    """Make a drawn wire solid to live wires: a capsule for each of its links."""
+    body = _add_capsules(world, nodes, wire.radius)
+    world.bullet.changeDynamics(
+        body,
+        -1,
+        lateralFriction=wire.friction,
+        contactStiffness=STIFFNESS_N_M,
+        contactDamping=DAMPING_NS_M,
+    )
+    world.bullet.setCollisionFilterGroupMask(body, -1, STATIC_GROUP, MOVING_GROUP)
+
+
+def _add_capsules(world: World, nodes: Array, radius: float) -> int:
+    parts = []
+    for start, end in pairwise(nodes):
+        axis = end - start
+        length = float(np.linalg.norm(axis))
+        # The capsule's own axis is z: turn by the pitch about y, then by the yaw about z.
+        pitch = math.acos(float(np.clip(axis[2] / length, -1.0, 1.0)))
+        yaw = math.atan2(axis[1], axis[0])
+        x, y, z = (start + end) / 2
+        parts.append(
+            f'<collision><origin xyz="{x:.6f} {y:.6f} {z:.6f}" rpy="0 {pitch:.8f} {yaw:.8f}"/>'
+            f'<geometry><capsule radius="{radius:.6f}" length="{length:.6f}"/></geometry>'
+            "</collision>"
+        )
+    return add_described(world.bullet, parts, Pose.level(0.0, 0.0, 0.0))
 
 
 def _smooth(nodes: Array) -> Array:

@@ -6,14 +6,17 @@ Everything that has mass, light or force. Abilities reach it only through the st
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from remodel_sim.core.arm import ToolPose
+from remodel_sim.core.cable import discretise
 from remodel_sim.core.camera import Lens, Picture, View, looking_at, looking_down
 from remodel_sim.core.component_shape import Box
-from remodel_sim.core.errors import PanelError
+from remodel_sim.core.errors import FaultError, PanelError
+from remodel_sim.core.faults import Disturbances, Stray, check_fault
 from remodel_sim.core.feeding import Laying
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.layout import WORLD_FROM_PANEL, find_problems
@@ -22,9 +25,10 @@ from remodel_sim.physics import cameras
 from remodel_sim.physics.cable import Cable
 from remodel_sim.physics.clamps import Clamp, close_clamp
 from remodel_sim.physics.feeder import lay
-from remodel_sim.physics.panel_scene import PanelScene, add_static
-from remodel_sim.physics.parked_wire import draw_parked
+from remodel_sim.physics.panel_scene import PanelScene
+from remodel_sim.physics.parked_wire import add_solid, draw_parked
 from remodel_sim.physics.robot import Robot
+from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.world import World
 
 # Out of the overhead camera's picture.
@@ -34,6 +38,10 @@ OVERHEAD = View(OVERHEAD_LENS, looking_down(0.50, 0.0, 1.10, 0.0))
 WRIST_LENS = Lens(640, 480, math.radians(52.0))
 SCENE_LENS = Lens(1280, 960, math.radians(36.0))
 SCENE = View(SCENE_LENS, looking_at(np.array([1.28, -0.72, 0.80]), np.array([0.43, 0.0, 0.04])))
+# A piece of cable that somebody left, and how far above the plate it falls from.
+STRAY_LENGTH_M = 0.12
+STRAY_DROP_M = 0.02
+STRAY_COLOUR = "GY"
 PLUG_RGB = (0.5, 0.1, 0.1)
 # A plug begins this deep in the bore.
 PLUG_FROM_M = 0.005
@@ -50,7 +58,7 @@ class LiveWire:
 
 @dataclass(frozen=True, eq=False)
 class ParkedWire:
-    """A wire that only its picture is left of.
+    """A wire that stays where it is.
 
     Attributes:
         nodes: (n, 3) from tip to tip [m], world frame.
@@ -70,9 +78,21 @@ class Plant:
         parked: the wires that have been parked.
     """
 
-    def __init__(self, panel: Panel, *, seed: int, rate_hz: float, gui: bool = False) -> None:
-        """Build the cell; raises PanelError."""
+    def __init__(
+        self,
+        panel: Panel,
+        *,
+        seed: int,
+        rate_hz: float,
+        gui: bool = False,
+        solid_parked: bool = False,
+    ) -> None:
+        """Build the cell; raises PanelError.
+
+        `solid_parked`: whether live wires touch parked ones.
+        """
         self.seed = seed
+        self._solid_parked = solid_parked
         self.world = World(rate_hz, gui=gui)
         self.load(panel)
 
@@ -90,6 +110,7 @@ class Plant:
         self._noise = np.random.default_rng(self.seed)
         self._poses = {c.id: WORLD_FROM_PANEL @ c.panel_from_component for c in panel.components}
         self._blocked: set[tuple[str, str]] = set()
+        self._disturbances = Disturbances()
         self._build(PARKED)
 
     def _build(self, tool: ToolPose) -> None:
@@ -105,9 +126,11 @@ class Plant:
         for component_id, terminal_id in sorted(self._blocked):
             self._add_plug(component_id, terminal_id)
         for wire_id, parked in self.parked.items():
-            wire = self.panel.wire(wire_id)
-            draw_parked(self.world, parked.nodes, wire)
+            self._add_parked(self.panel.wire(wire_id), parked)
         self.robot = Robot(self.world, tool)
+        self._weaken_hand()
+        for stray in self._disturbances.strays:
+            self._add_stray(stray)
 
     def step(self) -> None:
         """Advance by one time step."""
@@ -130,7 +153,8 @@ class Plant:
         self._keep_shape()
         self.parked.pop(wire_id, None)
         self._build(tool)
-        cable, laying, self._fork = lay(self.world, self.panel, wire, channel, self._noise)
+        lying = [other.nodes for other in self.parked.values()] if self._solid_parked else []
+        cable, laying, self._fork = lay(self.world, self.panel, wire, channel, lying, self._noise)
         self.live = LiveWire(wire, cable, {})
         return laying
 
@@ -139,18 +163,20 @@ class Plant:
         self.world.bullet.resetBasePositionAndOrientation(self._fork, [x, y, 0.0], [0, 0, 0, 1])
 
     def park(self) -> None:
-        """Turn the live wire into a picture of itself.
-
-        It stays where it is and touches nothing any more.
-        """
+        """Freeze the live wire where it is."""
         if self.live is None:
             return
         live = self.live
         self._keep_shape()
-        draw_parked(self.world, self.parked[live.wire.id].nodes, live.wire)
+        self._add_parked(live.wire, self.parked[live.wire.id])
         for clamp in live.clamps.values():
             clamp.release_constraint()
         live.cable.remove()
+
+    def _add_parked(self, wire: Wire, parked: ParkedWire) -> None:
+        draw_parked(self.world, parked.nodes, wire)
+        if self._solid_parked:
+            add_solid(self.world, parked.nodes, wire)
 
     def _keep_shape(self) -> None:
         if self.live is not None:
@@ -204,6 +230,54 @@ class Plant:
             self.world.bullet.removeBody(self._plugs.pop(key))
             self._add_plug(*key)
 
+    def disturb(self, kind: str, target: str, values: Sequence[float]) -> None:
+        """Cause a fault; raises FaultError or, for an unknown name, AbilityError."""
+        check_fault(kind, target, values)
+        component, _, terminal = target.partition("/")
+        causes: dict[str, Callable[[], None]] = {
+            "component_moved": lambda: self.move_component(target, *values),
+            "socket_blocked": lambda: self.block_socket(component, terminal),
+            "socket_cleared": lambda: self.clear_socket(component, terminal),
+            "friction_lowered": lambda: self._disturb(friction=values[0]),
+            "grip_weakened": lambda: self._disturb(grip=values[0]),
+            "camera_bumped": lambda: self._bump_camera(target, values),
+            "light_changed": lambda: self._disturb(light=values[0]),
+            "tip_bent": lambda: self._bend_tip(End(target), values[0]),
+            "cable_in_the_way": lambda: self._drop_cable(target, *values),
+        }
+        causes[kind]()
+
+    def _disturb(self, **changes: object) -> None:
+        self._disturbances = replace(self._disturbances, **changes)
+        self._weaken_hand()
+
+    def _weaken_hand(self) -> None:
+        self.robot.weaken(self._disturbances.friction, self._disturbances.grip)
+
+    def _bump_camera(self, camera: str, values: Sequence[float]) -> None:
+        *shift, turn = values
+        pose = Pose.level(*shift, turn)
+        self._disturb(shifts={**self._disturbances.shifts, camera: pose})
+
+    def _bend_tip(self, end: End, angle: float) -> None:
+        if self.live is None:
+            raise FaultError("no wire is live; feed one first")
+        self.live.cable.bend_ferrule(end, angle)
+
+    def _drop_cable(self, channel_id: str, y: float, yaw: float) -> None:
+        channel = self.panel.channel(channel_id)
+        stray = Stray(channel.x, y, math.pi / 2 + yaw)
+        self._disturb(strays=(*self._disturbances.strays, stray))
+        self._add_stray(stray)
+
+    def _add_stray(self, stray: Stray) -> None:
+        """Let a piece of the panel's first wire fall onto what lies there."""
+        wire = replace(self.panel.wires[0], length=STRAY_LENGTH_M, colour=STRAY_COLOUR)
+        cable = Cable(self.world, discretise(wire, self.world.time_step), wire.colour)
+        middle = WORLD_FROM_PANEL @ Pose.level(stray.x, stray.y, STRAY_DROP_M, stray.yaw)
+        tip = middle.apply(np.array([-STRAY_LENGTH_M / 2, 0.0, 0.0]))
+        cable.lay(tip, middle.yaw, np.zeros(len(cable.model.spans)))
+
     def block_socket(self, component_id: str, terminal_id: str) -> None:
         """Push a plug into a bore; it leaves the first millimetres free."""
         self.panel.component(component_id).terminal(terminal_id)
@@ -228,11 +302,23 @@ class Plant:
 
     def look_overhead(self) -> Picture:
         """Take a colour and depth picture of the whole plate."""
-        return cameras.take(self.world, OVERHEAD, self._noise, depth=True)
+        return self._look("overhead", OVERHEAD, depth=True)
 
     def look_wrist(self) -> Picture:
         """Take a colour picture from the hand."""
-        return cameras.take(self.world, self.wrist_view, self._noise)
+        return self._look("wrist", self.wrist_view, depth=False)
+
+    def _look(self, camera: str, believed: View, *, depth: bool) -> Picture:
+        shift = self._disturbances.shifts.get(camera)
+        seen_from = None if shift is None else believed.world_from_camera @ shift
+        return cameras.take(
+            self.world,
+            believed,
+            self._noise,
+            depth=depth,
+            light=self._disturbances.light,
+            seen_from=seen_from,
+        )
 
     @property
     def wrist_view(self) -> View:

@@ -38,6 +38,8 @@ PAD_FRICTION = 1.0
 # A rubber pad touches over a patch; its radius of some 4 mm resists turning about the contact
 # normal [m].
 PAD_SPINNING_FRICTION = 0.004
+# The arm's own: parked wires let it pass.
+COLLISION_GROUP = 4
 MAX_OPENING = 0.04  # [m] per finger
 # First-order low pass of the wrist force [s]: a wrist sensor's bandwidth of 20 Hz.
 FORCE_TIME_CONSTANT = 0.008
@@ -79,6 +81,8 @@ class Robot:
                 contactDamping=CONTACT_DAMPING,
                 frictionAnchor=1,  # without it a gripped wire creeps by 1 mm/s
             )
+        for link in range(-1, self._bullet.getNumJoints(self.body)):
+            self._bullet.setCollisionFilterGroupMask(self.body, link, COLLISION_GROUP, -1)
         self._bullet.enableJointForceTorqueSensor(self.body, WRIST_JOINT, 1)
         self.drive(joints)
         self._drive_fingers()
@@ -95,6 +99,12 @@ class Robot:
             positionGains=[ARM_GAIN] * 7,
             velocityGains=[1.0] * 7,
         )
+
+    def weaken(self, friction: float, grip: float) -> None:
+        """Leave a share of the pads' friction and of the grip force."""
+        self.grip_force = grip * GRIP_FORCE
+        for finger in FINGER_JOINTS:
+            self._bullet.changeDynamics(self.body, finger, lateralFriction=friction * PAD_FRICTION)
 
     def drive_fingers(self, opening: float) -> None:
         """Send each finger to a distance from the middle [m].

@@ -11,7 +11,7 @@ import numpy as np
 import rospy
 import yaml
 from genpy.message import fill_message_args
-from geometry_msgs.msg import Point, PoseStamped, Quaternion
+from geometry_msgs.msg import Point, Pose2D, PoseStamped, Quaternion
 from remodel_msgs.msg import CableObservation
 from remodel_msgs.msg import Panel as PanelMsg
 from remodel_msgs.msg import WireTruth as WireTruthMsg
@@ -24,7 +24,7 @@ from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError, MaterialError, PanelError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.layout import WORLD_FROM_PANEL
-from remodel_sim.core.panel import Channel, Component, Panel, Terminal, Wire
+from remodel_sim.core.panel import Channel, Clip, Component, Duct, Panel, Terminal, Wire
 from remodel_sim.core.wire_materials import PROPERTIES, WireMaterials
 from remodel_sim.physics.truth import WireTruth
 
@@ -64,7 +64,16 @@ def panel_from(message: PanelMsg, materials: WireMaterials) -> Panel:
         tuple(_component_from(c) for c in message.components),
         tuple(Channel(c.id, c.x, c.width, c.y_min, c.y_max) for c in message.channels),
         tuple(wires),
+        tuple(
+            Clip(c.id, _pose2d(c.pose), c.wire_diameter, c.height, c.length, c.retention_force)
+            for c in message.clips
+        ),
+        tuple(Duct(d.id, _pose2d(d.pose), d.length, d.width, d.height) for d in message.ducts),
     )
+
+
+def _pose2d(message: Pose2D) -> tuple[float, float, float]:
+    return message.x, message.y, message.theta
 
 
 def _wire_from(message: object, materials: WireMaterials) -> Wire:
@@ -77,7 +86,7 @@ def _wire_from(message: object, materials: WireMaterials) -> Wire:
 
 
 def _component_from(message: object) -> Component:
-    pose, size = message.pose, message.size
+    size = message.size
     terminals = tuple(
         Terminal(
             t.id,
@@ -95,7 +104,7 @@ def _component_from(message: object) -> Component:
         message.kind,
         message.marker_id,
         message.marker_size,
-        (pose.x, pose.y, pose.theta),
+        _pose2d(message.pose),
         (size.x, size.y, size.z),
         terminals,
     )

@@ -57,6 +57,7 @@ def _build(materials: WireMaterials) -> Owner:
         seed=int(rospy.get_param("~seed", 0)),
         rate_hz=rate_hz,
         gui=bool(rospy.get_param("~gui", False)),
+        solid_parked=bool(rospy.get_param("~solid_parked", False)),
         on_look=Pictures(clock),
     )
     wire_id = str(rospy.get_param("~feed", ""))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 import rospy
@@ -19,7 +18,6 @@ from remodel_sim.ros.owner import Owner
 # The longest request is building a large panel.
 TIMEOUT_S = 60.0
 CAMERAS = ("overhead", "wrist", "scene")
-MAX_SHIFT_M = 0.1
 
 
 class Services:
@@ -68,30 +66,11 @@ class Services:
 
     def _inject_fault(self, request: srv.InjectFaultRequest) -> srv.InjectFaultResponse:
         text = f"{request.kind} {request.target!r}"
-        return srv.InjectFaultResponse(*self._done(lambda: self._fault(request), text))
 
-    def _fault(self, request: srv.InjectFaultRequest) -> None:
-        plant, values = self._owner.cell.plant, tuple(request.values)
-        if request.kind == "component_moved":
-            if len(values) != 3 or not all(math.isfinite(v) for v in values):
-                raise CellError(
-                    f"values are {values}; component_moved needs dx [m], dy [m], dyaw [rad]"
-                )
-            if max(abs(v) for v in values[:2]) > MAX_SHIFT_M:
-                raise CellError(f"dx, dy are {values[:2]} m; allowed: up to {MAX_SHIFT_M} m")
-            plant.move_component(request.target, *values)
-            return
-        faults: dict[str, Callable[[str, str], None]] = {
-            "socket_blocked": plant.block_socket,
-            "socket_cleared": plant.clear_socket,
-        }
-        if request.kind not in faults:
-            known = ", ".join(["component_moved", *faults])
-            raise CellError(f"no fault {request.kind!r}; there are: {known}")
-        component, slash, terminal = request.target.partition("/")
-        if not slash:
-            raise CellError(f"target is {request.target!r}; it must be 'component/terminal'")
-        faults[request.kind](component, terminal)
+        def disturb() -> None:
+            self._owner.cell.plant.disturb(request.kind, request.target, tuple(request.values))
+
+        return srv.InjectFaultResponse(*self._done(disturb, text))
 
     def _ground_truth(self, _: srv.GetGroundTruthRequest) -> srv.GetGroundTruthResponse:
         cell = self._owner.cell

@@ -1,0 +1,44 @@
+"""Bodies that never move by themselves."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from remodel_sim.core.component_shape import Box
+from remodel_sim.core.geometry import Pose
+
+
+def add_static(bullet, boxes: Iterable[Box], pose: Pose) -> int:  # noqa: ANN001
+    """Add boxes as one body that never moves by itself; returns the body."""
+    return add_described(bullet, boxes_description(boxes), pose)
+
+
+def add_described(bullet, shapes: Iterable[str], pose: Pose) -> int:  # noqa: ANN001
+    """Add a body that never moves by itself of URDF shapes; returns the body."""
+    head = (
+        '<robot name="body"><link name="body"><inertial><mass value="0"/>'
+        '<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'
+    )
+    # Bullet reads a description line by line, and only so many characters of each.
+    text = "\n".join([head, *shapes, "</link></robot>"])
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "body.urdf"
+        path.write_text(text)
+        return bullet.loadURDF(
+            str(path), pose.position.tolist(), pose.quaternion.tolist(), useFixedBase=True
+        )
+
+
+def boxes_description(boxes: Iterable[Box]) -> Iterator[str]:
+    """Yield the URDF shapes of boxes."""
+    for box in boxes:
+        shape = '<origin xyz="{:.6f} {:.6f} {:.6f}" rpy="{:.8f} {:.8f} {:.8f}"/>'.format(
+            *box.centre, *box.rpy
+        ) + '<geometry><box size="{:.6f} {:.6f} {:.6f}"/></geometry>'.format(*box.size)
+        name = "rgb_{}_{}_{}".format(*box.rgb)
+        colour = '<color rgba="{} {} {} 1"/>'.format(*box.rgb)
+        yield f'<visual>{shape}<material name="{name}">{colour}</material></visual>'
+        if box.solid:
+            yield f"<collision>{shape}</collision>"

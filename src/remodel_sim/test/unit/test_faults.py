@@ -1,0 +1,109 @@
+import math
+
+import numpy as np
+import place_wire as do
+import pytest
+
+from remodel_sim.core.errors import AbilityError, FaultError
+from remodel_sim.core.faults import check_fault
+from remodel_sim.core.panel import End
+
+
+@pytest.mark.parametrize(
+    ("kind", "target", "values", "words"),
+    [
+        ("earthquake", "", [], "no fault 'earthquake'; there are: component_moved"),
+        ("light_changed", "X1", [0.5], "target is 'X1'; light_changed has none"),
+        ("tip_bent", "", [0.1], "target is empty; tip_bent needs: a or b"),
+        ("tip_bent", "c", [0.1], "target is 'c'; allowed: a or b"),
+        ("socket_blocked", "X1", [], "must be 'component/terminal'"),
+        ("component_moved", "X1", [0.0], r"needs: dx \[m\], dy \[m\], dyaw \[rad\]"),
+        ("grip_weakened", "", [math.nan], "share of the grip force is nan"),
+        ("camera_bumped", "wrist", [1.0, 0.0, 0.0, 0.0], "dx is 1.0 m; allowed: -0.05 to 0.05"),
+    ],
+)
+def test_a_fault_that_makes_no_sense_is_refused(kind, target, values, words):
+    with pytest.raises(FaultError, match=words):
+        check_fault(kind, target, values)
+
+
+def test_a_fault_on_what_is_not_there_is_refused(cell):
+    with pytest.raises(AbilityError, match="no channel 'Z'"):
+        cell.plant.disturb("cable_in_the_way", "Z", [0.0, 0.0])
+    with pytest.raises(FaultError, match="no wire is live"):
+        cell.plant.disturb("tip_bent", "a", [0.1])
+
+
+def pull(cell, force):
+    """Pull the held end with a force; return how far it slides in the grip [m]."""
+    cable, bullet = cell.plant.live.cable, cell.plant.world.bullet
+    start = cable.tip(End.A)[0]
+    for _ in range(60):
+        apex, out = cable.tip(End.A)
+        bullet.applyExternalForce(
+            *cable.ferrule(End.A), (force * out).tolist(), apex.tolist(), bullet.WORLD_FRAME
+        )
+        cell.plant.step()
+    return float(np.linalg.norm(cable.tip(End.A)[0] - start))
+
+
+@pytest.mark.parametrize("kind", ["grip_weakened", "friction_lowered"])
+def test_a_weak_hand_lets_the_wire_slide(cell, kind):
+    goal = do.goals.PickGoal(do.ROBOT, "W1", End.A, 0.0)
+    cell.feed("W1", "A")
+    do.do(cell, do.pick_cable, goal)
+    assert pull(cell, 15.0) < 0.002
+    cell.reset()
+    cell.plant.disturb(kind, "", [0.3])
+    cell.feed("W1", "A")
+    do.do(cell, do.pick_cable, goal)
+    assert pull(cell, 15.0) > 0.005
+
+
+def test_a_bumped_camera_shows_the_plate_from_elsewhere_than_it_says(cell):
+    before = cell.plant.look_overhead()
+    cell.plant.disturb("camera_bumped", "overhead", [0.010, 0.0, 0.0, 0.0])
+    after = cell.plant.look_overhead()
+    assert np.array_equal(
+        after.view.world_from_camera.position, before.view.world_from_camera.position
+    )
+    assert np.abs(after.rgb.astype(int) - before.rgb).mean() > 2.0
+
+
+def test_less_light_darkens_the_pictures_until_the_panel_is_built_anew(cell):
+    usual = cell.plant.look_wrist().rgb.mean()
+    cell.plant.disturb("light_changed", "", [0.5])
+    assert cell.plant.look_wrist().rgb.mean() == pytest.approx(usual / 2, rel=0.1)
+    cell.reset()
+    assert cell.plant.look_wrist().rgb.mean() == pytest.approx(usual, rel=0.1)
+
+
+def test_a_bent_tip_points_aside(cell):
+    cell.feed("W1", "A")
+
+    def aside():
+        nodes = cell.plant.live.cable.nodes()
+        first, then = nodes[0] - nodes[1], nodes[1] - nodes[2]
+        cosine = first @ then / np.linalg.norm(first) / np.linalg.norm(then)
+        return math.acos(min(1.0, cosine))
+
+    straight = aside()
+    cell.plant.disturb("tip_bent", "a", [0.4])
+    for _ in range(8):
+        cell.settle()
+    assert straight < 0.05
+    assert aside() == pytest.approx(0.4, abs=0.1)
+
+
+def test_a_cable_in_the_way_falls_onto_the_live_wire(cell):
+    cell.feed("W1", "A")
+    (live,) = cell.plant.live.cable.bodies
+    bullet = cell.plant.world.bullet
+    before = {bullet.getBodyUniqueId(i) for i in range(bullet.getNumBodies())}
+    cell.plant.disturb("cable_in_the_way", "A", [0.05, 0.3])
+    (stray,) = {bullet.getBodyUniqueId(i) for i in range(bullet.getNumBodies())} - before
+    for _ in range(8):
+        cell.settle()
+    assert bullet.getContactPoints(live, stray)
+    cell.feed("W2", "A")
+    assert bullet.getNumBodies() > len(before), "it is still there for the next wire"
