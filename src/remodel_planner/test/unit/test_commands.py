@@ -114,7 +114,7 @@ def test_an_order_is_planned_checked_explained_and_drawn(tmp_path, database, cap
     assert plan.main(["--output", made, "--order", "hosue", "--database", database]) == 1
     assert "has no order hosue; it has: house" in capsys.readouterr().err
     assert plan.main(["--output", made]) == 1
-    assert "give either the file of a problem, or --order NAME" in capsys.readouterr().err
+    assert "give either the file of a problem or order, or --order NAME" in capsys.readouterr().err
     wishes.write_text("format: remodel-preferences-1\nprefer: [{pick: W77777, before: W1}]\n")
     assert plan.main([*stored, "--output", made, "--preferences", str(wishes)]) == 1
     assert f"{wishes}: " in capsys.readouterr().err
