@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from remodel_planner.core.planning.defects import require_sound
 from remodel_planner.core.planning.preferences import FORMAT, Preferred, apply_preferences
-from remodel_planner.core.use_case.decomposition import Limits
+from remodel_planner.core.use_case.decomposed import Limits
 from remodel_planner.core.use_case.expectation import Expectations
 from remodel_planner.core.use_case.model import UseCase
 from remodel_planner.core.use_case.requirements import limits_of
