@@ -26,6 +26,14 @@ class Limits:
         """Tell whether anything is forbidden."""
         return bool(self.force_n or self.segments)
 
+    def objection(self, decomposition: Decomposition) -> str:
+        """Return the name of a requirement that a decomposition breaks; empty if it keeps all."""
+        limit, name = self.force_n.get(decomposition.task.name, (decomposition.force_n, ""))
+        if decomposition.force_n > limit:
+            return name
+        barred = (s for s in decomposition.way.segments if s in self.segments)
+        return next((self.segments[segment] for segment in barred), "")
+
     def and_those(self, other: Limits) -> Limits:
         """Return these limits and others; of two forces the lesser."""
         forces = dict(self.force_n)
