@@ -297,3 +297,21 @@ def test_requirements_of_a_situation_bind_when_it_is_there(tmp_path, capsys):
     assert "--while fire: no requirement says so; there are operator in B" in (
         capsys.readouterr().err
     )
+
+
+def test_requirements_of_an_order_change_how_its_tasks_are_done(tmp_path, capsys):
+    output = str(tmp_path / "plan.json")
+    for order, requirement, task in (
+        ("automotive_harness", "{name: off the rail, avoid_segment: upper}", "W3"),
+        ("dialysis_hoses", "{name: gently, insert: H1, force_n: 15}", "H1"),
+    ):
+        file = str(EXAMPLES / f"{order}.yaml")
+        preferences = tmp_path / "preferences.yaml"
+        preferences.write_text(f"format: remodel-preferences-1\nrequire: [{requirement}]\n")
+        wanted = ["--preferences", str(preferences)]
+        assert plan_command.main([file, "--output", output, "--time-limit=0.02", *wanted]) == 0
+        capsys.readouterr()
+        assert explain_command.main([file, output, *wanted]) == 0
+        assert f"`: {task} done in another way" in capsys.readouterr().out
+        assert tasks_command.main([file, *wanted]) == 0
+        assert requirement.split(",")[0].removeprefix("{name: ") in capsys.readouterr().out

@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from remodel_planner.core.use_case.decomposition import Decomposer, Limits
+from remodel_planner.core.use_case.decomposed import Limits
+from remodel_planner.core.use_case.decomposition import Decomposer
 from remodel_planner.core.use_case.expectation import Expectation
 from remodel_planner.core.use_case.model import Macro
 from remodel_planner.core.use_case.outline import outline

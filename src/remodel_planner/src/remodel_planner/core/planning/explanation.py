@@ -90,7 +90,7 @@ def explain(preferred: Preferred, plan: Plan, verdict: Verdict, mender: Mender) 
         yield f"  {verdict.penalties['soft']}: wishes broken, of {len(problem.wishes)}"
     yield from _tell_order(problem, plan, mender)
     for reason, wires in _by_reason(preferred.detours).items():
-        yield f"kept: `{reason}`: {', '.join(wires)} take another way"
+        yield f"kept: `{reason}`: {', '.join(wires)} done in another way"
     yield from _tell_arms(preferred, plan, mender)
     by_reason = sorted(broken_wishes(problem, plan), key=lambda item: item.wish.reason)
     for reason, group in itertools.groupby(by_reason, lambda item: item.wish.reason):

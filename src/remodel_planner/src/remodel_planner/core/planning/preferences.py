@@ -47,7 +47,7 @@ class Preferred:
 
     Attributes:
         arm_reasons: the names of the preferences for an arm, by wire.
-        detours: names of the requirements for which wires leave their own ways, by wire.
+        detours: names of the requirements for which wires are done in another way, by wire.
         situations: in which some requirement counts.
     """
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from remodel_planner.core.use_case.decomposition import Decomposition
+from remodel_planner.core.use_case.decomposed import Decomposition
 
 
 def outline(decomposition: Decomposition) -> Iterator[str]:

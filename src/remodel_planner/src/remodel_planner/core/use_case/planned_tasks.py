@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from flexbe_synthesizer.core.model import Chart
 from remodel_planner.core.planning.listing import listing_of
 from remodel_planner.core.planning.problem import Plan
-from remodel_planner.core.use_case.decomposition import Decomposition
+from remodel_planner.core.use_case.decomposed import Decomposition
 from remodel_planner.core.use_case.preparation import Prepared
 from remodel_planner.core.use_case.task_chart import task_chart
 from remodel_planner.core.use_case.wiring_problem import decomposer_of

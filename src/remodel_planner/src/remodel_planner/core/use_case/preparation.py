@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from remodel_planner.core.planning.defects import require_sound
 from remodel_planner.core.planning.preferences import FORMAT, Preferred, apply_preferences
-from remodel_planner.core.use_case.decomposition import Limits
+from remodel_planner.core.use_case.decomposed import Limits
 from remodel_planner.core.use_case.expectation import Expectations
 from remodel_planner.core.use_case.model import UseCase
 from remodel_planner.core.use_case.requirements import limits_of
@@ -61,10 +61,12 @@ def prepare(
     for name, document in documents:
         with blamed(name):
             limits = limits.and_those(limits_of(problem, document, situations))
+    yielding: dict[str, str] = {}
     if limits:
+        yielding = {p.alone.task.name: why for p in plans if (why := limits.objection(p.alone))}
         plans = decompose_order(order, use_case, limits, expectations)
         problem = wiring_problem(order, use_case, plans)
-    preferred = Preferred(problem)
+    preferred = Preferred(problem, detours=yielding)
     for name, document in documents:
         with blamed(name):
             preferred = apply_preferences(preferred, document, situations)

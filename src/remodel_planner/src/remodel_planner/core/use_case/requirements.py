@@ -5,7 +5,7 @@ from __future__ import annotations
 from remodel_planner.core.planning.choices import choose
 from remodel_planner.core.planning.preferences import document_fields, requirements
 from remodel_planner.core.planning.problem import Problem
-from remodel_planner.core.use_case.decomposition import Limits
+from remodel_planner.core.use_case.decomposed import Limits
 
 
 def limits_of(problem: Problem, document: object, situations: frozenset[str]) -> Limits:

@@ -10,9 +10,8 @@ state that has looked last to those that need it.
 from __future__ import annotations
 
 import hashlib
-import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from flexbe_synthesizer.core.codec import write_chart
@@ -28,9 +27,10 @@ from flexbe_synthesizer.core.model import (
     State,
     Transition,
 )
-from remodel_planner.core.planning.problem import End, Point
-from remodel_planner.core.use_case.decomposition import Decomposition, Step
+from remodel_planner.core.planning.problem import End
+from remodel_planner.core.use_case.decomposed import Decomposition, Step
 from remodel_planner.core.use_case.model import Macro, UseCase
+from remodel_planner.core.use_case.task_values import TaskValues
 from remodel_planner.core.use_case.work_order import Task
 from remodel_planner.errors import UseCaseError
 
@@ -95,8 +95,8 @@ class _Charting:
     ) -> None:
         self._use_case = use_case
         self._task = decomposition.task
-        self._first = decomposition.first
-        self._component_of = component_of
+        height_m = use_case.cell.carry_height_m
+        self._values = TaskValues(self._task, decomposition.first, component_of, height_m)
         self._name = behavior_name(use_case, self._task.name)
         self._placed = tuple(_place(decomposition.steps, arms))
         self._inputs: dict[str, Input] = {}
@@ -230,53 +230,13 @@ class _Charting:
         """Return a literal, or the value of the task that a reference names."""
         if not isinstance(value, str) or not value.startswith("$"):
             return value  # type: ignore[return-value]  # the schema allows literals only
-        values = self._values(placed)
+        values = self._values.of(placed.step, placed.arm)
         if value[1:] not in values:
             raise UseCaseError(
                 f"task {self._task.name}: {placed.step.action.name} refers to {value}, which it "
                 f"does not have; there are {', '.join(f'${name}' for name in sorted(values))}"
             )
         return values[value[1:]]  # type: ignore[return-value]  # from JSON or YAML
-
-    def _values(self, placed: _Placed) -> dict[str, object]:
-        """Return what references may name."""
-        step, height_m = placed.step, self._use_case.cell.carry_height_m
-        values: dict[str, object] = {
-            "task": self._task.name,
-            "arm": placed.arm,
-            "slot_pose": poses([self._task.slot_mm], height_m)[0],
-            **self._of_end("first_", self._first),
-            **self._of_end("second_", self._first.other),
-        }
-        if self._task.meeting_mm is not None:
-            values["meeting_pose"] = poses([self._task.meeting_mm], height_m)[0]
-        if step.end is not None:
-            values |= self._of_end("", step.end)
-        if step.clip is not None:
-            values["clip"] = step.clip.name
-        values["path"] = poses(step.way.path_mm, height_m)
-        return {**values, **dict(self._task.values)}
-
-    def _of_end(self, prefix: str, end: End) -> dict[str, object]:
-        terminal = self._task.terminals[end]
-        component = self._component_of[terminal]
-        return {
-            f"{prefix}end": end.letter,
-            f"{prefix}component": component,
-            f"{prefix}terminal": terminal.removeprefix(f"{component}:"),
-        }
-
-
-def poses(path_mm: Sequence[Point], height_m: float) -> tuple[tuple[float, ...], ...]:
-    """Return tool poses [x, y, z, yaw] in the panel frame [m, rad], looking on along a path."""
-    placed: list[tuple[float, ...]] = []
-    for i, (x, y) in enumerate(path_mm):
-        if i + 1 < len(path_mm):
-            yaw = math.atan2(path_mm[i + 1][1] - y, path_mm[i + 1][0] - x)
-        else:
-            yaw = placed[-1][3] if placed else 0.0
-        placed.append((x / 1e3, y / 1e3, height_m, round(yaw, 4)))
-    return tuple(placed)
 
 
 def _place(steps: tuple[Step, ...], arms: tuple[str, ...]) -> Iterator[_Placed]:

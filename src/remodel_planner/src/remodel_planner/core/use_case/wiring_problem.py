@@ -20,7 +20,8 @@ from remodel_planner.core.planning.problem import (
     Weights,
     Wire,
 )
-from remodel_planner.core.use_case.decomposition import Decomposer, Decomposition, Limits
+from remodel_planner.core.use_case.decomposed import Decomposition, Limits
+from remodel_planner.core.use_case.decomposition import Decomposer
 from remodel_planner.core.use_case.expectation import Expectations
 from remodel_planner.core.use_case.model import Characteristic, Macro, UseCase
 from remodel_planner.core.use_case.work_order import WorkOrder

@@ -12,7 +12,7 @@ from itertools import pairwise
 from remodel_planner.core.condition import Value
 from remodel_planner.core.planning.fields import Fields
 from remodel_planner.core.planning.instance import arm_from, characteristics_of, terminal_from
-from remodel_planner.core.planning.problem import Arm, End, Pin, Point, Terminal, Under, Wish
+from remodel_planner.core.planning.problem import Arm, End, Point, Terminal, Under, Wish
 
 FORMAT = "remodel-order-1"
 
@@ -124,7 +124,6 @@ class WorkOrder:
     terminals: tuple[Terminal, ...]
     tasks: tuple[Task, ...]
     unders: tuple[Under, ...] = ()
-    pins: tuple[Pin, ...] = ()
     wishes: tuple[Wish, ...] = ()
 
 
@@ -156,7 +155,6 @@ def order_from(data: object) -> WorkOrder:
             Under(item.text("before"), item.text("after"))
             for item in (fields.objects("under") if fields.has("under") else ())
         ),
-        (),
         tuple(
             Wish(item.text("before"), item.text("after"), item.number("weight"))
             for item in (fields.objects("soft_before") if fields.has("soft_before") else ())
