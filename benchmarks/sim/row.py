@@ -57,7 +57,7 @@ def tell(rows: Iterable[Row], file: Path) -> bool:
                 f"{row.what:<66}{row.value:>10.3f} {row.unit:<8}{row.target:>9} {verdict}",
                 flush=True,
             )
-            lines.write(json.dumps({**asdict(row), "met": row.met}) + "\n")
+            lines.write(json.dumps({**asdict(row), "met": bool(row.met)}) + "\n")
             lines.flush()
             good &= row.met
     return good

@@ -10,11 +10,19 @@ import math
 def cantilever_drop(length, stiffness, weight, steps=1000):
     """Return how far the tip of a heavy cantilever hangs below the clamp [m].
 
+    Weight per length [N/m].
+    """
+    _, drops = cantilever_shape(weight * length**3 / stiffness, steps)
+    return drops[-1] * length
+
+
+def cantilever_shape(load, steps=1000):
+    """Return how far out, and how far down, the points of a heavy cantilever are, over its length.
+
     Clamped level at s = 0, free at s = L: EI phi'' = -w (L - s) cos(phi), phi the angle below the
     horizontal (W. G. Bickley, The heavy elastica, Phil. Mag. 17, 1934). Solved by bisection on the
-    curvature at the clamp, with fourth-order Runge-Kutta; weight per length [N/m].
+    curvature at the clamp, with fourth-order Runge-Kutta; load is w L^3 / EI.
     """
-    load = weight * length**3 / stiffness
     low, high = 0.0, load
     for _ in range(60):
         middle = (low + high) / 2
@@ -22,15 +30,16 @@ def cantilever_drop(length, stiffness, weight, steps=1000):
             high = middle
         else:
             low = middle
-    return _shoot((low + high) / 2, load, steps)[1] * length
+    _, xs, drops = _shoot((low + high) / 2, load, steps)
+    return xs, drops
 
 
 def _shoot(curvature, load, steps):
     """Integrate from the clamp.
 
-    Return the curvature at the tip, and its drop, in units of the length.
+    Return the curvature at the tip, and how far out and down every point is, over the length.
     """
-    h, angle, drop = 1.0 / steps, 0.0, 0.0
+    h, angle, xs, drops = 1.0 / steps, 0.0, [0.0], [0.0]
 
     def slope(s, phi):
         return -load * (1 - s) * math.cos(phi)
@@ -42,10 +51,11 @@ def _shoot(curvature, load, steps):
         a3, k3 = curvature + h / 2 * k2, slope(s + h / 2, angle + h / 2 * a2)
         a4, k4 = curvature + h * k3, slope(s + h, angle + h * a3)
         middle = angle + h / 2 * a2
-        angle_next = angle + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
-        drop += h / 6 * (math.sin(angle) + 4 * math.sin(middle) + math.sin(angle_next))
-        angle, curvature = angle_next, curvature + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-    return curvature, drop
+        end = angle + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+        xs.append(xs[-1] + h / 6 * (math.cos(angle) + 4 * math.cos(middle) + math.cos(end)))
+        drops.append(drops[-1] + h / 6 * (math.sin(angle) + 4 * math.sin(middle) + math.sin(end)))
+        angle, curvature = end, curvature + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    return curvature, xs, drops
 
 
 def buckling_load(length, stiffness):
