@@ -6,8 +6,10 @@ import pytest
 
 from remodel_planner.core.learning.belief import Belief
 from remodel_planner.core.learning.duration_model import DurationModel
+from remodel_planner.core.learning.learned_expectations import Call, LearnedExpectations
 from remodel_planner.core.learning.parameter_choice import GuardRail, ParameterChoice
 from remodel_planner.core.learning.success_model import SuccessModel, fold
+from remodel_planner.edge.use_case_files import find_use_case
 
 THIN = ("InsertCable", "clamp", "0.5")
 THICK = ("InsertCable", "clamp", "2.5")
@@ -132,3 +134,31 @@ def test_learning_never_costs_more_than_the_guard_rail(truths, seed):
 def test_the_frozen_value_must_be_safe():
     with pytest.raises(ValueError, match="not among the safe ones"):
         ParameterChoice(VALUES, 15.0)
+
+
+STATED = find_use_case("switchgear").expectations
+FEATURES = {"section_mm2": 2.5}
+
+
+def calls(count, error_code=0, elapsed_s=6.3, features=FEATURES, ability="InsertCable"):
+    return [Call(ability, features, error_code, elapsed_s)] * count
+
+
+def test_without_records_the_stated_is_expected():
+    learned = LearnedExpectations(STATED)
+    stated = STATED.expect("InsertCable", FEATURES)
+    expected = learned.expect("InsertCable", FEATURES)
+    assert expected.duration_s == pytest.approx(stated.duration_s)
+    assert expected.success == pytest.approx(stated.success)
+
+
+def test_records_change_what_is_expected():
+    learned = LearnedExpectations(STATED, [*calls(60, elapsed_s=12.6), *calls(40, error_code=301)])
+    expected = learned.expect("InsertCable", FEATURES)
+    assert expected.success < 0.75
+    assert expected.duration_s > 1.5 * STATED.expect("InsertCable", FEATURES).duration_s
+
+
+def test_what_says_nothing_of_the_ability_is_left_out():
+    learned = LearnedExpectations(STATED, [*calls(50, error_code=4), *calls(9, ability="Sing")])
+    assert learned.calls == 0

@@ -15,6 +15,7 @@ from tqdm import tqdm
 
 from remodel_planner.commands.database_option import add_database_option
 from remodel_planner.core.cell_order import USE_CASE, cell_order
+from remodel_planner.core.learning.learned_expectations import LearnedExpectations
 from remodel_planner.core.panel_layout import PanelLayout, PanelRules, lay_out
 from remodel_planner.core.production import Order
 from remodel_planner.core.recovery.fault import Do
@@ -71,7 +72,8 @@ def main(arguments: list[str] | None = None) -> int:
         layout = lay_out(order, read_catalogue(catalogue_file()), PanelRules())
         use_case = find_use_case(USE_CASE)
         recovery = Recovery(read_faults(), use_case.recovery)
-        replan = partial(_planned, cell_order(layout), use_case)
+        learned = LearnedExpectations(use_case.expectations, database.ability_calls())
+        replan = partial(_planned, cell_order(layout), use_case, learned)
         tasks = replan([cut.wire.name for cut in layout.wires])
     except PlannerError as error:
         print(f"run_order: {error}", file=sys.stderr)
@@ -96,11 +98,11 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _planned(
-    order: WorkOrder, use_case: UseCase, names: Collection[str]
+    order: WorkOrder, use_case: UseCase, learned: LearnedExpectations, names: Collection[str]
 ) -> tuple[PlannedTask, ...]:
     """Return the tasks of these names in the best order that is found in a moment."""
     tasks = tuple(task for task in order.tasks if task.name in names)
-    prepared = prepare(replace(order, tasks=tasks), use_case)
+    prepared = prepare(replace(order, tasks=tasks), use_case, expectations=learned)
     planned = plan_problem(prepared.preferred.problem, _PLANNING_S)
     return tuple(planned_tasks(prepared, planned.plan))
 

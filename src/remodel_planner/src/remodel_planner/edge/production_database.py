@@ -17,6 +17,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session
 
 from remodel_planner.core.ability import Ability, AbilityParameter
+from remodel_planner.core.learning.learned_expectations import Call
 from remodel_planner.core.production import Order
 from remodel_planner.core.recovery.decide import Decision
 from remodel_planner.core.run import Execution, Operation
@@ -159,6 +160,27 @@ class ProductionDatabase:
                     operations=[_record_row(operation) for operation in execution.operations],
                     decision=_decision_row(decision) if decision else None,
                 )
+            )
+
+    def ability_calls(self) -> tuple[Call, ...]:
+        """Return all calls of abilities that any run has recorded, in their order."""
+        with self._reading() as session:
+            rows = session.execute(
+                select(
+                    AbilityRecordRow.ability,
+                    WireRow.section_mm2,
+                    WireRow.colour,
+                    AbilityRecordRow.error_code,
+                    AbilityRecordRow.elapsed_s,
+                )
+                .join(ExecutionRow, AbilityRecordRow.execution_id == ExecutionRow.id)
+                .join(TaskRow, ExecutionRow.task_id == TaskRow.id)
+                .join(WireRow, TaskRow.wire_id == WireRow.id)
+                .order_by(AbilityRecordRow.id)
+            )
+            return tuple(
+                Call(ability, {"section_mm2": section, "colour": colour}, code, elapsed_s)
+                for ability, section, colour, code, elapsed_s in rows
             )
 
     def _writing(self) -> Engine:

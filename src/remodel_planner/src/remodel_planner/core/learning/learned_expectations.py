@@ -1,0 +1,75 @@
+"""What runs have taught about abilities, in place of what a use case states.
+
+Durations are learned as shares of the stated ones, which know of lengths and conditions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from remodel_planner.core.condition import Features, Value
+from remodel_planner.core.learning.belief import Belief
+from remodel_planner.core.learning.duration_model import DurationModel
+from remodel_planner.core.learning.success_model import Context, SuccessModel
+from remodel_planner.core.use_case.expectation import Expectation, FrozenExpectations
+
+# remodel_msgs/ErrorCode of calls that tell nothing about an ability: preempted, a goal that made
+# no sense, no server, a busy robot.
+TELL_NOTHING = frozenset({2, 3, 4, 6})
+
+
+@dataclass(frozen=True)
+class Call:
+    """A recorded call of an ability.
+
+    Attributes:
+        features: of the task that it was part of.
+        error_code: remodel_msgs/ErrorCode, 0 for none.
+        elapsed_s: [s] ROS time.
+    """
+
+    ability: str
+    features: Mapping[str, Value]
+    error_code: int
+    elapsed_s: float
+
+
+class LearnedExpectations:
+    """Expectations that begin with the stated ones and follow what is recorded."""
+
+    def __init__(self, stated: FrozenExpectations, calls: Iterable[Call] = ()) -> None:
+        """Take in recorded calls, in their order."""
+        self._stated = stated
+        self._success = SuccessModel()
+        self._duration = DurationModel()
+        self.calls = 0
+        for call in calls:
+            self.learn(call)
+
+    def learn(self, call: Call) -> None:
+        """Take in a call; those that tell nothing, or are of no stated ability, are left out."""
+        if call.ability not in self._stated.stated or call.error_code in TELL_NOTHING:
+            return
+        self.calls += 1
+        context = _context(call.ability, call.features)
+        self._success.learn(context, call.error_code == 0)
+        stated_s = self._stated.expect(call.ability, call.features).duration_s
+        if stated_s > 0 and call.error_code == 0:
+            self._duration.learn(context, call.elapsed_s / stated_s)
+
+    def expect(self, ability: str, features: Features) -> Expectation:
+        """Return what is expected of a call of the ability for a task with these features."""
+        stated = self._stated.expect(ability, features)
+        context = _context(ability, features)
+        share = self._duration.belief(context, 1.0).mean_s
+        return Expectation(stated.duration_s * share, self.belief(ability, features).mean)
+
+    def belief(self, ability: str, features: Features) -> Belief:
+        """Return what is believed about the success of an ability."""
+        stated = self._stated.expect(ability, features)
+        return self._success.belief(_context(ability, features), stated.success)
+
+
+def _context(ability: str, features: Features) -> Context:
+    return (ability, f"{float(features.get('section_mm2', 0.0)):g}")
