@@ -38,7 +38,8 @@ OVER_THING = 0.02
 
 def exposure_doubts(rgb: Pixels) -> Iterator[str]:
     """Yield what is wrong with the light of a picture (height, width, 3)."""
-    brightest = rgb.max(axis=2)
+    some = rgb[::2, ::2]
+    brightest = np.maximum(np.maximum(some[..., 0], some[..., 1]), some[..., 2])
     clipped = float(np.mean(brightest >= TOP))
     if clipped > CLIPPED:
         yield f"{clipped:.0%} of the picture is overexposed; take it with a shorter exposure"
