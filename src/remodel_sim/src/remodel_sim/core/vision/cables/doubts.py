@@ -21,9 +21,9 @@ CLIPPED, TOP = 0.18, 250
 DARK_SHARE, DARK = 0.98, 75
 # An end this near to another cable may be a part of it [widths].
 BESIDE_WIDTHS = 1.7
-# Two ends this near that look at each other may be one cable, something hidden between them
-# [widths], [cosine].
-FACING_WIDTHS, FACING = 12.0, 0.8
+# Two ends of like colours [grey levels], this near [widths], that look at each other [cosine], may
+# be one cable, with something hidden between them.
+SAME_COLOUR, FACING_WIDTHS, FACING = 60.0, 12.0, 0.8
 # Around a cable's width, shadow and blur explain so much more, to both sides together [widths],
 # and [px of the mask].
 RIM_WIDTHS, RIM_PX = 1.8, 3
@@ -63,6 +63,8 @@ def cable_doubts(cables: list[Cable]) -> Iterator[str]:
                 if i != j and gap < BESIDE_WIDTHS * max(cable.width, other.width):
                     yield f"cable {i} ends at ({column:.0f}, {row:.0f}) on cable {j}"
     for (i, one), (j, other) in itertools.combinations(enumerate(cables), 2):
+        if np.linalg.norm(np.subtract(one.colour, other.colour)) > SAME_COLOUR:
+            continue
         for a, b in itertools.product(one.tips, other.tips):
             gap = b.point - a.point
             length = float(np.hypot(*gap))
