@@ -169,7 +169,7 @@ def main() -> None:
     first, few = options.seed, max(5, options.scenes // 5)
     for row in times(first, 30):
         tell(row)
-    with multiprocessing.Pool(options.processes) as pool:
+    with multiprocessing.get_context("spawn").Pool(options.processes) as pool:
         for same, group, least in ((False, "colours", 99.0), (True, "one colour", 97.0)):
             tasks = [Task(Kind(COUNTS[i % 5], same), first + i) for i in range(options.scenes)]
             for row in accuracy(group, pool.map(run, tasks, chunksize=4), least):

@@ -30,7 +30,10 @@ def main(arguments: list[str]) -> int:
         what = "is no picture that OpenCV reads" if options.image.is_file() else "is no file"
         return _refuse(f"{options.image} {what}; give a PNG, JPEG, BMP, TIFF or WebP")
     rgb = cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB)
-    found = detect_cables(rgb)
+    try:
+        found = detect_cables(rgb)
+    except ValueError as error:
+        return _refuse(f"{options.image}: {error}")
     if options.draw is not None:
         drawn = cv2.cvtColor(sketch(rgb, found), cv2.COLOR_RGB2BGR)
         try:

@@ -7,13 +7,19 @@ to a fraction of a pixel. What is not sure is said.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import cv2
 import numpy as np
 
 from remodel_sim.core.vision.cables.crossings import find_crossings
+from remodel_sim.core.vision.cables.doubts import (
+    NOTHING,
+    SURE,
+    cable_doubts,
+    exposure_doubts,
+    rest_doubts,
+)
 from remodel_sim.core.vision.cables.ends import AXIS_FROM, find_end
 from remodel_sim.core.vision.cables.evidence import ramp, weigh
 from remodel_sim.core.vision.cables.foreground import Foreground, find_foreground
@@ -24,7 +30,6 @@ from remodel_sim.core.vision.cables.polyline import arc_lengths
 from remodel_sim.core.vision.cables.refining import Refined, refine
 from remodel_sim.core.vision.cables.robust import median_colour
 from remodel_sim.core.vision.cables.spline import fit
-from remodel_sim.core.vision.cables.unexplained import unexplained
 
 # The foreground is found in a picture of about so many columns; in the finer one where cables are
 # this thin in the first [px].
@@ -35,8 +40,8 @@ MIN_SIDE = 64
 KNOTS_WIDTHS, KNOTS_PX = 3.0, 12.0
 # A tip pulls the spline as much as so many edges.
 TIP_WEIGHT = 3.0
-# Centrelines with less evidence are no cables; cables with less than SURE are doubted.
-NO_CABLE, SURE = 0.15, 0.5
+# Centrelines with less evidence are no cables.
+NO_CABLE = 0.15
 # What is shorter than this share of the longest sure cable is a scrap of the table's grain, unless
 # it is sure and its contrast at least this share of the faintest long cable's.
 SCRAP_LENGTH, SCRAP_CONTRAST = 0.25, 0.5
@@ -68,7 +73,7 @@ def _detect(rgb: Pixels, scale: int, small: Pixels, foreground: Foreground) -> D
     """Find the cables, given the foreground of a picture made `scale` times smaller."""
     rough = rough_cables(small, foreground)
     if not rough:
-        return Detection((), (), ("nothing in the picture looks like a cable",))
+        return Detection((), (), (*exposure_doubts(small), NOTHING))
     lines = [(r.line + 0.5) * scale - 0.5 for r in rough]
     refined = refine(rgb, lines, [r.width * scale for r in rough])
     candidates = [
@@ -88,11 +93,15 @@ def _detect(rgb: Pixels, scale: int, small: Pixels, foreground: Foreground) -> D
             is_short and evidence.levels < faint
         ):
             continue
-        cable = _cable(rgb, line, evidence.total * joined)
+        cable = _cable(rgb, line, evidence.total * evidence.trust * joined)
         cables.append(replace(cable, tips=_not_over(foreground.things, cable, scale)))
     cables.sort(key=lambda c: -len(c.centreline))
-    doubts = [*_doubts(cables), *unexplained(foreground, cables, scale)]
-    return Detection(tuple(cables), find_crossings(rgb, cables), tuple(doubts))
+    doubts = (
+        *exposure_doubts(small),
+        *cable_doubts(cables),
+        *rest_doubts(foreground, cables, scale),
+    )
+    return Detection(tuple(cables), find_crossings(rgb, cables), doubts)
 
 
 def _not_over(things: Pixels, cable: Cable, scale: int) -> tuple[Tip, Tip]:
@@ -104,19 +113,6 @@ def _not_over(things: Pixels, cable: Cable, scale: int) -> tuple[Tip, Tip]:
         hidden = tip.end is End.TIP and things[row, column]
         tips.append(replace(tip, end=End.HIDDEN) if hidden else tip)
     return tips[0], tips[1]
-
-
-def _doubts(cables: list[Cable]) -> Iterator[str]:
-    """Yield why the answer may be wrong."""
-    if not cables:
-        yield "nothing in the picture looks like a cable"
-    for i, cable in enumerate(cables):
-        if cable.confidence < SURE:
-            yield f"cable {i} may be none, or not one: confidence {cable.confidence:.2f}"
-        for tip in cable.tips:
-            if tip.end is End.HIDDEN:
-                column, row = tip.point
-                yield f"cable {i} may go on beyond ({column:.0f}, {row:.0f}), where a thing lies"
 
 
 def _cable(rgb: Pixels, refined: Refined, confidence: float) -> Cable:

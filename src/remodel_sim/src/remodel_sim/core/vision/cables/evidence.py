@@ -29,6 +29,12 @@ END_RIBS = 10
 SHADES = (0.4, 2.0)
 # Another hue is this far from the shades of the cable's, as a share of its contrast.
 OTHER_HUE = 0.5
+# Share of the ribs with a shadow on one side, deeper than that share of the light.
+SHADOWS = (0.30, 0.10)
+DEEP = 0.75
+# How far the edges stretch when the picture is blurred [px], and what part of a width is harmless.
+SOFT_PX = (6.0, 4.5)
+SOFT_WIDTHS = 0.42
 # Two sides are alike when they differ by less than this share of the cable's contrast.
 ALIKE = 0.7
 
@@ -44,6 +50,7 @@ class Evidence:
         length: for a cable of its width.
         even: how little the width varies.
         hue: how far its colour is the same all along.
+        clear: of hard shadows, and of blur.
         levels: the contrast itself [grey levels].
     """
 
@@ -53,12 +60,18 @@ class Evidence:
     length: float
     even: float
     hue: float
+    clear: float
     levels: float
 
     @property
     def total(self) -> float:
-        """All factors together."""
-        return self.contrast * self.edges * self.ridge * self.length * self.even * self.hue
+        """All factors together: whether it is a cable."""
+        return self.contrast * self.edges * self.ridge * self.length * self.even
+
+    @property
+    def trust(self) -> float:
+        """How far a cable's outline is to be relied on."""
+        return self.hue * self.clear
 
 
 def weigh(refined: Refined, spread: float) -> Evidence:
@@ -77,8 +90,15 @@ def weigh(refined: Refined, spread: float) -> Evidence:
         ramp(long, LENGTH_WIDTHS),
         ramp(refined.spread, UNEVEN),
         _of_one_hue(ribs.middle, contrast),
+        min(ramp(float(np.mean(ribs.shadow < DEEP)), SHADOWS), _sharp(refined)),
         usual,
     )
+
+
+def _sharp(refined: Refined) -> float:
+    """Return how far the edges are sharp, or blur in a part of the width only."""
+    softness = median(refined.ribs.softness)
+    return 1.0 if softness < SOFT_WIDTHS * refined.width else ramp(softness, SOFT_PX)
 
 
 def _of_one_hue(colours: Pixels, contrast: Pixels) -> float:

@@ -16,6 +16,8 @@ from remodel_sim.core.vision.cables.pixels import Pixels
 from remodel_sim.core.vision.cables.polyline import across_gap, arc_lengths
 from remodel_sim.core.vision.cables.skeleton import find_strands, thin
 
+# More pieces of skeleton are noise or clutter: pairing them takes too long and means nothing.
+MAX_STRANDS = 400
 # Rough cables shorter than this are none [cable widths].
 MIN_LENGTH_WIDTHS = 5.0
 # Gaps up to this are bridged, if no more than so much of them is bare table [cable widths].
@@ -45,6 +47,8 @@ def rough_cables(rgb: Pixels, foreground: Foreground) -> list[RoughCable]:
     """Return the cables in a picture (height, width, 3) whose foreground is known."""
     reach = cv2.distanceTransform(foreground.mask, cv2.DIST_L2, 5)
     strands = find_strands(thin(foreground.mask))
+    if len(strands) > MAX_STRANDS:
+        return []
     network = Network(strands, reach, 2 * foreground.half_width)
     network.clean()
     joints = _Joints(network, cv2.cvtColor(rgb, cv2.COLOR_RGB2LAB))

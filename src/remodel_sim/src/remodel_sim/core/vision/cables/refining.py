@@ -27,6 +27,8 @@ FIRST_GUESS = 1.25
 FAINT = 0.35
 # Ribs are this far apart [widths], and at least [px].
 SPACING_WIDTHS, SPACING_PX = 0.35, 2.0
+# In the first round they are this much farther apart.
+FIRST_SPACING = 2.0
 MIN_RIBS = 6
 
 
@@ -52,7 +54,7 @@ class Refined:
 def refine(rgb: Pixels, lines: list[Array], widths: list[float]) -> list[Refined | None]:
     """Refine rough centrelines (n, 2) [px] of rough widths [px]; None where no edges are found."""
     lines = [
-        resample(smooth(resample(line, 1.0), 0.5 * width), _spacing(width))
+        resample(smooth(resample(line, 1.0), 0.5 * width), FIRST_SPACING * _spacing(width))
         for line, width in zip(lines, widths, strict=True)
     ]
     widths = [FIRST_GUESS * width for width in widths]

@@ -57,16 +57,28 @@ class Ribs:
         contrast: (n, 2) how far the colour just inside is from the surroundings [grey levels].
         middle: (n, 3) colour of the cable.
         beside: (n, 2, 3) colour of the surroundings, left and right.
+        shadow: (n,) how bright the darker side is, as a share of the other; 1 where that is no
+            shadow of the same hue.
+        softness: (n,) how far the blunter edge stretches [px].
     """
 
     edges: Pixels
     contrast: Pixels
     middle: Pixels
     beside: Pixels
+    shadow: Pixels
+    softness: Pixels
 
     def part(self, of: slice) -> Ribs:
         """Return some of the ribs."""
-        return Ribs(self.edges[of], self.contrast[of], self.middle[of], self.beside[of])
+        return Ribs(
+            self.edges[of],
+            self.contrast[of],
+            self.middle[of],
+            self.beside[of],
+            self.shadow[of],
+            self.softness[of],
+        )
 
 
 def find_edges(rgb: Pixels, points: Array, normals: Array, width: Array, cable: Array) -> Ribs:
@@ -85,7 +97,7 @@ def find_edges(rgb: Pixels, points: Array, normals: Array, width: Array, cable: 
     picked = cv2.remap(rgb, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     blurred = cv2.blur(picked.astype(np.float32), (1, ALONG), borderType=cv2.BORDER_REPLICATE)
     colours = np.stack(cv2.split(blurred))
-    beside = _lit(_mean(colours[:, :, :OUTER]), _mean(colours[:, :, -OUTER:]))
+    *beside, shadow = _lit(_mean(colours[:, :, :OUTER]), _mean(colours[:, :, -OUTER:]))
     body = colours[:, :, BODY]
     starts = np.flatnonzero(np.diff(cable, prepend=-1))
     own = np.stack(
@@ -94,19 +106,28 @@ def find_edges(rgb: Pixels, points: Array, normals: Array, width: Array, cable: 
             for start, stop in zip(starts, [*starts[1:], len(cable)], strict=True)
         ]
     )[cable].T
-    edges, contrasts = [], []
+    edges, contrasts, softness = [], [], []
     for side, sign in ((0, -1.0), (1, 1.0)):
         outward = colours[:, :, MIDDLE::-1] if side == 0 else colours[:, :, MIDDLE:]
         apart = outward - beside[side][:, :, None]
         distance = np.sqrt(_dot(apart, apart))
         rim = distance[:, RIM].mean(axis=1)
         by_hue, told = _shares(outward, beside[side], own)
-        edge = np.where(told, _fall(by_hue), _steepest_fall(distance, rim))
+        steepest, slope = _steepest_fall(distance, rim)
+        edge = np.where(told, _fall(by_hue), steepest)
+        softness.append(rim / np.maximum(slope, 1e-3) * width)
         edges.append(sign * width * edge)
         contrasts.append(rim)
     middle = _mean(colours[:, :, CORE]).T
     around = np.stack([side.T for side in beside], axis=1)
-    return Ribs(np.stack(edges, axis=1), np.stack(contrasts, axis=1), middle, around)
+    return Ribs(
+        np.stack(edges, axis=1),
+        np.stack(contrasts, axis=1),
+        middle,
+        around,
+        shadow,
+        np.maximum(*softness),
+    )
 
 
 def _mean(colours: Pixels) -> Pixels:
@@ -123,8 +144,8 @@ def length(a: Pixels) -> Pixels:
     return np.sqrt(_dot(a.T, a.T))
 
 
-def _lit(left: Pixels, right: Pixels) -> tuple[Pixels, Pixels]:
-    """Return surroundings (3, n), a side in shadow replaced by the other one."""
+def _lit(left: Pixels, right: Pixels) -> tuple[Pixels, Pixels, Pixels]:
+    """Return surroundings (3, n), the lit side for one in shadow, and how bright the shadow is."""
     left_lit = left.sum(axis=0) > right.sum(axis=0)
     light, dark = np.where(left_lit, left, right), np.where(left_lit, right, left)
     shade = np.clip(_dot(dark, light) / np.maximum(_dot(light, light), 1.0), *SHADOW)
@@ -133,6 +154,7 @@ def _lit(left: Pixels, right: Pixels) -> tuple[Pixels, Pixels]:
     return (
         np.where(is_shadow & ~left_lit, light, left),
         np.where(is_shadow & left_lit, light, right),
+        np.where(is_shadow, shade, 1.0),
     )
 
 
@@ -167,8 +189,8 @@ def _fall(share: Pixels) -> Pixels:
     return np.where(found, edge, np.inf)
 
 
-def _steepest_fall(distance: Pixels, rim: Pixels) -> Pixels:
-    """Return where distances (n, m), from the middle outwards, fall fastest [widths]."""
+def _steepest_fall(distance: Pixels, rim: Pixels) -> tuple[Pixels, Pixels]:
+    """Return where distances (n, m), outwards, fall fastest [widths], and how fast [1/width]."""
     start, stop = np.searchsorted(OUTWARD, (EDGE_FROM, EDGE_TO))
     slope = distance[:, start - 1 : stop - 1] - distance[:, start + 1 : stop + 1]
     rows = np.arange(len(slope))
@@ -177,4 +199,5 @@ def _steepest_fall(distance: Pixels, rim: Pixels) -> Pixels:
     curve = np.minimum(before - 2 * here + after, -1e-6)
     shift = np.clip(0.5 * (before - after) / curve, -1, 1)
     edge = OUTWARD[best + start] + shift * (OUTWARD[1] - OUTWARD[0])
-    return np.where(here > LEAST_FALL * rim, edge, np.inf)
+    per_width = 0.5 * here / (OUTWARD[1] - OUTWARD[0])
+    return np.where(here > LEAST_FALL * rim, edge, np.inf), per_width
