@@ -8,11 +8,12 @@ import actionlib
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import PoseStamped, WrenchStamped
 from remodel_msgs import msg, srv
 from remodel_msgs.msg import ErrorCode
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
+from visualization_msgs.msg import MarkerArray
 
 WALL_LIMIT_S = 60.0
 STOP_LIMIT_S = 0.2
@@ -47,7 +48,8 @@ class Client:
         self.client.send_goal(goal, feedback_cb=self.feedback.append)
 
     def ended(self):
-        return self.client.get_state() not in (GoalStatus.PENDING, GoalStatus.ACTIVE)
+        # The goal's status may arrive before its result; this is when the result is there.
+        return self.client.simple_state == actionlib.SimpleGoalState.DONE
 
     def wait(self):
         assert wait_until(self.ended), f"{self.name} did not end"
@@ -101,6 +103,20 @@ class CellTest(unittest.TestCase):
 
     def at_terminal(self):
         return dict(robot_name="robot_1", cable_id="W1", component_id="X1", terminal_id="1")
+
+    def test_rviz_gets_the_scene_and_the_force(self):
+        markers = rospy.wait_for_message("cell/markers", MarkerArray, 20)
+        names = {marker.ns for marker in markers.markers}
+        self.assertLessEqual({"wire/W1", "component/X1"}, names)
+        wrench = rospy.wait_for_message("cell/wrist/wrench", WrenchStamped, 20)
+        self.assertGreater(abs(wrench.wrench.force.z), 0.1, "the hand's weight")
+
+    def test_a_fault_with_wrong_values_is_refused_with_the_right_ones(self):
+        inject = rospy.ServiceProxy("cell/inject_fault", srv.InjectFault)
+        response = inject("grip_weakened", "", [2.0])
+        self.assertFalse(response.success)
+        self.assertIn("allowed: 0.05 to 1", response.message)
+        self.call("inject_fault", srv.InjectFault, "light_changed", "", [0.9])
 
     def test_goals_that_cannot_be_done_are_rejected_with_the_reason(self):
         insert, socket = self.on["InsertCable"], PoseStamped()

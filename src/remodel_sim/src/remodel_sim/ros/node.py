@@ -17,6 +17,7 @@ from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.ros.abilities import ABILITIES
 from remodel_sim.ros.ability_server import AbilityServer
 from remodel_sim.ros.conversions import read_panel
+from remodel_sim.ros.markers import Markers
 from remodel_sim.ros.owner import Owner
 from remodel_sim.ros.publishers import Pictures, RobotState
 from remodel_sim.ros.services import Services
@@ -64,4 +65,4 @@ def _build(materials: WireMaterials) -> Owner:
     if wire_id:
         mouth = panel.panel_from_socket(*panel.wire(wire_id).goes_to(End.A)).position
         cell.feed(wire_id, panel.channel_in_front_of(mouth).id)
-    return Owner(cell, clock, RobotState(cell.plant, clock))
+    return Owner(cell, clock, (RobotState(cell.plant, clock), Markers(cell.plant, clock)))

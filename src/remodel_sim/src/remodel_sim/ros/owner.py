@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import queue
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Generic, TypeVar
 
 import rospy
@@ -32,12 +32,14 @@ IDLE_S = 0.01
 class Owner:
     """Runs the cell. `spin` must be called by the thread that built the cell."""
 
-    def __init__(self, cell: Cell, clock: SimClock, publish_state: Callable[[], None]) -> None:
-        """Take a cell over; `publish_state` is called after every tick."""
+    def __init__(
+        self, cell: Cell, clock: SimClock, publishers: Sequence[Callable[[], None]]
+    ) -> None:
+        """Take a cell over; the publishers are called after every tick."""
         self.cell = cell
         self.clock = clock
         self.job: Job | None = None
-        self._publish_state = publish_state
+        self._publishers = publishers
         # Not a SimpleQueue: its get() waits for ever once a signal has come during a timeout.
         self._requests: queue.Queue[Callable[[], None]] = queue.Queue()
 
@@ -63,7 +65,8 @@ class Owner:
                 self.clock.follow_wall()
             else:
                 self._tick(self.job)
-            self._publish_state()
+            for publish in self._publishers:
+                publish()
         if self.job is not None:
             self.job.stop()
 

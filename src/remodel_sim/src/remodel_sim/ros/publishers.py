@@ -1,10 +1,10 @@
-"""What the cell publishes besides results: pictures, joint states and frames."""
+"""What the cell publishes besides results: pictures, joint states, forces and frames."""
 
 from __future__ import annotations
 
 import numpy as np
 import rospy
-from geometry_msgs.msg import TransformStamped
+from geometry_msgs.msg import TransformStamped, Vector3, WrenchStamped
 from sensor_msgs.msg import CameraInfo, Image, JointState
 from tf2_ros import StaticTransformBroadcaster, TransformBroadcaster
 
@@ -17,8 +17,9 @@ from remodel_sim.physics.robot_description import CAMERA_MOUNT
 from remodel_sim.ros.conversions import PANEL, WORLD, camera_info, image
 from remodel_sim.ros.sim_clock import SimClock
 
-# Joint states and frames are told this often [s of simulated time].
+# Joint states, forces and frames are told this often [s of simulated time].
 STATE_PERIOD_S = 0.04
+HAND = "panda_hand"
 OPTICAL_FRAMES = {"overhead": "overhead_optical", "wrist": "wrist_optical"}
 
 
@@ -48,7 +49,7 @@ class Pictures:
 
 
 class RobotState:
-    """Publishes joint states and frames."""
+    """Publishes joint states, the force at the wrist, and frames."""
 
     def __init__(self, plant: Plant, clock: SimClock) -> None:
         """Tell the frames that never move, once."""
@@ -56,6 +57,7 @@ class RobotState:
         self._clock = clock
         self._told_s = 0.0
         self._joints = rospy.Publisher("/joint_states", JointState, queue_size=5)
+        self._wrench = rospy.Publisher("cell/wrist/wrench", WrenchStamped, queue_size=5)
         self._moving = TransformBroadcaster()
         self._fixed = StaticTransformBroadcaster()
         lens = Pose(np.array(CAMERA_MOUNT), np.array([0.0, 0.0, 0.0, 1.0]))
@@ -66,7 +68,7 @@ class RobotState:
                 _transform(
                     WORLD, OPTICAL_FRAMES["overhead"], OVERHEAD.world_from_camera, clock.now
                 ),
-                _transform("panda_hand", OPTICAL_FRAMES["wrist"], lens, clock.now),
+                _transform(HAND, OPTICAL_FRAMES["wrist"], lens, clock.now),
             ]
         )
 
@@ -80,8 +82,12 @@ class RobotState:
         message.name = JOINT_NAMES
         message.position, message.velocity = self._plant.robot.joint_state
         self._joints.publish(message)
+        wrench = WrenchStamped()
+        wrench.header.frame_id, wrench.header.stamp = HAND, self._clock.now
+        wrench.wrench.force = Vector3(*self._plant.robot.wrist_force)
+        self._wrench.publish(wrench)
         hand = self._plant.robot.world_from_hand
-        self._moving.sendTransform(_transform(WORLD, "panda_hand", hand, self._clock.now))
+        self._moving.sendTransform(_transform(WORLD, HAND, hand, self._clock.now))
 
 
 def _transform(parent: str, child: str, pose: Pose, stamp: rospy.Time) -> TransformStamped:

@@ -1,0 +1,67 @@
+"""The scene as RViz markers, for people: where components and wires really are."""
+
+from __future__ import annotations
+
+import numpy as np
+import rospy
+from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker, MarkerArray
+
+from remodel_sim.core.component_shape import HOUSING
+from remodel_sim.core.panel import Component, Wire
+from remodel_sim.core.wire_colours import WIRE_RGB, Rgb
+from remodel_sim.physics.plant import Plant
+from remodel_sim.ros.conversions import WORLD
+from remodel_sim.ros.sim_clock import SimClock
+
+# Markers are told this often [s of simulated time].
+PERIOD_S = 0.2
+
+
+class Markers:
+    """Publishes components as boxes and wires as lines."""
+
+    def __init__(self, plant: Plant, clock: SimClock) -> None:
+        """Advertise the topic."""
+        self._plant = plant
+        self._clock = clock
+        self._told_s = 0.0
+        self._publisher = rospy.Publisher("cell/markers", MarkerArray, queue_size=2)
+
+    def __call__(self) -> None:
+        """Publish when it is time and somebody looks."""
+        if self._clock.now_s - self._told_s < PERIOD_S or not self._publisher.get_num_connections():
+            return
+        self._told_s = self._clock.now_s
+        plant = self._plant
+        markers = [Marker(action=Marker.DELETEALL)]
+        markers += [self._box(component) for component in plant.panel.components]
+        markers += [
+            self._line(plant.panel.wire(wire_id), parked.nodes)
+            for wire_id, parked in plant.parked.items()
+        ]
+        if plant.live is not None:
+            markers.append(self._line(plant.live.wire, plant.live.cable.nodes()))
+        self._publisher.publish(MarkerArray(markers))
+
+    def _marker(self, namespace: str, name: str, kind: int, rgb: Rgb) -> Marker:
+        marker = Marker(ns=f"{namespace}/{name}", type=kind, action=Marker.ADD)
+        marker.header.frame_id, marker.header.stamp = WORLD, self._clock.now
+        marker.pose.orientation.w = 1.0
+        marker.color = ColorRGBA(*rgb, 1.0)
+        return marker
+
+    def _box(self, component: Component) -> Marker:
+        marker = self._marker("component", component.id, Marker.CUBE, HOUSING)
+        pose = self._plant.world_from_component(component.id)
+        x, y, z = pose.position
+        marker.pose = Pose(Point(x, y, z + component.size[2] / 2), Quaternion(*pose.quaternion))
+        marker.scale = Vector3(*component.size)
+        return marker
+
+    def _line(self, wire: Wire, nodes: np.ndarray) -> Marker:
+        marker = self._marker("wire", wire.id, Marker.LINE_STRIP, WIRE_RGB[wire.colour])
+        marker.scale.x = wire.diameter
+        marker.points = [Point(*node) for node in nodes]
+        return marker
