@@ -7,7 +7,7 @@ to a fraction of a pixel. What is not sure is said.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -21,7 +21,7 @@ from remodel_sim.core.vision.cables.doubts import (
     rest_doubts,
 )
 from remodel_sim.core.vision.cables.ends import AXIS_FROM, find_end
-from remodel_sim.core.vision.cables.evidence import ramp, weigh
+from remodel_sim.core.vision.cables.evidence import Evidence, ramp, weigh
 from remodel_sim.core.vision.cables.foreground import Foreground, find_foreground
 from remodel_sim.core.vision.cables.joining import rough_cables
 from remodel_sim.core.vision.cables.model import Cable, Detection, End, Tip
@@ -77,23 +77,13 @@ def _detect(rgb: Pixels, scale: int, small: Pixels, foreground: Foreground) -> D
     lines = [(r.line + 0.5) * scale - 0.5 for r in rough]
     refined = refine(rgb, lines, [r.width * scale for r in rough])
     candidates = [
-        (line, weigh(line, foreground.spread), ramp(r.margin, SURE_MARGIN))
+        _Candidate(line, weigh(line, foreground.spread), ramp(r.margin, SURE_MARGIN))
         for r, line in zip(rough, refined, strict=True)
         if line is not None
     ]
-    sure = [(line, evidence) for line, evidence, _ in candidates if evidence.total >= SURE]
-    long = SCRAP_LENGTH * max((len(line.points) for line, _ in sure), default=0)
-    faint = SCRAP_CONTRAST * min(
-        (e.levels for line, e in sure if len(line.points) > long), default=0
-    )
     cables = []
-    for line, evidence, joined in candidates:
-        is_short = len(line.points) <= long
-        if evidence.total < (SURE if is_short else NO_CABLE) or (
-            is_short and evidence.levels < faint
-        ):
-            continue
-        cable = _cable(rgb, line, evidence.total * evidence.trust * joined)
+    for found in _without_scraps(candidates):
+        cable = _cable(rgb, found.line, found.confidence)
         cables.append(replace(cable, tips=_not_over(foreground.things, cable, scale)))
     cables.sort(key=lambda c: -len(c.centreline))
     doubts = (
@@ -102,6 +92,34 @@ def _detect(rgb: Pixels, scale: int, small: Pixels, foreground: Foreground) -> D
         *rest_doubts(foreground, cables, scale),
     )
     return Detection(tuple(cables), find_crossings(rgb, cables), doubts)
+
+
+@dataclass(frozen=True, eq=False)
+class _Candidate:
+    """What may be a cable: its centreline, what speaks for it, and how sure its joinings are."""
+
+    line: Refined
+    evidence: Evidence
+    joined: float
+
+    @property
+    def confidence(self) -> float:
+        """That it is one cable, and all of it."""
+        return self.evidence.total * self.evidence.trust * self.joined
+
+
+def _without_scraps(candidates: list[_Candidate]) -> list[_Candidate]:
+    """Return the candidates that are cables, not scraps of the table's grain."""
+    sure = [c for c in candidates if c.evidence.total >= SURE]
+    short = SCRAP_LENGTH * max((len(c.line.points) for c in sure), default=0)
+    long = [c for c in sure if len(c.line.points) > short]
+    faint = SCRAP_CONTRAST * min((c.evidence.levels for c in long), default=0)
+    clear = [c for c in sure if c.evidence.levels >= faint]
+    return [
+        c
+        for c in candidates
+        if (c.evidence.total >= NO_CABLE if len(c.line.points) > short else c in clear)
+    ]
 
 
 def _not_over(things: Pixels, cable: Cable, scale: int) -> tuple[Tip, Tip]:
