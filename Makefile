@@ -56,8 +56,8 @@ bench-synthesis: build ## Time of the synthesis by size of the chart, beside tha
 	@$(SOURCED) benchmarks/synthesis/sizes.py
 
 bench-sim: build build/bench-venv/.ready ## Measure the simulated wire against theory, beside MuJoCo; figures in out/bench/sim.jsonl
-	@$(SOURCED) benchmarks/sim/run.py --mujoco build/bench-venv/bin/python
 	@$(SOURCED) benchmarks/sim/plots.py out/bench
+	@$(SOURCED) benchmarks/sim/run.py --mujoco build/bench-venv/bin/python
 
 build/bench-venv/.ready: requirements-bench.txt | build
 	@/usr/bin/python3 -m venv build/bench-venv
