@@ -57,8 +57,8 @@ bench-synthesis: build ## Time of the synthesis by size of the chart, beside tha
 	@$(SOURCED) benchmarks/synthesis/sizes.py
 
 bench-sim: build build/bench-venv/.ready ## Measure the simulated wire against theory, beside MuJoCo; figures in out/bench/sim.jsonl
-	@$(SOURCED) benchmarks/sim/run.py --mujoco build/bench-venv/bin/python
 	@$(SOURCED) benchmarks/sim/plots.py out/bench
+	@$(SOURCED) benchmarks/sim/run.py --mujoco build/bench-venv/bin/python
 
 bench-vision: build ## Measure the detection of cables on rendered scenes, against its targets (BENCH=--scenes 50)
 	@$(SOURCED) benchmarks/vision/run.py $(BENCH)
