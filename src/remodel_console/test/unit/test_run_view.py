@@ -57,6 +57,12 @@ def test_what_the_engine_tells_counts_more_than_the_mirror():
     assert view.visited == {"/A", "/Box/In", "/Box/Out"}
 
 
+def test_a_structure_that_comes_late_is_enough():
+    view = after(READY, Ordered(1, 7), STARTED, Left("/A", "done"), TREE, Entered("/A"))
+    assert view.active == "/Box/In"
+    assert step(view, Left("/Box/Out", "done")).visited == {"/A", "/Box/In", "/Box/Out"}
+
+
 def test_a_request_stays_until_it_is_answered_withdrawn_or_passed():
     asked = supervised(Asked("/Box/Out", 0), Left("/Box/In", "done"), Entered("/Box/In"))
     assert asked.asked == Asked("/Box/Out", 0)

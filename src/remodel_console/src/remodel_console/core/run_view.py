@@ -114,6 +114,7 @@ class RunView:
             wrong if it joins while states change, since topics have no order among each other.
         ending: how the last run ended, in words.
         is_ending_bad: and it did not end by itself or on command.
+        left: what was left last; its structure may be told later.
         announced: path of a state that was told before the start of its run; topics have no order.
         ordered: what this console ordered last about starting and levels.
     """
@@ -132,6 +133,7 @@ class RunView:
     is_sure: bool = False
     ending: str = ""
     is_ending_bad: bool = False
+    left: Left | None = None
     announced: str = ""
     ordered: Ordered = Ordered(None)
 
@@ -173,7 +175,8 @@ def step(view: RunView, event: Event) -> RunView:
     if isinstance(event, Acknowledged):
         return _on_acknowledged(view, event)
     if isinstance(event, Structure):
-        return replace(view, structure=event)
+        view = replace(view, structure=event)
+        return view if view.left is None else _after_left(view, view.left)
     return replace(view, ordered=event)
 
 
@@ -238,8 +241,14 @@ def _on_left(view: RunView, event: Left) -> RunView:
         return view
     if view.asked is not None and view.asked.path == event.path:
         view = replace(view, asked=None)  # nothing else answers it: topics have no order
+    view = replace(view, visited=view.visited | {event.path}, left=event)
+    return _after_left(view, event)
+
+
+def _after_left(view: RunView, event: Left) -> RunView:
+    """Return the view with what follows a state that was left, if that can be told."""
     if not view.has_structure or view.structure is None:
-        return replace(view, visited=view.visited | {event.path})
+        return view
     following = view.structure.following(event.path, event.outcome)
     if following is None:
         return replace(view, is_sure=False)
