@@ -30,6 +30,7 @@ class Session:
     Attributes:
         chart: what is edited, None before the first `load`.
         is_saved: nothing has changed since it was loaded or saved.
+        tell: called after each command that was carried out.
     """
 
     def __init__(self, workspace: Workspace) -> None:
@@ -39,6 +40,7 @@ class Session:
         self._path: tuple[str, ...] = ()
         self.chart: Chart | None = None
         self.is_saved = True
+        self.tell: Callable[[], None] = lambda: None
         self._deeds: Mapping[Verb, Callable[[Mapping[str, str]], str]] = {
             Verb.HELP: lambda _given: help_lines(),
             Verb.LOAD: self._load,
@@ -61,7 +63,9 @@ class Session:
             CommandError: if it cannot be carried out; then nothing has changed.
         """
         with self._lock:
-            return self._carry_out(command)
+            answer = self._carry_out(command)
+        self.tell()
+        return answer
 
     def _carry_out(self, command: Command) -> str:
         deed = self._deeds.get(command.verb)

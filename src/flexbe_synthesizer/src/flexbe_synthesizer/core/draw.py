@@ -71,7 +71,9 @@ class _Run:
         return bool(self.steps) and path not in self.entered
 
 
-def chart_to_dot(chart: Chart, path_taken: Sequence[tuple[str, str]] = ()) -> str:
+def chart_to_dot(
+    chart: Chart, path_taken: Sequence[tuple[str, str]] = (), direction: str = "TB"
+) -> str:
     """Return the drawing of a chart, containers as boxes around what is in them.
 
     Args:
@@ -79,12 +81,13 @@ def chart_to_dot(chart: Chart, path_taken: Sequence[tuple[str, str]] = ()) -> st
         path_taken: (id, event) of each state or behavior that a run left, in order; the id of one
             inside containers has theirs before it, `Place/Insert`. `expand.chart_steps` makes it
             from what an engine reports.
+        direction: "TB", from top to bottom, or "LR", from left to right.
     """
     run = _run_of(chart, path_taken)
     lines = [
         "digraph chart {",
-        "  graph [rankdir=TB, nodesep=0.5, ranksep=0.6, pad=0.3, bgcolor=white, compound=true, "
-        f'fontname="{_FONT}", fontsize=11];',
+        f"  graph [rankdir={direction}, nodesep=0.5, ranksep=0.6, pad=0.3, bgcolor=white, "
+        f'compound=true, fontname="{_FONT}", fontsize=11];',
         f'  node [fontname="{_FONT}", fontsize=12, fontcolor="{_INK}", penwidth=1.4];',
         f'  edge [fontname="{_FONT}", fontsize=10, arrowsize=0.7, penwidth=1.2];',
         _start_point("start"),
@@ -149,7 +152,10 @@ def _cluster(node: Container, prefix: str, run: _Run) -> Iterator[str]:
     if any(notes):
         title += f"  <i>{escape(' · '.join(filter(None, notes)))}</i>"
     yield f"  subgraph {_cluster_id(path)} {{"
-    yield f'  graph [label=<{title}>, style="rounded", color="{color}", fontcolor="{color}"];'
+    yield (
+        f"  graph [label=<{title}>, labeljust=l, style=rounded, "
+        f'color="{color}", fontcolor="{color}"];'
+    )
     yield _start_point(f"start {path}")
     starts = [body.initial] if body.initial else [inner.id for inner in body.nodes]
     yield from _scope(body, inside, run)

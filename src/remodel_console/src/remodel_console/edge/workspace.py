@@ -34,7 +34,7 @@ class Workspace:
         Raises:
             CommandError: if there is no such behavior, or no chart says what it does.
         """
-        found = {chart.name: chart for chart in self._charts()}
+        found = {chart.name: chart for chart in self.charts()}
         if name in found:
             return found[name]
         packages, _warnings = find_packages(self.ros_package_path)
@@ -101,12 +101,13 @@ class Workspace:
         package, _, class_name = state.rpartition(".")
         spellings = {class_name}
         spellings |= {f"{package}/{class_name}", f"{package}__{class_name}"} if package else set()
-        for chart in self._charts():
+        for chart in self.charts():
             for node in walk_nodes(chart):
                 if isinstance(node, State) and node.type in spellings:
                     yield f"{chart.name}: {node.id} ({chart.file})"
 
-    def _charts(self) -> Iterator[Chart]:
+    def charts(self) -> Iterator[Chart]:
+        """Yield all charts of the folders that can be read."""
         for folder in self.chart_folders:
             for path in sorted(folder.glob("*.xml")):
                 try:

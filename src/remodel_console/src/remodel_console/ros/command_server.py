@@ -9,9 +9,11 @@ import rospy
 from flexbe_msgs.msg import UICommand
 from std_msgs.msg import String
 
+from remodel_console.core.access import Actor, Role
 from remodel_console.core.answer import DONE, FAILED, REFUSED, Answer
 from remodel_console.core.commands import read_command
 from remodel_console.core.key import is_allowed
+from remodel_console.desk import Journal
 from remodel_console.errors import CommandError
 from remodel_console.ros import topics
 from remodel_console.ros.runtime import Runtime
@@ -23,14 +25,18 @@ _MOST_WAITING = 64  # commands; nobody types faster than they are carried out
 class CommandServer:
     """Carries out the commands that arrive, in a thread of its own."""
 
-    def __init__(self, session: Session, runtime: Runtime, key: str) -> None:
+    def __init__(
+        self, session: Session, runtime: Runtime, key: str, journal: Journal | None = None
+    ) -> None:
         """Start serving.
 
         Args:
             session: what is edited.
             runtime: the way to the engine.
             key: what a command must bring; empty if all may give commands.
+            journal: where commands are recorded.
         """
+        self._journal = journal
         self._session = session
         self._runtime = runtime
         self._key = key
@@ -54,7 +60,11 @@ class CommandServer:
                 message = self._waiting.get(timeout=1.0)
             except queue.Empty:
                 continue
-            self._tell(self._answer(message))
+            answer = self._answer(message)
+            if self._journal is not None:
+                node = message._connection_header["callerid"]
+                self._journal.write(Actor(node, topics.COMMAND, Role.OPERATOR), answer)
+            self._tell(answer)
 
     def _answer(self, message: UICommand) -> Answer:
         """Carry one command out and return what became of it."""

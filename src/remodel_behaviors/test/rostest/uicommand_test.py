@@ -121,4 +121,4 @@ class UiCommandTest(unittest.TestCase):
 
 if __name__ == "__main__":
     rospy.init_node("test_uicommand")
-    rostest.rosrun("remodel_console", "test_uicommand", UiCommandTest)
+    rostest.rosrun("remodel_behaviors", "test_uicommand", UiCommandTest)

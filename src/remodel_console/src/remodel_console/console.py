@@ -1,0 +1,109 @@
+"""What the pages share: the session, the live system, and the ways to command both."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from flexbe_synthesizer.core.model import Chart
+from remodel_console.core.access import Door
+from remodel_console.core.drawing import opened
+from remodel_console.core.order import Attach, Order, SetAutonomy, ShowStructure, Start
+from remodel_console.core.run_view import Event, Ordered, Phase
+from remodel_console.desk import Desk
+from remodel_console.edge.catalogue import Catalogue
+from remodel_console.edge.workspace import Workspace
+from remodel_console.errors import CommandError
+from remodel_console.live import Live
+from remodel_console.session import Session
+
+
+class Engine(Protocol):
+    """The way to the engine."""
+
+    def send(self, order: Order) -> None:
+        """Send an order."""
+
+    def userdata(self) -> tuple[tuple[str, str, str, str], ...]:
+        """Return (where, key, type, value) of the userdata of what runs."""
+
+
+class Console:
+    """Everything that a page needs.
+
+    Attributes:
+        engine: None until ROS is there.
+    """
+
+    def __init__(
+        self,
+        door: Door,
+        desk: Desk,
+        live: Live,
+        session: Session,
+        workspace: Workspace,
+        catalogue: Catalogue,
+    ) -> None:
+        """Join the parts."""
+        self.door = door
+        self.desk = desk
+        self.live = live
+        self.session = session
+        self.workspace = workspace
+        self.catalogue = catalogue
+        self.engine: Engine | None = None
+        self._names: dict[int, str] = {}
+        self._structure_asked = 0
+
+    def take(self, event: Event) -> None:
+        """Take in what the engine tells, and ask for the structure of what is watched over."""
+        self.live.take(event)
+        run = self.live.world.run
+        if run.is_supervised and not run.has_structure and self._structure_asked != run.behavior_id:
+            self._structure_asked = run.behavior_id
+            self.order(ShowStructure())
+
+    def order(self, order: Order) -> None:
+        """Send an order to the engine.
+
+        Raises:
+            CommandError: if it cannot be sent.
+        """
+        if self.engine is None:
+            raise CommandError("ROS is away; start it: roscore")
+        if isinstance(order, Start):
+            self.live.take(Ordered(order.level, order.source_checksum))
+        elif isinstance(order, Attach | SetAutonomy):
+            self.live.take(Ordered(order.level))
+        self.engine.send(order)
+
+    def attach(self, level: int) -> None:
+        """Watch over what runs.
+
+        Raises:
+            CommandError: if another behavior is loaded, or nothing runs.
+        """
+        run = self.live.world.run
+        if run.phase is not Phase.RUNNING:
+            raise CommandError("no behavior runs")
+        name, chart = self.running_name(), self.session.chart
+        loaded = f"'{chart.name}'" if chart else "nothing"
+        if name and (chart is None or chart.name != name):
+            raise CommandError(f"'{name}' runs, and {loaded} is loaded; load '{name}' first")
+        self.order(Attach(level))
+
+    def running_name(self) -> str:
+        """Return the display name of what runs; empty if its version is not installed here."""
+        run = self.live.world.run
+        if run.attached_name:
+            return run.attached_name
+        if run.behavior_id not in self._names:
+            self._names |= {one.source_checksum: one.name for one in self.catalogue.behaviors()}
+        return self._names.get(run.behavior_id, "")
+
+    def chart_to_watch(self, name: str) -> Chart:
+        """Return the saved chart of a behavior, with the behaviors in it drawn open.
+
+        Raises:
+            CommandError: if there is no such behavior.
+        """
+        return opened(self.workspace.find(name), self.workspace.charts())

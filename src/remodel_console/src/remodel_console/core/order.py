@@ -1,0 +1,162 @@
+"""What an operator can order the engine to do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+UNATTENDED = 255  # the autonomy level that asks nobody, from FlexBE's wire protocol
+LEVELS = {0: "off", 1: "low", 2: "high", 3: "full", UNATTENDED: "unattended"}
+
+Pairs: TypeAlias = tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class Start:
+    """Run a behavior.
+
+    Attributes:
+        name: display name, for the record.
+        behavior_id: checksum of `package.module`.
+        source_checksum: checksum of its source, so that the engine runs what was looked at.
+        level: autonomy level.
+        parameters: (key, literal) pairs.
+        inputs: (key, literal) pairs of userdata.
+    """
+
+    name: str
+    behavior_id: int
+    source_checksum: int
+    level: int
+    parameters: Pairs = ()
+    inputs: Pairs = ()
+
+    def __str__(self) -> str:
+        """Return the words for the record."""
+        given = " ".join(f"{key}={value}" for key, value in (*self.parameters, *self.inputs))
+        return f"start '{self.name}' level {LEVELS.get(self.level, self.level)} {given}".rstrip()
+
+
+@dataclass(frozen=True)
+class Attach:
+    """Watch over the behavior that runs, at an autonomy level."""
+
+    level: int
+
+    def __str__(self) -> str:
+        """Return the words for the record."""
+        return f"attach at level {LEVELS.get(self.level, self.level)}"
+
+
+@dataclass(frozen=True)
+class SetAutonomy:
+    """Change the autonomy level of what runs."""
+
+    level: int
+
+    def __str__(self) -> str:
+        """Return the words for the record."""
+        return f"autonomy {LEVELS.get(self.level, self.level)}"
+
+
+@dataclass(frozen=True)
+class TakeOutcome:
+    """Leave the active state with an outcome.
+
+    Attributes:
+        path: path of the state.
+        index: place of the outcome among those of the state, from 0.
+        outcome: its name, for the record.
+        is_forced: nobody had asked for it.
+    """
+
+    path: str
+    index: int
+    outcome: str
+    is_forced: bool
+
+    def __str__(self) -> str:
+        """Return the words for the record."""
+        return f"{'force' if self.is_forced else 'confirm'} '{self.outcome}' of {self.path}"
+
+
+@dataclass(frozen=True)
+class Hold:
+    """Lock a level of the active path: it is not left until it is released."""
+
+    path: str
+
+    def __str__(self) -> str:
+        """Return the words for the record."""
+        return f"lock {self.path}"
+
+
+@dataclass(frozen=True)
+class Release:
+    """Unlock what is locked."""
+
+    path: str = ""
+
+    def __str__(self) -> str:
+        """Return the words for the record."""
+        return f"unlock {self.path}".rstrip()
+
+
+@dataclass(frozen=True)
+class Pause:
+    """Execute the active state no further."""
+
+    def __str__(self) -> str:
+        """Return the words for the record."""
+        return "pause"
+
+
+@dataclass(frozen=True)
+class Resume:
+    """Execute the active state again."""
+
+    def __str__(self) -> str:
+        """Return the words for the record."""
+        return "resume"
+
+
+@dataclass(frozen=True)
+class Repeat:
+    """Leave the active state and enter it again."""
+
+    def __str__(self) -> str:
+        """Return the words for the record."""
+        return "repeat"
+
+
+@dataclass(frozen=True)
+class Preempt:
+    """Stop the behavior."""
+
+    def __str__(self) -> str:
+        """Return the words for the record."""
+        return "stop"
+
+
+@dataclass(frozen=True)
+class ShowStructure:
+    """Tell which states there are, and their outcomes."""
+
+    def __str__(self) -> str:
+        """Return the words for the record."""
+        return "show structure"
+
+
+Order: TypeAlias = (
+    Start
+    | Attach
+    | SetAutonomy
+    | TakeOutcome
+    | Hold
+    | Release
+    | Pause
+    | Resume
+    | Repeat
+    | Preempt
+    | ShowStructure
+)

@@ -1,0 +1,67 @@
+"""All that a page shows of the live system, and what is away, in an operator's words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from remodel_console.core.run_view import Phase, RunView
+
+
+@dataclass(frozen=True)
+class Notice:
+    """Something that is away: what it means, and how to have it back."""
+
+    what: str
+    meaning: str
+    remedy: str
+
+
+@dataclass(frozen=True)
+class World:
+    """What is there, and the run.
+
+    Attributes:
+        has_master: the ROS master answers.
+        has_mirror: a mirror follows what runs.
+        has_cell: an ability server of a cell is there.
+    """
+
+    run: RunView = field(default_factory=RunView)
+    has_master: bool = False
+    has_mirror: bool = False
+    has_cell: bool = False
+
+    @property
+    def has_engine(self) -> bool:
+        """Tell whether a behavior engine is there."""
+        return self.run.phase is not Phase.AWAY
+
+
+def notices(world: World) -> Iterator[Notice]:
+    """Yield what is away; of things that need each other, the first."""
+    if not world.has_master:
+        yield Notice(
+            "ROS is away",
+            "the master does not answer, so nothing of the cell can be seen or steered",
+            "roscore",
+        )
+        return
+    if not world.has_engine:
+        yield Notice(
+            "The engine is away",
+            "no behavior can run",
+            "roslaunch flexbe_onboard behavior_onboard.launch",
+        )
+    elif not world.has_mirror:
+        yield Notice(
+            "The mirror is away",
+            "of a run that somebody watches over, the active state is not known",
+            "roslaunch flexbe_mirror behavior_mirror.launch",
+        )
+    if not world.has_cell:
+        yield Notice(
+            "The cell is away",
+            "no ability server answers, so states that move the robot will fail",
+            "roslaunch remodel_sim cell.launch",
+        )

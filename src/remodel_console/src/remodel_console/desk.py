@@ -1,0 +1,51 @@
+"""Where people give commands: who may, what becomes of it, and the record of it."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from typing import Protocol
+
+from remodel_console.core.access import Actor, Role
+from remodel_console.core.answer import DONE, FAILED, REFUSED, Answer
+from remodel_console.errors import CommandError
+
+_LOG = logging.getLogger(__name__)
+
+
+class Journal(Protocol):
+    """The record of commands."""
+
+    def write(self, actor: Actor, answer: Answer) -> None:
+        """Record a command and what became of it."""
+
+
+class Desk:
+    """Takes the commands of all pages."""
+
+    def __init__(self, journal: Journal) -> None:
+        """Record what is commanded in a journal."""
+        self._journal = journal
+
+    def give(self, actor: Actor, command: str, deed: Callable[[], str | None]) -> Answer:
+        """Carry a command out, record it, and return what became of it.
+
+        Args:
+            actor: who gives it.
+            command: what it is, for the record.
+            deed: does it, and returns the answer in words.
+        """
+        answer = self._answer(actor, command, deed)
+        self._journal.write(actor, answer)
+        return answer
+
+    def _answer(self, actor: Actor, command: str, deed: Callable[[], str | None]) -> Answer:
+        if actor.role is not Role.OPERATOR:
+            return Answer(REFUSED, command, "you are watching; an operator's token is needed")
+        try:
+            return Answer(DONE, command, deed() or "")
+        except CommandError as error:
+            return Answer(FAILED, command, str(error))
+        except Exception as error:  # noqa: BLE001 - a page must answer, whatever is wrong
+            _LOG.exception("the command '%s' failed", command)
+            return Answer(FAILED, command, f"internal error: {error!r}; the log has the trace")

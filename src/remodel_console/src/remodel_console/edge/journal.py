@@ -1,0 +1,33 @@
+"""The file in which every command is recorded."""
+
+from __future__ import annotations
+
+import threading
+from datetime import UTC, datetime
+from pathlib import Path
+
+from remodel_console.core.access import Actor
+from remodel_console.core.answer import Answer
+from remodel_console.core.entry import Entry
+
+
+class Journal:
+    """Appends a line for each command; several threads may write."""
+
+    def __init__(self, path: Path) -> None:
+        """Use the file at this path, made with its folder if it is not there.
+
+        Raises:
+            OSError: if it cannot be written to.
+        """
+        self.path = path
+        self._lock = threading.Lock()
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.open("a").close()
+
+    def write(self, actor: Actor, answer: Answer) -> None:
+        """Record a command and what became of it."""
+        now = datetime.now(UTC).isoformat(timespec="milliseconds")
+        line = Entry(now, actor, answer).line()
+        with self._lock, self.path.open("a", encoding="utf-8") as file:
+            file.write(f"{line}\n")

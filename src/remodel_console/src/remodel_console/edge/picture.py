@@ -1,0 +1,44 @@
+"""Drawings of charts, made once each."""
+
+from __future__ import annotations
+
+import re
+from functools import lru_cache
+
+from flexbe_synthesizer.core.draw import chart_to_dot
+from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.edge.graphviz import dot_picture
+from flexbe_synthesizer.errors import DrawingError
+from remodel_console.core.drawing import page_svg
+from remodel_console.errors import CommandError
+
+_KEPT = 32  # drawings
+_DIRECTIONS = ("TB", "LR")
+_PAGE = (900.0, 520.0)  # what a page has for a drawing on a common screen [pixels]
+_SIZE = re.compile(r'viewBox="0\.00 0\.00 ([\d.]+) ([\d.]+)"')
+
+
+def picture(chart: Chart) -> str:
+    """Return the drawing of a chart as an SVG for the page, in the direction that shows it larger.
+
+    Raises:
+        CommandError: if Graphviz is not there or fails.
+    """
+    try:
+        drawings = (_svg(chart_to_dot(chart, direction=direction)) for direction in _DIRECTIONS)
+        return max(drawings, key=_scale)
+    except DrawingError as error:
+        raise CommandError(f"the chart cannot be drawn: {error}") from error
+
+
+@lru_cache(maxsize=_KEPT)
+def _svg(dot: str) -> str:
+    return page_svg(dot_picture(dot, ".svg").decode())
+
+
+def _scale(svg: str) -> float:
+    """Return how large a drawing is shown if all of it is."""
+    found = _SIZE.search(svg)
+    if found is None:
+        return 0.0
+    return min(_PAGE[0] / float(found[1]), _PAGE[1] / float(found[2]))

@@ -1,0 +1,74 @@
+"""The live system as the console knows it now; written by any thread, read by all."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from dataclasses import replace
+
+from remodel_console.core.log_line import LogLine
+from remodel_console.core.run_view import Event, step
+from remodel_console.core.world import World
+
+_KEPT_LINES = 500  # of the log; a page that opens shows them
+
+
+class Live:
+    """Holds the newest world and the last lines of the log."""
+
+    def __init__(self) -> None:
+        """Begin with nothing there."""
+        self._lock = threading.Lock()
+        self._world = World()
+        self._lines: deque[LogLine] = deque(maxlen=_KEPT_LINES)
+        self._line_count = 0
+        self._wake: Callable[[], None] = lambda: None
+
+    @property
+    def world(self) -> World:
+        """Return what is there now."""
+        return self._world
+
+    def on_change(self, wake: Callable[[], None]) -> None:
+        """Have a function called, on any thread, after each change."""
+        self._wake = wake
+
+    def take(self, event: Event) -> None:
+        """Take in what the engine tells."""
+        with self._lock:
+            self._world = replace(self._world, run=step(self._world.run, event))
+        self._wake()
+
+    def take_line(self, line: LogLine) -> None:
+        """Take in a line of the log."""
+        with self._lock:
+            self._lines.append(line)
+            self._line_count += 1
+        self._wake()
+
+    def set_presence(
+        self,
+        *,
+        master: bool | None = None,
+        mirror: bool | None = None,
+        cell: bool | None = None,
+    ) -> None:
+        """Say what is there; None leaves as it is."""
+        with self._lock:
+            before = self._world
+            self._world = replace(
+                before,
+                has_master=before.has_master if master is None else master,
+                has_mirror=before.has_mirror if mirror is None else mirror,
+                has_cell=before.has_cell if cell is None else cell,
+            )
+        if self._world != before:
+            self._wake()
+
+    def lines_since(self, count: int) -> tuple[tuple[LogLine, ...], int]:
+        """Return the lines that came after the first `count`, and how many there are by now."""
+        with self._lock:
+            new = min(self._line_count - count, len(self._lines))
+            lines = tuple(self._lines)[len(self._lines) - new :] if new else ()
+            return lines, self._line_count

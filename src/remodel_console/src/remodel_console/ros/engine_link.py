@@ -1,0 +1,175 @@
+"""The engine as the console sees it: what it tells becomes events, orders become messages."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from functools import partial
+
+import rospy
+from flexbe_msgs.msg import (
+    BehaviorLog,
+    BehaviorSelection,
+    BEStatus,
+    CommandFeedback,
+    ContainerStructure,
+    OutcomeRequest,
+)
+from flexbe_msgs.srv import GetUserdata
+from genpy import Message
+from std_msgs.msg import Bool, Empty, Int32, String, UInt8
+
+from remodel_console.core import order as orders
+from remodel_console.core.log_line import LogLine
+from remodel_console.core.run_view import (
+    Acknowledged,
+    Asked,
+    EngineSeen,
+    Entered,
+    Event,
+    Left,
+    Told,
+)
+from remodel_console.core.structure import Level, Structure
+from remodel_console.errors import CommandError
+from remodel_console.ros import topics
+
+_LOOK_EVERY_S = 0.2  # between two looks whether the engine is there
+_USERDATA_S = 2.0  # in which the engine answers what its userdata is
+
+_PUBLISHED = {
+    topics.START: BehaviorSelection,
+    topics.ATTACH: UInt8,
+    topics.AUTONOMY: UInt8,
+    topics.TRANSITION: OutcomeRequest,
+    topics.LOCK: String,
+    topics.UNLOCK: String,
+    topics.PAUSE: Bool,
+    topics.REPEAT: Empty,
+    topics.PREEMPT: Empty,
+    topics.SHOW_STRUCTURE: Int32,
+}
+
+
+class EngineLink:
+    """Subscribes to the engine of this namespace, and publishes orders to it."""
+
+    def __init__(self, tell: Callable[[Event], None], tell_log: Callable[[LogLine], None]) -> None:
+        """Connect; `tell` and `tell_log` are called on threads of their own."""
+        self._tell = tell
+        self._was_there = False
+        self._stop = threading.Event()
+        rospy.on_shutdown(self._stop.set)
+        self._publishers = {
+            topic: rospy.Publisher(topic, kind, queue_size=10) for topic, kind in _PUBLISHED.items()
+        }
+        subscribe = partial(rospy.Subscriber, tcp_nodelay=True)
+        self._heartbeat = subscribe(topics.HEARTBEAT, Empty)
+        self._updates = subscribe(topics.UPDATE, String, lambda m: tell(Entered(m.data)))
+        subscribe(topics.LEFT, String, lambda m: tell(_left(m)))
+        subscribe(topics.STATUS, BEStatus, self._take_status)
+        subscribe(topics.REQUEST, OutcomeRequest, lambda m: tell(Asked(m.target, m.outcome)))
+        subscribe(topics.STRUCTURE, ContainerStructure, lambda m: tell(_structure(m)))
+        subscribe(topics.FEEDBACK, CommandFeedback, self._take_feedback)
+        subscribe(topics.LOG, BehaviorLog, lambda m: tell_log(_log_line(m)))
+        threading.Thread(target=self._look, name="engine", daemon=True).start()
+
+    @property
+    def is_followed(self) -> bool:
+        """Tell whether a mirror publishes the active state, besides the engine."""
+        return self._updates.get_num_connections() > (1 if self._was_there else 0)
+
+    def send(self, order: orders.Order) -> None:
+        """Send an order.
+
+        Raises:
+            CommandError: if no engine is there to take it.
+        """
+        if not self._was_there:
+            raise CommandError(
+                "no behavior engine is there; start one: "
+                "roslaunch flexbe_onboard behavior_onboard.launch"
+            )
+        for topic, message in _messages(order):
+            self._publishers[topic].publish(message)
+
+    def userdata(self) -> tuple[tuple[str, str, str, str], ...]:
+        """Return (where, key, type, value) of the userdata of what runs.
+
+        Raises:
+            CommandError: if the engine does not answer.
+        """
+        try:
+            rospy.wait_for_service(topics.USERDATA, timeout=_USERDATA_S)
+            answer = rospy.ServiceProxy(topics.USERDATA, GetUserdata)("")
+        except (rospy.ROSException, rospy.ServiceException) as error:
+            raise CommandError(f"the engine does not tell its userdata: {error}") from error
+        return tuple((d.state, d.key, d.type, d.data) for d in answer.userdata)
+
+    def _look(self) -> None:
+        while not self._stop.wait(_LOOK_EVERY_S):
+            is_there = self._heartbeat.get_num_connections() > 0
+            if is_there != self._was_there:
+                self._was_there = is_there
+                self._tell(EngineSeen(is_there))
+
+    def _take_status(self, message: BEStatus) -> None:
+        self._tell(Told(message.code, message.behavior_id, tuple(message.args)))
+
+    def _take_feedback(self, message: CommandFeedback) -> None:
+        self._tell(Acknowledged(message.command, tuple(message.args)))
+
+
+def _messages(order: orders.Order) -> tuple[tuple[str, Message], ...]:
+    """Return the topics and messages that an order becomes."""
+    match order:
+        case orders.Start():
+            return ((topics.START, _selection(order)),)
+        case orders.Attach(level):
+            return ((topics.ATTACH, UInt8(level)),)
+        case orders.SetAutonomy(level):
+            return ((topics.AUTONOMY, UInt8(level)),)
+        case orders.TakeOutcome(path, index):
+            label = path.rpartition("/")[2]
+            return ((topics.TRANSITION, OutcomeRequest(index, label)),)
+        case orders.Hold(path):
+            return ((topics.LOCK, String(path)),)
+        case orders.Release(path):
+            return ((topics.UNLOCK, String(path)),)
+        case orders.Pause() | orders.Resume():
+            return ((topics.PAUSE, Bool(isinstance(order, orders.Pause))),)
+        case orders.Repeat():
+            return ((topics.REPEAT, Empty()),)
+        case orders.ShowStructure():
+            return ((topics.SHOW_STRUCTURE, Int32(0)),)
+        case orders.Preempt():
+            return ((topics.PREEMPT, Empty()),)
+
+
+def _selection(order: orders.Start) -> BehaviorSelection:
+    return BehaviorSelection(
+        behavior_id=order.behavior_id,
+        behavior_checksum=order.source_checksum,
+        autonomy_level=order.level,
+        arg_keys=[key for key, _ in order.parameters],
+        arg_values=[value for _, value in order.parameters],
+        input_keys=[key for key, _ in order.inputs],
+        input_values=[value for _, value in order.inputs],
+    )
+
+
+def _left(message: String) -> Left:
+    path, _, outcome = message.data.partition(" > ")
+    return Left(path, outcome)
+
+
+def _structure(message: ContainerStructure) -> Structure:
+    levels = (
+        Level(c.path, tuple(c.children), tuple(c.outcomes), tuple(c.transitions))
+        for c in message.containers
+    )
+    return Structure(message.behavior_id, tuple(levels))
+
+
+def _log_line(message: BehaviorLog) -> LogLine:
+    return LogLine(rospy.Time.now().to_sec(), message.status_code, message.text)

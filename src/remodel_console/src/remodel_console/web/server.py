@@ -1,0 +1,50 @@
+"""Serve the pages."""
+
+from __future__ import annotations
+
+import contextlib
+from pathlib import Path
+
+from nicegui import app, ui
+from starlette.requests import Request
+from starlette.responses import RedirectResponse, Response
+
+from remodel_console.console import Console
+from remodel_console.web.broadcast import Broadcast
+from remodel_console.web.guard import Guard
+from remodel_console.web.runtime_page import RuntimePage
+
+_STATIC = Path(__file__).parent / "static"
+_HEAD = '<link rel="stylesheet" href="/console/console.css">'
+_RECONNECT_S = 5.0  # for which the page of a browser that has lost us is kept
+
+
+def serve(console: Console, port: int) -> None:
+    """Serve until the process is told to end."""
+    broadcast = Broadcast()
+    app.add_static_files("/console", _STATIC)
+    app.add_middleware(Guard, door=console.door)
+    app.on_startup(broadcast.bind)
+    console.live.on_change(broadcast.wake)
+    console.session.tell = broadcast.wake
+    ui.add_head_html(_HEAD, shared=True)
+
+    @ui.page("/")
+    def front() -> Response:
+        return RedirectResponse("/runtime")
+
+    @ui.page("/runtime")
+    def runtime(request: Request) -> None:
+        RuntimePage(console, broadcast, request, "Runtime control")
+
+    with contextlib.suppress(KeyboardInterrupt):  # how the server ends when it is told to
+        ui.run(
+            host=console.door.host,
+            port=port,
+            title="REMODEL",
+            favicon=_STATIC / "icon.svg",
+            reconnect_timeout=_RECONNECT_S,
+            show=False,
+            reload=False,
+            show_welcome_message=False,
+        )

@@ -1,0 +1,203 @@
+#!/usr/bin/env python3
+"""Runtime control in a real browser, against a real engine and mirror."""
+
+import json
+import sys
+import time
+from pathlib import Path
+
+import rospy
+import rostest
+from flexbe_msgs.msg import BehaviorSelection
+from playwright.sync_api import expect
+from std_msgs.msg import String
+
+sys.path.insert(0, str(Path(__file__).parent))
+from browser_test_case import LIMIT_S, BrowserTestCase
+
+from remodel_console.edge.catalogue import Catalogue
+
+TRUTH_S = 2.0  # within which a page shows what has become of engine and mirror
+LIT_S = 0.1  # within which a transition is seen
+OBSERVE = """() => {
+  const frame = document.querySelector('.canvas-frame');
+  window.lit = [];
+  new MutationObserver(() => window.lit.push([Date.now(), frame.dataset.active]))
+    .observe(frame, { attributes: true, attributeFilter: ['data-active'] });
+}"""
+
+
+class ConsoleTest(BrowserTestCase):
+    def setUp(self):
+        super().setUp()
+        self.ready(self.page)
+
+    def tearDown(self):
+        """Leave the engine idle for the next test."""
+        if self.page.locator(".state.running").count():
+            self.stop(self.page)
+
+    def ready(self, page):
+        expect(page.locator(".notice", has_text="engine")).to_have_count(0)
+        expect(page.locator(".state")).not_to_have_text("no engine")
+
+    def load(self, page, name):
+        self.choose(page, "Behavior", name)
+        expect(page.locator(".headline .title")).to_have_text(name)
+        expect(page.locator("g.node").first).to_be_visible()
+
+    def start_elsewhere(self, name):
+        """Start a behavior as a launcher would, unattended."""
+        known = Catalogue(self.environment["ROS_PACKAGE_PATH"]).behaviors()
+        installed = next(one for one in known if one.name == name)
+        publisher = rospy.Publisher("flexbe/start_behavior", BehaviorSelection, queue_size=1)
+        self.wait_until(publisher.get_num_connections)
+        publisher.publish(
+            BehaviorSelection(
+                behavior_id=installed.behavior_id,
+                behavior_checksum=installed.source_checksum,
+                autonomy_level=255,
+            )
+        )
+
+    def wait_until(self, is_so):
+        end = time.monotonic() + LIMIT_S
+        while not is_so():
+            self.assertLess(time.monotonic(), end, "waited too long")
+            self.page.wait_for_timeout(20)
+
+    def press(self, page, name):
+        page.get_by_role("button", name=name, exact=True).click()
+
+    def stop(self, page):
+        self.press(page, "Stop")
+        page.get_by_role("dialog").get_by_role("button", name="Stop", exact=True).click()
+        expect(page.locator(".ending")).to_have_text("The last run was stopped.")
+
+    def test_a_behavior_is_started_confirmed_and_ends(self):
+        self.load(self.page, "Errand")
+        self.choose(self.page, "Autonomy", "Low")
+        self.page.get_by_label("greeting").fill("good morning")
+        self.press(self.page, "Start")
+        expect(self.page.locator(".request")).to_contain_text("Leave 'Report' with 'done'?")
+        expect(self.page.locator("g.node.asked[data-path='Report']").first).to_be_visible()
+        expect(self.page.locator("g.node.passed[data-path='Search/Look']").first).to_be_visible()
+        expect(self.page.locator(".log")).to_contain_text("The errand says good morning.")
+        self.page.get_by_text("Userdata").click()
+        self.press(self.page, "Read")
+        expect(self.page.locator("table.plain")).to_contain_text("good morning")
+        self.take_picture(self.page, "runtime-request")
+        self.page.keyboard.press("c")
+        expect(self.page.locator(".ending")).to_have_text("The last run ended with 'finished'.")
+        commands = [json.loads(line) for line in self.record.read_text().splitlines()]
+        given = [(c["who"], c["command"], c["state"]) for c in commands]
+        self.assertIn(("operator", "confirm 'done' of /Report", "done"), given)
+        self.assertTrue(any("greeting=good morning" in command for _, command, _ in given))
+
+    def test_attaching_to_what_somebody_else_has_started(self):
+        self.load(self.page, "Errand")
+        self.start_elsewhere("Patrol")
+        expect(self.page.locator(".attach")).to_contain_text("'Patrol' runs unattended.")
+        late = self.open_page()
+        expect(late.locator(".attach")).to_contain_text(
+            "Load 'Patrol' first: 'Errand' is loaded now."
+        )
+        self.take_picture(late, "runtime-attach")
+        self.press(late, "Load 'Patrol'")
+        expect(self.page.locator("g.node.active")).not_to_have_count(0)
+        self.press(self.page, "Attach")
+        for page in (self.page, late):
+            expect(page.get_by_role("button", name="Pause", exact=True)).to_be_visible()
+        self.press(late, "Pause")
+        expect(self.page.locator(".state")).to_have_text("paused")
+        self.page.reload()
+        expect(self.page.locator(".state")).to_have_text("paused")
+        expect(self.page.locator("g.node.active")).not_to_have_count(0)
+        self.press(self.page, "Go on")
+        expect(late.locator(".state")).to_have_text("runs")
+        late.keyboard.press("l")
+        expect(self.page.locator(".held")).to_contain_text("Locked:")
+        self.press(self.page, "Unlock")
+        expect(late.locator(".held")).to_have_count(0)
+        self.press(late, "Repeat")
+        self.stop(self.page)
+        expect(late.locator(".ending")).to_have_text("The last run was stopped.")
+
+    def test_an_outcome_is_forced(self):
+        self.load(self.page, "Errand")
+        self.choose(self.page, "Autonomy", "Low")
+        self.press(self.page, "Start")
+        expect(self.page.locator(".request")).to_be_visible()
+        self.page.locator(".outcomes").get_by_role("button", name="done", exact=True).click()
+        expect(self.page.locator(".ending")).to_have_text("The last run ended with 'finished'.")
+        self.assertIn("force 'done' of /Report", self.record.read_text())
+
+    def test_a_transition_is_lit_within_a_tenth_of_a_second(self):
+        self.load(self.page, "Patrol")
+        self.page.evaluate(OBSERVE)
+        entered = []
+        subscriber = rospy.Subscriber(
+            "flexbe/behavior_update",
+            String,
+            lambda m: entered.append((1000 * time.time(), m.data.rpartition("/")[2])),
+            tcp_nodelay=True,
+        )
+        self.addCleanup(subscriber.unregister)
+        self.press(self.page, "Start")
+        self.wait_until(lambda: len(entered) >= 16)
+        lit = self.page.evaluate("() => window.lit")
+        late_s = []
+        for seen_ms, path in lit:
+            sources = [at for at, label in entered if label == path and at <= seen_ms + 5]
+            if sources:
+                late_s.append((seen_ms - sources[-1]) / 1000)
+        self.assertGreater(len(late_s), 5)
+        late_s.sort()
+        self.assertLess(late_s[len(late_s) // 2], LIT_S, late_s)
+
+    def test_what_is_killed_is_told_and_found_again(self):
+        self.load(self.page, "Patrol")
+        self.press(self.page, "Start")
+        expect(self.page.locator("g.node.active")).not_to_have_count(0)
+        self.kill("engine")
+        notice = self.page.locator(".notice", has_text="The engine is away")
+        expect(notice).to_be_visible(timeout=1000 * TRUTH_S)
+        expect(self.page.locator("g.node.active")).to_have_count(0)
+        self.take_picture(self.page, "runtime-engine-away")
+        self.start_engine()
+        expect(notice).to_have_count(0)
+        expect(self.page.locator(".state")).to_have_text("idle")
+        self.press(self.page, "Start")
+        expect(self.page.locator("g.node.active")).not_to_have_count(0)
+        self.kill("mirror")
+        expect(self.page.locator(".notice", has_text="The mirror is away")).to_be_visible(
+            timeout=1000 * TRUTH_S
+        )
+        self.start_mirror()
+        expect(self.page.locator(".notice", has_text="mirror")).to_have_count(0)
+        self.kill("console")
+        self.start_console()
+        expect(self.page.locator(".attach")).to_contain_text("'Patrol' runs unattended.")
+        self.page.get_by_role("button", name="Load 'Patrol'").click()
+        expect(self.page.locator("g.node.active")).not_to_have_count(0)
+
+    def test_a_tablet_in_the_dark_and_the_keys(self):
+        page = self.open_page(width=1024, height=768)
+        self.ready(page)
+        self.load(page, "Errand")
+        page.get_by_role("button", name="Dark or light").click()
+        page.reload()
+        expect(page.locator("body.body--dark")).to_have_count(1)
+        expect(page.locator("g.node").first).to_be_visible()
+        overflow = (
+            "() => document.documentElement.scrollWidth - document.documentElement.clientWidth"
+        )
+        self.assertEqual(page.evaluate(overflow), 0)
+        self.take_picture(page, "runtime-dark-1024")
+        page.keyboard.press("?")
+        expect(page.get_by_role("dialog")).to_contain_text("confirm what the engine asks")
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_console")
+    rostest.rosrun("remodel_console", "test_console", ConsoleTest)

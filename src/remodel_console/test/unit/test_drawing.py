@@ -1,0 +1,60 @@
+"""Drawings for the page, and which part of them an active state is; no ROS."""
+
+from pathlib import Path
+
+import pytest
+
+from flexbe_synthesizer.core.codec import parse_chart
+from flexbe_synthesizer.core.model import Container
+from remodel_console.core.drawing import drawn_path, drawn_paths, opened
+from remodel_console.core.run_view import RunView, Told, step
+from remodel_console.core.world import World, notices
+from remodel_console.edge.picture import picture
+
+ERRAND = parse_chart((Path(__file__).parents[1] / "charts" / "errand.xml").read_bytes())
+OUTER = """<statemachine name="Outer" initial="Go"><datamodel><outcome name="finished"/></datamodel>
+<behavior id="Go" type="Errand"><transition event="finished" target="finished"/>
+<transition event="failed" target="finished"/></behavior></statemachine>"""
+
+
+def test_a_drawing_says_what_each_part_stands_for():
+    svg = picture(ERRAND)
+    assert svg.startswith("<svg")
+    assert 'data-path="Search/Look closer"' in svg
+    assert 'data-path="Search"' in svg
+    assert 'data-source="Greet" data-target="Search"' in svg
+    assert "<title>" not in svg.split("<g", 2)[2]
+    assert 'fill="var(--state-fill)"' in svg
+    assert 'fill="#' not in svg
+
+
+@pytest.mark.parametrize(
+    ("engine", "drawn"),
+    [
+        ("/Greet", "Greet"),
+        ("/Search/Look", "Search/Look"),
+        ("/Report_attempts", "Report"),
+        ("/Report/run", "Report"),
+        ("/Search/Other", "Search"),
+        ("/Nothing", ""),
+        ("", ""),
+    ],
+)
+def test_an_active_state_is_found_in_the_drawing(engine, drawn):
+    assert drawn_path(engine, drawn_paths(ERRAND)) == drawn
+
+
+def test_behaviors_inside_are_drawn_open():
+    outer = parse_chart(OUTER.encode())
+    inside = opened(outer, [ERRAND])
+    assert isinstance(inside.nodes[0], Container)
+    assert "Go/Search/Look" in drawn_paths(inside)
+    assert opened(outer, []) == outer
+
+
+def test_what_is_away_is_told_with_how_to_have_it_back():
+    assert [n.what for n in notices(World())] == ["ROS is away"]
+    world = World(has_master=True)
+    assert [n.what for n in notices(world)] == ["The engine is away", "The cell is away"]
+    world = World(step(RunView(), Told(20, 0)), has_master=True, has_cell=True)
+    assert [n.remedy for n in notices(world)] == ["roslaunch flexbe_mirror behavior_mirror.launch"]

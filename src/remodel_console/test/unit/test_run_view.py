@@ -1,0 +1,147 @@
+"""What the console knows of a run, whatever the order of topics; no ROS."""
+
+from functools import reduce
+
+import pytest
+
+from remodel_console.core.run_view import (
+    Acknowledged,
+    Asked,
+    EngineSeen,
+    Entered,
+    Left,
+    Ordered,
+    Phase,
+    RunView,
+    Told,
+    step,
+)
+from remodel_console.core.structure import Level, Structure
+
+READY, STARTED = Told(20, 0), Told(0, 7)
+TREE = Structure(
+    7,
+    (
+        Level("", ("A", "Box"), ("finished",), ()),
+        Level("/A", (), ("done",), ("Box",)),
+        Level("/Box", ("In", "Out"), ("found",), ("finished",)),
+        Level("/Box/In", (), ("done", "again"), ("Out", "In")),
+        Level("/Box/Out", (), ("done",), ("found",)),
+    ),
+)
+
+
+def after(*events):
+    return reduce(step, events, RunView())
+
+
+def supervised(*events):
+    return after(READY, Ordered(1, 7), STARTED, TREE, Entered("/A"), Left("/A", "done"), *events)
+
+
+def test_a_run_from_ready_to_its_end():
+    view = after(READY, STARTED, Entered("/A"))
+    assert (view.phase, view.active, view.is_supervised) == (Phase.RUNNING, "/A", False)
+    view = step(view, Told(1, 7, ("finished",)))
+    assert (view.phase, view.active, view.ending) == (Phase.IDLE, "", "ended with 'finished'")
+
+
+def test_a_state_that_is_told_before_the_start_of_its_run_counts():
+    assert after(READY, Entered("/A"), STARTED).active == "/A"
+    assert after(READY, STARTED, Entered("/A"), Entered(""), Told(1, 7), STARTED).active == ""
+
+
+def test_what_the_engine_tells_counts_more_than_the_mirror():
+    view = supervised(Left("/Box/In", "done"), Entered("/Box/In"))
+    assert view.active == "/Box/Out"
+    assert view.visited == {"/A", "/Box/In", "/Box/Out"}
+
+
+def test_a_structure_that_comes_late_is_enough():
+    view = after(READY, Ordered(1, 7), STARTED, Left("/A", "done"), TREE, Entered("/A"))
+    assert view.active == "/Box/In"
+    assert step(view, Left("/Box/Out", "done")).visited == {"/A", "/Box/In", "/Box/Out"}
+
+
+def test_a_request_stays_until_it_is_answered_withdrawn_or_passed():
+    asked = supervised(Asked("/Box/Out", 0), Left("/Box/In", "done"), Entered("/Box/In"))
+    assert asked.asked == Asked("/Box/Out", 0)
+    assert asked.active == "/Box/Out"
+    assert step(asked, Asked("/Box/Out", 255)).asked is None
+    assert step(asked, Left("/Box/Out", "done")).asked is None
+    assert step(asked, Acknowledged("transition", ("Out", "Out"))).asked is None
+    assert step(asked, Acknowledged("transition", ("Out", "In"))).asked == asked.asked
+
+
+def test_attaching_counts_once_the_engine_says_so():
+    view = after(READY, STARTED, Ordered(2))
+    assert not view.is_supervised
+    view = step(view, Acknowledged("attach", ("Errand",)))
+    assert (view.is_supervised, view.level, view.attached_name) == (True, 2, "Errand")
+
+
+def test_levels_of_a_start_count_for_that_behavior_only():
+    assert after(READY, Ordered(1, 7), STARTED).is_supervised
+    assert not after(READY, Ordered(1, 8), STARTED).is_supervised
+    assert not after(READY, Ordered(255, 7), STARTED).is_supervised
+
+
+@pytest.mark.parametrize(
+    ("command", "args", "held"),
+    [
+        ("lock", ("/A", "/A"), "/A"),
+        ("lock", ("/A", ""), None),
+        ("unlock", ("/A", "/A"), None),
+    ],
+)
+def test_locks(command, args, held):
+    assert supervised(Acknowledged(command, args)).held == held
+
+
+def test_pause_and_resume():
+    paused = supervised(Acknowledged("pause"))
+    assert paused.is_paused
+    assert not step(paused, Acknowledged("resume")).is_paused
+
+
+def test_an_engine_that_goes_away_leaves_no_ghost():
+    view = supervised(EngineSeen(False))
+    assert (view.phase, view.active, view.asked) == (Phase.AWAY, "", None)
+    assert view.ending == "the engine went away while it ran"
+    assert step(view, EngineSeen(True)).phase is Phase.IDLE
+
+
+def test_a_refused_switch_ends_nothing():
+    view = supervised(Told(11, 9))
+    assert view.phase is Phase.RUNNING
+    assert view.is_ending_bad
+
+
+@pytest.mark.parametrize(
+    ("args", "code", "words"),
+    [
+        (("preempted",), 1, "was stopped"),
+        ((), 2, "failed; the log says why"),
+        ((), 11, "was not started; the log says why"),
+    ],
+)
+def test_endings(args, code, words):
+    assert after(READY, Told(code, 7, args)).ending == words
+
+
+@pytest.mark.parametrize(
+    ("path", "outcome", "following"),
+    [
+        ("/A", "done", "/Box/In"),
+        ("/Box/In", "again", "/Box/In"),
+        ("/Box/Out", "done", ""),
+        ("/Box/Out", "never", None),
+        ("/Other", "done", None),
+    ],
+)
+def test_what_follows_an_outcome(path, outcome, following):
+    assert TREE.following(path, outcome) == following
+
+
+def test_levels_that_can_be_locked():
+    assert supervised().holdable() == ("/Box/In", "/Box")
