@@ -58,7 +58,7 @@ class SynthesisServerTest(unittest.TestCase):
         self.assertEqual(handle.get_result().error_code.value, code)
         self.assertEqual(handle.get_result().states, [])
         text = handle.get_goal_status_text()
-        self.assertEqual(feedback[-1].status, text)
+        self.wait_for(lambda: feedback and feedback[-1].status == text)
         return text
 
     def test_a_chart_becomes_states_and_files(self):
@@ -110,7 +110,7 @@ class SynthesisServerTest(unittest.TestCase):
     def test_a_request_can_be_cancelled_while_it_is_served_and_while_it_waits(self):
         folder = Path(rospy.get_param("synthesis_server/chart_folders").rpartition(":")[2])
         folder.mkdir(parents=True, exist_ok=True)
-        (folder / "long.xml").write_text(write_chart(long_chart(3000)))
+        (folder / "long.xml").write_text(write_chart(long_chart(12000)))
         served, served_done, feedback = self.send("long.xml")
         waiting, waiting_done, _ = self.send("plain.xml")
         self.wait_for(lambda: feedback)
@@ -135,7 +135,7 @@ class SynthesisServerTest(unittest.TestCase):
 
 
 def long_chart(count):
-    """Return a chart that takes seconds to check."""
+    """Return a chart that takes a second, so that a cancel comes while it is served."""
     nodes = tuple(
         Behavior(
             f"B{i}",
