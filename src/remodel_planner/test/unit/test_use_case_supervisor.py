@@ -151,6 +151,11 @@ def test_its_policy_may_stop_the_run(run):
     assert len(runs) == 1
 
 
+def test_a_behavior_that_somebody_stops_ends_the_run(run):
+    (only,) = run("preempted", "finished")
+    assert only[1:] == (1, False, True)
+
+
 def test_decisions_are_kept_with_their_reasons(run, tmp_path):
     list(run("failed", "finished", "finished"))
     kept = sqlite3.connect(tmp_path / "production.sqlite").execute("SELECT * FROM decisions")

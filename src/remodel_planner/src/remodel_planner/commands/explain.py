@@ -20,17 +20,24 @@ from remodel_planner.errors import PlannerError
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Print the explanation, and return the exit code."""
+    """Print the explanation of a plan, or of a run, and return the exit code."""
+    words = sys.argv[1:] if arguments is None else arguments
+    if words and words[0].isdigit():
+        from remodel_planner.commands import explain_run  # the database takes long to load
+
+        return explain_run.main(words)
     parser = argparse.ArgumentParser(
         prog="explain",
         description="Say what a plan costs, which preferences it breaks, why, and what keeping "
         "each of them would cost.",
-        epilog="Exit code: 0 explained, 1 the plan is not valid, 2 wrong usage, 3 a file is "
+        usage="explain RUN [--database URL]\n       explain [OPTIONS] [INSTANCE] PLAN",
+        epilog="With the number of a run, what was done in it, what failed, what was decided and "
+        "why. Exit code: 0 explained, 1 the plan is not valid, 2 wrong usage, 3 a file is "
         "malformed.",
     )
     add_problem_options(parser)
     parser.add_argument("plan", type=Path, help="plan of that problem")
-    options = parser.parse_args(arguments)
+    options = parser.parse_args(words)
     try:
         preferred = read_problem(options).preferred
         plan = read_plan(options.plan)

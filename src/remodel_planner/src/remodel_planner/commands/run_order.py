@@ -119,6 +119,7 @@ def _run(
     print(f"order {order.name}: {len(order.wires)} wires, {len(order.components)} components")
     print(f"plan: {' '.join(task.name for task in tasks)}")
     started_run = database.start_run(order)
+    print(f"run: {started_run.id} (rosrun remodel_planner explain {started_run.id})")
     started = time.monotonic()
     with tqdm(
         total=len(order.wires), unit="wire", file=sys.stdout, leave=False, disable=None

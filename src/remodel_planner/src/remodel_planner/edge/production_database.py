@@ -21,6 +21,7 @@ from remodel_planner.core.learning.learned_expectations import Call
 from remodel_planner.core.production import Order
 from remodel_planner.core.recovery.decide import Decision
 from remodel_planner.core.run import Execution, Operation
+from remodel_planner.core.run_story import Attempt, KeptDecision, RunRecord
 from remodel_planner.edge.database_versions import NEWEST, upgrade, version_of
 from remodel_planner.edge.preference_rows import add_preference_rows, preferences_of_rows
 from remodel_planner.edge.production_models import (
@@ -162,6 +163,28 @@ class ProductionDatabase:
                 )
             )
 
+    def run_record(self, number: int) -> RunRecord:
+        """Return what was done in a run.
+
+        Raises:
+            OrderError: if there is none of that number.
+        """
+        with self._reading() as session:
+            run = session.get(RunRow, number)
+            if run is None:
+                known = ", ".join(map(str, session.scalars(select(RunRow.id).order_by(RunRow.id))))
+                raise OrderError(f"there is no run {number}; there are {known or 'none'}")
+            rows = session.execute(
+                select(ExecutionRow, WireRow.name)
+                .join(TaskRow, ExecutionRow.task_id == TaskRow.id)
+                .join(WireRow, TaskRow.wire_id == WireRow.id)
+                .where(ExecutionRow.run_id == number)
+                .order_by(ExecutionRow.id)
+            )
+            order = session.get(OrderRow, run.order_id)
+            attempts = tuple(_attempt(row, wire) for row, wire in rows)
+            return RunRecord(number, order.name, run.started, attempts)
+
     def ability_calls(self) -> tuple[Call, ...]:
         """Return all calls of abilities that any run has recorded, in their order."""
         with self._reading() as session:
@@ -290,4 +313,25 @@ def _decision_row(decision: Decision) -> DecisionRow:
         evidence=decision.failure.text,
         response=decision.do.value,
         because=decision.because,
+    )
+
+
+def _attempt(row: ExecutionRow, wire: str) -> Attempt:
+    operations = tuple(
+        Operation(o.state_path, o.ability, o.outcome, o.error_code, o.text, o.ended_s, o.elapsed_s)
+        for o in row.operations
+    )
+    kept = row.decision
+    return Attempt(
+        Execution(
+            wire,
+            row.behavior,
+            row.attempt,
+            row.outcome,
+            row.placed,
+            row.started_s,
+            row.ended_s,
+            operations,
+        ),
+        kept and KeptDecision(kept.fault, kept.evidence, kept.response, kept.because),
     )

@@ -24,6 +24,9 @@ from remodel_planner.ros.cell import Cell
 from remodel_planner.ros.panel_message import panel_message
 from remodel_planner.ros.task_supervisor import Sight, TaskSupervisor
 
+# Outcome of a behavior that somebody stopped.
+PREEMPTED = "preempted"
+
 # What this supervisor can do about a task that failed; what it can not is passed over.
 POSSIBLE = frozenset({Do.NEW_PART, Do.SET_ASIDE, Do.STOP})
 
@@ -36,7 +39,7 @@ class WireRun:
     """One attempt at a wire's task, ended: its chart, what happened, and what was seen.
 
     Attributes:
-        decision: what is done about it; None if the wire is placed.
+        decision: what is done about it; None if it did not fail.
     """
 
     cut: CutWire
@@ -84,7 +87,7 @@ class UseCaseSupervisor:
 
         What is done about a task that fails, its use case's policy says: it is tried again with a
         new wire, its turn comes when the rest is done in an order planned anew, it is set aside,
-        or the run stops.
+        or the run stops. It stops too when somebody stops a behavior.
 
         Yields:
             Each attempt when it has ended and is recorded.
@@ -103,6 +106,8 @@ class UseCaseSupervisor:
             while do is Do.NEW_PART:
                 wire_run = self._place(run, cuts[task.name], task.chart, possible)
                 yield wire_run
+                if wire_run.execution.outcome == PREEMPTED:
+                    return
                 do = wire_run.decision.do if wire_run.decision else None
             if do is Do.STOP:
                 return
@@ -134,8 +139,8 @@ class UseCaseSupervisor:
             task.operations,
         )
         decision = None
-        if task.outcome == FINISHED:
-            self._recovery.succeeded(execution)
+        if task.outcome in (FINISHED, PREEMPTED):
+            self._recovery.ended(execution)
         else:
             decision = self._recovery.decide(execution, possible)
         self._database.add_execution(run, execution, decision)

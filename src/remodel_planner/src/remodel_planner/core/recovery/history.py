@@ -51,8 +51,8 @@ class Recovery:
         """Return how often a task has been executed."""
         return self._history(task).attempts
 
-    def succeeded(self, execution: Execution) -> None:
-        """Take in an execution that did its task."""
+    def ended(self, execution: Execution) -> None:
+        """Take in an execution about which nothing is to be decided."""
         self._take(execution)
 
     def decide(self, execution: Execution, possible: Collection[Do]) -> Decision:

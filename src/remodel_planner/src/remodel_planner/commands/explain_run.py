@@ -1,0 +1,35 @@
+"""`rosrun remodel_planner explain RUN`: tell a recorded run in words."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from remodel_planner.commands.database_option import add_database_option
+from remodel_planner.core.run_story import tell
+from remodel_planner.edge.fault_file import read_faults
+from remodel_planner.edge.production_database import ProductionDatabase
+from remodel_planner.errors import PlannerError
+
+
+def main(arguments: list[str]) -> int:
+    """Print the run's story, and return the exit code."""
+    parser = argparse.ArgumentParser(
+        prog="explain",
+        description="Tell a recorded run: what was done, what failed, what was decided and why.",
+        epilog="Exit code: 0 told, 2 wrong usage, 3 no such run or database.",
+    )
+    parser.add_argument("run", type=int, metavar="RUN", help="number of the run")
+    add_database_option(parser)
+    options = parser.parse_args(arguments)
+    try:
+        database = ProductionDatabase(options.database)
+        try:
+            run = database.run_record(options.run)
+        finally:
+            database.close()
+    except PlannerError as error:
+        print(f"explain: {error}", file=sys.stderr)
+        return 3
+    print("\n".join(tell(run, read_faults())))
+    return 0
