@@ -186,6 +186,7 @@ class ConsoleTest(BrowserTestCase):
         self.ready(page)
         self.load(page, "Errand")
         page.get_by_role("button", name="Dark or light").click()
+        expect(page.locator("body.body--dark")).to_have_count(1)
         page.reload()
         expect(page.locator("body.body--dark")).to_have_count(1)
         expect(page.locator("g.node").first).to_be_visible()
