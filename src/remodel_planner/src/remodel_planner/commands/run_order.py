@@ -17,7 +17,6 @@ from remodel_planner.commands.database_option import add_database_option
 from remodel_planner.core.cell_order import USE_CASE, cell_order
 from remodel_planner.core.learning.learned_expectations import LearnedExpectations
 from remodel_planner.core.panel_layout import PanelLayout, PanelRules, lay_out
-from remodel_planner.core.production import Order
 from remodel_planner.core.recovery.fault import Do
 from remodel_planner.core.recovery.history import Recovery
 from remodel_planner.core.run import Execution
@@ -30,7 +29,7 @@ from remodel_planner.edge.catalogue_file import read_catalogue
 from remodel_planner.edge.fault_file import read_faults
 from remodel_planner.edge.order_planner import plan_problem
 from remodel_planner.edge.package_files import catalogue_file
-from remodel_planner.edge.production_database import ProductionDatabase
+from remodel_planner.edge.production_database import ProductionDatabase, Run
 from remodel_planner.edge.report_files import write_report
 from remodel_planner.edge.use_case_files import find_use_case
 from remodel_planner.errors import CellError, PlannerError
@@ -83,7 +82,8 @@ def main(arguments: list[str] | None = None) -> int:
         charts = options.output.resolve() / "charts"
         charts.mkdir(parents=True, exist_ok=True)
         supervisor = UseCaseSupervisor(database, charts, recovery, replan)
-        report = _run(database, supervisor, order, layout, tasks)
+        run = database.start_run(order)
+        report = _run(run, supervisor, layout, tasks)
     except PlannerError as error:
         print(f"run_order: {error}", file=sys.stderr)
         return 3
@@ -91,6 +91,7 @@ def main(arguments: list[str] | None = None) -> int:
         database.close()
     page = write_report(report, options.output)
     _sum_up(report, page)
+    print(f"story: rosrun remodel_planner explain {run.id} --database {options.database}")
     if report.stopped:
         print(f"run_order: {report.stopped}", file=sys.stderr)
         return 3
@@ -108,24 +109,22 @@ def _planned(
 
 
 def _run(
-    database: ProductionDatabase,
+    run: Run,
     supervisor: UseCaseSupervisor,
-    order: Order,
     layout: PanelLayout,
     tasks: Sequence[PlannedTask],
 ) -> Report:
     teller = Storyteller()
+    order = run.order
     stories, stopped, overview = [], "", ()
     print(f"order {order.name}: {len(order.wires)} wires, {len(order.components)} components")
     print(f"plan: {' '.join(task.name for task in tasks)}")
-    started_run = database.start_run(order)
-    print(f"run: {started_run.id} (rosrun remodel_planner explain {started_run.id})")
     started = time.monotonic()
     with tqdm(
         total=len(order.wires), unit="wire", file=sys.stdout, leave=False, disable=None
     ) as bar:
         try:
-            for wire_run in supervisor.run(started_run, layout, PanelRules(), tasks):
+            for wire_run in supervisor.run(run, layout, PanelRules(), tasks):
                 bar.write(_line(wire_run))
                 bar.update(wire_run.last)
                 stories.append(teller.story(wire_run))
