@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The running cell as its clients meet it: one launch, the default panel, wire W1 fed."""
 
+import subprocess
 import time
 import unittest
 
@@ -60,6 +61,14 @@ class Client:
         return self.wait()
 
 
+def conformance(ability, goal):
+    """Check an ability's server against the contract of all abilities; return what is told."""
+    topic = f"remodel_abilities/{ability.lower()}"
+    line = ["rosrun", "remodel_states", "conformance", topic, ability, "--goal", goal]
+    done = subprocess.run(line, capture_output=True, text=True, timeout=WALL_LIMIT_S)
+    return done.returncode, done.stdout + done.stderr
+
+
 class CellTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -103,6 +112,13 @@ class CellTest(unittest.TestCase):
 
     def at_terminal(self):
         return dict(robot_name="robot_1", cable_id="W1", component_id="X1", terminal_id="1")
+
+    def test_its_servers_keep_the_contract(self):
+        code, told = conformance("LocateGearboxComponent", "{component_id: X1, terminal_id: '1'}")
+        self.assertEqual(code, 0, told)
+        self.assertIn("ok          a cancel while the ability works", told)
+        code, told = conformance("DetectCable", "{cable_id: W1}")
+        self.assertEqual(code, 0, told)
 
     def test_rviz_gets_the_scene_and_the_force(self):
         markers = rospy.wait_for_message("cell/markers", MarkerArray, 20)
