@@ -7,15 +7,15 @@ from dataclasses import dataclass, field
 
 from flexbe_synthesizer.core.model import AnyNode, Chart
 from flexbe_synthesizer.core.problem import Problem, errors_in
-from flexbe_synthesizer.core.resolve import ResolvedChart, ResolvedNode
+from flexbe_synthesizer.core.resolve import ResolvedChart, Use
 
 
 @dataclass(frozen=True)
 class Inspection:
-    """Problems, those of this file first; and the nodes by their paths, `Place/Insert`."""
+    """Problems, those of this file first; and what nodes name by their paths, `Place/Insert`."""
 
     problems: tuple[Problem, ...] = ()
-    nodes: Mapping[str, ResolvedNode] = field(default_factory=dict)
+    uses: Mapping[str, Use] = field(default_factory=dict)
 
     @property
     def error_count(self) -> int:
@@ -24,7 +24,7 @@ class Inspection:
 
     def events(self, path: str, node: AnyNode) -> tuple[str, ...]:
         """Return the outcomes of a node, those that only its transitions name too."""
-        entry = self.nodes.get(path)
+        entry = self.uses.get(path)
         known = (entry.events or ()) if entry else ()
         return tuple(dict.fromkeys((*known, *(t.event for t in node.transitions))))
 
@@ -32,17 +32,17 @@ class Inspection:
         """Yield the (state, output) pairs that an input in a scope may be fed by."""
         yield from ((scope.name, port.name) for port in scope.inputs)
         for node in scope.nodes:
-            entry = self.nodes.get(f"{prefix}{node.id}")
-            for port in entry.outputs if entry else ():
+            entry = self.uses.get(f"{prefix}{node.id}")
+            for port in entry.outputs.values() if entry else ():
                 yield node.id, port.name
 
 
-def nodes_by_path(resolved: ResolvedChart, prefix: str = "") -> dict[str, ResolvedNode]:
-    """Return the nodes of a chart, those inside containers too."""
-    found: dict[str, ResolvedNode] = {}
+def uses_by_path(resolved: ResolvedChart, prefix: str = "") -> dict[str, Use]:
+    """Return what each node of a chart names, those inside containers too."""
+    found: dict[str, Use] = {}
     for entry in resolved.nodes:
         path = f"{prefix}{entry.node.id}"
-        found[path] = entry
+        found[path] = entry.use
         if entry.body is not None:
-            found |= nodes_by_path(entry.body, f"{path}/")
+            found |= uses_by_path(entry.body, f"{path}/")
     return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 from flexbe_synthesizer.core.codec import read_chart
 from flexbe_synthesizer.core.model import Chart
 from flexbe_synthesizer.core.problem import errors_in
-from remodel_console.core.inspection import Inspection, nodes_by_path
+from remodel_console.core.inspection import Inspection, uses_by_path
 from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import CommandError
 
@@ -19,6 +19,6 @@ def inspect_text(workspace: Workspace, text: str, file: str) -> tuple[Chart | No
     except CommandError:
         return (chart if is_formed else None), Inspection(problems)
     own = files.charts.get(file)
-    nodes = nodes_by_path(own.resolved) if own else {}
+    uses = uses_by_path(own.resolved) if own else {}
     order = sorted(files.problems, key=lambda problem: problem.position.file != file)
-    return (chart if is_formed else None), Inspection(tuple(order), nodes)
+    return (chart if is_formed else None), Inspection(tuple(order), uses)

@@ -129,7 +129,7 @@ class PropertiesPanel:
         self._entry("Outcomes", ", ".join(o.name for o in scope.outcomes), put)
 
     def _parameters(self, node: AnyNode, path: Path) -> None:
-        entry = self._page.inspection.nodes.get("/".join(path))
+        entry = self._page.inspection.uses.get("/".join(path))
         parameters = entry.signature.parameters if entry and entry.signature else ()
         if isinstance(node, Container) or not parameters:
             return
@@ -183,14 +183,14 @@ class PropertiesPanel:
             self._choice(event, known, target, put)
 
     def _inputs(self, node: AnyNode, scope: Chart, path: Path) -> None:
-        entry = self._page.inspection.nodes.get("/".join(path))
+        entry = self._page.inspection.uses.get("/".join(path))
         if entry is None or not entry.inputs:
             return
         ui.label("Inputs are fed").classes("heading")
         prefix = "".join(f"{part}/" for part in path[:-1])
         sources = list(self._page.inspection.sources(scope, prefix))
         names = {index: _source_words(scope, source) for index, source in enumerate(sources)}
-        for port in entry.inputs:
+        for port in entry.inputs.values():
             source = chart_edit.feed_of(scope, node.id, port.name)
             value = sources.index(source) if source in sources else -1
 
