@@ -21,6 +21,7 @@ from remodel_console.core.editing import (
 from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import CommandError
 
+_MOST_UNDONE = 200  # changes that can be taken back
 START = "start"  # what the deliverable's command line writes for "where the chart itself starts"
 
 
@@ -40,6 +41,7 @@ class Session:
         self._path: tuple[str, ...] = ()
         self.chart: Chart | None = None
         self.is_saved = True
+        self._before: tuple[Chart, ...] = ()
         self.tell: Callable[[], None] = lambda: None
         self._deeds: Mapping[Verb, Callable[[Mapping[str, str]], str]] = {
             Verb.HELP: lambda _given: help_lines(),
@@ -67,6 +69,53 @@ class Session:
         self.tell()
         return answer
 
+    def change(self, change: Callable[[Chart], Chart]) -> None:
+        """Change the chart that is edited.
+
+        Raises:
+            CommandError: if nothing is loaded, or the change cannot be made.
+        """
+        with self._lock:
+            self._change(change(self._loaded()))
+        self.tell()
+
+    def undo(self) -> str:
+        """Take the last change back, and say so.
+
+        Raises:
+            CommandError: if there is none.
+        """
+        with self._lock:
+            if not self._before:
+                raise CommandError("there is nothing to undo")
+            *before, self.chart = self._before
+            self._before, self.is_saved = tuple(before), False
+        self.tell()
+        return "took the last change back"
+
+    def open(self, chart: Chart) -> None:
+        """Edit a chart that is new."""
+        with self._lock:
+            self.chart, self._path, self._before, self.is_saved = chart, (), (), False
+        self.tell()
+
+    def synthesize(self, path: tuple[str, ...], name: str, initial: str, goal: str) -> str:
+        """Put the chart of a file in as a container, and say so.
+
+        Args:
+            path: ids of the containers that it goes into.
+            name: id of the container that it becomes.
+            initial: where it starts; empty or `start` for where the chart does.
+            goal: path of the file.
+
+        Raises:
+            CommandError: if the chart cannot be used; then nothing has changed.
+        """
+        with self._lock:
+            answer = self._put(path, name, initial, goal)
+        self.tell()
+        return answer
+
     def _carry_out(self, command: Command) -> str:
         deed = self._deeds.get(command.verb)
         if deed is None:
@@ -79,25 +128,30 @@ class Session:
         return self.chart
 
     def _change(self, chart: Chart) -> None:
-        self.is_saved = self.is_saved and chart == self.chart
+        if self.chart is not None and chart != self.chart:
+            self._before = (*self._before[-_MOST_UNDONE:], self.chart)
+            self.is_saved = False
         self.chart = chart
 
     def _load(self, given: Mapping[str, str]) -> str:
         lost = "" if self.is_saved else ", and what was not saved is gone"
         self.chart = self._workspace.find(given["name"])
-        self._path, self.is_saved = (), True
+        self._path, self._before, self.is_saved = (), (), True
         return f"loaded '{self.chart.name}' from {self.chart.file}{lost}"
 
     def _synthesize(self, given: Mapping[str, str]) -> str:
+        return self._put(self._path, given["name"], given["initial"], given["goal"])
+
+    def _put(self, path: tuple[str, ...], name: str, initial: str, goal: str) -> str:
         chart = self._loaded()
-        source = self._workspace.read(given["goal"])
-        initial = "" if given["initial"] == START else given["initial"]
+        source = self._workspace.read(goal)
+        initial = "" if initial == START else initial
         folder = str(PurePath(chart.file).parent)
-        container = as_container(source, given["name"], initial, folder)
-        changed = change_at(chart, self._path, lambda scope: with_container(scope, container))
+        container = as_container(source, name, initial, folder)
+        changed = change_at(chart, path, lambda scope: with_container(scope, container))
         self._change(changed)
-        path = "/".join(("", *self._path, container.id))
-        return f"'{source.name}' is in '{chart.name}' as {path}; 'save' checks and writes it"
+        where = "/".join(("", *path, container.id))
+        return f"'{source.name}' is in '{chart.name}' as {where}; 'save' checks and writes it"
 
     def _save(self, _given: Mapping[str, str]) -> str:
         chart = self._loaded()

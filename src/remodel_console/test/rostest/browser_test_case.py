@@ -69,6 +69,7 @@ class BrowserTestCase(unittest.TestCase):
         context = self.browser.new_context(viewport={"width": width, "height": height})
         self.addCleanup(context.close)
         page = context.new_page()
+        page.set_default_timeout(1000 * LIMIT_S)
         mistakes = []
         page.on("pageerror", lambda mistake: mistakes.append(mistake))
         self.addCleanup(lambda: self.assertEqual(mistakes, []))
@@ -85,6 +86,7 @@ class BrowserTestCase(unittest.TestCase):
     def choose(self, page, label, option):
         page.get_by_role("combobox", name=label).click()
         page.get_by_role("option", name=option, exact=True).click()
+        expect(page.get_by_role("option")).to_have_count(0)
 
     @classmethod
     def start_engine(cls):

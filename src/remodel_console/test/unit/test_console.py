@@ -1,6 +1,7 @@
 """Commands, keys and the editing session, on copies of packages; no ROS."""
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -197,3 +198,25 @@ def test_answers_come_back_as_they_were_sent():
     assert read_answer(str(answer)) == answer
     with pytest.raises(ValueError, match="no answer"):
         read_answer("hello")
+
+
+def test_changes_are_taken_back_one_by_one(session, give):
+    with pytest.raises(CommandError, match="no behavior is loaded"):
+        session.change(lambda chart: chart)
+    give("load my_first_behavior")
+    loaded = session.chart
+    told = []
+    session.tell = lambda: told.append(1)
+    session.change(lambda chart: replace(chart, description="One."))
+    session.change(lambda chart: chart)
+    session.synthesize((), "Box", "start", "place_connector.xml")
+    assert len(told) == 3
+    assert "took" in session.undo()
+    assert session.chart.description == "One."
+    session.undo()
+    assert session.chart == loaded
+    assert not session.is_saved
+    with pytest.raises(CommandError, match="nothing to undo"):
+        session.undo()
+    session.open(replace(loaded, name="Other"))
+    assert session.chart.name == "Other"

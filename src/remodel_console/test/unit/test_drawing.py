@@ -18,7 +18,7 @@ OUTER = """<statemachine name="Outer" initial="Go"><datamodel><outcome name="fin
 
 
 def test_a_drawing_says_what_each_part_stands_for():
-    svg = picture(ERRAND)
+    svg = picture(ERRAND, (900, 500))
     assert svg.startswith("<svg")
     assert 'data-path="Search/Look closer"' in svg
     assert 'data-path="Search"' in svg

@@ -14,19 +14,22 @@ from remodel_console.errors import CommandError
 
 _KEPT = 32  # drawings
 _DIRECTIONS = ("TB", "LR")
-_PAGE = (900.0, 520.0)  # what a page has for a drawing on a common screen [pixels]
 _SIZE = re.compile(r'viewBox="0\.00 0\.00 ([\d.]+) ([\d.]+)"')
 
 
-def picture(chart: Chart) -> str:
+def picture(chart: Chart, room: tuple[float, float]) -> str:
     """Return the drawing of a chart as an SVG for the page, in the direction that shows it larger.
+
+    Args:
+        chart: what to draw.
+        room: width and height that the page has for it on a common screen [pixels].
 
     Raises:
         CommandError: if Graphviz is not there or fails.
     """
     try:
         drawings = (_svg(chart_to_dot(chart, direction=direction)) for direction in _DIRECTIONS)
-        return max(drawings, key=_scale)
+        return max(drawings, key=lambda svg: _scale(svg, room))
     except DrawingError as error:
         raise CommandError(f"the chart cannot be drawn: {error}") from error
 
@@ -36,9 +39,9 @@ def _svg(dot: str) -> str:
     return page_svg(dot_picture(dot, ".svg").decode())
 
 
-def _scale(svg: str) -> float:
+def _scale(svg: str, room: tuple[float, float]) -> float:
     """Return how large a drawing is shown if all of it is."""
     found = _SIZE.search(svg)
     if found is None:
         return 0.0
-    return min(_PAGE[0] / float(found[1]), _PAGE[1] / float(found[2]))
+    return min(room[0] / float(found[1]), room[1] / float(found[2]))

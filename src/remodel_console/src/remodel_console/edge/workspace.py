@@ -75,6 +75,27 @@ class Workspace:
         """
         return self._checked(chart).problems
 
+    def look(self, text: str, file: str) -> CheckedFiles:
+        """Return the chart in a text as if it stood in a file, and all that is wrong with it.
+
+        Raises:
+            CommandError: if a chart that it names cannot be read.
+        """
+        return self._check(file, {file: text.encode()})
+
+    def files(self) -> tuple[str, ...]:
+        """Return the names of the files in the chart folders, as `read` takes them."""
+        return tuple(
+            sorted({p.name for folder in self.chart_folders for p in folder.glob("*.xml")})
+        )
+
+    def text_of(self, path: str) -> str:
+        """Return the text of a file in the chart folders; empty if it cannot be read."""
+        try:
+            return Path(find_chart(path, self.chart_folders)).read_text(encoding="utf-8")
+        except (SynthesisError, OSError, ValueError):
+            return ""
+
     def events(self, chart: Chart) -> dict[str, dict[str, tuple[str, ...]]]:
         """Return the events of the nodes by id, by the name of the container that they are in."""
         (checked, *_) = self._checked(chart).charts.values()
@@ -118,8 +139,7 @@ class Workspace:
                     yield chart
 
     def _checked(self, chart: Chart) -> CheckedFiles:
-        text = write_chart(chart).encode()
-        return self._check(chart.file, {chart.file: text})
+        return self.look(write_chart(chart), chart.file)
 
     def _check(self, path: str, drafts: dict[str, bytes] | None = None) -> CheckedFiles:
         packages, _warnings = find_packages(self.ros_package_path)

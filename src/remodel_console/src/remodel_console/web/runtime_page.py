@@ -32,6 +32,7 @@ from remodel_console.web.page import Page, table
 from remodel_console.web.start_form import StartForm
 
 _ATTACHED_LEVELS = {level: word for level, word in LEVELS.items() if level != UNATTENDED}
+_ROOM = (900.0, 520.0)  # for the drawing on a common screen [pixels]
 _READABLE_S = 0.25  # between two changes of what is there to click
 _FIRST_LEVEL = 1  # low, as in the FlexBE App
 
@@ -110,7 +111,7 @@ class RuntimePage(Page):
             return
         try:
             chart = await run.io_bound(self.console.chart_to_watch, name)
-            svg = await run.io_bound(picture, chart)
+            svg = await run.io_bound(picture, chart, _ROOM)
         except CommandError as error:
             self._empty.text = str(error)
             self._empty.set_visibility(True)

@@ -11,6 +11,7 @@ from starlette.responses import RedirectResponse, Response
 
 from remodel_console.console import Console
 from remodel_console.web.broadcast import Broadcast
+from remodel_console.web.editor_page import EditorPage
 from remodel_console.web.guard import Guard
 from remodel_console.web.runtime_page import RuntimePage
 
@@ -36,6 +37,10 @@ def serve(console: Console, port: int) -> None:
     @ui.page("/runtime")
     def runtime(request: Request) -> None:
         RuntimePage(console, broadcast, request, "Runtime control")
+
+    @ui.page("/editor")
+    def editor(request: Request) -> None:
+        EditorPage(console, broadcast, request, "Editor")
 
     with contextlib.suppress(KeyboardInterrupt):  # how the server ends when it is told to
         ui.run(

@@ -53,7 +53,7 @@ export default {
       } else {
         this.open();
       }
-      this.mark("selected", this.selected ? [this.selected] : []);
+      this.select(this.selected || "");
       if (this.lit) this.light(...this.lit);
     },
     light(active, passed, asked) {
@@ -71,7 +71,9 @@ export default {
     },
     select(path) {
       this.selected = path;
-      if (this.groups) this.mark("selected", path ? [path] : []);
+      if (!this.groups) return;
+      this.mark("selected", path ? [path] : []);
+      if (path) this.reveal(path);
     },
     mark(name, paths) {
       const wanted = new Set(paths.flatMap((path) => this.groups.get(path) || []));
@@ -97,8 +99,9 @@ export default {
       const height = clientHeight / scale;
       const start = this.svg.querySelector("g.node");
       const box = start ? this.boxOf(start) : { x: this.size.width / 2, y: 0, width: 0, height: 0 };
-      const x = width >= this.size.width ? (this.size.width - width) / 2 : box.x + box.width / 2 - width / 2;
-      const y = height >= this.size.height ? (this.size.height - height) / 2 : 0;
+      const within = (middle, part, all) => (part >= all ? (all - part) / 2 : Math.min(Math.max(middle - part / 2, 0), all - part));
+      const x = within(box.x + box.width / 2, width, this.size.width);
+      const y = within(box.y + box.height / 2, height, this.size.height);
       this.view = { x, y, width, height };
       this.ratio = true;
       this.show();
@@ -198,10 +201,13 @@ export default {
       if (!group) return;
       const box = this.boxOf(group);
       const { x, y, width, height } = this.view;
-      const isSeen = box.x >= x && box.y >= y && box.x + box.width <= x + width && box.y + box.height <= y + height;
-      if (isSeen) return;
-      this.view.x = box.x + box.width / 2 - width / 2;
-      this.view.y = box.y + box.height / 2 - height / 2;
+      const nearest = (start, length, from, size) => { // the least move that shows it, with some room around it
+        const room = Math.min(30, Math.max(0, (length - size) / 2));
+        if (from < start + room) return from - room;
+        return Math.max(start, from + size + room - length);
+      };
+      this.view.x = nearest(x, width, box.x, box.width);
+      this.view.y = nearest(y, height, box.y, box.height);
       this.show();
     },
   },

@@ -1,0 +1,166 @@
+#!/usr/bin/env python3
+"""The editor in a real browser: a behavior is put together, synthesized into, checked and saved."""
+
+import sys
+from pathlib import Path
+
+import rospy
+import rostest
+from playwright.sync_api import expect
+
+sys.path.insert(0, str(Path(__file__).parent))
+from browser_test_case import BrowserTestCase
+
+from flexbe_synthesizer.core.codec import parse_chart
+
+BROKEN = """<statemachine name="Broken" initial="A">
+  <datamodel><outcome name="finished"/></datamodel>
+  <state id="A" type="WaitStat">
+    <transition event="done" target="nowhere"/>
+  </state>
+</statemachine>
+"""
+
+
+class EditorTest(BrowserTestCase):
+    def setUp(self):
+        self.page = self.open_page("/editor")
+        expect(self.page.get_by_role("button", name="Save")).to_be_visible()
+
+    def chart(self, name):
+        return parse_chart((self.package / "charts" / f"{name}.xml").read_bytes())
+
+    def press(self, name):
+        self.page.get_by_role("button", name=name, exact=True).click()
+
+    def open(self, name):
+        """Open a behavior; what another test has left unsaved is lost."""
+        self.choose(self.page, "Open", name)
+        lose = self.page.get_by_role("button", name="Open, and lose them")
+        title = self.page.locator(".properties .title", has_text=name)
+        expect(lose.or_(title)).to_be_visible()
+        if lose.is_visible():
+            lose.click()
+        expect(title).to_be_visible()
+
+    def fill(self, label, text):
+        field = self.page.locator(".properties").get_by_label(label, exact=True)
+        field.fill(text)
+        field.press("Enter")
+
+    def pick(self, path):
+        self.press("Show all")
+        self.page.locator(f".canvas-stage g.node[data-path='{path}'] text").first.click()
+        name = self.page.locator(".properties").get_by_label("Name", exact=True)
+        expect(name).to_have_value(path.rpartition("/")[2])
+
+    def write_xml(self, text):
+        self.page.get_by_role("tab", name="XML").click()
+        self.page.locator(".cm-content").fill(text)
+
+    def test_a_behavior_is_built_synthesized_into_and_saved(self):
+        page = self.page
+        self.press("New")
+        dialog = page.get_by_role("dialog")
+        dialog.get_by_label("Name").fill("Built Here")
+        self.choose(page, "Folder", str(self.package / "charts"))
+        self.press("Make")
+        expect(page.locator(".tools")).to_contain_text("Built Here: not saved yet")
+        page.get_by_label("Find a state").fill("log")
+        page.locator(".library").get_by_role("button", name="Log", exact=True).click()
+        expect(page.get_by_role("dialog")).to_contain_text("-- text")
+        self.press("Add Log")
+        self.pick("Log")
+        self.fill("text", "Built by hand.")
+        self.press("Container")
+        self.pick_container("Container")
+        page.get_by_text("Use synthesis").click()
+        self.choose(page, "Goal", "errand.xml")
+        self.press("Synthesize")
+        expect(page.locator("g.node[data-path='Container/Search/Look']").first).to_be_visible()
+        self.pick("Log")
+        self.choose(page, "done", "Container")
+        self.pick_container("Container")
+        self.choose(page, "finished", "finished")
+        self.choose(page, "failed", "failed")
+        expect(page.locator(".problems")).to_contain_text("No errors.")
+        self.take_picture(page, "editor")
+        self.press("Save")
+        expect(page.locator(".tools")).to_contain_text("Built Here: saved")
+        chart = self.chart("built_here")
+        self.assertEqual([node.id for node in chart.nodes], ["Log", "Container"])
+        self.assertEqual(chart.nodes[0].params[0].value, "Built by hand.")
+        self.assertTrue(list(self.package.rglob("built_here_sm.py")))
+
+    def pick_container(self, path):
+        box = self.page.locator(f".canvas-stage g.cluster[data-path='{path}']")
+        if box.count():
+            box.locator("text").first.click()
+        expect(self.page.locator(".properties").get_by_label("Name", exact=True)).to_have_value(
+            path
+        )
+
+    def test_a_chart_that_cannot_be_used_is_shown_with_its_errors(self):
+        (self.package / "charts" / "broken.xml").write_text(BROKEN)
+        self.addCleanup((self.package / "charts" / "broken.xml").unlink)
+        self.page.reload()
+        self.open("Errand")
+        self.press("Container")
+        self.page.get_by_text("Use synthesis").click()
+        self.choose(self.page, "Goal", "broken.xml")
+        self.press("Synthesize")
+        dialog = self.page.get_by_role("dialog")
+        expect(dialog).to_contain_text("3 errors")
+        expect(dialog.locator(".xml-error")).not_to_have_count(0)
+        self.take_picture(self.page, "editor-refusal")
+        self.press("Close")
+
+    def test_xml_and_drawing_follow_each_other_and_undo_takes_back(self):
+        page = self.page
+        self.open("Errand")
+        text = self.chart("errand")
+        self.assertEqual(text.nodes[0].id, "Greet")
+        self.pick("Search/Look")
+        self.fill("wait_time", "0.75")
+        page.get_by_role("tab", name="XML").click()
+        expect(page.locator(".cm-content")).to_contain_text('value="0.75"')
+        source = (self.package / "charts" / "errand.xml").read_text()
+        self.write_xml(source.replace("Look closer", "Look again"))
+        expect(page.locator("g.node[data-path='Search/Look again']").first).to_be_visible()
+        self.write_xml(source.replace('target="Report"', 'target="Repot"'))
+        expect(page.locator(".problems")).to_contain_text("Repot")
+        expect(page.locator(".cm-content .xml-error")).to_have_count(1)
+        self.take_picture(page, "editor-xml")
+        self.write_xml(source.replace("</statemachine>", ""))
+        expect(page.locator(".problems .error")).not_to_have_count(0)
+        page.locator(".tools .soft").click()
+        page.keyboard.press("Control+z")
+        page.keyboard.press("Control+z")
+        expect(page.locator("g.node[data-path='Search/Look closer']").first).to_be_visible()
+
+    def test_deleting_and_renaming_keep_what_belongs_together(self):
+        self.open("Patrol")
+        self.pick("South")
+        self.fill("Name", "Far South")
+        expect(self.page.locator("g.node[data-path='Far South']").first).to_be_visible()
+        self.pick("Far South")
+        self.press("Delete")
+        expect(self.page.locator("g.node[data-path='Far South']")).to_have_count(0)
+        expect(self.page.locator(".problems")).to_contain_text("1 error")
+        self.press("Undo")
+        self.press("Undo")
+        expect(self.page.locator("g.node[data-path='South']").first).to_be_visible()
+
+    def test_one_session_for_two_pages(self):
+        other = self.open_page("/editor", width=1024, height=768)
+        self.open("Patrol")
+        expect(other.locator("g.node[data-path='North']").first).to_be_visible()
+        self.pick("South")
+        self.fill("wait_time", "0.9")
+        expect(other.locator(".tools")).to_contain_text("Patrol: not saved yet")
+        self.take_picture(other, "editor-1024")
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_editor")
+    rostest.rosrun("remodel_console", "test_editor", EditorTest)
