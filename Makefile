@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-sim bench-vision clean
+.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-sim bench-vision evaluate-abilities clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -13,7 +13,7 @@ SOURCED := set +u; . devel/setup.sh; set -u;
 RESULTS := build/test_results
 
 help: ## List the commands
-	@grep -hE '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 18
+	@grep -hE '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 20
 
 .venv/.ready: tools/setup.sh tools/apt-packages.txt requirements.txt requirements-dev.txt
 	@tools/setup.sh
@@ -62,6 +62,9 @@ bench-sim: build build/bench-venv/.ready ## Measure the simulated wire against t
 
 bench-vision: build ## Measure the detection of cables on rendered scenes, against its targets (BENCH=--scenes 50)
 	@$(SOURCED) benchmarks/vision/run.py $(BENCH)
+
+evaluate-abilities: build ## Measure the abilities over seeds, against their targets (BENCH="--seeds 0-99 --jobs 2")
+	@$(SOURCED) benchmarks/sim/evaluate_abilities.py $(BENCH)
 
 build/bench-venv/.ready: requirements-bench.txt | build
 	@/usr/bin/python3 -m venv build/bench-venv

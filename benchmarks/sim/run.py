@@ -4,7 +4,7 @@
 
 Lines of JSON go to FILE (out/bench/sim.jsonl). What the parts measure: statics.py (sag, buckling),
 retention.py (grip, fixtures), speed.py (real-time factor), mujoco_peer.py (MuJoCo's cable plugin).
-Exits with 1 when a target is missed. wires.py, which takes longer, measures the abilities.
+Exits with 1 when a target is missed. evaluate_abilities.py measures the abilities.
 """
 
 from __future__ import annotations

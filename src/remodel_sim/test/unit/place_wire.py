@@ -1,4 +1,4 @@
-"""Place a whole wire as a supervisor would, without ROS."""
+"""Place a wire without ROS, when nothing goes wrong."""
 
 import math
 
@@ -10,7 +10,6 @@ from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_compon
 from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.abilities.route_wire import route_wire
 from remodel_sim.core import goals
-from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.layout import WORLD_FROM_PANEL
 from remodel_sim.core.panel import End
@@ -57,33 +56,17 @@ def carry(cell, wire, channel):
     do(cell, route_wire, goals.RouteGoal(ROBOT, wire, path))
 
 
-def connect(cell, wire, end, attempts=3):
-    """The Place Connector behavior: locate, insert, fix; on a failure extract and try again.
-
-    Returns the codes of the failures met; raises the last one when attempts run out.
-    """
+def connect(cell, wire, end):
+    """Locate an end's terminal, insert the end and fix it."""
     component, terminal = cell.station.panel.wire(wire).goes_to(end)
-    failures = []
-    for attempt in range(attempts):
-        socket = WORLD_FROM_PANEL @ cell.station.panel.panel_from_socket(component, terminal)
-        try:
-            socket = locate(cell, component, terminal)
-            insert(cell, wire, end, component, terminal, socket)
-            fix(cell, wire, component, terminal)
-        except AbilityError as error:
-            failures.append(error.code)
-            if attempt + 1 == attempts:
-                raise
-            extract(cell, wire, component, terminal, socket)
-        else:
-            break
-    return failures
+    insert(cell, wire, end, component, terminal, locate(cell, component, terminal))
+    fix(cell, wire, component, terminal)
 
 
 def place(cell, wire, channel="A"):
-    """Feed and place a whole wire; returns the codes of the failures that were recovered."""
+    """Feed and place a whole wire."""
     cell.feed(wire, channel)
     do(cell, detect_cable, goals.DetectGoal(wire))
-    failures = connect(cell, wire, End.A)
+    connect(cell, wire, End.A)
     carry(cell, wire, channel)
-    return failures + connect(cell, wire, End.B)
+    connect(cell, wire, End.B)

@@ -1,0 +1,139 @@
+#!/usr/bin/env python3
+# ruff: noqa: T201 - a benchmark prints
+"""Measure how often the abilities succeed, or refuse rightly, over seeds, and how long it takes.
+
+evaluate_abilities.py [FILE] [--seeds 0-99] [--trials NAME ...] [--panel PANEL] [--jobs N]; the
+workspace must be sourced. A seed gives a wire its curvature and the cameras their noise; wires of
+the panel take turns. Each trial that goes wrong is printed with its seed and code as it ends, and
+`--seeds SEED --trials NAME` runs it again with the same outcome. FILE (out/bench/abilities.jsonl)
+gets a line of JSON for each trial, then for each figure. Exits with 1 when a target is missed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import multiprocessing
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+from row import Row, head, tell
+from trials import TRIALS, Outcome, Trial, run
+
+from remodel_sim.edge.wire_material_file import read_wire_materials
+from remodel_sim.ros.conversions import read_panel
+
+PANEL = Path(__file__).parents[2] / "src" / "remodel_sim" / "config" / "panel.yaml"
+# Share of good outcomes in percent, by trial: what is told of it, and its target.
+SHARES = {
+    "wire": ("whole wires placed", None),
+    "pick": ("pick", 98.0),
+    "offset": ("6 mm beside the mouth: INSERTION_MISALIGNED", 98.0),
+    "blocked": ("blocked socket: INSERTION_JAMMED", 98.0),
+    "other_component": ("wrong socket, of another component: INVALID_GOAL", 98.0),
+    "neighbour": ("wrong socket, the one beside it: INVALID_GOAL", 98.0),
+    "occupied": ("wrong socket, occupied: TERMINAL_OCCUPIED", 98.0),
+    "locate": ("located", None),
+    "locate_moved": ("located, moved by up to 10 mm and 8 deg", None),
+    "locate_light": ("located, 40 to 160 % of the light", None),
+}
+# Targets of the errors of locating: median, 90 % quantile.
+ERRORS = {"position [mm]": (0.5, 1.0), "angle [deg]": (0.5, 1.0)}
+WALL_S = 10.0
+
+Outcomes = Mapping[str, Sequence[Outcome]]
+
+
+def parse_seeds(text: str) -> list[int]:
+    """Return the seeds of a text such as "0-99" or "3,7,20-29"."""
+    seeds: list[int] = []
+    for part in text.split(","):
+        first, dash, last = part.partition("-")
+        try:
+            found = range(int(first), int(last if dash else first) + 1)
+        except ValueError:
+            found = range(0)
+        if not found:
+            raise argparse.ArgumentTypeError(f"{part!r} are no seeds; allowed: 3 or 0-99 or 3,7-9")
+        seeds += found
+    return seeds
+
+
+def run_all(trials: Sequence[Trial], jobs: int, file: Path) -> dict[str, list[Outcome]]:
+    """Run trials in processes of their own; print the bad ones, add a line of each to the file."""
+    outcomes: dict[str, list[Outcome]] = {}
+    spawn = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(jobs, mp_context=spawn) as pool, file.open("w") as lines:
+        for trial, outcome in zip(trials, pool.map(run, trials), strict=True):
+            outcomes.setdefault(trial.name, []).append(outcome)
+            if not outcome.good:
+                print(f"{trial.name}, seed {trial.seed}: {outcome.found}", flush=True)
+            line = {"trial": trial.name, "seed": trial.seed, **asdict(outcome)}
+            lines.write(json.dumps(line) + "\n")
+            lines.flush()
+    return outcomes
+
+
+def rows(outcomes: Outcomes) -> Iterator[Row]:
+    """Yield the figures of the trials that were run."""
+    for name, done in outcomes.items():
+        what, least = SHARES[name]
+        yield _share(what, [outcome.good for outcome in done], least)
+        if name == "wire":
+            yield from _wire_rows(done)
+    located = [o for name, done in outcomes.items() if name.startswith("locate") for o in done]
+    for figure, (median, p90) in ERRORS.items():
+        errors = [o.figures[figure] for o in located if figure in o.figures]
+        if errors:
+            what, unit = figure.rstrip("]").split(" [")
+            yield Row(f"locate: {what}, median", float(np.median(errors)), unit, most=median)
+            yield Row(f"locate: {what}, p90", float(np.quantile(errors, 0.9)), unit, most=p90)
+
+
+def _wire_rows(done: Sequence[Outcome]) -> Iterator[Row]:
+    """Yield the figures of insertions, of ends that were tried, and of time."""
+    placed, first = [], []
+    for outcome in done:
+        for end in ("a", "b"):
+            if f"attempts at {end}" in outcome.figures:
+                good = bool(outcome.figures[f"placed {end}"])
+                placed.append(good)
+                first.append(good and outcome.figures[f"attempts at {end}"] == 1)
+    if placed:
+        yield _share("insertion, at the first attempt", first, 95.0)
+        yield _share("insertion, with at most 3 attempts", placed, 99.0)
+    times = [(o.figures["wall [s]"], o.figures["cpu [s]"]) for o in done if o.good]
+    if times:
+        wall, cpu = (float(median) for median in np.median(times, axis=0))
+        yield Row("a whole wire, wall time, median", wall, "s", most=WALL_S)
+        yield Row("a whole wire, wall time, slowest", max(times)[0], "s")
+        yield Row("a whole wire, CPU time, median", cpu, "s")
+
+
+def _share(what: str, good: Sequence[bool], least: float | None) -> Row:
+    return Row(f"{what} ({sum(good)} of {len(good)})", 100 * sum(good) / len(good), "%", least)
+
+
+def main() -> int:
+    """Run the trials and print the table; returns the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("file", nargs="?", type=Path, default=Path("out/bench/abilities.jsonl"))
+    parser.add_argument("--seeds", type=parse_seeds, default="0-3", help="such as 0-99 or 3,7-9")
+    parser.add_argument("--trials", nargs="+", choices=TRIALS, default=list(TRIALS), metavar="NAME")
+    parser.add_argument("--panel", type=Path, default=PANEL)
+    parser.add_argument("--jobs", type=int, default=1, help="processes")
+    options = parser.parse_args()
+    options.file.parent.mkdir(parents=True, exist_ok=True)
+    panel = read_panel(options.panel, read_wire_materials())
+    trials = [Trial(name, seed, panel) for name in options.trials for seed in options.seeds]
+    outcomes = run_all(trials, options.jobs, options.file)
+    print(head())
+    return 0 if tell(rows(outcomes), options.file) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,219 @@
+"""Trials of the abilities: each builds a cell from a seed, tries one thing, and tells how it went.
+
+Cameras and arm decide in the cell; here the truth is asked afterwards, for the score.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+import wire_task as task
+
+from remodel_sim.cell import Cell
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Pose
+from remodel_sim.core.panel import End, Panel, Wire
+from remodel_sim.physics.truth import ground_truth
+
+# An end that was picked is off the plate by so much [m].
+LIFTED_M = 0.010
+# How far beside the mouth a socket pose lies that is wrong and not corrected [m].
+OFFSET_M = 0.006
+# Changes under which components are located. Blur and poses that are not level are no faults yet.
+SHIFT_M = 0.010
+TURN_RAD = math.radians(8.0)
+LIGHT = (0.4, 1.6)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How one trial went.
+
+    Attributes:
+        good: whether it went as it should: success, or the refusal that was right.
+        found: the code met with its message, or "NONE"; several, divided by "; ".
+        figures: what else was measured, by name.
+    """
+
+    good: bool
+    found: str
+    figures: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One thing to try, on one panel, from one seed."""
+
+    name: str
+    seed: int
+    panel: Panel
+
+
+def run(trial: Trial) -> Outcome:
+    """Run a trial in a cell of its own.
+
+    An error of an ability that the trial does not expect is a bad outcome; any other error is a
+    mistake in the program, raised with the trial's name and seed.
+    """
+    cell = Cell(trial.panel, seed=trial.seed)
+    wires = trial.panel.wires
+    try:
+        return TRIALS[trial.name](cell, wires[trial.seed % len(wires)])
+    except AbilityError as error:
+        return Outcome(False, _words(error))
+    except Exception as error:
+        error.add_note(f"trial {trial.name}, seed {trial.seed}")
+        raise
+    finally:
+        cell.close()
+
+
+def whole_wire(cell: Cell, wire: Wire) -> Outcome:
+    """Place a wire as its chart does; good when both ends sit in closed terminals, by the truth."""
+    history = task.History()
+    wall, cpu = time.perf_counter(), time.process_time()
+    try:
+        task.place(cell, wire, history)
+    except AbilityError as error:
+        history.failures.append(error)
+    figures = {"wall [s]": time.perf_counter() - wall, "cpu [s]": time.process_time() - cpu}
+    (truth,) = ground_truth(cell.plant, [wire.id])
+    for end, is_at in ((End.A, truth.a), (End.B, truth.b)):
+        if end in history.attempts:
+            figures[f"attempts at {end.value}"] = history.attempts[end]
+            figures[f"placed {end.value}"] = float(is_at.seated and is_at.fixed)
+    found = "; ".join(_words(error) for error in history.failures)
+    return Outcome(truth.placed, found or Code.NONE.name, figures)
+
+
+def pick(cell: Cell, wire: Wire) -> Outcome:
+    """Pick end a; good when it is off the plate, by the truth."""
+    cell.feed(wire.id, task.channel_of(cell, wire))
+    found = _code_of(lambda: task.pick(cell, wire, End.A))
+    assert cell.plant.live is not None, "it was fed"
+    height = float(cell.plant.live.cable.tip(End.A)[0][2])
+    return Outcome(height > LIFTED_M, found, {"height [m]": height})
+
+
+def offset(cell: Cell, wire: Wire) -> Outcome:
+    """Insert 6 mm beside the mouth: the face stops it."""
+    side = OFFSET_M if cell.plant.seed % 2 else -OFFSET_M
+    cell.feed(wire.id, task.channel_of(cell, wire))
+    socket = task.locate(cell, *wire.goes_to(End.A))
+    beside = Pose(socket.apply(np.array([0.0, side, 0.0])), socket.quaternion)
+    return _refused(cell, wire, wire.goes_to(End.A), beside, Code.INSERTION_MISALIGNED)
+
+
+def blocked(cell: Cell, wire: Wire) -> Outcome:
+    """Insert into a terminal with a plug in its bore."""
+    terminal = wire.goes_to(End.A)
+    cell.plant.block_socket(*terminal)
+    cell.feed(wire.id, task.channel_of(cell, wire))
+    socket = task.locate(cell, *terminal)
+    return _refused(cell, wire, terminal, socket, Code.INSERTION_JAMMED)
+
+
+def other_component(cell: Cell, wire: Wire) -> Outcome:
+    """Insert where end b's component is, under the name of end a's terminal."""
+    cell.feed(wire.id, task.channel_of(cell, wire))
+    socket = task.locate(cell, *wire.goes_to(End.B))
+    return _refused(cell, wire, wire.goes_to(End.A), socket, Code.INVALID_GOAL)
+
+
+def neighbour(cell: Cell, wire: Wire) -> Outcome:
+    """Insert where the terminal beside end a's is, under the name of end a's."""
+    component, own = wire.goes_to(End.A)
+    others = [t.id for t in cell.station.panel.component(component).terminals if t.id != own]
+    cell.feed(wire.id, task.channel_of(cell, wire))
+    socket = task.locate(cell, component, others[cell.plant.seed % len(others)])
+    return _refused(cell, wire, (component, own), socket, Code.INVALID_GOAL)
+
+
+def occupied(cell: Cell, wire: Wire) -> Outcome:
+    """Insert end b where end a sits."""
+    terminal = wire.goes_to(End.A)
+    cell.feed(wire.id, task.channel_of(cell, wire))
+    task.connect(cell, wire, End.A, task.History())
+    socket = task.locate(cell, *terminal)
+    found = _code_of(lambda: task.insert(cell, wire, End.B, terminal, socket))
+    return Outcome(_is(found, Code.TERMINAL_OCCUPIED), found)
+
+
+def located(disturb: Callable[[Cell, str], None]) -> Callable[[Cell, Wire], Outcome]:
+    """Return the trial that locates a terminal after something has been changed.
+
+    Components take turns, not wires: every label is to be read.
+    """
+
+    def locate(cell: Cell, _: Wire) -> Outcome:
+        components = cell.station.panel.components
+        turn, which = divmod(cell.plant.seed, len(components))
+        component = components[which].id
+        terminals = components[which].terminals
+        terminal = terminals[turn % len(terminals)].id
+        disturb(cell, component)
+        seen = task.locate(cell, component, terminal)
+        really = cell.plant.world_from_socket(component, terminal)
+        away = float(np.linalg.norm(seen.position - really.position))
+        cosine = (np.trace(seen.rotation.T @ really.rotation) - 1) / 2
+        turned = math.degrees(math.acos(float(np.clip(cosine, -1, 1))))
+        return Outcome(True, Code.NONE.name, {"position [mm]": away * 1e3, "angle [deg]": turned})
+
+    return locate
+
+
+def _move(cell: Cell, component: str) -> None:
+    values = _random(cell).uniform(-1, 1, 3) * (SHIFT_M, SHIFT_M, TURN_RAD)
+    cell.plant.disturb("component_moved", component, values.tolist())
+
+
+def _relight(cell: Cell, component: str) -> None:
+    cell.plant.disturb("light_changed", "", [float(_random(cell).uniform(*LIGHT))])
+
+
+def _random(cell: Cell) -> np.random.Generator:
+    """Return what changes are drawn from: not the stream of the cell's own noise."""
+    return np.random.default_rng([cell.plant.seed, 1])
+
+
+TRIALS: dict[str, Callable[[Cell, Wire], Outcome]] = {
+    "wire": whole_wire,
+    "pick": pick,
+    "offset": offset,
+    "blocked": blocked,
+    "other_component": other_component,
+    "neighbour": neighbour,
+    "occupied": occupied,
+    "locate": located(lambda *_: None),
+    "locate_moved": located(_move),
+    "locate_light": located(_relight),
+}
+
+
+def _refused(
+    cell: Cell, wire: Wire, terminal: tuple[str, str], socket: Pose, right: Code
+) -> Outcome:
+    """Insert end a; good when it is refused with the right code."""
+    found = _code_of(lambda: task.insert(cell, wire, End.A, terminal, socket))
+    return Outcome(_is(found, right), found)
+
+
+def _code_of(work: Callable[[], object]) -> str:
+    try:
+        work()
+    except AbilityError as error:
+        return _words(error)
+    return Code.NONE.name
+
+
+def _is(found: str, code: Code) -> bool:
+    return found.split(":")[0] == code.name
+
+
+def _words(error: AbilityError) -> str:
+    return f"{error.code.name}: {error}"

@@ -1,0 +1,141 @@
+"""The task of one wire as its charts run it, without ROS: Place Wire, and in it Place Connector."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+from remodel_sim.abilities.detect_cable import detect_cable
+from remodel_sim.abilities.extract_cable import extract_cable
+from remodel_sim.abilities.fix_cable import fix_cable
+from remodel_sim.abilities.insert_cable import insert_cable
+from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
+from remodel_sim.abilities.pick_cable import pick_cable
+from remodel_sim.abilities.route_wire import route_wire
+from remodel_sim.abilities.station import Station, Steps
+from remodel_sim.cell import Cell
+from remodel_sim.core import goals
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Pose
+from remodel_sim.core.layout import WORLD_FROM_PANEL
+from remodel_sim.core.panel import End, Wire
+
+G = TypeVar("G", bound=goals.Goal)
+T = TypeVar("T")
+
+ATTEMPTS = 3
+# What the states of the charts ask for when the chart says nothing [N].
+FORCE_LIMIT_N = 8.0
+PULL_TEST_N = 5.0
+# End b is carried to beside its terminal: so far beyond it along the channel, and so high [m].
+BESIDE_M = 0.030
+CARRY_Z_M = 0.040
+
+
+class RejectedError(AbilityError):
+    """The cell does not take a goal as it is now: what a chart calls command_error."""
+
+
+@dataclass
+class History:
+    """What happened to the ends of a wire.
+
+    Attributes:
+        attempts: at connecting each end, as many as were made.
+        failures: what went wrong on the way, whether it was mended or not.
+    """
+
+    attempts: dict[End, int] = field(default_factory=dict)
+    failures: list[AbilityError] = field(default_factory=list)
+
+
+def do(cell: Cell, ability: Callable[[Station, G], Steps[T]], goal: G) -> T:
+    """Check a goal and run it; raises AbilityError, RejectedError before anything has moved."""
+    try:
+        goal.check(cell.station.panel, cell.station.book)
+    except AbilityError as error:
+        raise RejectedError(error.code, str(error), **error.readings) from error
+    return cell.run(ability(cell.station, goal))
+
+
+def channel_of(cell: Cell, wire: Wire) -> str:
+    """Return the channel in front of end a's terminal, where the wire is laid."""
+    panel = cell.station.panel
+    return panel.channel_in_front_of(panel.panel_from_socket(*wire.goes_to(End.A)).position).id
+
+
+def locate(cell: Cell, component: str, terminal: str) -> Pose:
+    """Return the mouth of a terminal as the cameras see it, in the world."""
+    found = do(cell, locate_gearbox_component, goals.LocateGoal(component, terminal))
+    assert found.socket_pose is not None, "a terminal was asked for"
+    return found.socket_pose
+
+
+def insert(cell: Cell, wire: Wire, end: End, terminal: tuple[str, str], socket: Pose) -> None:
+    """Push an end into a terminal."""
+    goal = goals.InsertGoal(goals.ROBOT, wire.id, end, *terminal, socket, FORCE_LIMIT_N)
+    do(cell, insert_cable, goal)
+
+
+def pick(cell: Cell, wire: Wire, end: End) -> None:
+    """Grasp an end."""
+    do(cell, pick_cable, goals.PickGoal(goals.ROBOT, wire.id, end, 0.0))
+
+
+def connect(cell: Cell, wire: Wire, end: End, history: History) -> None:
+    """Place an end as the chart Place Connector does (Figure 3 of Deliverable 5.1).
+
+    Locate, insert, fix; after a failed insertion or fixing extract and locate again. Raises what
+    ended it: the last failure, or one of ExtractCable, or a rejected goal.
+    """
+    terminal = wire.goes_to(end)
+    for attempt in range(1, ATTEMPTS + 1):
+        history.attempts[end] = attempt
+        socket = _again(history, lambda: locate(cell, *terminal))
+        try:
+            insert(cell, wire, end, terminal, socket)
+            do(cell, fix_cable, goals.FixGoal(goals.ROBOT, wire.id, *terminal, PULL_TEST_N))
+        except AbilityError as error:
+            if isinstance(error, RejectedError) or attempt == ATTEMPTS:
+                raise
+            history.failures.append(error)
+            goal = goals.ExtractGoal(goals.ROBOT, wire.id, *terminal, socket)
+            do(cell, extract_cable, goal)
+        else:
+            return
+
+
+def place(cell: Cell, wire: Wire, history: History) -> None:
+    """Feed a wire and place it as its chart does; raises what ended it."""
+    cell.feed(wire.id, channel_of(cell, wire))
+    _again(history, lambda: do(cell, detect_cable, goals.DetectGoal(wire.id)))
+    connect(cell, wire, End.A, history)
+    _again(history, lambda: _carry(cell, wire))
+    connect(cell, wire, End.B, history)
+
+
+def _carry(cell: Cell, wire: Wire) -> None:
+    """Pick end b and route it along its channel to beside its terminal."""
+    pick(cell, wire, End.B)
+    panel, book = cell.station.panel, cell.station.book
+    assert book.feed is not None, "a wire was picked"
+    direction = book.feed.direction
+    lane = float(WORLD_FROM_PANEL.position[0]) + panel.channel(channel_of(cell, wire)).x
+    mouth = WORLD_FROM_PANEL @ panel.panel_from_socket(*wire.goes_to(End.B))
+    beside = float(mouth.position[1]) + BESIDE_M * direction
+    target = Pose.level(lane, beside, CARRY_Z_M, direction * math.pi / 2)
+    do(cell, route_wire, goals.RouteGoal(goals.ROBOT, wire.id, (target,)))
+
+
+def _again(history: History, work: Callable[[], T]) -> T:
+    """Do something until it succeeds, at most three times; a rejected goal is not tried again."""
+    for _ in range(ATTEMPTS - 1):
+        try:
+            return work()
+        except RejectedError:
+            raise
+        except AbilityError as error:
+            history.failures.append(error)
+    return work()
