@@ -106,6 +106,7 @@ class EditorTest(BrowserTestCase):
         self.page.reload()
         self.open("Errand")
         self.press("Container")
+        self.pick_container("Container")
         self.page.get_by_text("Use synthesis").click()
         self.choose(self.page, "Goal", "broken.xml")
         self.press("Synthesize")
