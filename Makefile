@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-sim bench-vision clean
+.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-sim bench-vision clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -62,6 +62,9 @@ bench-sim: build build/bench-venv/.ready ## Measure the simulated wire against t
 
 bench-vision: build ## Measure the detection of cables on rendered scenes, against its targets (BENCH=--scenes 50)
 	@$(SOURCED) benchmarks/vision/run.py $(BENCH)
+
+bench-console: build ## Lag of the console's pages and memory of its node, at 50 transitions a second
+	@$(SOURCED) benchmarks/console/load.py
 
 build/bench-venv/.ready: requirements-bench.txt | build
 	@/usr/bin/python3 -m venv build/bench-venv

@@ -27,6 +27,7 @@ from flexbe_synthesizer.core.model import Chart, Container, Outcome, Param, Stat
 BOXES, STATES = 10, 20
 VISIT_S = 0.02
 LIMIT_S = 0.25  # what a page may lag behind at most
+AHEAD_MS = 50.0  # by which a page may learn of a state before this process does
 
 
 def box(number: int) -> Container:
@@ -96,7 +97,7 @@ def lags_s(page: Page, entered: dict[str, list[float]]) -> list[float]:
     """Return how late each state was lit that a page has shown [s]."""
     lags = []
     for seen_ms, path in page.evaluate("() => window.lit"):
-        times = [at for at in entered.get(path, ()) if at <= seen_ms + 5]
+        times = [at for at in entered.get(path, ()) if at <= seen_ms + AHEAD_MS]
         if times:
             lags.append(max(0.0, seen_ms - times[-1]) / 1000)
     return lags
@@ -125,7 +126,7 @@ def main() -> None:
     """Measure once, on a roscore of its own."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seconds", type=float, default=300.0)
-    parser.add_argument("--pages", type=int, default=10)
+    parser.add_argument("--pages", type=int, default=1)
     options = parser.parse_args()
     port = free_port()
     os.environ["ROS_MASTER_URI"] = f"http://127.0.0.1:{port}"

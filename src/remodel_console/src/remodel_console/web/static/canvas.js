@@ -1,6 +1,7 @@
 // The drawing of a chart. `draw` gets an SVG that the server made; all else only changes classes and the view box.
 const READABLE = 0.75; // [screen pixels per unit of the drawing] below this, text is too small to read
 const LARGEST = 3.0;
+const REST_MS = 400; // between two moves of the drawing after what is active
 
 export default {
   template: `
@@ -20,11 +21,13 @@ export default {
     this.active = "";
     this.passed = new Set();
     this.asked = false;
+    this.restsUntil = 0;
     this.resized = new ResizeObserver(() => this.resize());
     this.resized.observe(this.$refs.stage);
   },
   beforeUnmount() {
     this.resized.disconnect();
+    clearTimeout(this.later);
   },
   methods: {
     draw(svg, keepsView) {
@@ -208,7 +211,14 @@ export default {
       }
       return { x: box.x + x, y: box.y + y, width: box.width, height: box.height };
     },
-    reveal(path) {
+    reveal(path) { // not so often that nobody could follow; the last one always
+      clearTimeout(this.later);
+      const now = performance.now();
+      if (now < this.restsUntil) {
+        this.later = setTimeout(() => this.reveal(path), this.restsUntil - now);
+        return;
+      }
+      this.restsUntil = now + REST_MS;
       const group = (this.groups.get(path) || []).find((one) => this.svg.contains(one));
       if (!group) return;
       const box = this.boxOf(group);
