@@ -1,1 +1,1 @@
-"""The operator console; so far the part that needs no screen."""
+"""The operator console: pages for the browser, and the commands of /flexbe/uicommand."""

@@ -6,8 +6,11 @@ import signal
 import socket
 import subprocess
 import tempfile
+import threading
+import time
 import unittest
 from pathlib import Path
+from typing import ClassVar
 
 from playwright.sync_api import expect, sync_playwright
 
@@ -28,14 +31,27 @@ def free_port():
         return probe.getsockname()[1]
 
 
+def listens(port):
+    with socket.socket() as probe:
+        return probe.connect_ex(("127.0.0.1", port)) == 0
+
+
 class BrowserTestCase(unittest.TestCase):
-    """Starts everything once for all tests of a class."""
+    """Starts everything once for all tests of a class.
+
+    Attributes:
+        more_charts: texts of charts that a class has besides those in `test/charts`, by file name.
+    """
+
+    more_charts: ClassVar[dict[str, str]] = {}
 
     @classmethod
     def setUpClass(cls):
         cls.folder = Path(tempfile.mkdtemp())
         cls.package = cls.folder / "console_test_behaviors"
         shutil.copytree(CHARTS, cls.package / "charts")
+        for name, text in cls.more_charts.items():
+            (cls.package / "charts" / name).write_text(text)
         (cls.package / "package.xml").write_text(PACKAGE_XML)
         cls.environment = {
             **os.environ,
@@ -57,14 +73,15 @@ class BrowserTestCase(unittest.TestCase):
         driver = sync_playwright().start()
         cls.addClassCleanup(driver.stop)
         cls.browser = driver.chromium.launch(
-            executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"]
+            executable_path=CHROMIUM,
+            args=["--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"],
         )
         cls.addClassCleanup(cls.browser.close)
 
     def setUp(self):
         self.page = self.open_page()
 
-    def open_page(self, address="/runtime", width=1280, height=800):
+    def open_page(self, address="/runtime", width=1280, height=800, port=None):
         """Return a page of a browser of its own; a mistake in its scripts fails the test."""
         context = self.browser.new_context(viewport={"width": width, "height": height})
         self.addCleanup(context.close)
@@ -73,7 +90,7 @@ class BrowserTestCase(unittest.TestCase):
         mistakes = []
         page.on("pageerror", lambda mistake: mistakes.append(mistake))
         self.addCleanup(lambda: self.assertEqual(mistakes, []))
-        page.goto(f"http://127.0.0.1:{self.port}{address}")
+        page.goto(f"http://127.0.0.1:{port or self.port}{address}")
         return page
 
     def take_picture(self, page, name):
@@ -98,29 +115,22 @@ class BrowserTestCase(unittest.TestCase):
 
     @classmethod
     def start_console(cls):
-        options = ("--port", str(cls.port), "--record", str(cls.record))
-        cls.start("console", "remodel_console", "console", *options)
-        cls.wait_for_port()
+        cls.start_console_at("console", cls.port)
 
     @classmethod
-    def wait_for_port(cls):
-        """Return once the console answers: it prints its address when it is about to listen."""
-        for _ in range(200):
-            try:
-                socket.create_connection(("127.0.0.1", cls.port), timeout=0.1).close()
-            except OSError:
-                if cls.processes["console"].poll() is not None:
-                    raise
-                cls.processes["console"].poll()
-                subprocess.run(["sleep", "0.1"], check=True)
-            else:
-                return
-        raise TimeoutError("the console does not listen")
+    def start_console_at(cls, name, port, *options, **environment):
+        line = ("--port", str(port), "--record", str(cls.record), *options)
+        cls.start(name, "remodel_console", "console", *line, **environment)
+        end = time.monotonic() + LIMIT_S
+        while not listens(port):
+            if time.monotonic() > end or cls.processes[name].poll() is not None:
+                raise TimeoutError(f"the console does not listen on {port}")
+            threading.Event().wait(0.05)
 
     @classmethod
-    def start(cls, name, *line):
+    def start(cls, name, *line, **environment):
         cls.processes[name] = subprocess.Popen(
-            ["rosrun", *line], env=cls.environment, start_new_session=True
+            ["rosrun", *line], env=cls.environment | environment, start_new_session=True
         )
 
     @classmethod

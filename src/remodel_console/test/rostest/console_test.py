@@ -2,6 +2,9 @@
 """Runtime control in a real browser, against a real engine and mirror."""
 
 import json
+import os
+import signal
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -13,7 +16,7 @@ from playwright.sync_api import expect
 from std_msgs.msg import String
 
 sys.path.insert(0, str(Path(__file__).parent))
-from browser_test_case import LIMIT_S, BrowserTestCase
+from browser_test_case import LIMIT_S, BrowserTestCase, free_port
 
 from remodel_console.edge.catalogue import Catalogue
 
@@ -180,6 +183,54 @@ class ConsoleTest(BrowserTestCase):
         expect(self.page.locator(".attach")).to_contain_text("'Patrol' runs unattended.")
         self.page.get_by_role("button", name="Load 'Patrol'").click()
         expect(self.page.locator("g.node.active")).not_to_have_count(0)
+
+    def start_master(self, port):
+        self.processes["master"] = subprocess.Popen(
+            ["roscore", "-p", str(port)],
+            env=os.environ | {"ROS_MASTER_URI": f"http://127.0.0.1:{port}"},
+            stdout=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+
+    def end(self, name):
+        process = self.processes.pop(name)
+        os.killpg(process.pid, signal.SIGINT)
+        process.wait(LIMIT_S)
+
+    def test_ros_may_come_late_go_and_come_back(self):
+        port, master = free_port(), free_port()
+        uri = {"ROS_MASTER_URI": f"http://127.0.0.1:{master}"}
+        self.start_console_at("late", port, **uri)
+        page = self.open_page(port=port)
+        notice = page.locator(".notice", has_text="ROS is away")
+        expect(notice).to_be_visible()
+        self.start_master(master)
+        expect(page.locator(".notice", has_text="The engine is away")).to_be_visible()
+        self.end("master")
+        expect(notice).to_be_visible()
+        self.start_master(master)
+        expect(notice).to_have_count(0)
+        self.start("second engine", "flexbe_onboard", "start_behavior", **uri)
+        expect(page.locator(".state")).to_have_text("idle")
+        for name in ("second engine", "late", "master"):
+            self.end(name)
+
+    def test_who_only_watches_sees_all_and_can_do_nothing(self):
+        port = free_port()
+        options = ("--token", "lead", "--watch-token", "look", "__name:=guarded")
+        self.start_console_at("guarded", port, *options)
+        page = self.open_page(port=port)
+        expect(page.get_by_text("It asks for its token.")).to_be_visible()
+        page.get_by_label("Token").fill("look")
+        page.get_by_role("button", name="Enter").click()
+        expect(page.get_by_text("watching only")).to_be_visible()
+        expect(page.get_by_role("combobox", name="Behavior")).to_be_disabled()
+        self.load(self.page, "Errand")
+        self.choose(self.page, "Autonomy", "Low")
+        self.press(self.page, "Start")
+        expect(page.get_by_role("button", name="Stop", exact=True)).to_be_disabled()
+        self.page.keyboard.press("c")
+        self.end("guarded")
 
     def test_a_tablet_in_the_dark_and_the_keys(self):
         page = self.open_page(width=1024, height=768)

@@ -29,20 +29,20 @@ class MasterWatch:
         """Return True once a master is there, False once the event is set."""
         while not until.is_set():
             run_id = _run_id()
-            if run_id is not None:
+            if run_id:
                 self._run_id = run_id
-                self._tell(True)
                 return True
             until.wait(_LOOK_EVERY_S)
         return False
 
     def watch(self, until: threading.Event) -> None:
-        """Watch until the event is set."""
+        """Tell that it is there, and watch until the event is set."""
+        self._tell(True)
         was_there = True
         while not until.wait(_LOOK_EVERY_S):
             run_id = _run_id()
-            if run_id not in (None, self._run_id):
-                self._run_id = str(run_id)
+            if run_id and run_id != self._run_id:
+                self._run_id = run_id
                 _register_again()
             if (run_id is not None) != was_there:
                 was_there = run_id is not None
@@ -54,7 +54,7 @@ def _run_id() -> str | None:
     try:
         return str(rosgraph.Master(_CALLER).getParam("/run_id"))
     except rosgraph.MasterError:
-        return ""  # it is there, and was not started by roslaunch or roscore
+        return ""  # it has just come; roscore gives it an id
     except (OSError, xmlrpc.client.Error):
         return None
 

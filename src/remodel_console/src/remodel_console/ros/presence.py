@@ -32,8 +32,12 @@ def join_ros(console: Console, key: str, journal: Journal, end: threading.Event)
     watch = MasterWatch(lambda is_there: console.live.set_presence(master=is_there))
     if not watch.wait(end):
         return
-    rospy.init_node("console", disable_signals=True)
-    rospy.on_shutdown(lambda: _end_process(end))
+    try:
+        rospy.init_node("console", disable_signals=True)
+    except rospy.ROSException as error:  # the master went away meanwhile; a node joins but once
+        _end_process(end, f"could not join ROS: {error}")
+        return
+    rospy.on_shutdown(lambda: _end_process(end, "ROS has shut this node down"))
     link = EngineLink(console.take, console.live.take_line)
     console.engine = link
     CommandServer(console.session, Runtime(), key, journal)
@@ -58,8 +62,8 @@ def _has_cell() -> bool:
     return any(topic.startswith(_ABILITIES) for topic, _ in published)
 
 
-def _end_process(end: threading.Event) -> None:
-    """End the pages too when ROS shuts this node down, as `rosnode kill` does."""
+def _end_process(end: threading.Event, why: str) -> None:
+    """End the pages too, as when `rosnode kill` shuts this node down."""
     if not end.is_set():
-        sys.stderr.write("console: ROS has shut this node down\n")
+        sys.stderr.write(f"console: {why}\n")
         signal.raise_signal(signal.SIGINT)

@@ -16,6 +16,7 @@ _ROLE = "role"
 _REFUSED = 4403  # close code of a web socket, in the range for applications
 _LONGEST_FORM = 1024  # bytes
 
+_FIRST = "Others can reach this console too. It asks for its token."
 _WRONG = "That is not the token. It is printed where the console was started."
 _ASK = """<!doctype html><html lang="en"><meta charset="utf-8"><title>REMODEL console</title>
 <meta name="viewport" content="width=device-width, initial-scale=1">
@@ -70,7 +71,7 @@ class Guard:
             return await self._enter(scope, receive)
         role = self._door.role_of(_token_of(headers))
         if role is None:
-            return _ask("This console can be reached over the network. It asks for its token.", "")
+            return _ask(_FIRST, "")
         scope.setdefault("state", {})[_ROLE] = role
         return None
 

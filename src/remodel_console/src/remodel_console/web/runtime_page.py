@@ -51,6 +51,8 @@ class RuntimePage(Page):
         """Build the drawing, the panel beside it, and the log below."""
         self._drawn: frozenset[str] = frozenset()
         self._drawn_name: str | None = None
+        self._passed: frozenset[str] = frozenset()
+        self._passed_of: tuple[frozenset[str], frozenset[str]] = (frozenset(), frozenset())
         self._shown: object = None
         self._line_count = 0
         self._outcomes: ui.element | None = None
@@ -125,11 +127,15 @@ class RuntimePage(Page):
         """Light what is active; nothing if another behavior is drawn than the one that runs."""
         is_other = view.phase is Phase.RUNNING and running not in ("", self._drawn_name)
         active = "" if is_other else drawn_path(view.active, self._drawn)
-        passed = [] if is_other else sorted({drawn_path(p, self._drawn) for p in view.visited})
-        lit = (active, passed, view.asked is not None, self._drawn)
-        if lit != getattr(self, "_lit", None):
-            self._lit = lit
-            self._canvas.light(active, passed, view.asked is not None)
+        passed = frozenset() if is_other else self._drawn_all(view.visited)
+        self._canvas.light(active, passed, view.asked is not None)
+
+    def _drawn_all(self, paths: frozenset[str]) -> frozenset[str]:
+        """Return the parts of the drawing that paths of the engine are; kept, as most stay."""
+        if (paths, self._drawn) != self._passed_of:
+            self._passed_of = (paths, self._drawn)
+            self._passed = frozenset(drawn_path(path, self._drawn) for path in paths) - {""}
+        return self._passed
 
     # The panel
 

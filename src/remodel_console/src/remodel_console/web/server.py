@@ -17,7 +17,7 @@ from remodel_console.web.runtime_page import RuntimePage
 
 _STATIC = Path(__file__).parent / "static"
 _HEAD = '<link rel="stylesheet" href="/console/console.css">'
-_RECONNECT_S = 5.0  # for which the page of a browser that has lost us is kept
+_RECONNECT_S = 30.0  # for which the page of a browser that has lost us is kept
 
 
 def serve(console: Console, port: int) -> None:

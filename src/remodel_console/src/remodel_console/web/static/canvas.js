@@ -1,6 +1,7 @@
 // The drawing of a chart. `draw` gets an SVG that the server made; all else only changes classes and the view box.
 const READABLE = 0.75; // [screen pixels per unit of the drawing] below this, text is too small to read
 const LARGEST = 3.0;
+const REST_MS = 400; // between two moves of the drawing after what is active
 
 export default {
   template: `
@@ -18,11 +19,15 @@ export default {
   mounted() {
     this.pointers = new Map();
     this.active = "";
+    this.passed = new Set();
+    this.asked = false;
+    this.restsUntil = 0;
     this.resized = new ResizeObserver(() => this.resize());
     this.resized.observe(this.$refs.stage);
   },
   beforeUnmount() {
     this.resized.disconnect();
+    clearTimeout(this.later);
   },
   methods: {
     draw(svg, keepsView) {
@@ -53,21 +58,25 @@ export default {
       } else {
         this.open();
       }
+      this.marked = new Map();
       this.select(this.selected || "");
-      if (this.lit) this.light(...this.lit);
+      this.light(this.active, [...this.passed], true, this.asked);
     },
-    light(active, passed, asked) {
-      this.lit = [active, passed, asked];
+    light(active, passed, isNewRun, asked) { // `passed` holds what is new, unless it is a new run
+      this.passed = new Set(isNewRun ? passed : [...this.passed, ...passed]);
+      const hasMoved = active && active !== this.active;
+      this.active = active;
+      this.asked = asked;
       if (!this.groups) return;
       const parts = active ? active.split("/") : [];
       const around = parts.slice(0, -1).map((_, end) => parts.slice(0, end + 1).join("/"));
       this.mark("active", active ? [active] : []);
       this.mark("around", around);
       this.mark("asked", active && asked ? [active] : []);
-      this.mark("passed", passed);
+      if (isNewRun) this.mark("passed", passed);
+      else for (const path of passed) this.add("passed", path);
       this.$el.dataset.active = active;
-      if (active && active !== this.active) this.reveal(active);
-      this.active = active;
+      if (hasMoved) this.reveal(active);
     },
     select(path) {
       this.selected = path;
@@ -76,9 +85,15 @@ export default {
       if (path) this.reveal(path);
     },
     mark(name, paths) {
-      const wanted = new Set(paths.flatMap((path) => this.groups.get(path) || []));
-      for (const group of this.$el.querySelectorAll(`g.${name}`)) if (!wanted.has(group)) group.classList.remove(name);
-      for (const group of wanted) group.classList.add(name);
+      for (const group of this.marked.get(name) || []) group.classList.remove(name);
+      this.marked.set(name, []);
+      for (const path of paths) this.add(name, path);
+    },
+    add(name, path) {
+      for (const group of this.groups.get(path) || []) {
+        group.classList.add(name);
+        this.marked.get(name).push(group);
+      }
     },
     scale() {
       return this.$refs.stage.clientWidth / this.view.width;
@@ -196,7 +211,14 @@ export default {
       }
       return { x: box.x + x, y: box.y + y, width: box.width, height: box.height };
     },
-    reveal(path) {
+    reveal(path) { // not so often that nobody could follow; the last one always
+      clearTimeout(this.later);
+      const now = performance.now();
+      if (now < this.restsUntil) {
+        this.later = setTimeout(() => this.reveal(path), this.restsUntil - now);
+        return;
+      }
+      this.restsUntil = now + REST_MS;
       const group = (this.groups.get(path) || []).find((one) => this.svg.contains(one));
       if (!group) return;
       const box = this.boxOf(group);
