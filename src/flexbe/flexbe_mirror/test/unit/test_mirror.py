@@ -45,6 +45,14 @@ def test_a_behavior_whose_structure_came_before_is_followed_at_once():
     assert status(mirror, Code.FINISHED) == [Show("")]
 
 
+def test_a_structure_that_comes_after_the_start_tells_not_where_the_behavior_is():
+    mirror = Mirror()
+    assert status(mirror, Code.STARTED) == []
+    assert mirror.on_outcome(0) == [], "of which state, the structure would tell"
+    assert mirror.on_structure(BEHAVIOR, TREE) == [AskWhere()]
+    assert mirror.on_sync(BEHAVIOR, checksum("/B")) == [Show("/B")]
+
+
 def test_a_structure_that_does_not_come_is_asked_for_and_then_where_the_behavior_is():
     mirror = Mirror()
     assert status(mirror, Code.STARTED, now=10.0) == []

@@ -6,7 +6,7 @@
 
 An engine that falls silent shows nothing; if its heartbeat comes back, the mirror follows it again.
 What has been told is answered with what to do: Show, AskForStructure, AskWhere. A mirror that joins
-late knows the structure, but not where the behavior is: it asks.
+late, or gets the structure late, does not know where the behavior is: it asks.
 """
 
 from __future__ import annotations
@@ -72,11 +72,9 @@ class Mirror:
         self.path = ""
         self._is_new = True
         self._behavior_id: int | None = None
-        self._resume_at: str | None = None
         self._tree: Tree | None = None
         self._buffered: dict[int, Tree] = {}
         self._ask_at = 0.0
-        self._has_asked = False
         self._heard_at = 0.0
         self._lost: int | None = None
 
@@ -101,9 +99,10 @@ class Mirror:
     def on_structure(self, behavior_id: int, tree: Tree) -> list[Deed]:
         """Take the structure of a behavior; it may come before the behavior is started."""
         self._buffered = {behavior_id: tree}
-        if behavior_id == self._behavior_id and self._tree is None:
-            return self._follow(tree)
-        return []
+        if behavior_id != self._behavior_id or self._tree is not None:
+            return []
+        self._tree = tree
+        return [AskWhere()]
 
     def on_outcome(self, index: int) -> list[Deed]:
         """Take the outcome of the active state."""
@@ -132,21 +131,16 @@ class Mirror:
         if self.path or now < self._ask_at:
             return []
         self._ask_at = now + ASK_AGAIN_S
-        self._has_asked = True
         return [AskForStructure(self._behavior_id) if self._tree is None else AskWhere()]
 
     def _begin(self, behavior_id: int, resume_at: str | None, now: float) -> list[Deed]:
-        self._behavior_id, self._resume_at = behavior_id, resume_at
-        self._tree, self.path = None, ""
-        self._ask_at, self._has_asked = now + ASK_AFTER_S, False
-        tree = self._buffered.get(behavior_id)
-        return [] if tree is None else self._follow(tree)
-
-    def _follow(self, tree: Tree) -> list[Deed]:
-        self._tree = tree
-        if self._has_asked:
-            return [AskWhere()]
-        return self._show(self._resume_at if self._resume_at in tree.parts else tree.first_state())
+        self._behavior_id = behavior_id
+        self._tree, self.path = self._buffered.get(behavior_id), ""
+        self._ask_at = now + ASK_AFTER_S
+        if self._tree is None:
+            return []
+        is_there = resume_at in self._tree.parts
+        return self._show(resume_at if is_there else self._tree.first_state())
 
     def _show(self, path: str | None) -> list[Deed]:
         self._is_new = False
