@@ -108,8 +108,8 @@ def read_order(options: argparse.Namespace) -> Prepared:
     prepared = read_problem(options).prepared
     if prepared is None:
         raise InstanceError(
-            f"{options.instance}: states a problem, and no tasks to decompose: give an order "
-            "(remodel-order-1, docs/use-cases.md)"
+            f"{options.instance or f'order {options.order}'}: states a problem, and no tasks to "
+            "decompose: give the file of an order (remodel-order-1, docs/use-cases.md)"
         )
     return prepared
 

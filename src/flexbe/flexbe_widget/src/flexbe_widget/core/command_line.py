@@ -20,7 +20,7 @@ Without -b, wait for requests on flexbe/request_behavior and pass them on to the
 _EXAMPLES = """\
 examples:
   rosrun flexbe_widget be_launcher -b 'Example Behavior'
-  rosrun flexbe_widget be_launcher -b 'Example Behavior' wait_time:=3 --input part=\\'A7\\'
+  rosrun flexbe_widget be_launcher -b my_first_behavior --input placepin_id=7
   roslaunch flexbe_widget be_launcher.launch behavior_name:='Example Behavior'
 
 """
