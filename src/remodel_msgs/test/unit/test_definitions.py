@@ -57,7 +57,7 @@ def test_every_ability_keeps_the_common_contract(file):
     assert goal[0] == GOAL[0]
     assert goal[-1] == GOAL[-1]
     assert result[: len(RESULT)] == RESULT
-    assert feedback == FEEDBACK
+    assert feedback[: len(FEEDBACK)] == FEEDBACK
 
 
 def test_place_pin_is_the_deliverables_field_for_field():
