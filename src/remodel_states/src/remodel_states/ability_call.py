@@ -53,7 +53,7 @@ GRACE_S = 2.0
 
 # [Hz] of polling: FlexBE's default, and while the record is on its way, which takes milliseconds.
 _RATE_HZ = 10.0
-_KEEPING_RATE_HZ = 100.0
+_KEEPING_RATE_HZ = 250.0
 
 # What every result has; the rest is what the ability found out.
 _COMMON = frozenset({"id", "success", "message", "elapsed_time", "error_code", "error_message"})
