@@ -133,16 +133,7 @@ class _Follower:
         Raises:
             CellError: if the supervisor refuses, or goes away and does not come again.
         """
-        self._server.wait(_START_LIMIT_S)
-        goal = self._server.send(
-            RunUseCaseGoal(
-                id=f"run_order {uuid.uuid4().hex[:8]}",
-                order=self._order.name,
-                tasks=len(self._order.wires),
-                again=again,
-            )
-        )
-        self._wait_for_run(goal)
+        goal = self._asked(again)
         total = len(self._order.wires)
         with tqdm(total=total, unit="wire", file=sys.stdout, leave=False, disable=None) as bar:
             while True:
@@ -155,14 +146,26 @@ class _Follower:
                     return state
                 self._require_supervisor()
 
-    def _wait_for_run(self, goal: Goal) -> None:
+    def _asked(self, again: bool) -> Goal:
+        """Send the goal until a supervisor has begun the run; one may die before it does."""
+        request = RunUseCaseGoal(
+            id=f"run_order {uuid.uuid4().hex[:8]}",
+            order=self._order.name,
+            tasks=len(self._order.wires),
+            again=again,
+        )
         end = time.monotonic() + _START_LIMIT_S
-        while self._told is None or not self._told.run or self._told.order != self._order.name:
-            if goal.wait(_LOOK_S):
-                raise CellError(goal.ending)
-            if time.monotonic() > end:
-                raise CellError(f"no run began within {_START_LIMIT_S:.0f} s")
-        self.number = self._told.run
+        while time.monotonic() < end:
+            self._server.wait(_START_LIMIT_S)
+            goal = self._server.send(request)
+            while self._server.is_there and time.monotonic() < end:
+                if goal.wait(_LOOK_S) and not goal.succeeded and not goal.lost:
+                    raise CellError(goal.ending)
+                told = self._told
+                if told is not None and told.run and told.order == self._order.name:
+                    self.number = told.run
+                    return goal
+        raise CellError(f"no run began within {_START_LIMIT_S:.0f} s")
 
     def _require_supervisor(self) -> None:
         away_s = time.monotonic() - self._heard_s

@@ -8,10 +8,11 @@ import rospy
 from actionlib_msgs.msg import GoalStatus, GoalStatusArray
 from remodel_msgs import msg
 
+_FEEDBACK = "ActionFeedback"
 ABILITIES = tuple(
-    name.removesuffix("ActionFeedback")
-    for name in sorted(vars(msg))
-    if name.endswith("ActionFeedback") and name != "RunUseCaseActionFeedback"
+    name.removesuffix(_FEEDBACK)
+    for name, value in sorted(vars(msg).items())
+    if name.endswith(_FEEDBACK) and isinstance(value, type) and not name.startswith("RunUseCase")
 )
 _RUNNING = (GoalStatus.PENDING, GoalStatus.ACTIVE, GoalStatus.PREEMPTING, GoalStatus.RECALLING)
 

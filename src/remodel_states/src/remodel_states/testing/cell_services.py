@@ -63,6 +63,8 @@ class CellServices:
         except ValueError as error:
             return srv.LoadPanelResponse(False, str(error))
         with self._site.file.change() as draft:
+            if request.keep and draft.world.panel == panel:
+                return srv.LoadPanelResponse(True, f"panel {panel.name!r} is there")
             draft.world, draft.faults, draft.goals = World(panel), self._faults, {}
             draft.entries.append(Entry(Deed.LOAD, self._site.cell, panel.name))
         return srv.LoadPanelResponse(True, f"panel {panel.name!r} built")
