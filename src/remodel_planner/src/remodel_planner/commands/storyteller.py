@@ -4,29 +4,20 @@ from __future__ import annotations
 
 import base64
 import re
-from collections.abc import Mapping
 from pathlib import Path
 
 from flexbe_synthesizer.core.codec import parse_chart
 from flexbe_synthesizer.core.draw import chart_to_dot
-from flexbe_synthesizer.core.model import Chart
 from flexbe_synthesizer.edge.graphviz import dot_picture
 from remodel_planner.core.production import Wire
 from remodel_planner.core.run import Operation
 from remodel_planner.core.run_report import Drawing, Picture, WireStory
 from remodel_planner.core.supervision.attempts import Attempt
 from remodel_planner.core.trace import Trace, trace
-from remodel_planner.edge.package_files import behavior_charts
+from remodel_planner.edge.nested_charts import nested_charts
 
 # As ros/pictures.py names them.
 _PICTURE = re.compile(r".*_(?P<stamp>[\d.]+)_(?P<camera>[a-z]+)\.jpg")
-
-
-def nested_charts() -> Mapping[str, Chart]:
-    """Return the charts that tasks nest, by name."""
-    path = behavior_charts() / "place_connector.xml"
-    chart = parse_chart(path.read_text(encoding="utf-8"), str(path))
-    return {chart.name: chart}
 
 
 class Storyteller:

@@ -171,9 +171,9 @@ class UseCaseSupervisor:
         return self._peers.tasks.abilities.latest
 
     @property
-    def state_left(self) -> str:
-        """The path of the state that was left last, with its outcome; empty if none was."""
-        return self._peers.tasks.state_left
+    def state_path(self) -> str:
+        """The path of the state in which the engine is; empty if it says none."""
+        return self._peers.tasks.state_path
 
     def supervise(self) -> RunState:
         """Do what comes next until the run has ended, and return how it ended.
