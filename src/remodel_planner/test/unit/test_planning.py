@@ -1,5 +1,6 @@
 """Every plan is valid by the checker, and the kernel agrees with the plain reference."""
 
+import json
 import random
 
 import numpy as np
@@ -10,7 +11,7 @@ from hypothesis import strategies as st
 from remodel_planner.core.planning.checker import check
 from remodel_planner.core.planning.decoder import decode
 from remodel_planner.core.planning.defects import require_sound
-from remodel_planner.core.planning.instance import problem_from
+from remodel_planner.core.planning.instance import problem_data, problem_from
 from remodel_planner.core.planning.modes import Mode
 from remodel_planner.core.planning.plan_form import plan_data, plan_from
 from remodel_planner.core.planning.problem import ActionKind, Plan
@@ -187,3 +188,13 @@ def test_plan_of_nothing_is_empty(kernel):
     planned = AnytimePlanner(kernel, tables).improved(Limits(0.01)).planned
     assert planned.plan == Plan(tables.problem.name, ())
     assert planned.cost == 0
+
+
+@PANELS
+@given(sizes, seeds, arm_counts)
+def test_a_problem_comes_back_equal_from_its_document(wires, seed, arms):
+    kernel = Kernel()
+    problem = panel(wires, seed, arms)
+    planned = AnytimePlanner(kernel, tables_of(problem)).first()
+    for found in (problem, residual(planned, seed)):
+        assert problem_from(json.loads(json.dumps(problem_data(found)))) == found

@@ -8,12 +8,13 @@ import yaml
 
 from flexbe_synthesizer.core.check import check_chart
 from flexbe_synthesizer.core.codec import parse_chart, write_chart
+from flexbe_synthesizer.core.names import behavior_file, is_name
 from flexbe_synthesizer.core.signature import chart_behavior
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from remodel_planner.core.planning.problem import End
 from remodel_planner.core.use_case.planned_tasks import planned_tasks
 from remodel_planner.core.use_case.preparation import prepare
-from remodel_planner.core.use_case.task_chart import content_mark
+from remodel_planner.core.use_case.task_chart import behavior_name, content_mark
 from remodel_planner.core.use_case.work_order import order_from
 from remodel_planner.edge.chart_folder import keep_chart
 from remodel_planner.edge.order_planner import plan_problem
@@ -159,3 +160,12 @@ def test_a_value_that_the_task_lacks_is_named():
 
 def test_the_first_end_asked_for_is_kept(cabinet):
     assert {task.decomposition.first for task in cabinet.values()} == {End.A}
+
+
+def test_any_name_of_a_wire_names_a_chart_of_its_own():
+    use_case = find_use_case("cabinet")
+    wires = ("W1", "24", "24#2", "24+2", "-X1 1", "-X1.1", "Größe", "Gr_e", "class", "=A1/+B 2")
+    names = [behavior_name(use_case, wire) for wire in wires]
+    assert names[:2] == ["Wire W1", "Wire 24"]
+    assert all(map(is_name, names))
+    assert len(set(map(behavior_file, names))) == len(wires)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from remodel_planner.core.planning.problem import End
 from remodel_planner.core.use_case.expectation import Expectation
 from remodel_planner.core.use_case.model import Action, Macro
+from remodel_planner.core.use_case.plain_name import plain_name
 from remodel_planner.core.use_case.work_order import Clip, Task, Way
 
 
@@ -66,7 +67,7 @@ class Step:
     def title(self) -> str:
         """Its name in the task, unique in its task but for actions done twice to one end."""
         title = self.action.title.replace("{end}", self.end.letter if self.end is not None else "")
-        return f"{title} {self.clip.name}" if self.clip else title.strip()
+        return f"{title} {plain_name(self.clip.name)}" if self.clip else title.strip()
 
 
 @dataclass(frozen=True)

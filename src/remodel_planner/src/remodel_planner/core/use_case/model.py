@@ -10,6 +10,7 @@ from enum import Enum
 
 from remodel_planner.core.condition import Condition, Value, is_number
 from remodel_planner.core.recovery.policy import Policy
+from remodel_planner.core.use_case.designs import Designs
 from remodel_planner.core.use_case.expectation import FrozenExpectations
 
 
@@ -169,6 +170,7 @@ class UseCase:
         give_up: the action that empties the hand when a task is given up.
         preferences: weights, preferences and requirements, as in a preferences document.
         recovery: what is done about tasks that fail.
+        designs: how imported designs become its orders; None: they do not.
     """
 
     name: str
@@ -186,3 +188,4 @@ class UseCase:
     give_up: str
     preferences: dict[str, object]
     recovery: Policy
+    designs: Designs | None
