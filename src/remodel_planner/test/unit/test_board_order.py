@@ -103,7 +103,11 @@ def test_tools_zones_and_characteristics_follow_from_sections_and_places():
     one = problem(order(("Q1:B1", "Q2:T1"), ("Q1:B2", "Q2:T2")), arms=1)
     first, arm = one.wires[0], one.arms[0]
     assert (first.tool, first.heavy, first.preferred_arm) == ("medium_gripper", True, None)
-    assert dict(first.characteristics) == {"section_mm2": 2.5, "colour": "BK", "cable": ""}
+    said = dict(first.characteristics)
+    assert (said["section_mm2"], said["colour"], said["cable"]) == (2.5, "BK", "")
+    ends = [one.terminal[name].position_mm for name in first.terminals]
+    assert said["left_end_mm"] == min(x for x, _ in ends)
+    assert said["length_mm"] > max(abs(a - b) for a, b in zip(*ends, strict=True))
     assert all(arm.reaches(terminal.position_mm) for terminal in one.terminals)
     assert {wire.slot_mm[1] for wire in one.wires} == {arm.station_mm[1]}
 
@@ -116,7 +120,8 @@ def test_terminals_whose_names_read_the_same_stay_apart():
     wires = (Wire("W1", *refs, "", 7.0, "test"),)
     made = work(Order("test", "", "", components, wires))
     assert [terminal.name for terminal in made.terminals] == ["A:1:2", "A:1:2#2"]
-    assert made.tasks[0].characteristics == {"section_mm2": 7.0}
+    assert made.tasks[0].characteristics["section_mm2"] == 7.0
+    assert "colour" not in made.tasks[0].characteristics
 
 
 def test_what_cannot_be_an_order_is_refused():

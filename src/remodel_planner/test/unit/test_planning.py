@@ -34,14 +34,23 @@ def kernel():
     return Kernel()
 
 
+def random_ranking(wires, rng):
+    """Return a wish for an order of some groups of the wires; some wires may have no rank."""
+    groups = [[] for _ in range(rng.randrange(1, 8))]
+    for wire in wires:
+        rng.choice([[], *groups]).append(wire["id"])
+    return {"groups": groups, "weight": rng.randrange(1, 60)}
+
+
 def panel(wires, seed, arms):
-    """Return a random problem; with odd seeds, each wire has durations of its own."""
+    """Return a random problem; with odd seeds, each wire has durations of its own, and ranks."""
     data = random_panel(wires, seed, arms)
     if seed % 2:
         rng = random.Random(seed)
         for wire in data["wires"]:
             inserts = [rng.randrange(90), rng.randrange(90)]
             wire["handling"] = {"pick": rng.randrange(50), "insert": inserts, "fix": 7}
+        data["soft_order"] = [random_ranking(data["wires"], rng) for _ in range(rng.randrange(3))]
     problem = problem_from(data)
     require_sound(problem)
     return problem

@@ -1,8 +1,8 @@
 """A laid-out design as an order of a use case: its wires as tasks, and the arms that do them.
 
 Lengths are in mm in the board's frame. Of what the design says, a task states what the use case has
-a characteristic for: `section_mm2`, `colour`, `cable` and `core` of a wire, `role` and
-`part_number` of a component.
+a characteristic for: `section_mm2`, `colour`, `cable`, `core`, `length_mm` and `left_end_mm` (the
+least x of its ends) of a wire, `role` and `part_number` of a component.
 """
 
 from __future__ import annotations
@@ -167,6 +167,8 @@ class _Ordering:
             "colour": wire.colour,
             "cable": wire.cable,
             "core": wire.core,
+            "length_mm": round(1e3 * self._board.length_of(wire)),
+            "left_end_mm": min(self._ends_x(wire)),
         }
         return _declared(said, self._use_case.task_characteristics)
 

@@ -16,6 +16,7 @@ from remodel_planner.core.planning.problem import (
     Handover,
     Pin,
     Problem,
+    Ranking,
     Stage,
     Terminal,
     Under,
@@ -86,10 +87,22 @@ def problem_from(data: object) -> Problem:
             Wish(item.text("before"), item.text("after"), item.number("weight"))
             for item in fields.objects("soft_before")
         ),
+        rankings=tuple(
+            Ranking(_groups(item), item.number("weight"))
+            for item in (fields.objects("soft_order") if fields.has("soft_order") else ())
+        ),
         start_ticks=init.number("t0", greatest=GREATEST_TIME),
         located=frozenset(init.texts("located")),
         history=tuple(_picks(init)),
     )
+
+
+def _groups(item: Fields) -> tuple[tuple[str, ...], ...]:
+    groups = item.value("groups")
+    if not isinstance(groups, list):
+        raise item.fail("groups", "a list of lists of wires")
+    inner = Fields({str(i): group for i, group in enumerate(groups)}, item.place("groups"))
+    return tuple(inner.texts(str(i)) for i in range(len(groups)))
 
 
 def _wire_states(states: Fields) -> dict[str, Fields]:
@@ -219,6 +232,10 @@ def problem_data(problem: Problem) -> Json:
         "soft_before": [
             {"before": wish.before, "after": wish.after, "weight": wish.weight}
             for wish in problem.wishes
+        ],
+        "soft_order": [
+            {"groups": [list(group) for group in ranking.groups], "weight": ranking.weight}
+            for ranking in problem.rankings
         ],
         "init": _init_data(problem),
     }
