@@ -16,9 +16,10 @@ from remodel_planner.core.condition import Value
 from remodel_planner.core.imports.assembly import unique_name
 from remodel_planner.core.planning.problem import Arm, Point, Terminal
 from remodel_planner.core.production import Component, Role, TerminalRef, Wire
+from remodel_planner.core.production import Terminal as DesignTerminal
 from remodel_planner.core.use_case.designs import DesignKind, Designs
 from remodel_planner.core.use_case.model import Characteristic, UseCase
-from remodel_planner.core.use_case.work_order import Clip, Task, Way, WorkOrder
+from remodel_planner.core.use_case.work_order import Access, Clip, Task, Way, WorkOrder
 from remodel_planner.errors import OrderError
 
 
@@ -83,6 +84,12 @@ class _Ordering:
                 for ref, name in self._names.items()
             ),
             tasks=tuple(self._task(wire, slots[wire.name]) for wire in self._wires),
+            access={
+                self._names[ref]: _access(terminal)
+                for component in components
+                for terminal in component.terminals
+                if (ref := TerminalRef(component.name, terminal.name)) in self._names
+            },
         )
 
     def _placed_arms(self, designs: Designs, count: int) -> tuple[Arm, ...]:
@@ -178,6 +185,10 @@ class _Ordering:
             "part_number": component.part_number,
         }
         return _declared(said, self._use_case.component_characteristics)
+
+
+def _access(terminal: DesignTerminal) -> Access:
+    return Access(terminal.insertion_force_limit_n, terminal.clearance_m, terminal.approach)
 
 
 def _task_names(wires: Sequence[Wire]) -> dict[str, str]:

@@ -8,7 +8,9 @@ from remodel_planner.core.planning.problem import End
 from remodel_planner.core.use_case.expectation import Expectation
 from remodel_planner.core.use_case.model import Action, Macro
 from remodel_planner.core.use_case.plain_name import plain_name
-from remodel_planner.core.use_case.work_order import Clip, Task, Way
+from remodel_planner.core.use_case.work_order import Access, Clip, Task, Way
+
+_UNKNOWN = Access()
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,7 @@ class Step:
         way: the part of the task's way on which it is done.
         methods: the chosen method of each task above it, from the macro operation down.
         expected: of all its attempts.
+        access: to the terminal that it is about.
     """
 
     macro: Macro
@@ -62,6 +65,13 @@ class Step:
     way: Way
     methods: tuple[tuple[str, str], ...]
     expected: Expectation
+    access: Access = _UNKNOWN
+
+    @property
+    def force_n(self) -> float:
+        """The force [N] with which it pushes at most, as far as the terminal bears it."""
+        limit = self.access.force_limit_n
+        return self.action.force_n if limit is None else min(limit, self.action.force_n)
 
     @property
     def title(self) -> str:
@@ -120,5 +130,5 @@ class Decomposition:
 
     @property
     def force_n(self) -> float:
-        """The greatest force [N] with which an action pushes."""
-        return max((step.action.force_n for step in self.steps), default=0.0)
+        """The greatest force [N] with which a step pushes."""
+        return max((step.force_n for step in self.steps), default=0.0)

@@ -13,6 +13,9 @@ from remodel_planner.core.recovery.policy import Policy
 from remodel_planner.core.use_case.designs import Designs
 from remodel_planner.core.use_case.expectation import FrozenExpectations
 
+# What actions refer to for the force with which they may push.
+FORCE = "force_n"
+
 
 class Macro(Enum):
     """The macro operations of which every task is made.
@@ -109,6 +112,11 @@ class Action:
     attempts: int
     recover: str
     on_failure: str
+
+    @property
+    def yields(self) -> bool:
+        """Whether it pushes with less where the terminal bears less: it is told so."""
+        return f"${FORCE}" in dict(self.params).values()
 
 
 @dataclass(frozen=True)
