@@ -6,14 +6,13 @@ import os
 from pathlib import Path
 
 import jsonschema
-import yaml
 
 from remodel_planner.core.use_case.designs import DesignKind
 from remodel_planner.core.use_case.model import UseCase
 from remodel_planner.core.use_case.reading import use_case_from
 from remodel_planner.edge.json_file import read_json
 from remodel_planner.edge.package_files import use_case_folder, use_case_schema
-from remodel_planner.edge.text_file import read_text
+from remodel_planner.edge.yaml_file import read_yaml
 from remodel_planner.errors import InstanceError, UseCaseError
 
 # Folders with use cases of the user's own, before those of the package; separated as PATH is.
@@ -78,11 +77,9 @@ def read_use_case(file: Path) -> UseCase:
 
 def _parsed(file: Path) -> object:
     try:
-        return yaml.safe_load(read_text(file))
+        return read_yaml(file)
     except InstanceError as error:
         raise UseCaseError(f"{file}: {error}") from error
-    except yaml.YAMLError as error:
-        raise UseCaseError(f"{file}: is no YAML: {' '.join(str(error).split())}") from error
 
 
 def _told(error: jsonschema.ValidationError) -> str:
