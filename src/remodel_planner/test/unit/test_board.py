@@ -12,7 +12,7 @@ from remodel_planner.core.board.board import board_of, way_length
 from remodel_planner.core.board.cabinet import CabinetRules, laid_out
 from remodel_planner.core.board.drawing import draw_board
 from remodel_planner.core.board.duct_graph import DuctGraph
-from remodel_planner.core.board.formboard import flattened
+from remodel_planner.core.board.formboard import flattened, limbs
 from remodel_planner.core.imports.kbl import import_kbl
 from remodel_planner.core.imports.qet import import_qet
 from remodel_planner.core.production import (
@@ -171,6 +171,23 @@ def test_a_formboard_keeps_the_lengths_of_a_tree():
 def test_a_ring_of_segments_is_cut_open():
     ring = [Segment(str(i), "ABC"[i], "BCA"[i], 1.0) for i in range(3)]
     assert set(flattened("ABC", ring)) == set("ABC")
+
+
+def test_every_segment_of_a_tree_is_in_one_limb_and_the_trunk_is_the_longest_way():
+    segments = [
+        *(Segment("1", "A", "B", 0.4), Segment("2", "B", "C", 0.3), Segment("3", "B", "D", 0.2)),
+        *(Segment("4", "D", "E", 0.1), Segment("5", "D", "F", 0.05), Segment("6", "X", "Y", 0.5)),
+    ]
+    found = limbs("ABCDEFXYZ", segments)
+    steps = sorted(tuple(sorted(pair)) for limb in found for pair in pairwise(limb.nodes))
+    assert steps == sorted((segment.start, segment.end) for segment in segments)
+    assert {limb.nodes[0] + limb.nodes[-1] for limb in found if limb.parent is None} <= {
+        *("AC", "CA", "AE", "EA", "XY", "YX")
+    }
+    for limb in found:
+        if limb.parent is not None:
+            assert limb.nodes[0] in found[limb.parent].nodes
+            assert limb.level == found[limb.parent].level + 1
 
 
 def test_a_harness_lies_on_a_formboard_with_its_clips():

@@ -1,6 +1,7 @@
 """Imported designs become orders of use cases: cabinets and harnesses, planned and charted."""
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -36,7 +37,9 @@ DESIGNS = Path(__file__).parent / "designs"
 MAPPINGS = tuple(mapping_from(f.read_text()) for f in sorted((CONFIG / "wire_lists").iterdir()))
 QET = Path("/usr/share/qelectrotech/examples")
 NAMES = ("industrial", "tableau_domestique", "Projet_vierge")
-CABINET, FORMBOARD = find_use_case("cabinet"), find_use_case("automotive_formboard")
+CABINET, FORMBOARD, BRANCHES = map(
+    find_use_case, ("cabinet", "automotive_formboard", "branched_harness")
+)
 
 
 def imported(file):
@@ -97,6 +100,40 @@ def test_a_harness_is_routed_clip_by_clip_and_handed_over():
     assert names
     assert [clip.name for clip in task.ways[0].clips] == names
     assert problem(loom(), FORMBOARD).wire["11"].handover.position_mm == task.meeting_mm
+
+
+def test_a_harness_is_mounted_trunk_first_then_each_branch_from_its_fork():
+    made = work(loom(), BRANCHES, arms=1)
+    tasks = {task.name: task for task in made.tasks}
+    assert {name: task.terminals for name, task in tasks.items()} == {
+        "trunk": ("X2:trunk", "X1:trunk"),
+        "X3": ("X3 begin:X3", "X3:X3"),
+    }
+    assert [clip.name for clip in tasks["trunk"].ways[0].clips] == ["CL3", "CL2", "CL1"]
+    assert tasks["X3"].ways[0].clips == ()  # the clip at the fork holds the trunk
+    assert tasks["X3"].slot_mm == tasks["X3"].ways[0].path_mm[0]
+    assert tasks["X3"].characteristics == {"part": "branch", "level": 1}
+    assert made.components["X3 begin"] == {"kind": "root"}
+    assert [(under.before, under.after) for under in made.unders] == [("trunk", "X3")]
+    prepare(made, BRANCHES)
+
+
+def test_connectors_that_share_a_node_have_branches_of_their_own():
+    harness = loom()
+    moved = tuple(replace(c, node="N2") if c.name == "X3" else c for c in harness.components)
+    tasks = {t.name: t for t in work(replace(harness, components=moved), BRANCHES).tasks}
+    assert set(tasks) == {"trunk", "N4", "X3"}
+    assert tasks["N4"].terminals == ("N4 begin:N4", "N4 end:N4")
+    assert tasks["X3"].ways[0].segments == ()
+
+
+def test_what_has_no_branches_is_refused():
+    with pytest.raises(OrderError, match="industrial has no segments that say them; choose"):
+        work(project("industrial"), BRANCHES)
+    harness = loom()
+    loose = tuple(replace(c, node="") if c.name == "X3" else c for c in harness.components)
+    with pytest.raises(OrderError, match="loom: X3 sit at no node of the harness"):
+        work(replace(harness, components=loose), BRANCHES)
 
 
 def test_tools_zones_and_characteristics_follow_from_sections_and_places():
@@ -162,20 +199,22 @@ def library():
 
 @pytest.mark.parametrize("arms", [1, 2])
 @pytest.mark.parametrize(
-    "file",
+    ("file", "use_case"),
     [
-        *(DESIGNS / name for name in ("loom.kbl", "harness.yml", "eplan.csv")),
-        QET / "tableau_domestique.qet",
+        (DESIGNS / "loom.kbl", FORMBOARD),
+        (DESIGNS / "loom.kbl", BRANCHES),
+        (DESIGNS / "harness.yml", FORMBOARD),
+        (DESIGNS / "eplan.csv", CABINET),
+        (QET / "tableau_domestique.qet", CABINET),
     ],
-    ids=lambda file: file.name,
+    ids=lambda value: value.name,
 )
-def test_the_synthesizer_accepts_the_charts_of_every_format(file, arms, library):
+def test_the_synthesizer_accepts_the_charts_of_every_format(file, use_case, arms, library):
     board = board_of(imported(file))
-    use_case = default_use_case(kind_of(board))
     prepared = prepare(board_order(board, use_case, arms), use_case)
     plan = plan_problem(prepared.preferred.problem, 0.02).plan
     tasks = list(planned_tasks(prepared, plan))
-    assert {task.name for task in tasks} == set(board.ways)
+    assert {task.name for task in tasks} == {task.name for task in prepared.order.tasks}
     for task in tasks[:5]:
         text = write_chart(task.chart)
         assert check_chart(parse_chart(text, "x.xml"), library, {}).problems == ()

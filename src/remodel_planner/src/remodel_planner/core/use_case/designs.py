@@ -13,6 +13,13 @@ class DesignKind(Enum):
     HARNESS = "harness"
 
 
+class DesignTasks(Enum):
+    """What of a design is a task."""
+
+    WIRES = "wires"
+    BRANCHES = "branches"
+
+
 @dataclass(frozen=True)
 class Designs:
     """The cell around the board on which an imported design is laid out.
@@ -22,6 +29,7 @@ class Designs:
 
     Attributes:
         default_for: the designs that are done by this use case unless another one is asked for.
+        tasks: what becomes one.
         arms: names of the left one and the right one; the first is the one that works alone.
         tool: in the arms' hands at first.
         magazine_below_m: [m] of the slots and the stations, below the board.
@@ -32,6 +40,7 @@ class Designs:
     """
 
     default_for: DesignKind | None
+    tasks: DesignTasks
     arms: tuple[str, str]
     tool: str
     magazine_below_m: float
@@ -46,5 +55,9 @@ def designs_from(stated: dict[str, object] | None) -> Designs | None:
     if stated is None:
         return None
     default_for = stated.get("default_for")
-    values = {**stated, "default_for": DesignKind(default_for) if default_for else None}
-    return Designs(**{**values, "arms": tuple(stated["arms"])})  # type: ignore[arg-type]
+    read: dict[str, object] = {
+        "default_for": DesignKind(default_for) if default_for else None,
+        "tasks": DesignTasks(stated["tasks"]),
+        "arms": tuple(stated["arms"]),  # type: ignore[arg-type]  # the schema says it is a list
+    }
+    return Designs(**{**stated, **read})  # type: ignore[arg-type]  # the schema has its types

@@ -5,6 +5,7 @@ The grammar of the YAML is told in docs/use-cases.md; config/use_case.schema.jso
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 
@@ -55,6 +56,13 @@ class Characteristic:
         if not is_number(value) or not self.least <= float(value) <= self.most:
             return f"a number from {self.least:g} to {self.most:g}"
         return ""
+
+
+def declared(
+    said: Mapping[str, Value], characteristics: Mapping[str, Characteristic]
+) -> dict[str, Value]:
+    """Return what characteristics there are for, of what a design says; empty texts say nothing."""
+    return {name: value for name, value in said.items() if name in characteristics and value != ""}
 
 
 class Scope(Enum):

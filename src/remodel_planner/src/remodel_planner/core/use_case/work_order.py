@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import pairwise
 
 from remodel_planner.core.condition import Value, is_number
@@ -40,7 +41,7 @@ class Way:
     clips: tuple[Clip, ...] = ()
     segments: tuple[str, ...] = ()
 
-    @property
+    @cached_property
     def length_m(self) -> float:
         """Its length [m]."""
         return sum(math.dist(a, b) for a, b in pairwise(self.path_mm)) / 1e3
