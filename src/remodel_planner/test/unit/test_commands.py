@@ -164,6 +164,8 @@ def test_the_use_case_of_an_order_is_chosen_and_refused_by_name(tmp_path, databa
     assert "tasks: order mine: use case medical_hoses takes no" in capsys.readouterr().err
     assert tasks.main([*stored, "--use-case", "hosen"]) == 1
     assert "no use case hosen; there are automotive_formboard, " in capsys.readouterr().err
+    assert tasks.main([str(DESIGNS / "loom.kbl"), "--use-case", "cabinet"]) == 1
+    assert "--use-case is for --order NAME" in capsys.readouterr().err
 
 
 def test_a_missing_file_is_named(tmp_path, database, capsys):

@@ -76,6 +76,8 @@ def read_problem(options: argparse.Namespace) -> ProblemFiles:
     """
     if (options.instance is None) == (options.order is None):
         raise InstanceError("give either the file of a problem or order, or --order NAME")
+    if options.order is None and options.use_case is not None:
+        raise InstanceError("--use-case is for --order NAME: the file of an order names its own")
     documents = [(str(file), read_document(file)) for file in options.preferences]
     situations = frozenset(options.situations)
     if options.order is not None:

@@ -10,8 +10,6 @@ from remodel_planner.core.use_case.model import Action, Macro
 from remodel_planner.core.use_case.plain_name import plain_name
 from remodel_planner.core.use_case.work_order import Access, Clip, Task, Way
 
-_UNKNOWN = Access()
-
 
 @dataclass(frozen=True)
 class Limits:
@@ -65,7 +63,7 @@ class Step:
     way: Way
     methods: tuple[tuple[str, str], ...]
     expected: Expectation
-    access: Access = _UNKNOWN
+    access: Access
 
     @property
     def force_n(self) -> float:
