@@ -161,6 +161,12 @@ def test_terminals_whose_names_read_the_same_stay_apart():
     assert "colour" not in made.tasks[0].characteristics
 
 
+def test_wires_whose_names_differ_in_capitals_alone_have_tasks_of_their_own():
+    found = order(("Q1:B1", "Q2:T1"), ("Q1:B2", "Q2:T2"))
+    wires = tuple(replace(w, name=n) for w, n in zip(found.wires, ("l1", "L1"), strict=True))
+    assert [task.name for task in work(replace(found, wires=wires)).tasks] == ["l1", "L1#2"]
+
+
 def test_what_cannot_be_an_order_is_refused():
     away = order(("Q1:B1", "M1:T1"), outside=("M1",))
     with pytest.raises(OrderError, match="no wire with both ends on the plate: all 1 lead away"):

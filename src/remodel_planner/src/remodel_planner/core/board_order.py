@@ -7,8 +7,6 @@ least x of its ends) of a wire, `role` and `part_number` of a component.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from remodel_planner.core.board.board import Board
 from remodel_planner.core.branch_order import branch_order
 from remodel_planner.core.condition import Value
@@ -19,6 +17,7 @@ from remodel_planner.core.production import Terminal as DesignTerminal
 from remodel_planner.core.surroundings import Surroundings, in_mm
 from remodel_planner.core.use_case.designs import DesignKind, DesignTasks
 from remodel_planner.core.use_case.model import UseCase, declared
+from remodel_planner.core.use_case.plain_name import take_name
 from remodel_planner.core.use_case.work_order import Access, Clip, Task, Way, WorkOrder
 from remodel_planner.errors import OrderError
 
@@ -66,7 +65,8 @@ class _Wiring:
         self._around = surroundings
         self._wires = [wire for wire in board.order.wires if wire.name in board.ways]
         self._names = self._terminal_names()
-        self._task_names = _task_names(self._wires)
+        taken: set[str] = set()
+        self._task_names = {wire.name: take_name(wire.name, taken) for wire in self._wires}
 
     def order(self) -> WorkOrder:
         slots = self._slots()
@@ -157,17 +157,3 @@ class _Wiring:
 
 def _access(terminal: DesignTerminal) -> Access:
     return Access(terminal.insertion_force_limit_n, terminal.clearance_m, terminal.approach)
-
-
-def _task_names(wires: Sequence[Wire]) -> dict[str, str]:
-    """Return a name for each wire's task; the files of behaviors do not tell capitals apart."""
-    names: dict[str, str] = {}
-    taken: set[str] = set()
-    for wire in wires:
-        name, number = wire.name, 1
-        while name.lower() in taken:
-            number += 1
-            name = f"{wire.name}#{number}"
-        taken.add(name.lower())
-        names[wire.name] = name
-    return names

@@ -21,6 +21,7 @@ from remodel_planner.core.production import Segment
 from remodel_planner.core.surroundings import Surroundings, in_mm
 from remodel_planner.core.use_case.designs import Designs
 from remodel_planner.core.use_case.model import UseCase, declared
+from remodel_planner.core.use_case.plain_name import take_name
 from remodel_planner.core.use_case.work_order import Clip, Task, Way, WorkOrder
 from remodel_planner.errors import OrderError
 
@@ -112,8 +113,7 @@ class _Mounting:
         taken: set[str] = set()
 
         def add(base: str, ends: tuple[str, str], limb: Limb) -> None:
-            name = unique_name(base, taken)
-            taken.add(name)
+            name = take_name(base, taken)
             parent = names[limb.parent] if limb.parent is not None else ""
             branches.append(_Branch(name, limb.nodes, *ends, parent, limb.level))
 

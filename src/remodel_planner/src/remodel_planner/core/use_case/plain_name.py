@@ -20,3 +20,16 @@ def plain_name(name: str) -> str:
     if plain == name and is_name(f"the {name}"):
         return name
     return f"{plain}_{hashlib.sha256(name.encode()).hexdigest()[:_HASH_DIGITS]}"
+
+
+def take_name(name: str, taken: set[str]) -> str:
+    """Return the name, with a number if it is taken, and take it.
+
+    Names that differ in capitals alone are one: the files of behaviors do not tell them apart.
+    """
+    found, number = name, 1
+    while found.lower() in taken:
+        number += 1
+        found = f"{name}#{number}"
+    taken.add(found.lower())
+    return found
