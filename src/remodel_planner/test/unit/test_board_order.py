@@ -18,6 +18,7 @@ from remodel_planner.core.planning.defects import require_sound
 from remodel_planner.core.production import (
     Component,
     Mount,
+    Node,
     Order,
     Side,
     Terminal,
@@ -131,9 +132,11 @@ def test_what_has_no_branches_is_refused():
     with pytest.raises(OrderError, match="industrial has no segments that say them; choose"):
         work(project("industrial"), BRANCHES)
     harness = loom()
-    loose = tuple(replace(c, node="") if c.name == "X3" else c for c in harness.components)
-    with pytest.raises(OrderError, match="loom: X3 sit at no node of the harness"):
-        work(replace(harness, components=loose), BRANCHES)
+    for node in ("", "N9"):
+        loose = tuple(replace(c, node=node) if c.name == "X3" else c for c in harness.components)
+        apart = replace(harness, components=loose, nodes=(*harness.nodes, Node("N9", None)))
+        with pytest.raises(OrderError, match="loom: X3 sit at no node of the harness's segments"):
+            work(apart, BRANCHES)
 
 
 def test_tools_zones_and_characteristics_follow_from_sections_and_places():

@@ -36,7 +36,8 @@ def branch_order(board: Board, use_case: UseCase, designs: Designs, arms: int) -
         OrderError: if the board has no harness with branches, or a connector is at none of them.
     """
     order = board.order
-    loose = [component.name for component in order.components if not component.node]
+    nodes = {node for segment in order.segments for node in (segment.start, segment.end)}
+    loose = [component.name for component in order.components if component.node not in nodes]
     if board.is_cabinet or not order.segments:
         raise OrderError(
             f"use case {use_case.name} mounts the branches of harnesses, and order {order.name} "
@@ -44,8 +45,8 @@ def branch_order(board: Board, use_case: UseCase, designs: Designs, arms: int) -
         )
     if loose:
         raise OrderError(
-            f"order {order.name}: {', '.join(loose)} sit at no node of the harness, and use case "
-            f"{use_case.name} does not know on which branch: give them nodes in the design"
+            f"order {order.name}: {', '.join(loose)} sit at no node of the harness's segments, and "
+            f"use case {use_case.name} cannot know on which branch: give them nodes in the design"
         )
     ends = [point for line in board.lines.values() for point in line]
     points = map(in_mm, (*ends, *(device.centre for device in board.devices)))
@@ -78,6 +79,7 @@ class _Mounting:
         self._board = board
         self._use_case = use_case
         self._around = surroundings
+        self._component = {component.name: component for component in board.order.components}
         self._centre = {d.component.name: in_mm(d.centre) for d in board.devices}
         self._segment: dict[tuple[str, str], tuple[Segment, bool]] = {}
         self._place: dict[str, Point] = {}
@@ -164,7 +166,7 @@ class _Mounting:
 
     def _end(self, branch: _Branch, connector: str, node: str, what: str) -> Terminal:
         """Add an end of a branch, with the connector there, or with the fork or the free end."""
-        component = next((c for c in self._board.order.components if c.name == connector), None)
+        component = self._component.get(connector)
         said: dict[str, Value] = {"kind": _ROOT}
         name, position = f"{branch.name} {what}", self._place[node]
         if component is not None:

@@ -1,7 +1,8 @@
 """Fill in how wire ends go into terminals, where the design does not say it, by the catalogue.
 
-No format that is read says with which force a terminal may be pushed at, how much room is around
-it, or from where an end goes in; what is filled in is told as guessed.
+Of all formats, lists alone have columns for the force with which an end may be pushed in; none says
+how much room is around a terminal, or from where an end goes in. What is filled in is told as
+guessed.
 """
 
 from __future__ import annotations
