@@ -11,6 +11,7 @@ from remodel_console.core.order import Attach, Order, SetAutonomy, ShowStructure
 from remodel_console.core.run_view import Event, Ordered, Phase
 from remodel_console.desk import Desk
 from remodel_console.edge.catalogue import Catalogue
+from remodel_console.edge.settings_file import SettingsFile
 from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import CommandError
 from remodel_console.live import Live
@@ -42,6 +43,7 @@ class Console:
         session: Session,
         workspace: Workspace,
         catalogue: Catalogue,
+        settings: SettingsFile,
     ) -> None:
         """Join the parts."""
         self.door = door
@@ -50,6 +52,7 @@ class Console:
         self.session = session
         self.workspace = workspace
         self.catalogue = catalogue
+        self.settings = settings
         self.engine: Engine | None = None
         self._names: dict[int, str] = {}
         self._structure_asked = 0

@@ -67,6 +67,7 @@ class BrowserTestCase(unittest.TestCase):
         cls.addClassCleanup(cls.end_all)
         cls.port = free_port()
         cls.record = cls.folder / "commands.jsonl"
+        cls.settings = cls.folder / "settings.json"
         cls.start_engine()
         cls.start_mirror()
         cls.start_console()
@@ -119,7 +120,8 @@ class BrowserTestCase(unittest.TestCase):
 
     @classmethod
     def start_console_at(cls, name, port, *options, **environment):
-        line = ("--port", str(port), "--record", str(cls.record), *options)
+        kept = ("--record", str(cls.record), "--settings", str(cls.settings))
+        line = ("--port", str(port), *kept, *options)
         cls.start(name, "remodel_console", "console", *line, **environment)
         end = time.monotonic() + LIMIT_S
         while not listens(port):

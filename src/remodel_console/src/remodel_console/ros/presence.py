@@ -15,18 +15,18 @@ from remodel_console.ros.command_server import CommandServer
 from remodel_console.ros.engine_link import EngineLink
 from remodel_console.ros.master import MasterWatch
 from remodel_console.ros.runtime import Runtime
+from remodel_console.ros.synthesis_link import ask_synthesis_server
 
 _LOOK_EVERY_S = 0.5
 _ABILITIES = "/remodel_abilities/"  # in whose namespace the ability servers of a cell are
 
 
-def join_ros(console: Console, key: str, journal: Journal, end: threading.Event) -> None:
+def join_ros(console: Console, journal: Journal, end: threading.Event) -> None:
     """Wait for a master, connect, and watch until the event is set.
 
     Args:
         console: gets what is seen, and the way to the engine.
-        key: what a command of `/flexbe/uicommand` must bring.
-        journal: records those commands.
+        journal: records the commands of `/flexbe/uicommand`.
         end: the console ends.
     """
     watch = MasterWatch(lambda is_there: console.live.set_presence(master=is_there))
@@ -40,7 +40,8 @@ def join_ros(console: Console, key: str, journal: Journal, end: threading.Event)
     rospy.on_shutdown(lambda: _end_process(end, "ROS has shut this node down"))
     link = EngineLink(console.take, console.live.take_line)
     console.engine = link
-    CommandServer(console.session, Runtime(), key, journal)
+    console.session.ask_server = ask_synthesis_server
+    CommandServer(console.session, Runtime(), lambda: console.settings.now, journal)
     looking = threading.Thread(target=_look, args=(console, link, end), daemon=True)
     looking.start()
     watch.watch(end)

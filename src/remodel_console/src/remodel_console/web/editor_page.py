@@ -45,6 +45,7 @@ class EditorPage(Page):
         """Build the tools, the library, the drawing, and the panel beside it."""
         self.chart: Chart | None = None
         self.inspection = Inspection()
+        self.inspected: Chart | None = None
         self.selected: Path = ()
         self._text = ""
         self._is_typing = False
@@ -73,6 +74,7 @@ class EditorPage(Page):
         chart = self.console.session.chart
         self._saved.text = _saved_words(chart, self.console.session.is_saved)
         if chart is self.chart:
+            self._properties.show()
             return
         is_other = self.chart is None or chart is None or chart.file != self.chart.file
         self.chart = chart
@@ -172,6 +174,7 @@ class EditorPage(Page):
         _, self.inspection = await run.io_bound(
             inspect_text, self.console.workspace, self._text, chart.file
         )
+        self.inspected = chart
         self._show_problems()
         self._properties.show()
 

@@ -27,7 +27,11 @@ _DEEDS = {True: "dark", False: "light"}
 class Page:
     """One open page."""
 
-    PAGES = (("Runtime control", "/runtime"), ("Editor", "/editor"))
+    PAGES = (
+        ("Runtime control", "/runtime"),
+        ("Editor", "/editor"),
+        ("Configuration", "/configuration"),
+    )
     KEYS: tuple[tuple[str, str], ...] = ()
 
     def __init__(

@@ -11,6 +11,7 @@ from starlette.responses import RedirectResponse, Response
 
 from remodel_console.console import Console
 from remodel_console.web.broadcast import Broadcast
+from remodel_console.web.configuration_page import ConfigurationPage
 from remodel_console.web.editor_page import EditorPage
 from remodel_console.web.guard import Guard
 from remodel_console.web.runtime_page import RuntimePage
@@ -28,6 +29,7 @@ def serve(console: Console, port: int) -> None:
     app.on_startup(broadcast.bind)
     console.live.on_change(broadcast.wake)
     console.session.tell = broadcast.wake
+    console.settings.tell = broadcast.wake
     ui.add_head_html(_HEAD, shared=True)
 
     @ui.page("/")
@@ -41,6 +43,10 @@ def serve(console: Console, port: int) -> None:
     @ui.page("/editor")
     def editor(request: Request) -> None:
         EditorPage(console, broadcast, request, "Editor")
+
+    @ui.page("/configuration")
+    def configuration(request: Request) -> None:
+        ConfigurationPage(console, broadcast, request, "Configuration")
 
     with contextlib.suppress(KeyboardInterrupt):  # how the server ends when it is told to
         ui.run(
