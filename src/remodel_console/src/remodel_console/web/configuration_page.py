@@ -119,7 +119,7 @@ class ConfigurationPage(Page):
 
 
 def _card(title: str, hint: str) -> ui.element:
-    card = ui.element("section").classes("card block")
+    card = ui.element("section").classes("card matter")
     with card:
         ui.label(title).classes("title")
         ui.label(hint).classes("soft")

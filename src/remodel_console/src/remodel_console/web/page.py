@@ -13,7 +13,7 @@ from starlette.requests import Request
 from remodel_console.console import Console
 from remodel_console.core.access import Actor, Role, tidy_name
 from remodel_console.core.answer import DONE, Answer
-from remodel_console.core.world import World, notices
+from remodel_console.core.world import Notice, World, notices
 from remodel_console.web.broadcast import Broadcast
 from remodel_console.web.guard import role_of
 
@@ -28,6 +28,7 @@ class Page:
     """One open page."""
 
     PAGES = (
+        ("Overview", "/overview"),
         ("Runtime control", "/runtime"),
         ("Editor", "/editor"),
         ("Configuration", "/configuration"),
@@ -72,6 +73,10 @@ class Page:
     def show(self, world: World) -> None:
         """Show what has changed."""
         raise NotImplementedError
+
+    def more_notices(self, world: World) -> Iterable[Notice]:
+        """Return what is away that only this page needs."""
+        return ()
 
     def press(self, key: str, *, ctrl: bool) -> None:
         """Do what a key means on this page."""
@@ -125,7 +130,7 @@ class Page:
         self.show(world)
 
     def _show_notices(self, world: World) -> None:
-        found = tuple(notices(world))
+        found = (*notices(world), *self.more_notices(world))
         if found == self._shown_notices:
             return
         self._shown_notices = found

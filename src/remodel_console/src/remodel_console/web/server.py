@@ -14,6 +14,7 @@ from remodel_console.web.broadcast import Broadcast
 from remodel_console.web.configuration_page import ConfigurationPage
 from remodel_console.web.editor_page import EditorPage
 from remodel_console.web.guard import Guard
+from remodel_console.web.overview_page import OverviewPage
 from remodel_console.web.runtime_page import RuntimePage
 
 _STATIC = Path(__file__).parent / "static"
@@ -28,13 +29,25 @@ def serve(console: Console, port: int) -> None:
     app.add_middleware(Guard, door=console.door)
     app.on_startup(broadcast.bind)
     console.live.on_change(broadcast.wake)
+    console.pictures.on_change(broadcast.wake)
     console.session.tell = broadcast.wake
     console.settings.tell = broadcast.wake
     ui.add_head_html(_HEAD, shared=True)
 
     @ui.page("/")
     def front() -> Response:
-        return RedirectResponse("/runtime")
+        return RedirectResponse("/overview")
+
+    @app.get("/picture/{camera}")
+    def picture(camera: str) -> Response:
+        found = console.pictures.newest(camera)
+        if found is None:
+            return Response("no picture of this camera", 404)
+        return Response(found.jpeg, media_type="image/jpeg", headers={"Cache-Control": "no-store"})
+
+    @ui.page("/overview")
+    def overview(request: Request) -> None:
+        OverviewPage(console, broadcast, request, "Overview")
 
     @ui.page("/runtime")
     def runtime(request: Request) -> None:
