@@ -134,6 +134,10 @@ class EditorTest(BrowserTestCase):
         self.take_picture(page, "editor-xml")
         self.write_xml(source.replace("</statemachine>", ""))
         expect(page.locator(".problems .error")).not_to_have_count(0)
+        page.keyboard.press("Delete")  # of the text, not of the state that is selected
+        page.keyboard.press("?")
+        expect(page.locator(".cm-content")).to_contain_text("?")
+        expect(page.get_by_role("dialog")).to_have_count(0)
         page.locator(".tools .soft").click()
         page.keyboard.press("Control+z")
         page.keyboard.press("Control+z")

@@ -6,6 +6,8 @@ import rospy
 from remodel_msgs import msg, srv
 from sensor_msgs.msg import Image
 
+from remodel_console.edge.jpeg import as_jpeg
+
 WIRES = (
     ("W1", "Q1/1 to X3/2, BU, 1.5 mm2"),
     ("W2", "Q1/3 to X3/4, BU, 1.5 mm2"),
@@ -128,6 +130,91 @@ class FakeSupervisor:
             phase="asking", order=order, use_case="switchgear", run=12, tasks=tasks, task="W4",
             levels=levels, failures=failures, question=question, interruptions=1,
         )  # fmt: skip
+
+
+START_S = 1000.0  # ROS time at which the recorded run begins
+
+
+def entry(time_s, kind, **fields):
+    """Return an entry of a record; `picture` is an image."""
+    picture = fields.pop("picture", None)
+    made = msg.RunEntry(stamp=rospy.Time.from_sec(START_S + time_s), kind=kind, **fields)
+    if picture is not None:
+        made.has_picture = True
+        made.picture.format = "jpeg"
+        size = (picture.height, picture.width, picture.step)
+        made.picture.data = as_jpeg(picture.data, *size, picture.encoding)
+    return made
+
+
+def recorded_run():
+    """Return the record of a run of two tasks, one of which fails at first."""
+    entries = [
+        entry(0, "run", text="order cabinet 7 begins"),
+        entry(1, "task", task="W1", text="running, attempt 1"),
+    ]
+    for start_s, path in ((2, "/Greet"), (4, "/Search/Look"), (9, "/Search/Look closer")):
+        entries.append(
+            entry(start_s, "state", task="W1", behavior="Errand", state_path=path),
+        )
+        for step in range(4):
+            entries.append(
+                entry(
+                    start_s + 0.4 * step, "feedback", task="W1", ability="InsertCable",
+                    text="pushes the end in", names=["completed_percentage", "force_n"],
+                    values=[25.0 * step, 2.0 + start_s * step / 2],
+                )
+            )  # fmt: skip
+    entries += [
+        entry(
+            12, "failure", task="W1", fault="insertion_jammed", error_code=303,
+            text="22 N at 6 mm of 14 mm", picture=picture(240, 320, 170, 40, 30),
+        ),
+        entry(12.1, "decision", task="W1", text="replan", because="two new parts have jammed"),
+        entry(13, "task", task="W2", text="running, attempt 1"),
+        entry(14, "state", task="W2", behavior="Errand", state_path="/Report"),
+        entry(15, "operator", task="W2", text="skips W2", because="Ada"),
+        entry(16, "run", text="ended: 0 of 2 tasks done"),
+    ]  # fmt: skip
+    for position, one in enumerate(entries, start=1):
+        one.position = position
+    return entries
+
+
+class FakeRecords:
+    """Serves the record of one run, a few entries at once."""
+
+    AT_ONCE = 5
+
+    def __init__(self):
+        """Begin to serve."""
+        self._entries = recorded_run()
+        self._services = [
+            rospy.Service("remodel/use_case/runs", srv.ListRuns, self._list),
+            rospy.Service("remodel/use_case/record", srv.GetRun, self._get),
+        ]
+
+    def _list(self, _request):
+        run = msg.RunSummary(
+            run=12, order="cabinet 7", cell="cell 1", started=rospy.Time(1795200000), taken_s=16.0,
+            ended=True, done=0, tasks=2,
+        )  # fmt: skip
+        return srv.ListRunsResponse(True, "", [run], ["cabinet 7", "cabinet 8"])
+
+    def _get(self, request):
+        if request.run != 12:
+            return srv.GetRunResponse(False, f"there is no run {request.run}", [], 0)
+        count = min(request.count or self.AT_ONCE, self.AT_ONCE)
+        found = self._entries[request.first - 1 : request.first - 1 + count]
+        if not request.with_pictures:
+            found = [without_picture(one) for one in found]
+        return srv.GetRunResponse(True, "", found, len(self._entries))
+
+
+def without_picture(entry_):
+    """Return an entry that only says that it has a picture."""
+    fields = {name: getattr(entry_, name) for name in entry_.__slots__ if name != "picture"}
+    return msg.RunEntry(**fields)
 
 
 class FakeCameras:

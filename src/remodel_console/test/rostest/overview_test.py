@@ -12,7 +12,7 @@ from playwright.sync_api import expect
 
 sys.path.insert(0, str(Path(__file__).parent))
 from browser_test_case import LIMIT_S, BrowserTestCase
-from fake_supervisor import FakeCameras, FakeSupervisor
+from fake_supervisor import FakeCameras, FakeRecords, FakeSupervisor
 
 
 class OverviewTest(BrowserTestCase):
@@ -70,7 +70,7 @@ class OverviewTest(BrowserTestCase):
         for name in ("From above", "From the hand", "The cell"):
             expect(page.get_by_role("img", name=name)).to_be_visible()
         self.take_picture(page, "overview")
-        self.take_picture_on_a_tablet("overview-dark-1024")
+        self.take_picture_on_a_tablet("overview-dark-1024", "/overview", ".request")
 
         page.locator(".q-header .q-btn", has_text="Your name").click()
         page.get_by_label("Name").fill("Ada")
@@ -95,11 +95,41 @@ class OverviewTest(BrowserTestCase):
         self.assertIn(("Ada", "answer question 1 about W4: I have fixed it", "done"), given)
         self.assertIn(("operator", "run order 'nowhere'", "failed"), given)
 
-    def take_picture_on_a_tablet(self, name):
-        page = self.open_page(width=1024, height=768)
+    def test_the_record_of_a_run_is_scrubbed_through(self):
+        _records = FakeRecords()
+        page = self.page = self.open_page("/replay")
+        page.get_by_role("button", name="Look again").click()
+        page.get_by_role("button", name="12 cabinet 7").click()
+        expect(page.locator(".clock")).to_have_text("0.0 s of 16.0 s, entry 1 of 23")
+        page.keyboard.press("n")
+        expect(page.locator(".entry-words")).to_have_text(
+            "failure: Insertion jammed: 22 N at 6 mm of 14 mm"
+        )
+        expect(page.locator("g.node.active[data-path='Search/Look closer']").first).to_be_visible()
+        expect(page.locator("g.node.passed[data-path='Greet']").first).to_be_visible()
+        expect(page.get_by_role("img", name="What a camera saw last")).to_be_visible()
+        page.get_by_role("button", name="Next reason (N)").click()
+        expect(page.locator(".failures")).to_contain_text(
+            "The cell plans the rest anew; the task comes later, because two new parts have jammed."
+        )
+        self.take_picture(page, "replay")
+        self.take_picture_on_a_tablet("replay-dark-1024", "/replay?run=12", ".clock")
+        page.get_by_role("button", name="Moment before (,)").click()
+        expect(page.locator(".clock")).to_contain_text("entry 18 of 23")
+        track = page.locator(".track")
+        track.click(position={"x": track.bounding_box()["width"] - 1, "y": 20})
+        expect(page.locator(".clock")).to_contain_text("entry 23 of 23")
+        expect(page.locator(".failures")).to_contain_text("Ada: skips W2")
+        track.click(position={"x": 1, "y": 20})
+        expect(page.locator(".clock")).to_contain_text("entry 1 of 23")
+        self.choose(page, "Speed", "20 x")
+        page.get_by_role("button", name="Play (P)").click()
+        expect(page.locator(".clock")).to_contain_text("entry 23 of 23")
+
+    def take_picture_on_a_tablet(self, name, address, shown):
+        page = self.open_page(address, width=1024, height=768)
         page.get_by_role("button", name="Dark or light").click()
-        expect(page.locator(".request")).to_be_visible()
-        expect(page.get_by_role("img", name="The cell")).to_be_visible()
+        expect(page.locator(shown)).to_be_visible()
         overflow = (
             "() => document.documentElement.scrollWidth - document.documentElement.clientWidth"
         )

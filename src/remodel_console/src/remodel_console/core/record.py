@@ -33,6 +33,7 @@ class Entry:
     time_s: float
     kind: Kind
     task: str = ""
+    behavior: str = ""
     state_path: str = ""
     ability: str = ""
     fault: str = ""
@@ -67,7 +68,8 @@ class Moment:
     Attributes:
         entry: what happened last.
         task: under way; empty between tasks.
-        state_path: state that was active; empty if none was.
+        behavior: that ran last in the task; empty if none did.
+        state_path: its state that was active; empty if none was.
         passed: states that the task's behavior had entered by then, the active one too.
         feedback: what an ability had told last in this state; None if nothing.
         picture: position of the last picture; 0 if there was none.
@@ -76,11 +78,23 @@ class Moment:
 
     entry: Entry
     task: str
+    behavior: str
     state_path: str
     passed: tuple[str, ...]
     feedback: Entry | None
     picture: int
     reasons: tuple[Entry, ...]
+
+
+_UNITS = {"n": "N", "nm": "N m", "m": "m", "s": "s", "rad": "rad", "percentage": "%"}
+
+
+def value_words(name: str) -> str:
+    """Return the name of a value as a person reads it: `force_n` is force [N]."""
+    words, _, unit = name.rpartition("_")
+    if not words or unit not in _UNITS:
+        return name.replace("_", " ")
+    return f"{words.replace('_', ' ')} [{_UNITS[unit]}]"
 
 
 @dataclass(frozen=True)
@@ -105,23 +119,26 @@ class Record:
 
     def moment(self, index: int) -> Moment:
         """Return what was so after the entry of an index."""
-        task, path, picture = "", "", 0
+        task, behavior, path, picture = "", "", "", 0
         passed: list[str] = []
         feedback: Entry | None = None
         for entry in self.entries[: index + 1]:
             if entry.task and entry.task != task:
                 task, path, passed, feedback = entry.task, "", [], None
+                behavior = ""
             if entry.kind is Kind.TASK and not entry.task:
                 task = ""
             if entry.kind is Kind.STATE:
                 path, feedback = entry.state_path, None
+                behavior = entry.behavior or behavior
                 if path and path not in passed:
                     passed.append(path)
             elif entry.kind in (Kind.FEEDBACK, Kind.RESULT):
                 feedback = entry
             picture = entry.position if entry.has_picture else picture
         reasons = tuple(e for e in reversed(self.entries[: index + 1]) if e.kind in REASONS)
-        return Moment(self.entries[index], task, path, tuple(passed), feedback, picture, reasons)
+        now = self.entries[index]
+        return Moment(now, task, behavior, path, tuple(passed), feedback, picture, reasons)
 
     def next_reason(self, index: int, step: int) -> int:
         """Return the index of the next failure, decision or answer, or of the one before.

@@ -89,6 +89,7 @@ def _entry(message: msg.RunEntry) -> Entry:
         time_s=message.stamp.to_sec(),
         kind=Kind(message.kind),
         task=message.task,
+        behavior=message.behavior,
         state_path=message.state_path,
         ability=message.ability,
         fault=message.fault,

@@ -4,24 +4,19 @@ from __future__ import annotations
 
 from nicegui.element import Element
 
-from remodel_console.pictures import Pictures
-
 
 class CameraView(Element, component="static/camera.js"):
-    """Shows the newest picture; the browser fetches it, so that pages are not slowed down."""
+    """Shows a picture; the browser fetches it, so that pages are not slowed down."""
 
-    def __init__(self, pictures: Pictures, camera: str, label: str, none: str) -> None:
-        """Show a camera under a label; `none` stands where no picture is yet."""
+    def __init__(self, label: str, none: str) -> None:
+        """Show nothing yet under a label; `none` stands where no picture is."""
         super().__init__()
-        self._pictures = pictures
-        self._camera = camera
-        self._number = 0
+        self._address = ""
         self._props["label"] = label
         self._props["none"] = none
 
-    def look(self) -> None:
-        """Show the newest picture if it is new."""
-        picture = self._pictures.newest(self._camera)
-        if picture is not None and picture.number != self._number:
-            self._number = picture.number
-            self.run_method("show", f"/picture/{self._camera}?number={picture.number}")
+    def show(self, address: str) -> None:
+        """Show the picture of an address; an empty one: none."""
+        if address != self._address:
+            self._address = address
+            self.run_method("show", address)

@@ -60,7 +60,7 @@ class OverviewPage(Page):
                 self._tasks = ui.element("div").classes("tasks")
             with ui.element("section").classes("watch"):
                 with ui.element("div").classes("cameras"):
-                    self._cameras = [CameraView(pictures, *camera) for camera in _CAMERAS]
+                    self._cameras = {name: CameraView(*words) for name, *words in _CAMERAS}
                 self._figures = ui.element("div").classes("figures")
             with ui.element("aside").classes("panel"):
                 self._question = ui.element("div").classes("wide")
@@ -75,8 +75,9 @@ class OverviewPage(Page):
 
     def show(self, world: World) -> None:
         """Show the parts that have changed."""
-        for camera in self._cameras:
-            camera.look()
+        for camera, view in self._cameras.items():
+            picture = self.console.pictures.newest(camera)
+            view.show(f"/picture/{camera}?number={picture.number}" if picture else "")
         now = world.use_case or UseCase(Phase.IDLE)
         if now == self._use_case:
             return
@@ -124,7 +125,7 @@ class OverviewPage(Page):
             ui.label(now.order).classes("title")
             ui.label(now.phase.words).classes(f"state {_style(now.phase)}")
             if now.run:
-                ui.label(f"run {now.run}").classes("soft")
+                ui.link(f"run {now.run}", f"/replay?run={now.run}").classes("soft")
         done, total = now.count(TaskPhase.DONE), len(now.tasks)
         aside = now.count(TaskPhase.SET_ASIDE)
         words = f"{done} of {total} tasks done"

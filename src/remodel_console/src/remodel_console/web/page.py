@@ -31,6 +31,7 @@ class Page:
         ("Overview", "/overview"),
         ("Runtime control", "/runtime"),
         ("Editor", "/editor"),
+        ("Replay", "/replay"),
         ("Configuration", "/configuration"),
     )
     KEYS: tuple[tuple[str, str], ...] = ()
@@ -41,6 +42,7 @@ class Page:
         """Build the page, and have it shown again after each change."""
         self.console = console
         self.role = role_of(request.scope)
+        self.query = request.query_params
         self._address = request.client.host if request.client else "?"
         self._name = tidy_name(request.cookies.get(NAME_COOKIE, ""))
         self._dark = ui.dark_mode(value=request.cookies.get(DARK_COOKIE) == "dark")
@@ -52,7 +54,8 @@ class Page:
         self._dialogs = ui.element("div")  # what is asked stays, whatever the page shows next
         with ui.element("main").classes("page"):
             self.build()
-        ui.keyboard(on_key=self._on_key, repeating=False)
+        typed_in = ["input", "select", "textarea"]
+        ui.keyboard(on_key=self._on_key, repeating=False, ignore=typed_in)
         broadcast.add(ui.context.client, self._show)
         self._show()
 

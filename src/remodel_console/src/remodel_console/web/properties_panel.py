@@ -221,8 +221,10 @@ class PropertiesPanel:
         entry.set_enabled(self._page.is_operator)
 
         async def take() -> None:
+            nonlocal value  # Enter, and then leaving the field, change it once
             text = (entry.value or "").strip()
             if text != value:
+                value = text
                 await put(text)  # type: ignore[misc]
 
         entry.on("blur", take)

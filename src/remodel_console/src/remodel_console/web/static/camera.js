@@ -11,6 +11,10 @@ export default {
     },
     load() {
       const address = this.wanted;
+      if (!address) {
+        this.shown = "";
+        return;
+      }
       const image = new Image();
       this.loading = true;
       const done = () => {
