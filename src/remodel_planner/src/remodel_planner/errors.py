@@ -30,6 +30,10 @@ class CellError(PlannerError):
     """The cell, the engine or the synthesizer does not answer, or refuses."""
 
 
+class LostError(PlannerError):
+    """A process that a run needs is gone, or silent: what it was doing is in doubt."""
+
+
 class InstanceError(PlannerError):
     """A planning problem or a plan is malformed, or the problem has no plan."""
 

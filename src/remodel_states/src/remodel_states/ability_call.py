@@ -22,6 +22,10 @@ How an execution ends (first row that holds):
     timeout_s + GRACE_S have passed without an answer   failed         SERVER_HUNG
 
 The server ends a goal at its timeout; the last row only bounds the wait for one that does not.
+
+With a recorder (see record_keeping), `outcome()` stays None until the record is kept. One that is
+not kept in time ends the state with command_error, SERVER_LOST; the record still says how the
+operation itself ended.
 """
 
 from __future__ import annotations
@@ -34,11 +38,25 @@ from remodel_msgs.msg import AbilityRecord, ErrorCode
 from flexbe_core import EventState, Logger
 from flexbe_core.core import UserData
 from flexbe_core.proxy import ProxyActionClient, ProxyPublisher
+from remodel_states.record_keeping import (
+    KEEP_LIMIT_S,
+    RECORDER_PARAMETER,
+    Keeping,
+    keeper_of,
+    recorder,
+)
 
 RECORD_TOPIC = "remodel/ability_records"
 
 # [s] ROS time that a server gets beyond the goal's timeout to report that it ended by itself.
 GRACE_S = 2.0
+
+# [Hz] of polling: FlexBE's default, and while the record is on its way, which takes milliseconds.
+_RATE_HZ = 10.0
+_KEEPING_RATE_HZ = 250.0
+
+# What every result has; the rest is what the ability found out.
+_COMMON = frozenset({"id", "success", "message", "elapsed_time", "error_code", "error_message"})
 
 COMMAND_ERROR = "command_error"
 FAILED = "failed"
@@ -78,6 +96,8 @@ class AbilityCall:
         self.error_code = ErrorCode.NONE
         self.error_message = ""
         self._outcome: str | None = None
+        self._record: AbilityRecord | None = None
+        self._keeping: Keeping | None = None
 
     def start(self, goal: Message) -> None:
         """Fill the goal's id (unless it has one) and timeout, and send it."""
@@ -87,6 +107,8 @@ class AbilityCall:
         self._goal = goal
         self.result = None
         self._outcome = None
+        self._record = None
+        self._keeping = None
         self.error_code, self.error_message = ErrorCode.NONE, ""
         self._running = True
         self._started = rospy.Time.now()
@@ -96,10 +118,12 @@ class AbilityCall:
             self._end(COMMAND_ERROR, ErrorCode.SERVER_LOST, f"could not send the goal: {error}")
 
     def outcome(self) -> str | None:
-        """Return the state's outcome, or None while the ability runs."""
+        """Return the state's outcome, or None while the ability runs or its record is not kept."""
         if self._running:
             self._look()
-        return self._outcome
+        if self._keeping is not None:
+            self._look_at_keeping(self._keeping)
+        return None if self._keeping is not None else self._outcome
 
     def finish(self) -> None:
         """Cancel the goal if it still runs, and publish the record, once per start."""
@@ -110,7 +134,11 @@ class AbilityCall:
             self._running = False
             self.error_code = ErrorCode.PREEMPTED
             self.error_message = "the state was left while the ability ran; its goal is cancelled"
-        self._records.publish(RECORD_TOPIC, self._record())
+            self._close_record()
+        if self._keeping is not None:
+            self._keeping.give_up()
+            self._stop_keeping()
+        self._records.publish(RECORD_TOPIC, self._record)
         self._goal = None
 
     def write_errors(self, userdata: UserData) -> None:
@@ -164,8 +192,36 @@ class AbilityCall:
         self.error_code, self.error_message = code, text
         if code != ErrorCode.NONE:
             Logger.logwarn(f"{self._ability} {outcome}: error {code}: {text}")
+        self._close_record()
 
-    def _record(self) -> AbilityRecord:
+    def _look_at_keeping(self, keeping: Keeping) -> None:
+        if keeping.is_settled:
+            self._stop_keeping()
+        elif keeping.is_overdue:
+            keeping.give_up()
+            self._stop_keeping()
+            self._outcome = COMMAND_ERROR
+            self.error_code = ErrorCode.SERVER_LOST
+            self.error_message = (
+                f"the record of {self._goal.id} was not kept within {KEEP_LIMIT_S:g} s; asked was "
+                f"{keeping.service}: {keeping.trouble or 'no answer'}. Start it; `rosparam delete "
+                f"{rospy.resolve_name(RECORDER_PARAMETER)}` lets behaviors run unrecorded"
+            )
+            Logger.logwarn(f"{self._ability} {COMMAND_ERROR}: {self.error_message}")
+
+    def _stop_keeping(self) -> None:
+        self._keeping = None
+        self._state.set_rate(_RATE_HZ)
+
+    def _close_record(self) -> None:
+        """Write the record of a call that has ended, and begin to have it kept if it must be."""
+        self._record = self._written_record()
+        service = recorder()
+        if service:
+            self._keeping = keeper_of(service).keep(self._record)
+            self._state.set_rate(_KEEPING_RATE_HZ)
+
+    def _written_record(self) -> AbilityRecord:
         return AbilityRecord(
             stamp=rospy.Time.now(),
             behavior=self._behavior(),
@@ -179,6 +235,8 @@ class AbilityCall:
             message=getattr(self.result, "message", ""),
             error_message=self.error_message,
             elapsed_time=(rospy.Time.now() - self._started).to_sec(),
+            parameters=_scalars(self._goal, frozenset({"id"})),
+            measurements=_scalars(self.result, _COMMON) if self.result else [],
         )
 
     def _behavior(self) -> str:
@@ -187,3 +245,13 @@ class AbilityCall:
         while node is not None and node.parent is not None:
             node = node.parent
         return node.name or "" if node is not None else ""
+
+
+def _scalars(message: Message, left_out: frozenset[str]) -> list[str]:
+    """Return the numbers, truth values and texts of a message as "name=value"."""
+    fields = {name: getattr(message, name) for name in message.__slots__ if name not in left_out}
+    return [
+        f"{name}={value}"
+        for name, value in fields.items()
+        if isinstance(value, bool | int | float | str)
+    ]

@@ -8,13 +8,17 @@ import sys
 import threading
 import time
 import unittest
+from contextlib import contextmanager
+from unittest import mock
 
 import rospy
 import rostest
 from geometry_msgs.msg import PoseStamped
 from remodel_msgs.msg import AbilityRecord, ErrorCode
+from remodel_msgs.srv import KeepRecord, KeepRecordResponse
 
 from flexbe_core.core import UserData
+from remodel_states import record_keeping
 from remodel_states.count_attempts_state import CountAttemptsState
 from remodel_states.detect_cable_state import DetectCableState
 from remodel_states.extract_cable_state import ExtractCableState
@@ -64,6 +68,38 @@ def run(state, data, limit_s=10.0):
     return outcome
 
 
+class Recorder:
+    """A recorder that answers when it may."""
+
+    def __init__(self, service):
+        self.came = []
+        self.may_answer = threading.Event()
+        self.says = KeepRecordResponse(True, "")
+        self._service = rospy.Service(service, KeepRecord, self._on_record)
+
+    def stop(self):
+        self.may_answer.set()
+        self._service.shutdown()
+
+    def _on_record(self, request):
+        self.came.append(request.record)
+        self.may_answer.wait(10.0)
+        return self.says
+
+
+@contextmanager
+def recorded_by(service):
+    """Have records kept by a service."""
+    rospy.set_param(record_keeping.RECORDER_PARAMETER, service)
+    assert wait_until(lambda: record_keeping.recorder() == service)
+    try:
+        yield
+    finally:
+        if rospy.has_param(record_keeping.RECORDER_PARAMETER):
+            rospy.delete_param(record_keeping.RECORDER_PARAMETER)
+        assert wait_until(lambda: not record_keeping.recorder())
+
+
 def wait_until(condition, limit_s=5.0):
     limit = time.monotonic() + limit_s
     while not condition() and time.monotonic() < limit:
@@ -81,6 +117,17 @@ class AbilityStatesTest(unittest.TestCase):
     def state(self, ability, **parameters):
         state_class, defaults, _ = STATES[ability]
         return state_class(**{**defaults, **parameters})
+
+    @contextmanager
+    def recorder(self):
+        """Have records kept by a recorder of this test."""
+        service = f"recorder_of/{self._testMethodName}"
+        recorder = Recorder(service)
+        try:
+            with recorded_by(service):
+                yield recorder
+        finally:
+            recorder.stop()
 
     def test_each_ability_succeeds_with_its_outcome(self):
         for ability, (_, _, done) in STATES.items():
@@ -183,6 +230,90 @@ class AbilityStatesTest(unittest.TestCase):
         outcome = run(self.state("PlacePin", max_time=30.0), data)
         self.assertEqual(outcome, "PlacePin takes longer than normal")
         self.assertEqual(data["elapsed_time"], 31.0)
+
+    def test_a_record_tells_the_goal_and_what_was_found(self):
+        self.fakes["InsertCable"].script(Answer())
+        with self.recorder() as recorder:
+            recorder.may_answer.set()
+            self.assertEqual(
+                run(self.state("InsertCable", force_limit=9.5), userdata()), "inserted"
+            )
+        (record,) = recorder.came
+        self.assertIn("force_limit=9.5", record.parameters)
+        self.assertIn("cable_id=cable_id", record.parameters)
+        self.assertIn("peak_force=0.0", record.measurements)
+        self.assertFalse([text for text in record.measurements if text.startswith("success")])
+
+    def test_the_outcome_waits_until_the_record_is_kept(self):
+        self.fakes["InsertCable"].script(Answer())
+        with self.recorder() as recorder:
+            state, data = self.state("InsertCable"), userdata()
+            self.assertTrue(wait_until(lambda: state.execute(data) or recorder.came))
+            for _ in range(20):
+                self.assertIsNone(state.execute(data))
+            recorder.may_answer.set()
+            self.assertEqual(run(state, data), "inserted")
+            self.assertEqual(recorder.came[0].outcome, "inserted")
+
+    def test_a_recorder_that_refuses_is_asked_again(self):
+        self.fakes["InsertCable"].script(Answer(ErrorCode.NOT_SEATED))
+        with self.recorder() as recorder:
+            recorder.says = KeepRecordResponse(False, "the disk is full")
+            recorder.may_answer.set()
+            state, data = self.state("InsertCable"), userdata()
+            self.assertTrue(wait_until(lambda: state.execute(data) or len(recorder.came) > 1))
+            recorder.says = KeepRecordResponse(True, "")
+            self.assertEqual(run(state, data), "failed")
+            self.assertEqual(recorder.came[0], recorder.came[-1])
+
+    def test_a_recorder_that_is_killed_is_waited_for(self):
+        script = (
+            "import rospy; from remodel_msgs.srv import KeepRecord;"
+            "rospy.init_node('victim', anonymous=True);"
+            "rospy.Service('victim/keep', KeepRecord, lambda _: (True, '')); rospy.spin()"
+        )
+        self.fakes["InsertCable"].script(Answer())
+        with recorded_by("victim/keep"):
+            for _ in range(2):
+                victim = subprocess.Popen([sys.executable, "-c", script])
+                try:
+                    self.assertEqual(run(self.state("InsertCable"), userdata()), "inserted")
+                finally:
+                    victim.kill()
+                    victim.wait()
+
+    def test_a_record_that_is_not_kept_in_time_is_a_command_error(self):
+        self.fakes["FixCable"].script(Answer())
+        with self.recorder() as recorder, mock.patch.object(record_keeping, "KEEP_LIMIT_S", 0.6):
+            recorder.says = KeepRecordResponse(False, "the disk is full")
+            recorder.may_answer.set()
+            data = userdata()
+            self.assertEqual(run(self.state("FixCable"), data), "command_error")
+            self.assertEqual(data["error_code"], ErrorCode.SERVER_LOST)
+            self.assertIn(
+                "is_not_kept_in_time_is_a_command_error: the disk is full", data["error_message"]
+            )
+            self.assertIn("rosparam delete /remodel/recorder", data["error_message"])
+
+    def test_deleting_the_parameter_lets_behaviors_run_unrecorded(self):
+        self.fakes["FixCable"].script(Answer())
+        with self.recorder() as recorder:
+            state, data = self.state("FixCable"), userdata()
+            self.assertTrue(wait_until(lambda: state.execute(data) or recorder.came))
+            rospy.delete_param(record_keeping.RECORDER_PARAMETER)
+            self.assertEqual(run(state, data), "fixed")
+
+    def test_a_state_that_is_left_while_its_record_is_not_kept_sends_it_once_more(self):
+        self.fakes["RouteWire"].script(Answer())
+        with self.recorder() as recorder:
+            recorder.says = KeepRecordResponse(False, "not now")
+            recorder.may_answer.set()
+            state, data = self.state("RouteWire"), userdata()
+            self.assertTrue(wait_until(lambda: state.execute(data) or recorder.came))
+            came = len(recorder.came)
+            state.on_exit(data)
+            self.assertTrue(wait_until(lambda: len(recorder.came) > came))
+            self.assertEqual({record.outcome for record in recorder.came}, {"routed"})
 
     def test_attempts_are_counted_up_to_the_bound(self):
         state = CountAttemptsState(attempts=2)

@@ -8,7 +8,7 @@ import sys
 from remodel_planner.commands.database_option import add_database_option
 from remodel_planner.core.run_story import tell
 from remodel_planner.edge.fault_file import read_faults
-from remodel_planner.edge.production_database import ProductionDatabase
+from remodel_planner.edge.run_log import kept_run
 from remodel_planner.errors import PlannerError
 
 
@@ -23,13 +23,10 @@ def main(arguments: list[str]) -> int:
     add_database_option(parser)
     options = parser.parse_args(arguments)
     try:
-        database = ProductionDatabase(options.database)
-        try:
-            run = database.run_record(options.run)
-        finally:
-            database.close()
+        kept = kept_run(options.database, options.run)
     except PlannerError as error:
         print(f"explain: {error}", file=sys.stderr)
         return 3
-    print("\n".join(tell(run, read_faults())))
+    events = [each.event for each in kept]
+    print("\n".join(tell(options.run, kept[0].at, events, read_faults())))
     return 0

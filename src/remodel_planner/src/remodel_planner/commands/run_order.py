@@ -1,65 +1,74 @@
-"""`rosrun remodel_planner run_order ORDER`: place an order's wires, and report."""
+"""`rosrun remodel_planner run_order ORDER`: have an order's wires placed, and report."""
 
 from __future__ import annotations
 
 import argparse
 import sys
 import time
-from collections.abc import Collection, Sequence
-from dataclasses import replace
-from functools import partial
+import uuid
 from pathlib import Path
 
 import rospy
+from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal, UseCaseState
 from tqdm import tqdm
 
 from remodel_planner.commands.database_option import add_database_option
-from remodel_planner.core.cell_order import USE_CASE, cell_order
-from remodel_planner.core.learning.learned_expectations import LearnedExpectations
-from remodel_planner.core.panel_layout import PanelLayout, PanelRules, lay_out
+from remodel_planner.commands.storyteller import Storyteller
+from remodel_planner.core.panel_layout import PanelRules, lay_out
+from remodel_planner.core.production import Order, Wire
 from remodel_planner.core.recovery.fault import Do
-from remodel_planner.core.recovery.history import Recovery
 from remodel_planner.core.run import Execution
 from remodel_planner.core.run_report import Report, failure_line
-from remodel_planner.core.use_case.model import UseCase
-from remodel_planner.core.use_case.planned_tasks import PlannedTask, planned_tasks
-from remodel_planner.core.use_case.preparation import prepare
-from remodel_planner.core.use_case.work_order import WorkOrder
+from remodel_planner.core.supervision.attempts import Attempt, attempts_of
+from remodel_planner.core.supervision.events import Ending, Part, Planned
+from remodel_planner.core.supervision.state import RunState, Stage, state_after
 from remodel_planner.edge.catalogue_file import read_catalogue
-from remodel_planner.edge.fault_file import read_faults
-from remodel_planner.edge.order_planner import plan_problem
 from remodel_planner.edge.package_files import catalogue_file
-from remodel_planner.edge.production_database import ProductionDatabase, Run
+from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.report_files import write_report
-from remodel_planner.edge.use_case_files import find_use_case
+from remodel_planner.edge.run_log import RunLog
 from remodel_planner.errors import CellError, PlannerError
-from remodel_planner.ros.storyteller import Storyteller
-from remodel_planner.ros.use_case_supervisor import UseCaseSupervisor, WireRun
+from remodel_planner.ros.action_server import ActionServer, Goal
 
-# [s] of search for the best order: some wires, against minutes of work.
-_PLANNING_S = 0.5
+# [s] wall time that the supervisor's node, with all that it needs, gets to come up.
+_START_LIMIT_S = 60.0
+
+# [s] wall time between two looks at what has happened; and that a supervisor may stay away.
+_LOOK_S = 0.2
+_AWAY_LIMIT_S = 60.0
 
 # What is done about a failed task, told to a person.
 DONE = {
+    Do.RETRY: "looking, then doing what is left",
+    Do.RETRY_WITH: "trying again with other parameters",
+    Do.LOOK_AGAIN: "looking again",
+    Do.OTHER_METHOD: "trying another method",
     Do.NEW_PART: "feeding a new wire",
     Do.REPLAN: "its turn comes later",
     Do.SET_ASIDE: "set aside",
+    Do.ASK_OPERATOR: "asking the operator",
     Do.STOP: "stopping",
 }
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Place the wires, print one line a wire, write the report, and return the exit code."""
+    """Have the wires placed, print one line an attempt, write the report, return the exit code."""
     parser = argparse.ArgumentParser(
         prog="run_order",
-        description="Place the wires of an order in the cell, one after another, and report.",
+        description="Have the wires of an order placed by the use case supervisor, and report.",
         epilog="Exit code: 0 all wires placed, 1 not all, 2 wrong usage or no such order, 3 cell, "
-        "engine or synthesizer is not there or refuses.",
+        "engine, synthesizer or supervisor is not there or refuses.",
     )
     parser.add_argument("order", help="name of the order in the production database")
     parser.add_argument("--wires", type=int, default=6, help="how many, from the first (default 6)")
     parser.add_argument(
-        "--output", type=Path, default=Path("out/run"), help="folder of charts and report"
+        "--again", action="store_true", help="place wires again that are placed already"
+    )
+    parser.add_argument(
+        "--output",
+        type=Path,
+        default=Path("out/run"),
+        help="folder of the report, and of the supervisor's pictures (default out/run)",
     )
     add_database_option(parser)
     options = parser.parse_args(rospy.myargv()[1:] if arguments is None else arguments)
@@ -69,79 +78,154 @@ def main(arguments: list[str] | None = None) -> int:
         database = ProductionDatabase(options.database)
         order = database.order(options.order).in_cabinet().first(options.wires)
         layout = lay_out(order, read_catalogue(catalogue_file()), PanelRules())
-        use_case = find_use_case(USE_CASE)
-        recovery = Recovery(read_faults(), use_case.recovery)
-        learned = LearnedExpectations(use_case.expectations, database.ability_calls())
-        replan = partial(_planned, cell_order(layout), use_case, learned)
-        tasks = replan([cut.wire.name for cut in layout.wires])
     except PlannerError as error:
         print(f"run_order: {error}", file=sys.stderr)
         return 2
-    rospy.init_node("use_case_supervisor")
+    rospy.init_node("run_order", anonymous=True)
+    print(f"order {order.name}: {len(order.wires)} wires, {len(order.components)} components")
+    follower = _Follower(RunLog(database), order)
+    started = time.monotonic()
     try:
-        charts = options.output.resolve() / "charts"
-        charts.mkdir(parents=True, exist_ok=True)
-        supervisor = UseCaseSupervisor(database, charts, recovery, replan)
-        run = database.start_run(order)
-        report = _run(run, supervisor, layout, tasks)
+        state = follower.run(options.again)
     except PlannerError as error:
         print(f"run_order: {error}", file=sys.stderr)
         return 3
     finally:
         database.close()
+    wall_s = time.monotonic() - started
+    lengths = {cut.wire.name: cut.length for cut in layout.wires}
+    pictures = options.output / "runs" / str(follower.number)
+    report = _report(order, lengths, follower.attempts, state, pictures, wall_s)
     page = write_report(report, options.output)
     _sum_up(report, page)
-    print(f"story: rosrun remodel_planner explain {run.id} --database {options.database}")
+    print(f"story: rosrun remodel_planner explain {follower.number} --database {options.database}")
     if report.stopped:
         print(f"run_order: {report.stopped}", file=sys.stderr)
         return 3
     return 0 if report.complete else 1
 
 
-def _planned(
-    order: WorkOrder, use_case: UseCase, learned: LearnedExpectations, names: Collection[str]
-) -> tuple[PlannedTask, ...]:
-    """Return the tasks of these names in the best order that is found in a moment."""
-    tasks = tuple(task for task in order.tasks if task.name in names)
-    prepared = prepare(replace(order, tasks=tasks), use_case, expectations=learned)
-    planned = plan_problem(prepared.preferred.problem, _PLANNING_S)
-    return tuple(planned_tasks(prepared, planned.plan))
+class _Follower:
+    """Asks for a run, and tells of it while it goes on; a supervisor that dies may come again.
+
+    Attributes:
+        number: of the run.
+        attempts: that have ended.
+    """
+
+    def __init__(self, log: RunLog, order: Order) -> None:
+        self._log = log
+        self._order = order
+        self._wires = {wire.name: wire for wire in order.wires}
+        self._server = ActionServer(
+            "remodel/run_use_case", RunUseCaseAction, "remodel_planner use_case_supervisor"
+        )
+        self._told: UseCaseState | None = None
+        self._heard_s = time.monotonic()
+        self._plans = 0
+        self.number = 0
+        self.attempts: tuple[Attempt, ...] = ()
+        rospy.Subscriber("remodel/use_case/state", UseCaseState, self._on_state)
+
+    def run(self, again: bool) -> RunState:
+        """Have the order done, and return how it ended.
+
+        Raises:
+            CellError: if the supervisor refuses, or goes away and does not come again.
+        """
+        goal = self._asked(again)
+        total = len(self._order.wires)
+        with tqdm(total=total, unit="wire", file=sys.stdout, leave=False, disable=None) as bar:
+            while True:
+                goal.wait(_LOOK_S)
+                state, lines = self._news()
+                for line in lines:
+                    bar.write(line)
+                bar.update(sum(task.stage.is_lasting for task in state.tasks.values()) - bar.n)
+                if state.ended is not None:
+                    return state
+                self._require_supervisor()
+
+    def _asked(self, again: bool) -> Goal:
+        """Send the goal until a supervisor has begun the run; one may die before it does."""
+        request = RunUseCaseGoal(
+            id=f"run_order {uuid.uuid4().hex[:8]}",
+            order=self._order.name,
+            tasks=len(self._order.wires),
+            again=again,
+        )
+        end = time.monotonic() + _START_LIMIT_S
+        while time.monotonic() < end:
+            self._server.wait(_START_LIMIT_S)
+            goal = self._server.send(request)
+            while self._server.is_there and time.monotonic() < end:
+                if goal.wait(_LOOK_S) and not goal.succeeded and not goal.lost:
+                    raise CellError(goal.ending)
+                told = self._told
+                if told is not None and told.run and told.order == self._order.name:
+                    self.number = told.run
+                    return goal
+        raise CellError(f"no run began within {_START_LIMIT_S:.0f} s")
+
+    def _require_supervisor(self) -> None:
+        away_s = time.monotonic() - self._heard_s
+        if away_s > _AWAY_LIMIT_S:
+            raise CellError(
+                f"the use case supervisor has been silent for {away_s:.0f} s; when it is started "
+                f"again, run {self.number} goes on by itself"
+            )
+
+    def _news(self) -> tuple[RunState, list[str]]:
+        """Return the run's state, and lines about what has ended since the last call."""
+        events = [kept.event for kept in self._log.events(self.number)]
+        lines = []
+        plans = [event for event in events if isinstance(event, Planned)]
+        lines += [f"plan: {' '.join(plan.tasks)}" for plan in plans[self._plans :]]
+        self._plans = len(plans)
+        attempts = attempts_of(events)
+        state = state_after(events)
+        if attempts and state.current and state.tasks[state.current].stage is Stage.FAILED:
+            attempts = attempts[:-1]  # what is done about it comes next
+        lines += [_line(attempt, self._wires) for attempt in attempts[len(self.attempts) :]]
+        self.attempts = attempts
+        return state, lines
+
+    def _on_state(self, state: UseCaseState) -> None:
+        self._told, self._heard_s = state, time.monotonic()
 
 
-def _run(
-    run: Run,
-    supervisor: UseCaseSupervisor,
-    layout: PanelLayout,
-    tasks: Sequence[PlannedTask],
+def _report(
+    order: Order,
+    lengths: dict[str, float],
+    attempts: tuple[Attempt, ...],
+    state: RunState,
+    pictures: Path,
+    wall_s: float,
 ) -> Report:
-    teller = Storyteller()
-    order = run.order
-    stories, stopped, overview = [], "", ()
-    print(f"order {order.name}: {len(order.wires)} wires, {len(order.components)} components")
-    print(f"plan: {' '.join(task.name for task in tasks)}")
-    started = time.monotonic()
-    with tqdm(
-        total=len(order.wires), unit="wire", file=sys.stdout, leave=False, disable=None
-    ) as bar:
-        try:
-            for wire_run in supervisor.run(run, layout, PanelRules(), tasks):
-                bar.write(_line(wire_run))
-                bar.update(wire_run.last)
-                stories.append(teller.story(wire_run))
-            overview = teller.overview(supervisor.overview())
-        except CellError as error:
-            stopped = str(error)
-    wall_s = time.monotonic() - started
-    return Report(order, len(order.wires), wall_s, tuple(stories), overview, stopped)
+    teller = Storyteller(pictures)
+    told = [attempt for attempt in attempts if attempt.part is not Part.CLEAR]
+    wires = {wire.name: wire for wire in order.wires}
+    stories = tuple(
+        teller.story(attempt, wires[attempt.execution.wire], lengths[attempt.execution.wire])
+        for attempt in told
+    )
+    overview = teller.overview(attempts[-1]) if attempts else ()
+    is_stopped = state.ended is not None and state.ended.ending is Ending.STOPPED
+    stopped = state.ended.because if is_stopped and state.ended else ""
+    return Report(order, len(order.wires), wall_s, stories, overview, stopped)
 
 
-def _line(wire_run: WireRun) -> str:
-    wire, execution = wire_run.cut.wire, wire_run.execution
+def _line(attempt: Attempt, wires: dict[str, Wire]) -> str:
+    wire, execution = wires[attempt.execution.wire], attempt.execution
     result = "placed" if execution.placed else f"NOT placed ({execution.outcome})"
+    if attempt.because:
+        result = f"interrupted ({attempt.because})"
+    if attempt.part is Part.CLEAR:
+        result = "hand emptied"
     if execution.attempt > 1:
         result += f" at attempt {execution.attempt}"
-    if wire_run.decision:
-        result += f", {DONE[wire_run.decision.do]} ({wire_run.decision.because})"
+    if attempt.decision:
+        result += f", {DONE[attempt.decision.do]} ({attempt.decision.because})"
     head = (
         f"{wire.name:>4}  {wire.a!s:>12} to {wire.b!s:<14} {wire.colour} "
         f"{wire.section_mm2:g} mm2  {result}, {_insertions(execution)}, {execution.cell_s:.1f} s"

@@ -17,6 +17,9 @@ class Operation:
         text: the result's message, or the error message.
         ended_s: [s] ROS time.
         elapsed_s: [s] ROS time.
+        goal_id: of its goal, unique in one behavior's execution.
+        parameters: of its goal, name -> value as text.
+        measurements: of its result, name -> value as text.
     """
 
     state_path: str
@@ -26,6 +29,9 @@ class Operation:
     text: str
     ended_s: float
     elapsed_s: float
+    goal_id: str = ""
+    parameters: tuple[tuple[str, str], ...] = ()
+    measurements: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True)

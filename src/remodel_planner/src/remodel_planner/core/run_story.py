@@ -2,91 +2,140 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from datetime import datetime
+from functools import singledispatch
 
 from remodel_planner.core.recovery.fault import FaultTable
 from remodel_planner.core.run import Execution
 from remodel_planner.core.run_report import failure_line
+from remodel_planner.core.supervision.attempts import INTERRUPTED, attempts_of
+from remodel_planner.core.supervision.events import (
+    Answered,
+    Asked,
+    AsLeft,
+    Blocked,
+    Commanded,
+    Decided,
+    Event,
+    Interrupted,
+    Planned,
+    RunEnded,
+    Settled,
+    TaskElsewhere,
+    TaskEnded,
+    TaskReturned,
+)
+from remodel_planner.core.supervision.state import Stage, state_after
 
 
-@dataclass(frozen=True)
-class KeptDecision:
-    """What was decided about a failure, as it was kept.
+def tell(
+    number: int, begun: datetime, events: Sequence[Event], faults: FaultTable
+) -> Iterator[str]:
+    """Yield the lines of a run's story.
 
-    Attributes:
-        fault: name of its kind.
-        evidence: what the ability, or the engine, said.
-        response: what was done, a value of recovery.fault.Do.
-        because: the reason.
-    """
-
-    fault: str
-    evidence: str
-    response: str
-    because: str
-
-
-@dataclass(frozen=True)
-class Attempt:
-    """An execution, and what was decided about it if it failed."""
-
-    execution: Execution
-    decision: KeptDecision | None
-
-
-@dataclass(frozen=True)
-class RunRecord:
-    """A run as the production database has it.
-
-    Attributes:
+    Args:
         number: of the run.
-        order: name of the order.
-        started: wall time, UTC.
+        begun: wall time, UTC.
+        events: of the run, in order.
+        faults: that there are, for their symptoms.
     """
-
-    number: int
-    order: str
-    started: datetime
-    attempts: tuple[Attempt, ...]
-
-
-def tell(run: RunRecord, faults: FaultTable) -> Iterator[str]:
-    """Yield the lines of a run's story."""
-    wires = dict.fromkeys(attempt.execution.wire for attempt in run.attempts)
+    state = state_after(events)
+    attempts = list(attempts_of(events))
     yield (
-        f"run {run.number} of order {run.order}, begun {run.started:%Y-%m-%d %H:%M:%S} UTC: "
-        f"{_count(len(wires), 'wire')}, {_count(len(run.attempts), 'attempt')}"
+        f"run {number} of order {state.order} in cell {state.cell}, begun "
+        f"{begun:%Y-%m-%d %H:%M:%S} UTC: {_count(len(state.tasks), 'task')}, "
+        f"{_count(len(attempts), 'behavior')}"
     )
-    for attempt in run.attempts:
-        yield from _attempt(attempt, faults)
-    lost = [wire for wire in wires if not _is_placed(run, wire)]
-    end = f"not placed: {' '.join(lost)}" if lost else "all are placed"
-    yield f"{len(wires) - len(lost)} of {_count(len(wires), 'wire')} placed; {end}"
+    for event in events:
+        if isinstance(event, TaskEnded):
+            yield from _ended(attempts.pop(0).execution)
+        elif isinstance(event, Interrupted):
+            if attempts and attempts[0].execution.outcome == INTERRUPTED:
+                yield from _ended(attempts.pop(0).execution)
+            yield f"interrupted: {event.because}"
+        elif isinstance(event, Decided):
+            symptoms = faults[event.fault].symptoms if event.fault in faults.names else ""
+            yield f"    it was {event.fault}. {symptoms}".rstrip()
+            yield f"    so: {event.do.value.replace('_', ' ')}, since {event.because}"
+            for name, value in event.change:
+                yield f"    with {name} {value:g}"
+        else:
+            yield from _line(event)
+    left = [name for name, task in state.tasks.items() if task.stage is not Stage.DONE]
+    done = len(state.tasks) - len(left)
+    end = f"not done: {' '.join(left)}" if left else "all are done"
+    yield f"{done} of {_count(len(state.tasks), 'task')} done; {end}"
 
 
-def _attempt(attempt: Attempt, faults: FaultTable) -> Iterator[str]:
-    execution, decision = attempt.execution, attempt.decision
+def _ended(execution: Execution) -> Iterator[str]:
     yield (
         f"{execution.wire}, attempt {execution.attempt}: {execution.behavior} ended "
         f"{execution.outcome} after {execution.cell_s:.1f} s and "
-        f"{_count(len(execution.operations), 'operation')}; the wire is "
-        f"{'placed' if execution.placed else 'not placed'}"
+        f"{_count(len(execution.operations), 'operation')}"
     )
     for failure in execution.failures:
         yield f"    {failure.state_path}: {failure_line(failure)}"
-    if decision is None:
-        if execution.failures:
-            yield "    the behavior itself put it right"
+    if execution.failures and execution.outcome == "finished":
+        yield "    the behavior itself put it right"
+
+
+@singledispatch
+def _line(_event: Event) -> Iterator[str]:
+    """Yield what is to be said of an event that stands alone; of most, nothing."""
+    yield from ()
+
+
+@_line.register
+def _(event: Planned) -> Iterator[str]:
+    yield f"planned, since {event.because}: {' '.join(event.tasks)}"
+
+
+@_line.register
+def _(event: Settled) -> Iterator[str]:
+    if event.unseen:
+        yield f"{event.task}: it cannot be seen what is done of it: {event.unseen}"
         return
-    symptoms = faults[decision.fault].symptoms if decision.fault in faults.names else ""
-    yield f"    it was {decision.fault}. {symptoms}".rstrip()
-    yield f"    so: {decision.response.replace('_', ' ')}, since {decision.because}"
+    seen = f"end {' and end '.join(event.connected)} connected" if event.connected else "no end in"
+    left = f"{_count(event.left, 'step')} left" if event.left else "it is done"
+    yield f"{event.task}: looked what is done of it: {seen}; {left}"
 
 
-def _is_placed(run: RunRecord, wire: str) -> bool:
-    return any(a.execution.placed for a in run.attempts if a.execution.wire == wire)
+@_line.register
+def _(event: Asked) -> Iterator[str]:
+    choices = ", ".join(choice.value for choice in event.choices)
+    yield f"question {event.number}: {event.text} ({choices})"
+
+
+@_line.register
+def _(event: Answered) -> Iterator[str]:
+    yield f"{event.by} answered {event.choice.value} to question {event.number}"
+
+
+@_line.register
+def _(event: Commanded) -> Iterator[str]:
+    yield f"{event.by} asked for: {event.command.value} {event.task}".rstrip()
+
+
+@_line.register
+def _(event: TaskElsewhere) -> Iterator[str]:
+    how = "has it" if event.as_left is AsLeft.RUNNING else f"has left it {event.as_left.value}"
+    yield f"{event.task}: {f'cell {event.cell}' if event.cell else 'another cell'} {how}"
+
+
+@_line.register
+def _(event: TaskReturned) -> Iterator[str]:
+    yield f"{event.task}: taken over from cell {event.cell}, which has begun it and gone silent"
+
+
+@_line.register
+def _(event: Blocked) -> Iterator[str]:
+    yield f"it cannot go on: {event.because}"
+
+
+@_line.register
+def _(event: RunEnded) -> Iterator[str]:
+    yield f"ended {event.ending.value}: {event.because}"
 
 
 def _count(number: int, what: str) -> str:

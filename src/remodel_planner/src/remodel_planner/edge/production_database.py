@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
-from datetime import UTC, datetime
 
 from sqlalchemy import create_engine, event, select
 from sqlalchemy.engine import Connection, Engine
@@ -19,19 +17,14 @@ from sqlalchemy.orm import Session
 from remodel_planner.core.ability import Ability, AbilityParameter
 from remodel_planner.core.learning.learned_expectations import Call
 from remodel_planner.core.production import Order
-from remodel_planner.core.recovery.decide import Decision
-from remodel_planner.core.run import Execution, Operation
-from remodel_planner.core.run_story import Attempt, KeptDecision, RunRecord
 from remodel_planner.edge.database_versions import NEWEST, upgrade, version_of
 from remodel_planner.edge.preference_rows import add_preference_rows, preferences_of_rows
 from remodel_planner.edge.production_models import (
     AbilityParameterRow,
     AbilityRecordRow,
     AbilityRow,
-    DecisionRow,
     ExecutionRow,
     OrderRow,
-    RunRow,
     TaskRow,
     WireRow,
 )
@@ -40,14 +33,6 @@ from remodel_planner.errors import OrderError
 
 # [s] that a program waits for another one's transaction; an import takes one second.
 _WAIT_S = 30
-
-
-@dataclass(frozen=True)
-class Run:
-    """A run under way."""
-
-    id: int
-    order: Order
 
 
 class ProductionDatabase:
@@ -88,7 +73,7 @@ class ProductionDatabase:
         Raises:
             OrderError: if there is an order of that name already.
         """
-        with self._transaction() as session:
+        with self.transaction() as session:
             if session.scalar(select(OrderRow).filter_by(name=order.name)):
                 raise OrderError(
                     f"the database has an order {order.name} already: give another name (--order)"
@@ -103,8 +88,8 @@ class ProductionDatabase:
         Raises:
             OrderError: if there is none of that name.
         """
-        with self._reading() as session:
-            return order_of_row(session, _order_row(session, name))
+        with self.reading() as session:
+            return order_of_row(session, order_row(session, name))
 
     def preferences(self, name: str) -> object:
         """Return the document of an order's preferences, None if it has none.
@@ -112,82 +97,18 @@ class ProductionDatabase:
         Raises:
             OrderError: if there is no order of that name.
         """
-        with self._reading() as session:
-            return preferences_of_rows(session, _order_row(session, name).id)
+        with self.reading() as session:
+            return preferences_of_rows(session, order_row(session, name).id)
 
     def abilities(self) -> tuple[Ability, ...]:
         """Return the abilities that are known, by name."""
-        with self._reading() as session:
+        with self.reading() as session:
             rows = session.scalars(select(AbilityRow).order_by(AbilityRow.name))
             return tuple(_ability(session, row) for row in rows)
 
-    def start_run(self, order: Order) -> Run:
-        """Begin a run of an order."""
-        with self._transaction() as session:
-            now = datetime.now(UTC).replace(tzinfo=None)
-            run = RunRow(order_id=_order_row(session, order.name).id, started=now)
-            session.add(run)
-            session.flush()
-            return Run(run.id, order)
-
-    def add_execution(
-        self, run: Run, execution: Execution, decision: Decision | None = None
-    ) -> None:
-        """Store how the execution of one wire's behavior went, and what state its task is in.
-
-        Args:
-            run: that it is part of.
-            execution: how it went.
-            decision: what is done about it, if it failed.
-        """
-        with self._transaction() as session:
-            row = session.get(RunRow, run.id)
-            task = session.scalars(
-                select(TaskRow)
-                .join(WireRow, TaskRow.wire_id == WireRow.id)
-                .where(TaskRow.order_id == row.order_id, WireRow.name == execution.wire)
-            ).one()
-            task.state = "placed" if execution.placed else "failed"
-            session.add(
-                ExecutionRow(
-                    run_id=run.id,
-                    task_id=task.id,
-                    behavior=execution.behavior,
-                    attempt=execution.attempt,
-                    outcome=execution.outcome,
-                    placed=execution.placed,
-                    started_s=execution.started_s,
-                    ended_s=execution.ended_s,
-                    operations=[_record_row(operation) for operation in execution.operations],
-                    decision=_decision_row(decision) if decision else None,
-                )
-            )
-
-    def run_record(self, number: int) -> RunRecord:
-        """Return what was done in a run.
-
-        Raises:
-            OrderError: if there is none of that number.
-        """
-        with self._reading() as session:
-            run = session.get(RunRow, number)
-            if run is None:
-                known = ", ".join(map(str, session.scalars(select(RunRow.id).order_by(RunRow.id))))
-                raise OrderError(f"there is no run {number}; there are {known or 'none'}")
-            rows = session.execute(
-                select(ExecutionRow, WireRow.name)
-                .join(TaskRow, ExecutionRow.task_id == TaskRow.id)
-                .join(WireRow, TaskRow.wire_id == WireRow.id)
-                .where(ExecutionRow.run_id == number)
-                .order_by(ExecutionRow.id)
-            )
-            order = session.get(OrderRow, run.order_id)
-            attempts = tuple(_attempt(row, wire) for row, wire in rows)
-            return RunRecord(number, order.name, run.started, attempts)
-
     def ability_calls(self) -> tuple[Call, ...]:
         """Return all calls of abilities that any run has recorded, in their order."""
-        with self._reading() as session:
+        with self.reading() as session:
             rows = session.execute(
                 select(
                     AbilityRecordRow.ability,
@@ -211,12 +132,14 @@ class ProductionDatabase:
         return self._engine.execution_options(remodel_begin="IMMEDIATE")
 
     @contextmanager
-    def _transaction(self) -> Iterator[Session]:
+    def transaction(self) -> Iterator[Session]:
+        """Give a session whose changes are stored together, or not at all."""
         with Session(self._writing(), future=True) as session, session.begin():
             yield session
 
     @contextmanager
-    def _reading(self) -> Iterator[Session]:
+    def reading(self) -> Iterator[Session]:
+        """Give a session that changes nothing."""
         with Session(self._engine, future=True) as session:
             yield session
 
@@ -249,7 +172,8 @@ def _shown(url: str) -> str:
     return f"{head.rpartition(':')[0]}:***@{tail}" if at and ":" in head.split("//")[-1] else url
 
 
-def _order_row(session: Session, name: str) -> OrderRow:
+def order_row(session: Session, name: str) -> OrderRow:
+    """Return an order's row; OrderError if there is none of that name."""
     row = session.scalar(select(OrderRow).filter_by(name=name))
     if row is None:
         known = ", ".join(session.scalars(select(OrderRow.name).order_by(OrderRow.id))) or "none"
@@ -291,47 +215,4 @@ def _ability(session: Session, row: AbilityRow) -> Ability:
         row.name,
         row.description,
         tuple(AbilityParameter(p.name, p.type, p.description) for p in parameters),
-    )
-
-
-def _record_row(operation: Operation) -> AbilityRecordRow:
-    return AbilityRecordRow(
-        state_path=operation.state_path,
-        ability=operation.ability,
-        outcome=operation.outcome,
-        error_code=operation.error_code,
-        text=operation.text,
-        ended_s=operation.ended_s,
-        elapsed_s=operation.elapsed_s,
-    )
-
-
-def _decision_row(decision: Decision) -> DecisionRow:
-    return DecisionRow(
-        fault=decision.failure.fault.name,
-        error_code=decision.failure.code,
-        evidence=decision.failure.text,
-        response=decision.do.value,
-        because=decision.because,
-    )
-
-
-def _attempt(row: ExecutionRow, wire: str) -> Attempt:
-    operations = tuple(
-        Operation(o.state_path, o.ability, o.outcome, o.error_code, o.text, o.ended_s, o.elapsed_s)
-        for o in row.operations
-    )
-    kept = row.decision
-    return Attempt(
-        Execution(
-            wire,
-            row.behavior,
-            row.attempt,
-            row.outcome,
-            row.placed,
-            row.started_s,
-            row.ended_s,
-            operations,
-        ),
-        kept and KeptDecision(kept.fault, kept.evidence, kept.response, kept.because),
     )

@@ -291,7 +291,11 @@ class TaskRow(Base):
     id = _key()
     order_id = _of("orders.id", "that it is part of")
     wire_id = _of("wires.id", "that is to be placed")
-    state = _text("open, placed or failed, by its last execution")
+    state = _text("open, begun, done or set aside")
+    cell = _text("name of the cell that has begun it; empty if none has")
+    lease_until = _number(
+        "[s] since 1970 by the database's clock, until which the cell has it for itself"
+    )
 
 
 class AbilityRow(Base):
@@ -325,6 +329,24 @@ class RunRow(Base):
     id = _key()
     order_id = _of("orders.id", "that was run")
     started = Column(DateTime, nullable=False, comment="wall time, UTC")
+    cell = _text("name of the cell that does it")
+    ended = Column(Boolean, nullable=False, comment="or not")
+
+
+class RunEventRow(Base):
+    """An event."""
+
+    __tablename__ = "run_events"
+    __table_args__ = _table(
+        "what happened in runs; rows are added, and never changed",
+        UniqueConstraint("run_id", "position"),
+    )
+    id = _key()
+    run_id = _of("runs.id", "in which it happened")
+    position = Column(Integer, nullable=False, comment="in the run, from 0")
+    at = Column(DateTime, nullable=False, comment="wall time, UTC")
+    kind = _text("of the event, such as TaskBegun")
+    data = Column(JSON, nullable=False, comment="its fields, by name")
 
 
 class ExecutionRow(Base):
@@ -359,6 +381,9 @@ class AbilityRecordRow(Base):
     text = _text("the result's message, or its error message")
     ended_s = Column(Float, nullable=False, comment="[s] ROS time")
     elapsed_s = Column(Float, nullable=False, comment="[s] ROS time")
+    goal_id = _text("of its goal")
+    parameters = Column(JSON, nullable=False, comment="of its goal: name and value")
+    measurements = Column(JSON, nullable=False, comment="of its result: name and value")
 
 
 class DecisionRow(Base):

@@ -11,38 +11,54 @@ import rospy
 from actionlib_msgs.msg import GoalStatus
 from genpy import Message
 
-from remodel_planner.errors import CellError
+from remodel_planner.errors import LostError
 
-# [s] wall time for a server's node to come up.
-START_LIMIT_S = 60.0
+# [s] wall time between two looks whether a server is there.
+_LOOK_S = 0.02
 
 
 class ActionServer:
-    """An action server that is there.
+    """An action server, which may go and come again.
 
     On `actionlib.ActionClient`: `SimpleActionClient` loses a status that arrives while it sends.
     """
 
     def __init__(self, name: str, action: type, node: str) -> None:
-        """Connect.
+        """Connect when it is there.
 
         Args:
             name: of the action.
             action: its `...Action` class.
             node: that serves it, for the error text.
+        """
+        self._name = name
+        self._node = node
+        self._client = actionlib.ActionClient(name, action)
+
+    @property
+    def is_there(self) -> bool:
+        """Whether the server is connected."""
+        # To actionlib zero means for ever; what has passed already, one look.
+        return self._client.wait_for_server(rospy.Duration(-1))
+
+    def wait(self, limit_s: float) -> None:
+        """Wait until the server is there, up to a limit of wall time [s].
 
         Raises:
-            CellError: if the server is not there in time.
+            LostError: if it is not there in time.
         """
-        self._client = actionlib.ActionClient(name, action)
-        limit = time.monotonic() + START_LIMIT_S
-        while time.monotonic() < limit and not rospy.is_shutdown():
-            if self._client.wait_for_server(rospy.Duration(0.5)):
-                return
-        raise CellError(
-            f"action {rospy.resolve_name(name)} is not there after {START_LIMIT_S:.0f} s: "
-            f"start {node}"
-        )
+        end = time.monotonic() + limit_s
+        while not self.is_there:
+            if time.monotonic() > end or rospy.is_shutdown():
+                raise LostError(
+                    f"action {rospy.resolve_name(self._name)} is not there after {limit_s:.0f} s: "
+                    f"start {self._node}"
+                )
+            time.sleep(_LOOK_S)
+
+    def cancel_all(self) -> None:
+        """Ask the server to stop all goals, whoever sent them."""
+        self._client.cancel_all_goals()
 
     def send(self, goal: Message, on_feedback: Callable[[Message], None] | None = None) -> Goal:
         """Send a goal."""
@@ -84,6 +100,11 @@ class Goal:
     def succeeded(self) -> bool:
         """Whether the goal has ended well."""
         return self._handle.get_terminal_state() == GoalStatus.SUCCEEDED
+
+    @property
+    def lost(self) -> bool:
+        """Whether the server does not know the goal (any more)."""
+        return self._handle.get_terminal_state() == GoalStatus.LOST
 
     @property
     def ending(self) -> str:

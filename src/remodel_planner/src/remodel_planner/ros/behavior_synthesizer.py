@@ -10,7 +10,7 @@ from flexbe_msgs.msg import (
     SynthesisRequest,
 )
 
-from remodel_planner.errors import CellError
+from remodel_planner.errors import CellError, LostError
 from remodel_planner.ros.action_server import ActionServer
 
 ACTION = "flexbe/synthesize"
@@ -23,8 +23,12 @@ class BehaviorSynthesizer:
     """Has charts made into behaviors."""
 
     def __init__(self) -> None:
-        """Connect to the server; CellError if it is not there in time."""
+        """Connect when the server is there."""
         self._server = ActionServer(ACTION, BehaviorSynthesisAction, "synthesis_server")
+
+    def wait(self, limit_s: float) -> None:
+        """Wait for the server, up to a limit of wall time [s]; LostError if it does not come."""
+        self._server.wait(limit_s)
 
     def synthesize(self, chart_file: str, behavior: str) -> None:
         """Have the behavior of a chart written where the engine finds it.
@@ -34,7 +38,8 @@ class BehaviorSynthesizer:
             behavior: its name.
 
         Raises:
-            CellError: with the server's own words if it refuses or does not answer.
+            CellError: with the server's own words if it refuses.
+            LostError: if it does not answer.
         """
         said: list[str] = []
 
@@ -45,7 +50,9 @@ class BehaviorSynthesizer:
         goal = self._server.send(BehaviorSynthesisGoal(request=request), on_feedback)
         if not goal.wait(LIMIT_S):
             goal.cancel()
-            raise CellError(f"synthesis of {chart_file} took more than {LIMIT_S:.0f} s")
+            raise LostError(f"synthesis of {chart_file} took more than {LIMIT_S:.0f} s")
+        if goal.lost:
+            raise LostError(f"synthesis of {chart_file}: the synthesizer has forgotten it")
         result = goal.result
         if result is None or result.error_code.value != SynthesisErrorCodes.SUCCESS:
             reason = said[-1] if said else goal.ending

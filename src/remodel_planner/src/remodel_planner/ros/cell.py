@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import time
 
 import rospy
@@ -10,63 +11,83 @@ from remodel_msgs.msg import Panel
 from remodel_msgs.srv import FeedWire, GetGroundTruth, LoadPanel, TakePicture
 from sensor_msgs.msg import Image
 
-from remodel_planner.errors import CellError
+from remodel_planner.errors import CellError, LostError
 
-# [s] wall time for the cell's node to come up with its physics.
-START_LIMIT_S = 60.0
+# [s] wall time between two looks whether a service is there.
+_LOOK_S = 0.1
+
+_SERVICES = {
+    "load_panel": LoadPanel,
+    "feed_wire": FeedWire,
+    "ground_truth": GetGroundTruth,
+    "take_picture": TakePicture,
+}
 
 
 class Cell:
     """The cell's services, below the namespace `cell`."""
 
-    def __init__(self) -> None:
-        """Wait for the cell.
+    def wait(self, limit_s: float) -> None:
+        """Wait for all services, up to a limit of wall time [s].
 
         Raises:
-            CellError: if it is not there in time.
+            LostError: if one is not there in time.
         """
-        self._load_panel = _service("cell/load_panel", LoadPanel)
-        self._feed_wire = _service("cell/feed_wire", FeedWire)
-        self._ground_truth = _service("cell/ground_truth", GetGroundTruth)
-        self._take_picture = _service("cell/take_picture", TakePicture)
+        # rospy.wait_for_service counts ROS time, which stands still until the cell runs.
+        end = time.monotonic() + limit_s
+        for name in _SERVICES:
+            while not _answers(name):
+                if time.monotonic() > end or rospy.is_shutdown():
+                    raise LostError(
+                        f"service {rospy.resolve_name(f'cell/{name}')} is not there after "
+                        f"{limit_s:.0f} s: start the cell (roslaunch remodel_sim cell.launch)"
+                    )
+                time.sleep(_LOOK_S)
 
-    def load(self, panel: Panel) -> None:
-        """Build the panel; CellError with every problem found if the cell can't."""
-        _ask(self._load_panel, f"load panel {panel.name}", panel=panel)
+    def load(self, panel: Panel, *, keep: bool) -> None:
+        """Build the panel; CellError with every problem found if the cell can't.
+
+        Args:
+            panel: to build.
+            keep: leave the cell as it is if it has this very panel already.
+        """
+        _ask("load_panel", f"load panel {panel.name}", panel=panel, keep=keep)
 
     def feed(self, wire: str, channel: str) -> None:
         """Present a wire in a channel; CellError if the feeder can't."""
-        _ask(self._feed_wire, f"feed wire {wire}", wire_id=wire, channel_id=channel)
+        _ask("feed_wire", f"feed wire {wire}", wire_id=wire, channel_id=channel)
 
     def placed(self, wire: str) -> bool:
         """Return whether both ends of a wire are fixed where they belong, by ground truth."""
-        return any(truth.wire_id == wire and truth.placed for truth in self._ground_truth().wires)
+        truths = _called("ground_truth", "ask for the score").wires
+        return any(truth.wire_id == wire and truth.placed for truth in truths)
 
     def picture(self, camera: str) -> Image:
         """Return a fresh picture; CellError if there is no such camera."""
-        return _ask(self._take_picture, f"take a picture from {camera}", camera=camera).image
+        return _ask("take_picture", f"take a picture from {camera}", camera=camera).image
 
 
-def _service(name: str, kind: type) -> rospy.ServiceProxy:
-    # rospy.wait_for_service counts ROS time, which stands still until the cell runs.
-    limit = time.monotonic() + START_LIMIT_S
-    while time.monotonic() < limit and not rospy.is_shutdown():
-        try:
-            rospy.wait_for_service(name, timeout=0.5)
-            return rospy.ServiceProxy(name, kind)
-        except rospy.ROSException:
-            continue
-    raise CellError(
-        f"service {rospy.resolve_name(name)} is not there after {START_LIMIT_S:.0f} s: start the "
-        "cell (roslaunch remodel_sim cell.launch)"
-    )
-
-
-def _ask(service: rospy.ServiceProxy, what: str, **request: object) -> Message:
+def _answers(name: str) -> bool:
+    """Tell whether the node that offers a service lives: the master remembers dead ones."""
     try:
-        response = service(**request)
-    except rospy.ServiceException as error:
-        raise CellError(f"cannot {what}: {error}") from error
+        uri = rospy.get_master().lookupService(rospy.resolve_name(f"cell/{name}"))[2]
+        _, _, address = uri.partition("://")
+        host, _, port = address.rpartition(":")
+        with socket.create_connection((host, int(port)), timeout=1.0):
+            return True
+    except (OSError, ValueError):
+        return False
+
+
+def _ask(name: str, what: str, **request: object) -> Message:
+    response = _called(name, what, **request)
     if not response.success:
         raise CellError(f"cannot {what}: {response.message}")
     return response
+
+
+def _called(name: str, what: str, **request: object) -> Message:
+    try:
+        return rospy.ServiceProxy(f"cell/{name}", _SERVICES[name])(**request)
+    except (rospy.ServiceException, rospy.ROSException, OSError) as error:
+        raise LostError(f"cannot {what}: {error}") from error

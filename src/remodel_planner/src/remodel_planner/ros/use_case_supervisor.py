@@ -1,148 +1,425 @@
-"""The use case supervisor: takes planned tasks through chart, behavior, cell and record."""
+"""The use case supervisor: does what core/supervision says comes next, and keeps what happens."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from sensor_msgs.msg import Image
+import rospy
+from remodel_msgs.msg import Panel
 
+from flexbe_synthesizer.core.codec import write_chart
 from flexbe_synthesizer.core.model import Chart
-from remodel_planner.core.panel_layout import CutWire, PanelLayout, PanelRules
-from remodel_planner.core.recovery.decide import Decision
-from remodel_planner.core.recovery.fault import Do
-from remodel_planner.core.recovery.history import Recovery
-from remodel_planner.core.run import Execution
-from remodel_planner.core.use_case.planned_tasks import PlannedTask
-from remodel_planner.core.use_case.task_chart import FINISHED, content_mark
+from remodel_planner.core.planning.problem import End as WireEnd
+from remodel_planner.core.recovery.fault import Do, FaultTable
+from remodel_planner.core.run import Operation
+from remodel_planner.core.supervision.events import (
+    Answered,
+    AsLeft,
+    Blocked,
+    Command,
+    Commanded,
+    Event,
+    Interrupted,
+    OperationEnded,
+    Part,
+    Planned,
+    RunEnded,
+    Settled,
+    TaskBegun,
+    TaskElsewhere,
+    TaskEnded,
+    TaskReturned,
+)
+from remodel_planner.core.supervision.judge import failure_of, judged
+from remodel_planner.core.supervision.question import question_about
+from remodel_planner.core.supervision.state import RunState, Stage
+from remodel_planner.core.supervision.step import (
+    Ask,
+    Decide,
+    End,
+    Execute,
+    Plan,
+    Settle,
+    Step,
+    Wait,
+    next_step,
+    said,
+)
+from remodel_planner.core.use_case.task_chart import content_mark
 from remodel_planner.edge.chart_folder import keep_chart
 from remodel_planner.edge.known_behaviors import describes
-from remodel_planner.edge.production_database import ProductionDatabase, Run
+from remodel_planner.edge.run_log import RunLog
+from remodel_planner.edge.task_leases import Holding, TaskLeases
+from remodel_planner.edge.work_planner import WorkPlanner
+from remodel_planner.errors import CellError, InstanceError, LostError, UseCaseError
+from remodel_planner.ros.ability_feedback import Doing
 from remodel_planner.ros.behavior_synthesizer import BehaviorSynthesizer
 from remodel_planner.ros.cell import Cell
-from remodel_planner.ros.panel_message import panel_message
+from remodel_planner.ros.inspection import Inspection, UnseenError
 from remodel_planner.ros.task_supervisor import Sight, TaskSupervisor
 
-# Outcome of a behavior that somebody stopped.
-PREEMPTED = "preempted"
+# [s] of wall time between two looks at what is waited for.
+_LOOK_S = 0.2
 
-# What this supervisor can do about a task that failed; what it can not is passed over.
-POSSIBLE = frozenset({Do.NEW_PART, Do.SET_ASIDE, Do.STOP})
-
-# Plans the tasks of these names anew.
-Replan = Callable[[Collection[str]], Sequence[PlannedTask]]
+# A cell's answer to a claim -> how the other cell has left the task.
+_AS_LEFT = {
+    Holding.ELSEWHERE: AsLeft.RUNNING,
+    Holding.DONE: AsLeft.DONE,
+    Holding.SET_ASIDE: AsLeft.SET_ASIDE,
+}
 
 
 @dataclass(frozen=True)
-class WireRun:
-    """One attempt at a wire's task, ended: its chart, what happened, and what was seen.
+class Work:
+    """What a run is about, beside its events.
 
     Attributes:
-        decision: what is done about it; None if it did not fail.
+        planner: of the order.
+        faults: that there are.
+        panel: that the cell builds; None if it stands there.
+        keep_panel: whether wires may be on it already.
+        channels: where each task's part is presented, by the task's name.
+        leases: on the tasks.
+        charts: folder of the task charts; one that the synthesizer may read.
+        attended: whether there is an operator who can be asked.
+        patience_s: [s] wall time that a lost process gets to come back.
+        timeout_s: [s] ROS time after which the run stops; 0: never.
     """
 
-    cut: CutWire
-    chart: Chart
-    execution: Execution
-    sights: tuple[Sight, ...]
-    after: Image
-    decision: Decision | None
+    planner: WorkPlanner
+    faults: FaultTable
+    panel: Panel | None
+    keep_panel: bool
+    channels: dict[str, str]
+    leases: TaskLeases
+    charts: Path
+    attended: bool
+    patience_s: float
+    timeout_s: float = 0.0
 
-    @property
-    def last(self) -> bool:
-        """Whether no other attempt at this wire follows."""
-        return self.decision is None or self.decision.do.is_lasting
+
+@dataclass(frozen=True)
+class Peers:
+    """The nodes that a run needs."""
+
+    cell: Cell
+    synthesizer: BehaviorSynthesizer
+    tasks: TaskSupervisor
+    inspection: Inspection
+
+    def wait(self, limit_s: float) -> None:
+        """Wait until all are there; LostError if one is not within a limit of wall time [s]."""
+        for peer in (self.cell, self.synthesizer, self.tasks, self.inspection):
+            peer.wait(limit_s)
+
+
+KeepPictures = Callable[[str, tuple[Sight, ...]], tuple[str, ...]]
 
 
 class UseCaseSupervisor:
-    """Runs the tasks of one order, one after another."""
+    """Takes one run to its end.
+
+    Attributes:
+        state: what is known of the run; replaced at each event, never changed.
+        doing: what is being done now, for a person.
+    """
 
     def __init__(
-        self, database: ProductionDatabase, chart_folder: Path, recovery: Recovery, replan: Replan
+        self,
+        run: int,
+        state: RunState,
+        log: RunLog,
+        work: Work,
+        peers: Peers,
+        keep_pictures: KeepPictures,
+        on_change: Callable[[], None],
     ) -> None:
-        """Connect to cell, synthesizer and engine.
+        """Take over a run.
 
         Args:
-            database: that keeps the records.
-            chart_folder: where the task charts are written; one that the synthesizer may read.
-            recovery: decides about tasks that fail.
-            replan: plans what is left to do.
+            run: its number.
+            state: what is known of it.
+            log: keeps its events.
+            work: what it is about.
+            peers: nodes that it needs.
+            keep_pictures: writes a behavior's pictures into the run's folder.
+            on_change: called when state or doing have changed, from several threads.
+        """
+        self.run = run
+        self.state = state
+        self.doing = ""
+        self.work = work
+        self._log = log
+        self._peers = peers
+        self._keep_pictures = keep_pictures
+        self._on_change = on_change
+        self._lock = threading.RLock()
+        self._changed = threading.Event()
+        self._lost_lease = False
+        self._loaded = False
+        self._begun_s = 0.0
+        # A run whose order of tasks is decided was taken up by a supervisor before.
+        self._began_before = not state.to_plan
+
+    @property
+    def doing_now(self) -> Doing | None:
+        """What an ability says that it does; None if none does anything."""
+        return self._peers.tasks.abilities.latest
+
+    @property
+    def state_left(self) -> str:
+        """The path of the state that was left last, with its outcome; empty if none was."""
+        return self._peers.tasks.state_left
+
+    def supervise(self) -> RunState:
+        """Do what comes next until the run has ended, and return how it ended.
+
+        What is lost meanwhile is waited for, and the run goes on from where it was.
+        """
+        self._begun_s = rospy.get_time()
+        with self._peers.tasks.recording(settling=self._began_before):
+            if self._began_before:
+                self._recover("the use case supervisor was started anew")
+            while (step := next_step(self.state)) is not None and not rospy.is_shutdown():
+                try:
+                    self._do(step)
+                except LostError as error:
+                    self._recover(str(error))
+                except (CellError, InstanceError, UseCaseError) as error:
+                    self._append(Blocked(str(error)))
+        return self.state
+
+    def command(self, event: Commanded) -> None:
+        """Do what an operator asks for.
 
         Raises:
-            CellError: if one of them is not there in time.
+            CellError: if that makes no sense now.
         """
-        self._database = database
-        self._chart_folder = chart_folder
-        self._recovery = recovery
-        self._replan = replan
-        self._cell = Cell()
-        self._synthesizer = BehaviorSynthesizer()
-        self._tasks = TaskSupervisor()
+        with self._lock:
+            if self.state.ended is not None:
+                raise CellError("the run has ended")
+            if event.command in (Command.SKIP, Command.RETRY):
+                self._require_sense(event)
+            self._append(event)
+            if event.command in (Command.PAUSE, Command.RESUME):
+                self._peers.tasks.pause(event.command is Command.PAUSE)
 
-    def run(
-        self, run: Run, layout: PanelLayout, rules: PanelRules, tasks: Sequence[PlannedTask]
-    ) -> Iterator[WireRun]:
-        """Build the panel, and place its wires one by one, in the order of a plan's tasks.
-
-        What is done about a task that fails, its use case's policy says: it is tried again with a
-        new wire, its turn comes when the rest is done in an order planned anew, it is set aside,
-        or the run stops. It stops too when somebody stops a behavior.
-
-        Yields:
-            Each attempt when it has ended and is recorded.
+    def answer(self, event: Answered) -> None:
+        """Take an operator's answer.
 
         Raises:
-            CellError: if the cell, the synthesizer or the engine refuses or falls silent.
+            CellError: if that was not asked.
         """
-        self._cell.load(panel_message(layout, rules))
-        cuts = {cut.wire.name: cut for cut in layout.wires}
-        waiting = list(tasks)
-        while waiting:
-            task, *waiting = waiting
-            self._synthesize(task.chart)
-            possible = POSSIBLE | {Do.REPLAN} if waiting else POSSIBLE
-            do = Do.NEW_PART
-            while do is Do.NEW_PART:
-                wire_run = self._place(run, cuts[task.name], task.chart, possible)
-                yield wire_run
-                if wire_run.execution.outcome == PREEMPTED:
-                    return
-                do = wire_run.decision.do if wire_run.decision else None
-            if do is Do.STOP:
-                return
-            if do is Do.REPLAN:
-                waiting = [*self._replan([other.name for other in waiting]), task]
+        with self._lock:
+            asked = self.state.question
+            if asked is None or asked.number != event.number:
+                open_now = f"question {asked.number}" if asked else "none"
+                raise CellError(f"question {event.number} is not open; open is {open_now}")
+            if event.choice not in asked.choices:
+                choices = ", ".join(choice.value for choice in asked.choices)
+                raise CellError(f"{event.choice.value} is no answer to it; there are {choices}")
+            self._append(event)
 
-    def overview(self) -> Image:
-        """Return a picture of the whole cell."""
-        return self._cell.picture("scene")
+    def _do(self, step: Step) -> None:
+        self._say_doing(said(step))
+        if self._is_overdue() and not isinstance(step, End):
+            self._append(Blocked(f"its time of {self.work.timeout_s:g} s has passed"))
+            return
+        match step:
+            case Plan():
+                self._append(Planned(self.work.planner.plan(self.state.waiting), step.because))
+            case Execute():
+                self._execute(step.task, step.part)
+            case Settle():
+                self._settle(step.task)
+            case Decide():
+                self._decide(step.task)
+            case Ask():
+                self._ask(step.task)
+            case Wait():
+                self._wait()
+            case End():
+                self._append(RunEnded(step.ending, step.because))
+
+    def _execute(self, name: str, part: Part) -> None:
+        if not self._has(name):
+            return
+        task = self.state.tasks[name]
+        chart = self.work.planner.chart(name, part, task.connected, task.decisions)
+        with self._renewed(name):
+            self._synthesize(chart)
+            self._load_panel()
+            if part is Part.WHOLE:
+                self._peers.cell.feed(name, self.work.channels.get(name, ""))
+            self._run(name, part, chart)
+
+    def _run(self, name: str, part: Part, chart: Chart) -> None:
+        """Run a behavior of a task, and keep what it does."""
+        # Clearing the hand belongs to the attempt before.
+        attempt = self.state.tasks[name].attempts + (part is not Part.CLEAR)
+        begun = TaskBegun(name, attempt, part, chart.name, write_chart(chart), rospy.get_time())
+        self._append(begun)
+
+        def keep(operation: Operation) -> None:
+            self._append(OperationEnded(name, operation))
+
+        def is_to_stop() -> bool:
+            state = self.state
+            told = bool(state.stop) or name in state.skipped
+            return told or self._lost_lease or self._is_overdue()
+
+        outcome = self._peers.tasks.run(chart.name, keep, is_to_stop)
+        if self._lost_lease:
+            self._append(TaskElsewhere(name, "", AsLeft.RUNNING))
+            return
+        label = f"{name}-{attempt}-{part.value}"
+        pictures = self._keep_pictures(label, self._pictures())
+        placed = self._peers.cell.placed(name)
+        path = self._peers.tasks.path()
+        self._append(TaskEnded(name, outcome, rospy.get_time(), placed, path, pictures))
+
+    def _pictures(self) -> tuple[Sight, ...]:
+        """Return what abilities saw in the behavior that ended, and the cell as it is now."""
+        after = self._peers.cell.picture("scene")
+        return (*self._peers.tasks.sights(), Sight("scene", rospy.get_time(), after))
+
+    def _settle(self, name: str) -> None:
+        if not self._has(name):
+            return
+        self._peers.tasks.stop_all()
+        planned = self.work.planner.task(name, self.state.tasks[name].decisions)
+        task = planned.decomposition.task
+        connected = []
+        try:
+            for end in WireEnd:
+                terminal = task.terminals[end]
+                component = planned.component_of[terminal]
+                short = terminal.removeprefix(f"{component}:")
+                if self._peers.inspection.is_connected(name, end.letter, component, short):
+                    connected.append(end.letter)
+        except UnseenError as error:
+            self._append(Settled(name, tuple(connected), 1, error.code, str(error)))
+            return
+        left = len(planned.left(connected))
+        self._append(Settled(name, tuple(connected), left))
+
+    def _decide(self, name: str) -> None:
+        now_s = rospy.get_time()
+        state, planner = self.state, self.work.planner
+        task = state.tasks[name]
+        possible = {Do.RETRY, Do.RETRY_WITH, Do.LOOK_AGAIN, Do.NEW_PART, Do.SET_ASIDE, Do.STOP}
+        if state.waiting:
+            possible.add(Do.REPLAN)
+        if self.work.attended:
+            possible.add(Do.ASK_OPERATOR)
+        failure = failure_of(task, self.work.faults, now_s)
+        if planner.has_other_method(name, task.decisions, failure.state_path):
+            possible.add(Do.OTHER_METHOD)
+        policy = planner.use_case.recovery
+        self._append(judged(state, name, self.work.faults, policy, possible, now_s))
+
+    def _ask(self, name: str) -> None:
+        self._append(question_about(self.state, name, self.work.faults))
+
+    def _wait(self) -> None:
+        """Wait for a command or an answer; meanwhile look after other cells' tasks."""
+        self._changed.clear()
+        self._changed.wait(_LOOK_S)
+        for name in self.state.in_stage(Stage.ELSEWHERE):
+            claim = self.work.leases.claim(name)
+            if claim.holding in (Holding.DONE, Holding.SET_ASIDE):
+                self._append(TaskElsewhere(name, claim.cell, _AS_LEFT[claim.holding]))
+            elif claim.holding is not Holding.ELSEWHERE:
+                self._append(TaskReturned(name, claim.cell))
+
+    def _has(self, name: str) -> bool:
+        """Tell whether this cell has a task; if another one has it, or has had it, keep that."""
+        task = self.state.tasks[name]
+        if name == self.state.current:
+            if self.work.leases.renew(name):
+                return True
+            self._append(TaskElsewhere(name, "", AsLeft.RUNNING))
+            return False
+        claim = self.work.leases.claim(name)
+        if claim.holding is Holding.MINE:
+            return True
+        if claim.holding is Holding.MINE_IN_DOUBT:
+            is_known = task.stage is Stage.DOUBTFUL or (
+                task.attempts > 0 and claim.cell == self.state.cell
+            )
+            if not is_known:
+                self._append(TaskReturned(name, claim.cell))
+            return is_known
+        self._append(TaskElsewhere(name, claim.cell, _AS_LEFT[claim.holding]))
+        return False
+
+    @contextmanager
+    def _renewed(self, name: str) -> Iterator[None]:
+        """Renew the lease of a task again and again meanwhile."""
+        over = threading.Event()
+        self._lost_lease = False
+
+        def renew() -> None:
+            while not over.wait(self.work.leases.lease_s / 3):
+                self._lost_lease = not self.work.leases.renew(name)
+
+        thread = threading.Thread(target=renew, name="lease", daemon=True)
+        thread.start()
+        try:
+            yield
+        finally:
+            over.set()
+            thread.join()
 
     def _synthesize(self, chart: Chart) -> None:
         """Have the behavior of a chart made, unless it exists with the same content."""
-        chart_file, _ = keep_chart(chart, self._chart_folder)
+        chart_file, _ = keep_chart(chart, self.work.charts)
         if not describes(chart.name, content_mark(chart)):
-            self._synthesizer.synthesize(str(chart_file), chart.name)
+            self._peers.synthesizer.synthesize(str(chart_file), chart.name)
 
-    def _place(self, run: Run, cut: CutWire, chart: Chart, possible: Collection[Do]) -> WireRun:
-        wire = cut.wire.name
-        self._cell.feed(wire, cut.channel)
-        task = self._tasks.run(chart.name)
-        execution = Execution(
-            wire,
-            chart.name,
-            self._recovery.attempts(wire) + 1,
-            task.outcome,
-            self._cell.placed(wire),
-            task.started_s,
-            task.ended_s,
-            task.operations,
-        )
-        decision = None
-        if task.outcome in (FINISHED, PREEMPTED):
-            self._recovery.ended(execution)
-        else:
-            decision = self._recovery.decide(execution, possible)
-        self._database.add_execution(run, execution, decision)
-        after = self._cell.picture("scene")
-        return WireRun(cut, chart, execution, task.sights, after, decision)
+    def _load_panel(self) -> None:
+        if self.work.panel is not None and not self._loaded:
+            self._peers.cell.load(self.work.panel, keep=self.work.keep_panel)
+        self._loaded = True
+
+    def _recover(self, because: str) -> None:
+        """Wait for what was lost, and stop what runs; what it was doing is in doubt."""
+        rospy.logwarn("run %d: %s", self.run, because)
+        self._append(Interrupted(because))
+        self._say_doing(f"waiting, since {because}")
+        self._loaded = False
+        try:
+            self._peers.wait(self.work.patience_s)
+            self._peers.tasks.stop_all()
+        except LostError as error:
+            self._append(Blocked(str(error)))
+
+    def _require_sense(self, event: Commanded) -> None:
+        if event.task not in self.state.tasks:
+            raise CellError(
+                f"there is no task {event.task!r}; there are {', '.join(self.state.tasks)}"
+            )
+        stage = self.state.tasks[event.task].stage
+        wanted = event.command is Command.RETRY
+        if wanted and stage is not Stage.SET_ASIDE:
+            raise CellError(f"{event.task} is {stage.value}; only what is set aside is tried again")
+        if not wanted and (stage.is_lasting or stage in (Stage.ELSEWHERE, Stage.ASKING)):
+            raise CellError(f"{event.task} is {stage.value}; it cannot be skipped")
+
+    def _is_overdue(self) -> bool:
+        limit_s = self.work.timeout_s
+        return 0 < limit_s < rospy.get_time() - self._begun_s
+
+    def _append(self, event: Event) -> None:
+        with self._lock:
+            self.state = self._log.append(self.run, event, self.state)
+        self._changed.set()
+        self._on_change()
+
+    def _say_doing(self, text: str) -> None:
+        self.doing = text
+        self._on_change()

@@ -53,7 +53,9 @@ class Services:
     def _load_panel(self, request: srv.LoadPanelRequest) -> srv.LoadPanelResponse:
         def load() -> None:
             self._require_idle()
-            self._owner.cell.load(panel_from(request.panel, self._materials))
+            panel = panel_from(request.panel, self._materials)
+            if not (request.keep and panel == self._owner.cell.plant.panel):
+                self._owner.cell.load(panel)
 
         return srv.LoadPanelResponse(*self._done(load, f"panel {request.panel.name!r} built"))
 

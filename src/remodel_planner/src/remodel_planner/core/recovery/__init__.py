@@ -3,5 +3,5 @@
 fault.py      the kinds of faults, and which one an error code tells of
 failure.py    one failure of a task, with all that is known about it
 policy.py     responses to each fault, and limits
-decide.py     failure, history and policy -> decision, with its reason
+decide.py     failure, what was done before, and policy -> decision, with its reason
 """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
@@ -29,7 +30,7 @@ class Decision:
 
 def decide(
     failure: Failure,
-    earlier: Sequence[Decision],
+    earlier: Sequence[tuple[str, Do]],
     spent: Spent,
     policy: Policy,
     possible: Collection[Do] = tuple(Do),
@@ -41,7 +42,7 @@ def decide(
 
     Args:
         failure: what happened.
-        earlier: the decisions about this task so far, of all faults, in order.
+        earlier: what was done about this task's failures so far, each with its fault's name.
         spent: attempts and time so far, this failure's attempt included.
         policy: the use case's.
         possible: what can be done now; asking is not if nobody is there.
@@ -49,13 +50,13 @@ def decide(
     reason = _run_is_over(spent, policy.limits)
     if reason:
         return Decision(failure, Do.STOP, (), reason)
-    same = [decision for decision in earlier if decision.failure.fault is failure.fault]
+    same = [do for fault, do in earlier if fault == failure.fault.name]
     responses = policy.responses_to(failure.fault)
     reason = _task_is_over(spent, policy.limits)
     if reason:
         return _lasting(failure, responses[-1].do, reason, policy, possible)
     for response in responses:
-        done = sum(decision.do is response.do for decision in same)
+        done = same.count(response.do)
         if response.do.is_lasting:
             tried = ", ".join(_counted(same)) or "nothing else fits"
             return _lasting(failure, response.do, f"tried: {tried}", policy, possible)
@@ -92,10 +93,8 @@ def _lasting(
     return Decision(failure, do, (), reason)
 
 
-def _counted(decisions: Sequence[Decision]) -> list[str]:
-    counts: dict[Do, int] = {}
-    for decision in decisions:
-        counts[decision.do] = counts.get(decision.do, 0) + 1
+def _counted(done: Sequence[Do]) -> list[str]:
+    counts = Counter(done)
     return [f"{do.value.replace('_', ' ')} x {count}" for do, count in counts.items()]
 
 

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from remodel_planner.core.recovery.fault import Change, Do, Fault, Response
+from remodel_planner.core.recovery.fault import Change, Do, Fault, FaultTable, Response
+from remodel_planner.errors import UseCaseError
 
 
 @dataclass(frozen=True)
@@ -14,7 +15,7 @@ class Limits:
     """After which no more is tried by itself.
 
     Attributes:
-        task_attempts: how often a task may be begun.
+        task_attempts: how often a task may be begun, interruptions not counted.
         task_s: [s] ROS time of all its attempts together.
         run_failures: failures of one run, after which it stops.
         run_s: [s] ROS time of one run, after which it stops.
@@ -43,6 +44,19 @@ class Policy:
     def responses_to(self, fault: Fault) -> tuple[Response, ...]:
         """Return what to do about a fault, in order."""
         return self.responses.get(fault.name, fault.responses)
+
+    def require_known(self, faults: FaultTable) -> None:
+        """Return if there is every fault that is answered.
+
+        Raises:
+            UseCaseError: naming one that there is not.
+        """
+        unknown = sorted(set(self.responses) - set(faults.names))
+        if unknown:
+            raise UseCaseError(
+                f"recovery.responses.{unknown[0]}: there is no such fault; there are "
+                f"{', '.join(faults.names)}"
+            )
 
 
 def policy_from(data: Mapping[str, Any]) -> Policy:

@@ -17,14 +17,16 @@ class Limits:
     Attributes:
         force_n: [N] the most with which a task's ends may be pushed in.
         segments: through which nothing may be routed.
+        methods: (task, method) that must not be taken, each with the reason.
     """
 
     force_n: dict[str, tuple[float, str]] = field(default_factory=dict)
     segments: dict[str, str] = field(default_factory=dict)
+    methods: dict[tuple[str, str], str] = field(default_factory=dict)
 
     def __bool__(self) -> bool:
         """Tell whether anything is forbidden."""
-        return bool(self.force_n or self.segments)
+        return bool(self.force_n or self.segments or self.methods)
 
     def objection(self, decomposition: Decomposition) -> str:
         """Return the name of a requirement that a decomposition breaks; empty if it keeps all."""
@@ -39,7 +41,8 @@ class Limits:
         forces = dict(self.force_n)
         for task, limit in other.force_n.items():
             forces[task] = min(limit, forces.get(task, limit))
-        return Limits(forces, {**self.segments, **other.segments})
+        segments = {**self.segments, **other.segments}
+        return Limits(forces, segments, {**self.methods, **other.methods})
 
 
 @dataclass(frozen=True)

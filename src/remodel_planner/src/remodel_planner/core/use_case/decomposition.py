@@ -218,6 +218,9 @@ class _Run:
             if not method.when.holds(features):
                 self._reject(task, method.name, method.when.reason(features))
                 continue
+            if why := self._limits.methods.get((task, method.name)):
+                self._reject(task, method.name, why)
+                continue
             path = (*head.methods, (task, method.name))
             inner = [
                 replace(head, subtask=sub, methods=path, way=self._part(head.way, method, sub))

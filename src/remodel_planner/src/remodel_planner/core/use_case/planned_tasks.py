@@ -1,17 +1,19 @@
-"""The tasks of a plan in their order, each decomposed as the plan does it."""
+"""The tasks of a plan in their order, each decomposed as the plan does it, whole or in part."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
 
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.model import Chart, State
 from remodel_planner.core.planning.listing import listing_of
 from remodel_planner.core.planning.problem import Plan
-from remodel_planner.core.use_case.decomposed import Decomposition
+from remodel_planner.core.use_case.decomposed import Decomposition, Limits, Step
+from remodel_planner.core.use_case.model import Macro, UseCase
 from remodel_planner.core.use_case.preparation import Prepared
-from remodel_planner.core.use_case.task_chart import task_chart
+from remodel_planner.core.use_case.task_chart import marked, task_chart
 from remodel_planner.core.use_case.wiring_problem import decomposer_of
+from remodel_planner.errors import InstanceError
 
 
 @dataclass(frozen=True)
@@ -19,17 +21,52 @@ class PlannedTask:
     """A task as a plan does it.
 
     Attributes:
+        component_of: components by the names of terminals.
         arms: the one that begins, and the one that it hands over to, if it does.
     """
 
+    use_case: UseCase
     decomposition: Decomposition
+    component_of: dict[str, str]
     arms: tuple[str, ...]
-    chart: Chart
 
     @property
     def name(self) -> str:
         """The task's name."""
         return self.decomposition.task.name
+
+    @property
+    def chart(self) -> Chart:
+        """The chart of the whole task."""
+        return task_chart(self.use_case, self.decomposition, self.component_of, self.arms)
+
+    def rest(self, connected: Collection[str]) -> Chart:
+        """Return the chart of what is left when the ends with these letters are connected."""
+        return self._part(self.left(connected), " Rest")
+
+    def clear(self) -> Chart:
+        """Return the chart that empties the hand of the task's part."""
+        give_up = self.use_case.actions[self.use_case.give_up]
+        last = self.decomposition.steps[-1]
+        return self._part((replace(last, action=give_up, end=None, clip=None),), " Clear")
+
+    def left(self, connected: Collection[str]) -> tuple[Step, ...]:
+        """Return the steps that are left when the ends with these letters are connected.
+
+        What earlier steps have revealed, and those that are left need, is looked at again.
+        """
+        steps = self.decomposition.steps
+        done = [
+            number
+            for number, step in enumerate(steps, 1)
+            if step.macro is Macro.INSERT and step.end is not None and step.end.letter in connected
+        ]
+        begin = max(done, default=0)
+        return (*_looks(steps[:begin], steps[begin:]), *steps[begin:])
+
+    def _part(self, steps: tuple[Step, ...], suffix: str) -> Chart:
+        done = replace(self.decomposition, steps=steps)
+        return task_chart(self.use_case, done, self.component_of, self.arms, suffix)
 
 
 def planned_tasks(prepared: Prepared, plan: Plan) -> Iterator[PlannedTask]:
@@ -48,5 +85,60 @@ def planned_tasks(prepared: Prepared, plan: Plan) -> Iterator[PlannedTask]:
         arms = names[mode.arm : mode.arm + 1]
         if mode.hands_over:
             arms.append(names[1 - mode.arm])
-        chart = task_chart(prepared.use_case, decomposition, component_of, tuple(arms))
-        yield PlannedTask(decomposition, tuple(arms), chart)
+        yield PlannedTask(prepared.use_case, decomposition, component_of, tuple(arms))
+
+
+def done_otherwise(prepared: Prepared, planned: PlannedTask, state_path: str) -> PlannedTask | None:
+    """Return a task with another method for the step that failed; None if there is none.
+
+    Args:
+        prepared: the order that the task is of.
+        planned: the task.
+        state_path: of the state that failed, in the task's behavior.
+    """
+    decomposition = planned.decomposition
+    failed = state_path.strip("/").split("/")[0]
+    steps = [step for step in decomposition.steps if step.title == failed]
+    methods = {steps[0].methods[-1]: "it has failed"} if steps and steps[0].methods else {}
+    if not methods:
+        return None
+    decomposer = decomposer_of(prepared.order, prepared.use_case, prepared.expectations)
+    limits = prepared.limits.and_those(Limits(methods=methods))
+    hands_over = len(planned.arms) > 1
+    try:
+        other = decomposer.decompose(
+            decomposition.task, decomposition.first, limits, hands_over=hands_over
+        )
+    except InstanceError:
+        return None
+    return replace(planned, decomposition=other)
+
+
+def with_parameters(
+    chart: Chart, ability: str, values: Sequence[tuple[str, float]]
+) -> Chart | None:
+    """Return a chart whose states of an ability have other parameters; None if none has them."""
+    new = dict(values)
+    applied = 0
+    nodes = []
+    for node in chart.nodes:
+        if isinstance(node, State) and node.type == f"{ability}State":
+            applied += sum(param.name in new for param in node.params)
+            params = (replace(p, value=new.get(p.name, p.value)) for p in node.params)
+            nodes.append(replace(node, params=tuple(params)))
+        else:
+            nodes.append(node)
+    return marked(replace(chart, nodes=tuple(nodes))) if applied else None
+
+
+def _looks(before: Sequence[Step], left: Sequence[Step]) -> tuple[Step, ...]:
+    """Return the steps before whose findings are needed, once each."""
+    known: set[str] = set()
+    looks: dict[str, Step] = {}
+    for step in left:
+        for fact, _ in step.action.needs:
+            revealing = [s for s in before if fact in (name for name, _ in s.action.reveals)]
+            if fact not in known and revealing:
+                looks[fact] = revealing[-1]
+        known |= {fact for fact, _ in step.action.reveals}
+    return tuple(dict.fromkeys(looks.values()))

@@ -42,6 +42,7 @@ _COMMAND_ERROR = "command_error"
 _EXHAUSTED = "exhausted"
 _ERRORS = (Output("error_code", "int"), Output("error_message", "string"))
 _HASH_DIGITS = 16
+_MARK = "Content"
 
 
 def behavior_name(use_case: UseCase, task: str) -> str:
@@ -54,6 +55,7 @@ def task_chart(
     decomposition: Decomposition,
     component_of: dict[str, str],
     arms: tuple[str, ...],
+    suffix: str = "",
 ) -> Chart:
     """Return the chart of a decomposed task.
 
@@ -62,13 +64,20 @@ def task_chart(
         decomposition: of the task.
         component_of: components by the names of terminals.
         arms: the arm that begins, and the one that takes over, if one does.
+        suffix: of the behavior's name, for a part of the task.
 
     Raises:
         UseCaseError: if an action refers to a value that the task does not have, or there is none.
     """
-    chart = _Charting(use_case, decomposition, component_of, arms).chart()
-    digest = hashlib.sha256(write_chart(chart).encode()).hexdigest()[:_HASH_DIGITS]
-    return replace(chart, description=f"{chart.description}\nContent {digest}.")
+    return marked(_Charting(use_case, decomposition, component_of, arms, suffix).chart())
+
+
+def marked(chart: Chart) -> Chart:
+    """Return a chart whose description ends with a hash of all that the chart says."""
+    said = [line for line in chart.description.splitlines() if not line.startswith(_MARK)]
+    plain = replace(chart, description="\n".join(said))
+    digest = hashlib.sha256(write_chart(plain).encode()).hexdigest()[:_HASH_DIGITS]
+    return replace(chart, description="\n".join([*said, f"{_MARK} {digest}."]))
 
 
 def content_mark(chart: Chart) -> str:
@@ -92,12 +101,13 @@ class _Charting:
         decomposition: Decomposition,
         component_of: dict[str, str],
         arms: tuple[str, ...],
+        suffix: str,
     ) -> None:
         self._use_case = use_case
         self._task = decomposition.task
         height_m = use_case.cell.carry_height_m
         self._values = TaskValues(self._task, decomposition.first, component_of, height_m)
-        self._name = behavior_name(use_case, self._task.name)
+        self._name = behavior_name(use_case, self._task.name) + suffix
         self._placed = tuple(_place(decomposition.steps, arms))
         self._inputs: dict[str, Input] = {}
         self._connections: list[Connection] = []

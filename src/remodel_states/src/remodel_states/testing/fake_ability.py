@@ -5,9 +5,8 @@ For tests, and for dry runs of behaviors (`rosrun remodel_states fake_abilities`
 
 from __future__ import annotations
 
-import math
 import threading
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import actionlib
@@ -16,7 +15,10 @@ from genpy import Message
 from remodel_msgs import msg as remodel_msgs
 from remodel_msgs.msg import ErrorCode
 
+from remodel_states.testing.nonsense import nonsense
+
 ABILITIES = (
+    "CheckConnection",
     "DetectCable",
     "ExtractCable",
     "FixCable",
@@ -82,11 +84,11 @@ class FakeAbility:
         with self._lock:
             answer = self._answers.pop(0) if len(self._answers) > 1 else self._answers[0]
             self.goals.append(handle.get_goal())
-        nonsense = _nonsense(handle.get_goal())
-        if nonsense:
+        senseless = nonsense(handle.get_goal())
+        if senseless:
             result = self._result(handle, Answer(refuse=True))
-            result.error_message = nonsense
-            handle.set_rejected(result, nonsense)
+            result.error_message = senseless
+            handle.set_rejected(result, senseless)
             return
         result = self._result(handle, answer)
         if answer.refuse:
@@ -115,30 +117,6 @@ class FakeAbility:
             error_code=code,
             error_message=f"told to answer error {code}" if code else "",
         )
-
-
-def _nonsense(goal: Message) -> str:
-    """Return why a goal makes no sense, whatever the ability; empty if it does."""
-    if not goal.id:
-        return "id is empty; it must name the goal"
-    if not 0 < goal.timeout < math.inf:
-        return f"timeout must be a positive number, found {goal.timeout}"
-    for name in goal.__slots__:
-        if any(not math.isfinite(number) for number in _numbers(getattr(goal, name))):
-            return f"{name} holds what is not a number"
-    return ""
-
-
-def _numbers(value: object) -> Iterator[float]:
-    """Yield the floating-point numbers in a field of a message, however deep."""
-    if isinstance(value, float):
-        yield value
-    elif isinstance(value, list | tuple):
-        for item in value:
-            yield from _numbers(item)
-    elif isinstance(value, Message):
-        for name in value.__slots__:
-            yield from _numbers(getattr(value, name))
 
 
 def serve_all(codes: dict[str, list[int]]) -> list[FakeAbility]:

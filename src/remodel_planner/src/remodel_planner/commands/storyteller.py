@@ -1,0 +1,84 @@
+"""Turn what was run and seen into the report's stories: charts drawn, pictures chosen."""
+
+from __future__ import annotations
+
+import base64
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+from flexbe_synthesizer.core.codec import parse_chart
+from flexbe_synthesizer.core.draw import chart_to_dot
+from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.edge.graphviz import dot_picture
+from remodel_planner.core.production import Wire
+from remodel_planner.core.run import Operation
+from remodel_planner.core.run_report import Drawing, Picture, WireStory
+from remodel_planner.core.supervision.attempts import Attempt
+from remodel_planner.core.trace import Trace, trace
+from remodel_planner.edge.package_files import behavior_charts
+
+# As ros/pictures.py names them.
+_PICTURE = re.compile(r".*_(?P<stamp>[\d.]+)_(?P<camera>[a-z]+)\.jpg")
+
+
+def nested_charts() -> Mapping[str, Chart]:
+    """Return the charts that tasks nest, by name."""
+    path = behavior_charts() / "place_connector.xml"
+    chart = parse_chart(path.read_text(encoding="utf-8"), str(path))
+    return {chart.name: chart}
+
+
+class Storyteller:
+    """Tells attempts at wires."""
+
+    def __init__(self, pictures: Path) -> None:
+        """Take the folder of the run's pictures."""
+        self._pictures = pictures
+        self._nested = nested_charts()
+
+    def story(self, attempt: Attempt, wire: Wire, length_m: float) -> WireStory:
+        """Return one attempt's story."""
+        operations = attempt.execution.operations
+        taken = trace(parse_chart(attempt.chart, "record"), operations, self._nested)
+        return WireStory(
+            wire,
+            length_m,
+            attempt.execution,
+            tuple(_drawings(taken)),
+            tuple(self._picture(name, operations) for name in attempt.pictures),
+        )
+
+    def overview(self, attempt: Attempt) -> tuple[Picture, ...]:
+        """Return the picture of the whole cell after an attempt."""
+        last = [name for name in attempt.pictures if name.endswith("_scene.jpg")]
+        return tuple(Picture("The cell at the end", self._uri(name)) for name in last)
+
+    def _picture(self, name: str, operations: tuple[Operation, ...]) -> Picture:
+        found = _PICTURE.fullmatch(name)
+        if found is None or found["camera"] == "scene":
+            return Picture("The panel afterwards", self._uri(name))
+        return Picture(
+            _caption(float(found["stamp"]), found["camera"], operations), self._uri(name)
+        )
+
+    def _uri(self, name: str) -> str:
+        jpeg = (self._pictures / name).read_bytes()
+        return f"data:image/jpeg;base64,{base64.b64encode(jpeg).decode()}"
+
+
+def _drawings(taken: Trace) -> list[Drawing]:
+    caption = f"{taken.chart.name} {taken.path}".strip()
+    svg = dot_picture(chart_to_dot(taken.chart, taken.steps), ".svg").decode()
+    drawings = [Drawing(caption, svg[svg.index("<svg") :])]
+    for child in taken.children:
+        drawings += _drawings(child)
+    return drawings
+
+
+def _caption(stamp_s: float, camera: str, operations: tuple[Operation, ...]) -> str:
+    """Return which ability made a picture, by the time at which it was made."""
+    for operation in operations:
+        if operation.ended_s - operation.elapsed_s <= stamp_s <= operation.ended_s:
+            return f"{operation.state_path.lstrip('/')}: {camera} camera"
+    return f"{camera} camera"

@@ -1,0 +1,9 @@
+"""A run of an order as a row of events: what is known, and what comes next, follow from them alone.
+
+events.py      what happens in a run
+event_form.py  events as plain data, for the database
+state.py       what is known after some events
+step.py        what comes next, for a state
+judge.py       which fault a task failed with, and what is done about it
+question.py    what an operator is asked
+"""

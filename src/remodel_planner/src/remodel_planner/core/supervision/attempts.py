@@ -1,0 +1,83 @@
+"""The behaviors of a run, as its events tell of them, with what was decided about each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from remodel_planner.core.run import Execution, Operation
+from remodel_planner.core.supervision.events import (
+    Decided,
+    Event,
+    Interrupted,
+    OperationEnded,
+    Part,
+    TaskBegun,
+    TaskEnded,
+)
+
+INTERRUPTED = "interrupted"
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """One behavior of a task, ended or interrupted.
+
+    Attributes:
+        part: of the task that it did.
+        chart: of the behavior, XML.
+        path: the states that were taken, each "/path > outcome", as the engine told them.
+        pictures: names of files in the run's folder.
+        because: of the interruption; empty if it ended.
+        decision: what was done about its failure; None if nothing was.
+    """
+
+    execution: Execution
+    part: Part
+    chart: str
+    path: tuple[str, ...] = ()
+    pictures: tuple[str, ...] = ()
+    because: str = ""
+    decision: Decided | None = None
+
+
+def attempts_of(events: Iterable[Event]) -> tuple[Attempt, ...]:
+    """Return the behaviors of a run that have ended, in order."""
+    ended: list[Attempt] = []
+    begun: TaskBegun | None = None
+    operations: list[Operation] = []
+    for event in events:
+        match event:
+            case TaskBegun():
+                begun, operations = event, []
+            case OperationEnded():
+                operations.append(event.operation)
+            case TaskEnded() if begun is not None:
+                execution = _execution(begun, event.outcome, event.placed, event.at_s, operations)
+                ended.append(
+                    Attempt(execution, begun.part, begun.chart, event.path, event.pictures)
+                )
+                begun = None
+            case Interrupted() if begun is not None:
+                at_s = max([begun.at_s, *(operation.ended_s for operation in operations)])
+                execution = _execution(begun, INTERRUPTED, False, at_s, operations)
+                ended.append(Attempt(execution, begun.part, begun.chart, because=event.because))
+                begun = None
+            case Decided() if ended and ended[-1].execution.wire == event.task:
+                ended[-1] = replace(ended[-1], decision=event)
+    return tuple(ended)
+
+
+def _execution(
+    begun: TaskBegun, outcome: str, placed: bool, at_s: float, operations: list[Operation]
+) -> Execution:
+    return Execution(
+        begun.task,
+        begun.behavior,
+        begun.attempt,
+        outcome,
+        placed,
+        begun.at_s,
+        at_s,
+        tuple(operations),
+    )

@@ -1,0 +1,258 @@
+"""What happens in a run of an order.
+
+An event is committed before anything that follows from it begins, so that a run whose processes
+are killed goes on from the last one. Tasks, behaviors and ends are named; times are [s] ROS time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from remodel_planner.core.recovery.fault import Do
+from remodel_planner.core.run import Operation
+
+
+class Part(Enum):
+    """What of a task a behavior does.
+
+    WHOLE: all of it, with a new part. AGAIN: all of it, with the part that is there. REST: what is
+    left after an end is connected. CLEAR: nothing but emptying the hand, of what an interrupted
+    behavior has left in it.
+    """
+
+    WHOLE = "whole"
+    AGAIN = "again"
+    REST = "rest"
+    CLEAR = "clear"
+
+
+class Ending(Enum):
+    """How a run ends."""
+
+    COMPLETE = "complete"
+    INCOMPLETE = "incomplete"
+    STOPPED = "stopped"
+
+
+class AsLeft(Enum):
+    """How a cell has left a task."""
+
+    RUNNING = "running"
+    DONE = "done"
+    SET_ASIDE = "set aside"
+
+
+class Command(Enum):
+    """What an operator asks of a run."""
+
+    PAUSE = "pause"
+    RESUME = "resume"
+    STOP = "stop"
+    SKIP = "skip"
+    RETRY = "retry"
+
+
+class Answer(Enum):
+    """What an operator may answer to a question; remodel_msgs/OperatorQuestion explains each."""
+
+    RETRY = "retry"
+    FIXED = "fixed"
+    MARK_DONE = "mark_done"
+    SKIP = "skip"
+    REPLAN = "replan"
+    STOP = "stop"
+
+
+@dataclass(frozen=True)
+class RunBegun:
+    """A run began."""
+
+    order: str
+    use_case: str
+    cell: str
+    tasks: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Planned:
+    """The order of the tasks that wait was decided."""
+
+    tasks: tuple[str, ...]
+    because: str
+
+
+@dataclass(frozen=True)
+class TaskBegun:
+    """A behavior of a task is about to be started.
+
+    Attributes:
+        attempt: at the task, from 1; clearing the hand counts as part of the attempt before.
+        chart: the behavior's chart, XML.
+    """
+
+    task: str
+    attempt: int
+    part: Part
+    behavior: str
+    chart: str
+    at_s: float
+
+
+@dataclass(frozen=True)
+class OperationEnded:
+    """An ability was executed."""
+
+    task: str
+    operation: Operation
+
+
+@dataclass(frozen=True)
+class TaskEnded:
+    """The behavior of the task under way ended by itself.
+
+    Attributes:
+        placed: whether the cell's ground truth finds the wire placed: a score, nothing follows
+            from it.
+        path: the states that were taken, each "/path > outcome", as the engine told them.
+        pictures: names of files in the run's folder.
+    """
+
+    task: str
+    outcome: str
+    at_s: float
+    placed: bool
+    path: tuple[str, ...] = ()
+    pictures: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Interrupted:
+    """Something that the run needs was lost; what the task under way has done is in doubt."""
+
+    because: str
+
+
+@dataclass(frozen=True)
+class Settled:
+    """It was looked what of a task is done.
+
+    Attributes:
+        connected: letters of the ends that were seen in their terminals.
+        left: how many steps of the task are left after them.
+        code: remodel_msgs/ErrorCode of the look that failed; 0 if none did.
+        unseen: why it could not be seen; empty if it was.
+    """
+
+    task: str
+    connected: tuple[str, ...]
+    left: int
+    code: int = 0
+    unseen: str = ""
+
+
+@dataclass(frozen=True)
+class Decided:
+    """It was decided what to do about a failure.
+
+    Attributes:
+        ability: that failed; empty if none did.
+        state_path: of the state that asked for it; empty without one.
+        change: parameter -> new value; only with Do.RETRY_WITH.
+        by: who decided: "policy", or an operator's name.
+    """
+
+    task: str
+    fault: str
+    code: int
+    ability: str
+    state_path: str
+    text: str
+    do: Do
+    change: tuple[tuple[str, float], ...]
+    because: str
+    by: str
+    at_s: float
+
+
+@dataclass(frozen=True)
+class Asked:
+    """An operator was asked."""
+
+    number: int
+    task: str
+    text: str
+    choices: tuple[Answer, ...]
+
+
+@dataclass(frozen=True)
+class Answered:
+    """An operator has answered."""
+
+    number: int
+    choice: Answer
+    by: str
+
+
+@dataclass(frozen=True)
+class Commanded:
+    """An operator asked for something; the task is empty where it is about the run."""
+
+    command: Command
+    task: str
+    by: str
+
+
+@dataclass(frozen=True)
+class TaskElsewhere:
+    """Another cell has this task, or has had it.
+
+    Attributes:
+        as_left: how that cell has left it; RUNNING while it has it.
+    """
+
+    task: str
+    cell: str
+    as_left: AsLeft
+
+
+@dataclass(frozen=True)
+class TaskReturned:
+    """The cell that had this task has gone silent: what it has done of it is in doubt."""
+
+    task: str
+    cell: str
+
+
+@dataclass(frozen=True)
+class Blocked:
+    """The run cannot go on by itself."""
+
+    because: str
+
+
+@dataclass(frozen=True)
+class RunEnded:
+    """The run ended."""
+
+    ending: Ending
+    because: str
+
+
+Event = (
+    RunBegun
+    | Planned
+    | TaskBegun
+    | OperationEnded
+    | TaskEnded
+    | Interrupted
+    | Settled
+    | Decided
+    | Asked
+    | Answered
+    | Commanded
+    | TaskElsewhere
+    | TaskReturned
+    | Blocked
+    | RunEnded
+)

@@ -1,0 +1,82 @@
+"""Which fault a task failed with, and what is done about it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from remodel_planner.core.recovery.decide import decide
+from remodel_planner.core.recovery.failure import Failure, Spent
+from remodel_planner.core.recovery.fault import Do, FaultTable
+from remodel_planner.core.recovery.policy import Policy
+from remodel_planner.core.supervision.events import Decided
+from remodel_planner.core.supervision.state import UNTOLD, RunState, TaskProgress
+
+POLICY = "policy"
+
+
+def failure_of(task: TaskProgress, faults: FaultTable, at_s: float) -> Failure:
+    """Return what a task failed with: the operation of its last attempt that failed last.
+
+    Args:
+        task: that failed.
+        faults: that there are.
+        at_s: [s] ROS time.
+    """
+    fault = faults.diagnose(task.codes) or faults.of(UNTOLD)
+    failed = [operation for operation in task.operations if operation.error_code]
+    if task.unseen or not failed:
+        text = task.unseen or f"the behavior ended {task.outcome}"
+        return Failure(task.name, fault, task.codes[-1], "", "", text, at_s)
+    last = failed[-1]
+    return Failure(
+        task.name,
+        fault,
+        last.error_code,
+        last.ability,
+        last.state_path,
+        last.text,
+        at_s,
+        last.parameters,
+    )
+
+
+def judged(
+    state: RunState,
+    name: str,
+    faults: FaultTable,
+    policy: Policy,
+    possible: Collection[Do],
+    at_s: float,
+) -> Decided:
+    """Return what is done about a task that failed.
+
+    Args:
+        state: of the run.
+        name: of the task.
+        faults: that there are.
+        policy: of the use case.
+        possible: what can be done now.
+        at_s: [s] ROS time.
+    """
+    task = state.tasks[name]
+    failure = failure_of(task, faults, at_s)
+    spent = Spent(task.attempts - task.interruptions, task.cell_s, state.failures, state.cell_s)
+    earlier = [(decision.fault, decision.do) for decision in task.decisions]
+    decision = decide(failure, earlier, spent, policy, possible)
+    do, because, by = decision.do, decision.because, POLICY
+    if name in state.skipped:
+        do, by = Do.SET_ASIDE, state.skipped[name]
+        because = f"{by} skipped it"
+    return Decided(
+        name,
+        failure.fault.name,
+        failure.code,
+        failure.ability,
+        failure.state_path,
+        failure.text,
+        do,
+        decision.change if do is Do.RETRY_WITH else (),
+        because,
+        by,
+        at_s,
+    )

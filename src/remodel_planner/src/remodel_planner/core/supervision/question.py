@@ -1,0 +1,29 @@
+"""What an operator is asked about a task that its cell cannot do by itself."""
+
+from __future__ import annotations
+
+from remodel_planner.core.recovery.fault import FaultTable
+from remodel_planner.core.supervision.events import Answer, Asked
+from remodel_planner.core.supervision.state import RunState
+
+
+def question_about(state: RunState, name: str, faults: FaultTable) -> Asked:
+    """Return the question about a task whose last decision was to ask.
+
+    Args:
+        state: of the run.
+        name: of the task.
+        faults: that there are.
+    """
+    task = state.tasks[name]
+    last = task.decisions[-1]
+    tried = [d.do.value.replace("_", " ") for d in task.decisions[:-1]]
+    there = f" Connected: end {' and end '.join(task.connected)}." if task.connected else ""
+    text = (
+        f"{name} failed: {last.text}. That is {last.fault.replace('_', ' ')}: "
+        f"{faults[last.fault].symptoms} Tried: {', '.join(tried) or 'nothing'}.{there}"
+    )
+    choices = [Answer.RETRY, Answer.FIXED, Answer.MARK_DONE, Answer.SKIP]
+    if state.waiting:
+        choices.append(Answer.REPLAN)
+    return Asked(state.questions + 1, name, text, (*choices, Answer.STOP))

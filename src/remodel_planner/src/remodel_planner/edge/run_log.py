@@ -1,0 +1,273 @@
+"""What happens in runs, kept: event by event, each committed before the next begins.
+
+Beside the events, which say everything, stand tables that are made for questions: executions,
+ability records and decisions, and the state of each task. They change in the same transaction.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import UTC, datetime
+
+from sqlalchemy import func, select, update
+from sqlalchemy.orm import Session
+
+from remodel_planner.core.run import Operation
+from remodel_planner.core.supervision.attempts import INTERRUPTED
+from remodel_planner.core.supervision.event_form import data_of, event_from, kind_of
+from remodel_planner.core.supervision.events import (
+    Decided,
+    Event,
+    Interrupted,
+    RunBegun,
+    RunEnded,
+    TaskEnded,
+)
+from remodel_planner.core.supervision.state import RunState, Stage, TaskProgress, applied
+from remodel_planner.edge.production_database import ProductionDatabase, order_row
+from remodel_planner.edge.production_models import (
+    AbilityRecordRow,
+    DecisionRow,
+    ExecutionRow,
+    OrderRow,
+    RunEventRow,
+    RunRow,
+    TaskRow,
+    WireRow,
+)
+from remodel_planner.errors import OrderError
+
+_STORED = {Stage.DONE: "done", Stage.SET_ASIDE: "set aside"}
+
+
+@dataclass(frozen=True)
+class RunHead:
+    """A run, as lists show it.
+
+    Attributes:
+        started: wall time, UTC.
+    """
+
+    number: int
+    order: str
+    cell: str
+    started: datetime
+    ended: bool
+
+
+@dataclass(frozen=True)
+class KeptEvent:
+    """An event as it was kept.
+
+    Attributes:
+        at: wall time, UTC.
+    """
+
+    at: datetime
+    event: Event
+
+
+class RunLog:
+    """The runs of a database."""
+
+    def __init__(self, database: ProductionDatabase) -> None:
+        """Take the database that keeps them."""
+        self._database = database
+
+    def begin(self, event: RunBegun, *, again: bool = False) -> int:
+        """Begin a run, and return its number.
+
+        Alone on its order, it tries again what was set aside. Beside runs of other cells it
+        leaves all tasks as they are.
+
+        Args:
+            event: its beginning.
+            again: do again what is done, as if nothing had been done.
+
+        Raises:
+            OrderError: if there is no such order, or other cells work on one to be done again.
+        """
+        with self._database.transaction() as session:
+            order = order_row(session, event.order)
+            others = session.scalars(
+                select(RunRow.cell).where(
+                    RunRow.order_id == order.id,
+                    RunRow.ended.is_(False),
+                    RunRow.cell != event.cell,
+                )
+            ).all()
+            if again and others:
+                raise OrderError(
+                    f"order {event.order} cannot be done again: cell {others[0]} works on it"
+                )
+            states = {"set aside", "done", "begun"} if again else {"set aside"}
+            if not others:
+                session.execute(
+                    update(TaskRow)
+                    .where(TaskRow.order_id == order.id, TaskRow.state.in_(states))
+                    .values(state="open", cell="", lease_until=None)
+                )
+            row = RunRow(order_id=order.id, started=_now(), cell=event.cell, ended=False)
+            session.add(row)
+            session.flush()
+            session.add(_event_row(row.id, 0, event))
+            return int(row.id)
+
+    def append(self, run: int, event: Event, before: RunState) -> RunState:
+        """Keep an event, and return the state after it.
+
+        Args:
+            run: number of the run.
+            event: that happened.
+            before: the state in which it happened.
+        """
+        after = applied(event, before)
+        with self._database.transaction() as session:
+            last = session.scalar(
+                select(func.max(RunEventRow.position)).where(RunEventRow.run_id == run)
+            )
+            session.add(_event_row(run, last + 1, event))
+            _project(session, run, event, before, after)
+        return after
+
+    def events(self, run: int) -> tuple[KeptEvent, ...]:
+        """Return what happened in a run, in order.
+
+        Raises:
+            OrderError: if there is no run of that number, or its events were not kept.
+        """
+        with self._database.reading() as session:
+            rows = session.scalars(
+                select(RunEventRow).where(RunEventRow.run_id == run).order_by(RunEventRow.position)
+            )
+            events = tuple(KeptEvent(row.at, event_from(row.kind, row.data)) for row in rows)
+        if not events:
+            known = ", ".join(str(head.number) for head in self.heads()) or "none"
+            raise OrderError(f"there is no record of run {run}; there are {known}")
+        return events
+
+    def heads(self) -> tuple[RunHead, ...]:
+        """Return the runs of which there is a record, the latest first."""
+        recorded = select(RunEventRow.run_id)
+        with self._database.reading() as session:
+            rows = session.execute(
+                select(RunRow, OrderRow.name)
+                .join(OrderRow, RunRow.order_id == OrderRow.id)
+                .where(RunRow.id.in_(recorded))
+                .order_by(RunRow.id.desc())
+            )
+            return tuple(
+                RunHead(row.id, order, row.cell, row.started, row.ended) for row, order in rows
+            )
+
+    def unfinished(self, cell: str) -> int | None:
+        """Return the number of a cell's run that has not ended; None if all have."""
+        with self._database.reading() as session:
+            return session.scalar(
+                select(func.max(RunRow.id)).where(RunRow.cell == cell, RunRow.ended.is_(False))
+            )
+
+
+def kept_run(url: str, run: int) -> tuple[KeptEvent, ...]:
+    """Return what happened in a run of the database at a URL.
+
+    Raises:
+        OrderError: if there is no such database, or no record of the run.
+    """
+    database = ProductionDatabase(url)
+    try:
+        return RunLog(database).events(run)
+    finally:
+        database.close()
+
+
+def _event_row(run: int, position: int, event: Event) -> RunEventRow:
+    return RunEventRow(
+        run_id=run, position=position, at=_now(), kind=kind_of(event), data=data_of(event)
+    )
+
+
+def _project(session: Session, run: int, event: Event, before: RunState, after: RunState) -> None:
+    """Bring the tables that are made for questions up to date."""
+    for name, task in after.tasks.items():
+        stage = before.tasks[name].stage
+        if task.stage is not stage and task.stage in _STORED:
+            row = _task_row(session, run, name)
+            row.state, row.cell, row.lease_until = _STORED[task.stage], after.cell, None
+    current = before.tasks.get(before.current)
+    match event:
+        case TaskEnded():
+            session.add(
+                _execution_row(session, run, current, event.outcome, event.at_s, event.placed)
+            )
+        case Interrupted() if current is not None and current.stage is Stage.RUNNING:
+            ended_s = max([current.began_s, *(o.ended_s for o in current.operations)])
+            session.add(_execution_row(session, run, current, INTERRUPTED, ended_s, False))
+        case Decided():
+            execution = session.scalar(
+                select(ExecutionRow)
+                .where(
+                    ExecutionRow.run_id == run,
+                    ExecutionRow.task_id == _task_row(session, run, event.task).id,
+                )
+                .order_by(ExecutionRow.id.desc())
+                .limit(1)
+            )
+            if execution is not None and execution.decision is None:
+                execution.decision = _decision_row(event)
+        case RunEnded():
+            session.get(RunRow, run).ended = True
+
+
+def _task_row(session: Session, run: int, task: str) -> TaskRow:
+    order = session.get(RunRow, run).order_id
+    return session.scalars(
+        select(TaskRow)
+        .join(WireRow, TaskRow.wire_id == WireRow.id)
+        .where(TaskRow.order_id == order, WireRow.name == task)
+    ).one()
+
+
+def _execution_row(
+    session: Session, run: int, task: TaskProgress, outcome: str, ended_s: float, placed: bool
+) -> ExecutionRow:
+    return ExecutionRow(
+        run_id=run,
+        task_id=_task_row(session, run, task.name).id,
+        behavior=task.behavior,
+        attempt=task.attempts,
+        outcome=outcome,
+        placed=placed,
+        started_s=task.began_s,
+        ended_s=ended_s,
+        operations=[_record_row(operation) for operation in task.operations],
+    )
+
+
+def _record_row(operation: Operation) -> AbilityRecordRow:
+    return AbilityRecordRow(
+        state_path=operation.state_path,
+        ability=operation.ability,
+        outcome=operation.outcome,
+        error_code=operation.error_code,
+        text=operation.text,
+        ended_s=operation.ended_s,
+        elapsed_s=operation.elapsed_s,
+        goal_id=operation.goal_id,
+        parameters=[list(pair) for pair in operation.parameters],
+        measurements=[list(pair) for pair in operation.measurements],
+    )
+
+
+def _decision_row(event: Decided) -> DecisionRow:
+    return DecisionRow(
+        fault=event.fault,
+        error_code=event.code,
+        evidence=event.text,
+        response=event.do.value,
+        because=event.because,
+    )
+
+
+def _now() -> datetime:
+    return datetime.now(UTC).replace(tzinfo=None)

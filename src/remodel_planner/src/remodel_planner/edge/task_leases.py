@@ -1,0 +1,124 @@
+"""Leases on tasks, so that several cells work on one order without doing anything twice.
+
+A cell takes a task by a lease that it renews while it works; when a cell dies, its leases run out,
+and another cell takes its tasks over. Times are those of the database's clock. Rows are locked
+while they are looked at (SELECT ... FOR UPDATE; SQLite lets one writer in at a time).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from sqlalchemy import select, text
+from sqlalchemy.orm import Session
+
+from remodel_planner.edge.production_database import ProductionDatabase, order_row
+from remodel_planner.edge.production_models import TaskRow, WireRow
+from remodel_planner.errors import OrderError
+
+_CLOCK = {
+    "sqlite": "SELECT (julianday('now') - 2440587.5) * 86400.0",
+    "postgresql": "SELECT EXTRACT(EPOCH FROM clock_timestamp())",
+}
+
+
+class Holding(Enum):
+    """What a cell learns when it asks for a task.
+
+    MINE: it has it, and nobody has begun it before. MINE_IN_DOUBT: it has it, and a cell has begun
+    it before. ELSEWHERE: another cell has it. DONE, SET_ASIDE: it is, by some cell.
+    """
+
+    MINE = "mine"
+    MINE_IN_DOUBT = "mine in doubt"
+    ELSEWHERE = "elsewhere"
+    DONE = "done"
+    SET_ASIDE = "set aside"
+
+
+@dataclass(frozen=True)
+class Claim:
+    """The answer to a cell that asks for a task.
+
+    Attributes:
+        cell: that has it, or has had it last; empty if none.
+    """
+
+    holding: Holding
+    cell: str
+
+
+class TaskLeases:
+    """One cell's leases on the tasks of one order."""
+
+    def __init__(self, database: ProductionDatabase, order: str, cell: str, lease_s: float) -> None:
+        """Take leases for a cell.
+
+        Args:
+            database: that keeps them.
+            order: name of the order.
+            cell: name of the cell.
+            lease_s: [s] wall time for which a task is taken or renewed.
+        """
+        self._database = database
+        self._order = order
+        self._cell = cell
+        self.lease_s = lease_s
+
+    def claim(self, task: str) -> Claim:
+        """Take a task unless another cell has it, or it is done.
+
+        Raises:
+            OrderError: if the order has no such task.
+        """
+        with self._database.transaction() as session:
+            row = self._row(session, task)
+            before, now = row.cell, _now_s(session)
+            if row.state in (Holding.DONE.value, Holding.SET_ASIDE.value):
+                return Claim(Holding(row.state), before)
+            is_live = row.lease_until is not None and row.lease_until > now
+            if before != self._cell and is_live:
+                return Claim(Holding.ELSEWHERE, before)
+            begun = row.state == "begun"
+            row.state, row.cell, row.lease_until = "begun", self._cell, now + self.lease_s
+            return Claim(Holding.MINE_IN_DOUBT if begun else Holding.MINE, before)
+
+    def any_begun(self) -> bool:
+        """Tell whether a task of the order is begun, done or set aside."""
+        with self._database.reading() as session:
+            order = order_row(session, self._order)
+            begun = select(TaskRow.id).where(TaskRow.order_id == order.id, TaskRow.state != "open")
+            return session.scalar(begun.limit(1)) is not None
+
+    def renew(self, task: str) -> bool:
+        """Go on having a task; False if another cell has taken it over."""
+        with self._database.transaction() as session:
+            row = self._row(session, task)
+            if row.cell != self._cell or row.state != "begun":
+                return False
+            row.lease_until = _now_s(session) + self.lease_s
+            return True
+
+    def give_back(self, task: str) -> None:
+        """Let other cells have a task that was not done; it counts as one never begun."""
+        with self._database.transaction() as session:
+            row = self._row(session, task)
+            if row.cell == self._cell and row.state == "begun":
+                row.state, row.cell, row.lease_until = "open", "", None
+
+    def _row(self, session: Session, task: str) -> TaskRow:
+        order = order_row(session, self._order)
+        row = session.scalar(
+            select(TaskRow)
+            .join(WireRow, TaskRow.wire_id == WireRow.id)
+            .where(TaskRow.order_id == order.id, WireRow.name == task)
+            .with_for_update(of=TaskRow)
+        )
+        if row is None:
+            raise OrderError(f"order {self._order} has no task {task}")
+        return row
+
+
+def _now_s(session: Session) -> float:
+    return float(session.scalar(text(_CLOCK[session.get_bind().dialect.name])))

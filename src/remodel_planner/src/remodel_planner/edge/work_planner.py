@@ -1,0 +1,112 @@
+"""Plans what is left of an order: its tasks' order, and how each is done."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+
+from flexbe_synthesizer.core.model import Chart
+from remodel_planner.core.recovery.fault import Do
+from remodel_planner.core.supervision.events import Decided, Part
+from remodel_planner.core.use_case.expectation import Expectations
+from remodel_planner.core.use_case.model import UseCase
+from remodel_planner.core.use_case.planned_tasks import (
+    PlannedTask,
+    done_otherwise,
+    planned_tasks,
+    with_parameters,
+)
+from remodel_planner.core.use_case.preparation import Prepared, prepare
+from remodel_planner.core.use_case.work_order import WorkOrder
+from remodel_planner.edge.order_planner import plan_problem
+
+
+class WorkPlanner:
+    """Plans one order of one use case."""
+
+    def __init__(
+        self,
+        order: WorkOrder,
+        use_case: UseCase,
+        expectations: Expectations,
+        search_s: float,
+        documents: Sequence[tuple[str, object]] = (),
+    ) -> None:
+        """Take the order.
+
+        Args:
+            order: what is to be done.
+            use_case: how such work is done.
+            expectations: of abilities.
+            search_s: [s] of wall time that a search for the best order gets.
+            documents: preferences, parsed, with what to call them in errors.
+        """
+        self.order = order
+        self.use_case = use_case
+        self._expectations = expectations
+        self._search_s = search_s
+        self._documents = documents
+        self._prepared: Prepared | None = None
+        self._tasks: dict[str, PlannedTask] = {}
+
+    def plan(self, names: Collection[str]) -> tuple[str, ...]:
+        """Return the tasks of these names in the best order that is found in time.
+
+        Raises:
+            InstanceError: if there is no plan.
+        """
+        tasks = tuple(task for task in self.order.tasks if task.name in names)
+        order = replace(self.order, tasks=tasks)
+        prepared = prepare(order, self.use_case, self._documents, expectations=self._expectations)
+        search_s = self._search_s if len(tasks) > 1 else 0.0
+        planned = plan_problem(prepared.preferred.problem, search_s)
+        found = {task.name: task for task in planned_tasks(prepared, planned.plan)}
+        self._prepared = prepared
+        self._tasks |= found
+        return tuple(found)
+
+    def task(self, name: str, decisions: Sequence[Decided] = ()) -> PlannedTask:
+        """Return a task as it is planned, by the methods that are left after some decisions.
+
+        Raises:
+            InstanceError: if there is no plan for it.
+        """
+        if name not in self._tasks:
+            self.plan([name])
+        task = self._tasks[name]
+        for decision in decisions:
+            if decision.do is Do.OTHER_METHOD:
+                task = self._otherwise(task, decision.state_path) or task
+        return task
+
+    def expected_s(self, name: str) -> float:
+        """Return how long a task is expected to take [s]; 0 as long as it is not planned."""
+        task = self._tasks.get(name)
+        return sum(step.expected.duration_s for step in task.decomposition.steps) if task else 0.0
+
+    def has_other_method(self, name: str, decisions: Sequence[Decided], state_path: str) -> bool:
+        """Tell whether the step of a task that a state is of can be done by another method."""
+        return self._otherwise(self.task(name, decisions), state_path) is not None
+
+    def chart(
+        self, name: str, part: Part, connected: Collection[str], decisions: Sequence[Decided]
+    ) -> Chart:
+        """Return the chart of a part of a task.
+
+        Args:
+            name: of the task.
+            part: which.
+            connected: letters of the ends that sit in their terminals.
+            decisions: about the task so far.
+        """
+        task = self.task(name, decisions)
+        if part is Part.CLEAR:
+            return task.clear()
+        chart = task.rest(connected) if part is Part.REST else task.chart
+        for decision in decisions:
+            chart = with_parameters(chart, decision.ability, decision.change) or chart
+        return chart
+
+    def _otherwise(self, task: PlannedTask, state_path: str) -> PlannedTask | None:
+        assert self._prepared is not None, "a task is planned before it is asked for"
+        return done_otherwise(self._prepared, task, state_path)

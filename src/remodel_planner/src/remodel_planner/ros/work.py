@@ -1,0 +1,83 @@
+"""Make what a run is about: an order from the database, ready for the cell of this node."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from remodel_planner.core.cell_order import USE_CASE, cell_order
+from remodel_planner.core.learning.learned_expectations import LearnedExpectations
+from remodel_planner.core.panel_layout import PanelRules, lay_out
+from remodel_planner.core.recovery.fault import FaultTable
+from remodel_planner.edge.catalogue_file import read_catalogue
+from remodel_planner.edge.package_files import catalogue_file
+from remodel_planner.edge.production_database import ProductionDatabase
+from remodel_planner.edge.task_leases import TaskLeases
+from remodel_planner.edge.use_case_files import find_use_case
+from remodel_planner.edge.work_planner import WorkPlanner
+from remodel_planner.ros.panel_message import panel_message
+from remodel_planner.ros.use_case_supervisor import Work
+
+
+@dataclass
+class WorkMaker:
+    """Makes work for one cell.
+
+    Attributes:
+        database: that has the orders.
+        faults: that there are.
+        cell: name of the cell.
+        charts: folder of the task charts; one that the synthesizer may read.
+        attended: whether there is an operator who can be asked.
+        patience_s: [s] wall time that a lost process gets to come back.
+        lease_s: [s] wall time for which a task is taken.
+        search_s: [s] wall time that the search for the best order of tasks gets.
+        descriptions: of the tasks made last, for a person, by name.
+    """
+
+    database: ProductionDatabase
+    faults: FaultTable
+    cell: str
+    charts: Path
+    attended: bool
+    patience_s: float
+    lease_s: float
+    search_s: float
+    descriptions: Mapping[str, str] = field(default_factory=dict)
+
+    def work(self, name: str, tasks: int, timeout_s: float) -> Work:
+        """Make the work of an order.
+
+        Args:
+            name: of the order.
+            tasks: how many, from the first; 0 for all.
+            timeout_s: [s] ROS time that the run gets; 0: as long as it takes.
+
+        Raises:
+            PlannerError: if there is no such order, or the cell cannot do it.
+        """
+        order = self.database.order(name).in_cabinet()
+        order = order.first(tasks or len(order.wires))
+        rules = PanelRules()
+        layout = lay_out(order, read_catalogue(catalogue_file()), rules)
+        use_case = find_use_case(USE_CASE)
+        use_case.recovery.require_known(self.faults)
+        learned = LearnedExpectations(use_case.expectations, self.database.ability_calls())
+        leases = TaskLeases(self.database, name, self.cell, self.lease_s)
+        self.descriptions = {
+            wire.name: f"{wire.a} to {wire.b}, {wire.colour}, {wire.section_mm2:g} mm2"
+            for wire in order.wires
+        }
+        return Work(
+            planner=WorkPlanner(cell_order(layout), use_case, learned, self.search_s),
+            faults=self.faults,
+            panel=panel_message(layout, rules),
+            keep_panel=leases.any_begun(),
+            channels={cut.wire.name: cut.channel for cut in layout.wires},
+            leases=leases,
+            charts=self.charts,
+            attended=self.attended,
+            patience_s=self.patience_s,
+            timeout_s=timeout_s,
+        )

@@ -1,0 +1,130 @@
+"""The services of a fake cell: feeder, panel, pictures, faults, and the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from threading import Event
+from typing import Any
+
+import rospy
+from remodel_msgs import srv
+from remodel_msgs.msg import ErrorCode
+from sensor_msgs.msg import Image
+from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
+
+from remodel_states.testing.cell_ability import Site
+from remodel_states.testing.fault_table import FaultTable
+from remodel_states.testing.faults import when_fed, when_mended
+from remodel_states.testing.job import Course
+from remodel_states.testing.ledger import Deed, Entry
+from remodel_states.testing.panel import panel_from, truth_of
+from remodel_states.testing.robot_lock import RobotLock
+from remodel_states.testing.world import World, WorldError
+
+CAMERAS = ("overhead", "wrist", "scene")
+
+# [pixels] of a picture, and its one grey.
+_WIDTH, _HEIGHT, _GREY = 8, 6, 128
+
+# What the values of cell/inject_fault mean.
+_VALUES = ("nth", "times", "at_least")
+
+
+class CellServices:
+    """Answers the services below the namespace `cell`."""
+
+    def __init__(self, site: Site, faults: Sequence[dict[str, Any]]) -> None:
+        """Advertise them all.
+
+        Args:
+            site: see Site.
+            faults: caused whenever a panel is loaded: arguments of FaultTable.fault.
+
+        Raises:
+            ValueError: if one of the faults cannot be caused.
+        """
+        self._site = site
+        self._lock = RobotLock(site.lock_path)
+        self._table = FaultTable()
+        self._faults = tuple(self._table.fault(**row) for row in faults)
+        for name, kind, answer in (
+            ("load_panel", srv.LoadPanel, self._load_panel),
+            ("feed_wire", srv.FeedWire, self._feed_wire),
+            ("ground_truth", srv.GetGroundTruth, self._ground_truth),
+            ("take_picture", srv.TakePicture, self._take_picture),
+            ("inject_fault", srv.InjectFault, self._inject_fault),
+            ("mend_faults", Trigger, self._mend_faults),
+        ):
+            rospy.Service(f"cell/{name}", kind, answer)
+
+    def _load_panel(self, request: srv.LoadPanelRequest) -> srv.LoadPanelResponse:
+        try:
+            panel = panel_from(request.panel)
+        except ValueError as error:
+            return srv.LoadPanelResponse(False, str(error))
+        with self._site.file.change() as draft:
+            if request.keep and draft.world.panel == panel:
+                return srv.LoadPanelResponse(True, f"panel {panel.name!r} is there")
+            draft.world, draft.faults, draft.goals = World(panel), self._faults, {}
+            draft.entries.append(Entry(Deed.LOAD, self._site.cell, panel.name))
+        return srv.LoadPanelResponse(True, f"panel {panel.name!r} built")
+
+    def _feed_wire(self, request: srv.FeedWireRequest) -> srv.FeedWireResponse:
+        if not self._lock.take():
+            text = "the robot is doing a goal; wait for it or cancel it"
+            return srv.FeedWireResponse(False, text, ErrorCode.BUSY)
+        try:
+            self._feed(request.wire_id, request.channel_id)
+        except WorldError as error:
+            return srv.FeedWireResponse(False, str(error), error.code)
+        finally:
+            self._lock.free()
+        return srv.FeedWireResponse(True, f"{request.wire_id} lies in {request.channel_id}", 0)
+
+    def _feed(self, wire: str, channel: str) -> None:
+        site = self._site
+        number = sum(entry.deed is Deed.FEED for entry in site.file.ledger())
+        course = Course.drawn(site.random("feed", number), site.duration_s)
+        Event().wait(course.effect_s)
+        with site.file.change() as draft:
+            draft.world = draft.world.feed(site.cell, wire, channel)
+            draft.faults = when_fed(draft.faults, wire)
+            draft.entries.append(Entry(Deed.FEED, site.cell, wire, terminal=channel))
+        Event().wait(course.end_s - course.effect_s)
+
+    def _ground_truth(self, _: srv.GetGroundTruthRequest) -> srv.GetGroundTruthResponse:
+        world = self._site.file.read().world
+        return srv.GetGroundTruthResponse([truth_of(world, wire) for wire in world.fed])
+
+    def _take_picture(self, request: srv.TakePictureRequest) -> srv.TakePictureResponse:
+        if request.camera not in CAMERAS:
+            text = f"no camera {request.camera!r}; there are: {', '.join(CAMERAS)}"
+            return srv.TakePictureResponse(success=False, message=text)
+        image = Image(height=_HEIGHT, width=_WIDTH, encoding="rgb8", step=3 * _WIDTH)
+        image.header.stamp, image.header.frame_id = rospy.Time.now(), request.camera
+        image.data = bytes([_GREY]) * (image.step * image.height)
+        return srv.TakePictureResponse(True, f"picture of {request.camera}", image)
+
+    def _inject_fault(self, request: srv.InjectFaultRequest) -> srv.InjectFaultResponse:
+        cure, _, wire = request.target.partition("/")
+        if len(request.values) > len(_VALUES):
+            text = f"values are {tuple(request.values)}; allowed, in this order: {_VALUES}"
+            return srv.InjectFaultResponse(False, text)
+        given: dict[str, Any] = dict(zip(_VALUES, request.values, strict=False))
+        given.update({name: int(given[name]) for name in ("nth", "times") if name in given})
+        try:
+            fault = self._table.fault(request.kind, cure, wire=wire, **given)
+        except ValueError as error:
+            return srv.InjectFaultResponse(False, str(error))
+        with self._site.file.change() as draft:
+            draft.faults = (*draft.faults, fault)
+        return srv.InjectFaultResponse(True, f"{fault.name} strikes {fault.ability}")
+
+    def _mend_faults(self, _: TriggerRequest) -> TriggerResponse:
+        with self._site.file.change() as draft:
+            before = draft.faults
+            draft.faults = when_mended(before)
+            changed = [
+                new.name for old, new in zip(before, draft.faults, strict=True) if old != new
+            ]
+        return TriggerResponse(True, f"mended: {', '.join(changed) or 'nothing had shown'}")

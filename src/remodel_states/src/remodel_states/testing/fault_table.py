@@ -1,0 +1,44 @@
+"""The tables of remodel_msgs, as the fake cell reads them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+from rospkg import RosPack
+
+from remodel_states.testing.faults import Cure, Fault, fault_from
+
+
+class FaultTable:
+    """What can go wrong, by name."""
+
+    def __init__(self) -> None:
+        """Read remodel_msgs/config."""
+        config = Path(RosPack().get_path("remodel_msgs")) / "config"
+        self._rows = {row["fault"]: row for row in _read(config / "faults.yaml")}
+        self._codes = {row["name"]: row["code"] for row in _read(config / "error_codes.yaml")}
+
+    def fault(self, name: str, cure: str = "", **given: Any) -> Fault:  # noqa: ANN401
+        """Return a fault to be caused.
+
+        Args:
+            name: as in faults.yaml.
+            cure: name of a Cure; empty: it passes by itself.
+            given: other fields of the Fault, such as nth and wire.
+
+        Raises:
+            ValueError: if there is no such fault or cure, or a value is out of range.
+        """
+        if name not in self._rows:
+            raise ValueError(f"no fault {name!r}; there are: {', '.join(self._rows)}")
+        cures = [item.value for item in Cure]
+        if cure and cure not in cures:
+            raise ValueError(f"no cure {cure!r} of {name}; there are: {', '.join(cures)}")
+        chosen = {"cure": Cure(cure)} if cure else {}
+        return fault_from(self._rows[name], self._codes, **chosen, **given)
+
+
+def _read(path: Path) -> list[dict[str, Any]]:
+    return yaml.safe_load(path.read_text(encoding="utf-8"))

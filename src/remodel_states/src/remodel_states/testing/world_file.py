@@ -1,0 +1,153 @@
+"""The world on disk: one SQLite file that the fake cell's processes share, and that outlives them.
+
+A change is one transaction: whenever a process dies, what it did is there whole or not at all.
+"""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+import time
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from dataclasses import asdict, dataclass, field, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from remodel_states.testing.faults import Behaves, Cure, Fault, Faults
+from remodel_states.testing.ledger import Deed, Entry
+from remodel_states.testing.world import Hand, Panel, Seat, World
+
+# [s] Wall time to wait for another process's change.
+_BUSY_S = 10.0
+
+_TABLES = """
+CREATE TABLE IF NOT EXISTS part (name TEXT PRIMARY KEY, content TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS ledger (
+    number INTEGER PRIMARY KEY AUTOINCREMENT, deed TEXT NOT NULL, cell TEXT NOT NULL,
+    wire TEXT NOT NULL, end TEXT NOT NULL, terminal TEXT NOT NULL, goal TEXT NOT NULL,
+    at_s REAL NOT NULL);
+"""
+
+
+@dataclass
+class Draft:
+    """A change that is being made.
+
+    Attributes:
+        world: see World; its panel is written only if it is another.
+        faults: those caused so far.
+        goals: ability -> how many goals it took.
+        entries: for the ledger.
+    """
+
+    world: World
+    faults: Faults
+    goals: dict[str, int]
+    entries: list[Entry] = field(default_factory=list)
+
+
+class WorldFile:
+    """The file."""
+
+    def __init__(self, path: Path | str) -> None:
+        """Make the file, unless it is there."""
+        self._path = str(path)
+        with closing(self._connect()) as connection:
+            connection.execute("PRAGMA journal_mode = WAL")
+            connection.executescript(_TABLES)
+
+    @contextmanager
+    def change(self) -> Iterator[Draft]:
+        """Give the world to be changed; it is kept unless an exception leaves the block."""
+        with closing(self._connect()) as connection:
+            connection.execute("BEGIN IMMEDIATE")
+            before = _read(connection)
+            draft = Draft(before.world, before.faults, dict(before.goals))
+            yield draft
+            _write(connection, before, draft)
+            connection.execute("COMMIT")
+
+    def read(self) -> Draft:
+        """Return everything but the ledger, as it is now."""
+        with closing(self._connect()) as connection:
+            connection.execute("BEGIN")
+            return _read(connection)
+
+    def ledger(self) -> tuple[Entry, ...]:
+        """Return all that was ever done, in order."""
+        names = "deed, cell, wire, end, terminal, goal, at_s"
+        with closing(self._connect()) as connection:
+            rows = connection.execute(f"SELECT {names} FROM ledger ORDER BY number").fetchall()
+        return tuple(Entry(Deed(deed), *others) for deed, *others in rows)
+
+    def _connect(self) -> sqlite3.Connection:
+        connection = sqlite3.connect(self._path, timeout=_BUSY_S, isolation_level=None)
+        connection.execute("PRAGMA synchronous = NORMAL")
+        return connection
+
+
+def _read(connection: sqlite3.Connection) -> Draft:
+    parts = dict(connection.execute("SELECT name, content FROM part").fetchall())
+    if "panel" not in parts:
+        return Draft(World(), (), {})
+    return Draft(
+        _world(_panel(parts["panel"]), json.loads(parts["world"])),
+        tuple(_fault(row) for row in json.loads(parts.get("faults", "[]"))),
+        json.loads(parts.get("goals", "{}")),
+    )
+
+
+def _write(connection: sqlite3.Connection, before: Draft, after: Draft) -> None:
+    if after.world.panel is not before.world.panel:
+        _keep(connection, "panel", asdict(after.world.panel))
+    if after.world is not before.world:
+        _keep(connection, "world", asdict(replace(after.world, panel=None)))
+    if after.faults != before.faults:
+        _keep(connection, "faults", [_row(fault) for fault in after.faults])
+    if after.goals != before.goals:
+        _keep(connection, "goals", after.goals)
+    now = time.time()
+    connection.executemany(
+        "INSERT INTO ledger (deed, cell, wire, end, terminal, goal, at_s) VALUES (?,?,?,?,?,?,?)",
+        [(e.deed.value, e.cell, e.wire, e.end, e.terminal, e.goal, now) for e in after.entries],
+    )
+
+
+def _keep(connection: sqlite3.Connection, name: str, content: object) -> None:
+    connection.execute(
+        "INSERT OR REPLACE INTO part (name, content) VALUES (?, ?)", (name, json.dumps(content))
+    )
+
+
+@lru_cache(maxsize=1)
+def _panel(text: str) -> Panel:
+    """Return the panel of its JSON, the same object for the same text: it hardly ever changes."""
+    panel = json.loads(text)
+    tuples = {
+        name: {key: tuple(value) for key, value in panel[name].items()}
+        for name in ("wires", "components", "mouths")
+    }
+    return Panel(
+        panel["name"], lengths=panel["lengths"], channels=tuple(panel["channels"]), **tuples
+    )
+
+
+def _world(panel: Panel, world: dict[str, Any]) -> World:
+    return World(
+        panel,
+        tuple(world["fed"]),
+        {end: Seat(**seat) for end, seat in world["seats"].items()},
+        {cell: Hand(**hand) for cell, hand in world["hands"].items()},
+    )
+
+
+def _row(fault: Fault) -> dict[str, Any]:
+    behaves = fault.behaves.value if fault.behaves else None
+    return {**asdict(fault), "behaves": behaves, "cure": fault.cure.value}
+
+
+def _fault(row: dict[str, Any]) -> Fault:
+    behaves = Behaves(row["behaves"]) if row["behaves"] else None
+    return Fault(**{**row, "behaves": behaves, "cure": Cure(row["cure"])})

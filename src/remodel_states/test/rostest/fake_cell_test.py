@@ -1,0 +1,176 @@
+#!/usr/bin/env python3
+"""A fake cell keeps the contract, refuses what cannot be, and outlives its processes."""
+
+import subprocess
+import unittest
+
+import actionlib
+import rospy
+import rostest
+from geometry_msgs.msg import PoseStamped
+from remodel_msgs import msg as remodel_msgs
+from remodel_msgs.msg import Channel, Component, ErrorCode, Panel, Terminal, Wire
+from remodel_msgs.srv import FeedWire, GetGroundTruth, InjectFault, LoadPanel, TakePicture
+from roslib.packages import find_node
+from std_srvs.srv import Trigger
+
+from remodel_states.conformance.probe import Probe
+from remodel_states.conformance.trial import Trials
+from remodel_states.testing.ledger import Account, account
+from remodel_states.testing.world_file import WorldFile
+
+PANEL = Panel(
+    name="two wires",
+    components=[Component(id="Q1", terminals=[Terminal(id=str(n)) for n in range(1, 5)])],
+    channels=[Channel(id="A")],
+    wires=[
+        Wire(id="W1", a_component="Q1", a_terminal="1", b_component="Q1", b_terminal="2"),
+        Wire(id="W2", a_component="Q1", a_terminal="3", b_component="Q1", b_terminal="4"),
+    ],
+)
+ENDS = {("W1", "a"): "1", ("W1", "b"): "2", ("W2", "a"): "3", ("W2", "b"): "4"}
+
+
+def call(name, service_type, /, **request):
+    rospy.wait_for_service(name, 20.0)
+    return rospy.ServiceProxy(name, service_type)(**request)
+
+
+class FakeCellTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.world = WorldFile(rospy.get_param("world"))
+        cls.screwdriver = None
+        cls.clients = {}
+        for ability in ("CheckConnection", "FixCable", "InsertCable", "LocateGearboxComponent"):
+            kind = getattr(remodel_msgs, f"{ability}Action")
+            cls.clients[ability] = actionlib.SimpleActionClient(
+                f"remodel_abilities/{ability.lower()}", kind
+            )
+        cls.restart_screwdriver()
+        for client in cls.clients.values():
+            assert client.wait_for_server(rospy.Duration(20.0))
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.screwdriver.kill()
+        cls.screwdriver.wait()
+
+    @classmethod
+    def restart_screwdriver(cls):
+        """Kill the server of FixCable, and start it anew."""
+        if cls.screwdriver:
+            cls.screwdriver.kill()
+            cls.screwdriver.wait()
+        words = ["__name:=screwdriver", f"_world:={rospy.get_param('world')}", "_services:=false"]
+        node = find_node("remodel_states", "fake_cell")[0]
+        cls.screwdriver = subprocess.Popen([node, *words, "_abilities:=[FixCable]"])
+        client = actionlib.SimpleActionClient(
+            "remodel_abilities/fixcable", remodel_msgs.FixCableAction
+        )
+        assert client.wait_for_server(rospy.Duration(20.0))
+        cls.clients["FixCable"] = client
+
+    def setUp(self):
+        self.count = 0
+        self.assertTrue(call("cell/load_panel", LoadPanel, panel=PANEL).success)
+
+    def goal(self, ability, wire="W1", end="a"):
+        self.count += 1
+        goal = getattr(remodel_msgs, f"{ability}Goal")(id=f"{ability}#{self.count}", timeout=5.0)
+        known = {
+            "robot_name": "robot_1",
+            "cable_id": wire,
+            "cable_end": end,
+            "component_id": "Q1",
+            "terminal_id": ENDS[wire, end],
+            "force_limit": 8.0,
+            "socket_pose": PoseStamped(),
+        }
+        for name in set(known) & set(goal.__slots__):
+            setattr(goal, name, known[name])
+        return goal
+
+    def ask(self, ability, *about):
+        """Return the result of a goal; None if the server went away."""
+        client = self.clients[ability]
+        client.send_goal(self.goal(ability, *about))
+        client.wait_for_result(rospy.Duration(2.0))
+        return client.get_result()
+
+    def feed(self, wire):
+        self.assertTrue(call("cell/feed_wire", FeedWire, wire_id=wire, channel_id="A").success)
+
+    def test_wires_are_placed_and_the_truth_is_told(self):
+        for wire in ("W1", "W2"):
+            self.feed(wire)
+            for end in "ab":
+                self.assertTrue(self.ask("InsertCable", wire, end).success)
+                self.assertFalse(self.ask("CheckConnection", wire, end).connected)
+                self.assertTrue(self.ask("FixCable", wire, end).success)
+                self.assertTrue(self.ask("CheckConnection", wire, end).connected)
+        truths = call("cell/ground_truth", GetGroundTruth).wires
+        self.assertEqual([(t.wire_id, t.placed) for t in truths], [("W1", True), ("W2", True)])
+        self.assertEqual((truths[0].a_at, truths[0].a_fixed), ("Q1/1", True))
+        self.assertEqual(call("cell/take_picture", TakePicture, camera="scene").image.height, 6)
+
+    def test_what_cannot_be_is_refused_by_its_code(self):
+        self.assertEqual(self.ask("InsertCable").error_code, ErrorCode.WIRE_NOT_FED)
+        self.feed("W1")
+        self.assertEqual(self.ask("FixCable").error_code, ErrorCode.NOTHING_HELD)
+        self.ask("InsertCable")
+        refused = call("cell/feed_wire", FeedWire, wire_id="W2", channel_id="A")
+        self.assertEqual(refused.error_code, ErrorCode.OTHER_CABLE_HELD)
+        self.assertFalse(call("cell/take_picture", TakePicture, camera="none").success)
+
+    def test_a_fault_lasts_until_its_cure(self):
+        caused = call(
+            "cell/inject_fault", InjectFault, kind="insertion_jammed", target="new_part/W1"
+        )
+        self.assertTrue(caused.success, caused.message)
+        self.feed("W1")
+        codes = [self.ask("InsertCable").error_code for _ in range(3)]
+        self.assertEqual(codes, [ErrorCode.INSERTION_JAMMED] * 3)
+        place = actionlib.SimpleActionClient(
+            "remodel_abilities/placecable", remodel_msgs.PlaceCableAction
+        )
+        self.assertTrue(place.wait_for_server(rospy.Duration(5.0)))
+        place.send_goal_and_wait(self.goal("PlaceCable"))
+        self.feed("W1")
+        self.assertTrue(self.ask("InsertCable").success)
+
+    def test_what_an_operator_mends_is_whole_again(self):
+        target = "ask_operator"
+        call("cell/inject_fault", InjectFault, kind="component_missing", target=target)
+        found = self.ask("LocateGearboxComponent")
+        self.assertEqual(found.error_code, ErrorCode.COMPONENT_MISSING)
+        self.assertIn("component_missing", call("cell/mend_faults", Trigger).message)
+        self.assertTrue(self.ask("LocateGearboxComponent").success)
+        for wrong in ({"kind": "nonesuch"}, {"kind": "slipped", "target": "prayer"}):
+            self.assertFalse(call("cell/inject_fault", InjectFault, **wrong).success)
+
+    def test_no_deed_is_lost_or_done_twice_when_its_server_is_killed(self):
+        for number, (wire, end) in enumerate(ENDS):
+            if end == "a":
+                self.feed(wire)
+            self.assertTrue(self.ask("InsertCable", wire, end).success)
+            self.clients["FixCable"].send_goal(self.goal("FixCable", wire, end))
+            self.clients["FixCable"].wait_for_result(rospy.Duration(0.005 * number))
+            self.restart_screwdriver()
+            if not self.ask("CheckConnection", wire, end).connected:
+                self.assertTrue(self.ask("FixCable", wire, end).success)
+        found = account(self.world.ledger(), ["W1", "W2"])
+        self.assertEqual(found, Account((), (), (), ()))
+
+    def test_a_slow_server_keeps_the_contract(self):
+        self.assertTrue(call("slow/cell/load_panel", LoadPanel, panel=PANEL).success)
+        probe = Probe("slow/remodel_abilities/checkconnection", remodel_msgs.CheckConnectionAction)
+        trials = list(Trials(probe, self.goal("CheckConnection"), range(500)).run(20.0))
+        self.assertEqual([trial for trial in trials if trial.faults], [])
+        judged = [trial for trial in trials if not trial.unjudged]
+        self.assertGreater(len(judged), 10)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_fake_cell")
+    rostest.rosrun("remodel_states", "test_fake_cell", FakeCellTest)

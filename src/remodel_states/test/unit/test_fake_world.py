@@ -1,0 +1,297 @@
+import sqlite3
+from types import SimpleNamespace
+
+import pytest
+from remodel_msgs.msg import ErrorCode
+
+from remodel_states.testing.faults import Behaves, Cure, Fault, at_goal, when_fed, when_mended
+from remodel_states.testing.ledger import Deed, Entry, account
+from remodel_states.testing.operations import OPERATIONS, fail
+from remodel_states.testing.robot_lock import RobotLock
+from remodel_states.testing.world import Hand, Panel, Seat, World, WorldError
+from remodel_states.testing.world_file import WorldFile
+
+CELL = "cell_1"
+PANEL = Panel(
+    "two wires",
+    {"W1": ("Q1/1", "Q1/2"), "W2": ("Q1/2", "Q1/3")},
+    {"W1": 0.3, "W2": 0.4},
+    {"Q1": (0.0, 0.0, 0.0, 0.0)},
+    {f"Q1/{n}": (0.0, 0.01 * n, 0.02, 1.5) for n in (1, 2, 3)},
+    ("A",),
+)
+
+
+def goal(**fields):
+    usual = {
+        "id": "g",
+        "robot_name": "robot_1",
+        "cable_id": "W1",
+        "cable_end": "a",
+        "component_id": "Q1",
+        "terminal_id": "1",
+        "grasp_distance": 0.0,
+        "force_limit": 8.0,
+        "pull_test_force": 10.0,
+        "connector_id": "P1",
+        "path": [1, 2],
+    }
+    return SimpleNamespace(**{**usual, **fields})
+
+
+def do(world, ability, **fields):
+    """Return the effect of an ability that can be done."""
+    OPERATIONS[ability].check(world, CELL, goal(**fields))
+    return OPERATIONS[ability].do(world, CELL, goal(**fields))
+
+
+def code_of(world, ability, **fields):
+    with pytest.raises(WorldError) as raised:
+        do(world, ability, **fields)
+    return raised.value.code
+
+
+@pytest.fixture
+def fed():
+    return World(PANEL).feed(CELL, "W1", "A")
+
+
+@pytest.fixture
+def a_fixed(fed):
+    return do(do(fed, "InsertCable").world, "FixCable").world
+
+
+def test_a_wire_is_placed_end_by_end(a_fixed):
+    assert not a_fixed.is_placed("W1")
+    held = do(a_fixed, "PickCable", cable_end="b").world
+    carried = do(held, "RouteWire").world
+    inserted = do(carried, "InsertCable", cable_end="b", terminal_id="2").world
+    fixed = do(inserted, "FixCable", terminal_id="2")
+    assert fixed.world.is_placed("W1")
+    assert fixed.entries == (Entry(Deed.FIX, CELL, "W1", "b", "Q1/2", "g"),)
+    assert fixed.world.hand(CELL) == Hand("W1", "")
+
+
+def test_inserting_picks_first_and_goes_on_holding(fed):
+    assert do(fed, "InsertCable").world.hand(CELL).held == "a"
+
+
+@pytest.mark.parametrize(
+    ("ability", "fields", "code"),
+    [
+        ("PickCable", {"cable_id": "W9"}, ErrorCode.UNKNOWN_NAME),
+        ("PickCable", {"robot_name": "robot_9"}, ErrorCode.UNKNOWN_NAME),
+        ("PickCable", {"cable_id": "W2"}, ErrorCode.WIRE_NOT_FED),
+        ("PickCable", {"cable_end": "c"}, ErrorCode.INVALID_GOAL),
+        ("PickCable", {"grasp_distance": 0.2}, ErrorCode.INVALID_GOAL),
+        ("PlaceCable", {}, ErrorCode.NOTHING_HELD),
+        ("RouteWire", {}, ErrorCode.NOTHING_HELD),
+        ("FixCable", {}, ErrorCode.NOTHING_HELD),
+        ("DetectCable", {"cable_id": "W2"}, ErrorCode.WIRE_NOT_FED),
+        ("InsertCable", {"force_limit": 40.0}, ErrorCode.INVALID_GOAL),
+        ("InsertCable", {"terminal_id": "9"}, ErrorCode.UNKNOWN_NAME),
+        ("LocateGearboxComponent", {"component_id": "X"}, ErrorCode.UNKNOWN_NAME),
+        ("CheckConnection", {"terminal_id": "9"}, ErrorCode.UNKNOWN_NAME),
+        ("PlaceConnector", {"connector_id": ""}, ErrorCode.UNKNOWN_NAME),
+    ],
+)
+def test_what_cannot_be_is_refused(fed, ability, fields, code):
+    assert code_of(fed, ability, **fields) == code
+
+
+def test_an_occupied_terminal_takes_no_other_wire(a_fixed):
+    moved = a_fixed.with_seat("W1", "a", Seat("Q1/2", True)).feed(CELL, "W2", "A")
+    code = code_of(moved, "InsertCable", cable_id="W2", terminal_id="2")
+    assert code == ErrorCode.TERMINAL_OCCUPIED
+
+
+def test_a_fixed_end_is_neither_picked_nor_inserted_again(a_fixed):
+    assert code_of(a_fixed, "PickCable") == ErrorCode.INVALID_GOAL
+    assert code_of(a_fixed, "InsertCable", terminal_id="3") == ErrorCode.INVALID_GOAL
+
+
+def test_the_hand_takes_one_end_at_a_time(fed):
+    held = do(fed, "PickCable").world
+    assert code_of(held, "PickCable", cable_end="b") == ErrorCode.OTHER_CABLE_HELD
+    assert code_of(held, "InsertCable", cable_end="b") == ErrorCode.OTHER_CABLE_HELD
+    with pytest.raises(WorldError) as raised:
+        held.feed(CELL, "W2", "A")
+    assert raised.value.code == ErrorCode.OTHER_CABLE_HELD
+
+
+def test_an_end_is_not_fixed_where_it_is_not(fed):
+    inserted = do(fed, "InsertCable").world
+    assert code_of(inserted, "FixCable", terminal_id="3") == ErrorCode.NOT_SEATED
+    assert code_of(do(fed, "PickCable").world, "FixCable") == ErrorCode.NOT_SEATED
+
+
+def test_carrying_a_seated_end_pulls_it_out(fed):
+    inserted = do(fed, "InsertCable").world
+    assert do(inserted, "RouteWire").world.seat("W1", "a") is None
+    placed = do(inserted, "PlaceCable").world
+    assert placed.seat("W1", "a") is None
+    assert not placed.hand(CELL).held
+
+
+def test_extracting_a_fixed_end_is_a_deed(a_fixed):
+    effect = do(a_fixed, "ExtractCable")
+    assert effect.world.seat("W1", "a") is None
+    assert [entry.deed for entry in effect.entries] == [Deed.LOOSEN]
+    assert do(effect.world, "ExtractCable").entries == ()
+
+
+def test_looking_tells_whether_an_end_is_held(fed, a_fixed):
+    assert do(a_fixed, "CheckConnection").found == {"connected": True}
+    assert do(a_fixed, "CheckConnection", terminal_id="2").found == {"connected": False}
+    assert do(do(fed, "InsertCable").world, "CheckConnection").found == {"connected": False}
+
+
+def test_a_new_piece_takes_the_place_of_the_old_one_in_any_cell(a_fixed):
+    other = a_fixed.feed("cell_2", "W1", "A")
+    assert other.seat("W1", "a") is None
+    assert other.hand(CELL) == Hand()
+    assert other.hand("cell_2").live == "W1"
+
+
+def test_a_failed_insertion_leaves_the_wire_in_the_hand(fed):
+    jammed = fail(fed, CELL, "InsertCable", ErrorCode.INSERTION_JAMMED, goal())
+    assert jammed.hand(CELL).held == "a"
+    assert jammed.seat("W1", "a") is None
+    slipped = fail(jammed, CELL, "RouteWire", ErrorCode.GRASP_SLIPPED, goal())
+    assert not slipped.hand(CELL).held
+
+
+# --- faults
+
+
+def jam(**fields):
+    return Fault("insertion_jammed", "InsertCable", ErrorCode.INSERTION_JAMMED, **fields)
+
+
+def strikes(fault, goals):
+    """Return which of these (ability, goal) a fault strikes."""
+    faults, struck = (fault,), []
+    for ability, sent in goals:
+        faults, striking = at_goal(faults, ability, sent)
+        struck.append(striking is not None)
+    return struck
+
+
+def test_a_passing_fault_strikes_from_the_nth_goal_as_often_as_it_says():
+    goals = [("FixCable", goal()), *[("InsertCable", goal())] * 4]
+    assert strikes(jam(nth=2, times=2), goals) == [False, False, True, True, False]
+
+
+def test_a_fault_may_be_of_one_wire():
+    goals = [("InsertCable", goal(cable_id=wire)) for wire in ("W1", "W2", "W2")]
+    assert strikes(jam(wire="W2"), goals) == [False, True, False]
+
+
+def test_a_retry_does_not_help_against_a_fault_that_needs_more():
+    insert = ("InsertCable", goal())
+    locate = ("LocateGearboxComponent", SimpleNamespace(component_id="Q1", terminal_id="1"))
+    assert strikes(jam(cure=Cure.NEW_PART), [insert] * 4) == [True] * 4
+    look = jam(cure=Cure.LOOK_AGAIN)
+    assert strikes(look, [locate, insert, insert, locate, insert]) == [
+        False,
+        True,
+        True,
+        False,
+        False,
+    ]
+    force = jam(cure=Cure.RETRY_WITH, parameter="force_limit", at_least=12.0)
+    more = ("InsertCable", goal(force_limit=13.0))
+    assert strikes(force, [insert, insert, more]) == [True, True, False]
+
+
+def test_feeding_cures_by_which_wire_is_fed():
+    for cure, curing in ((Cure.NEW_PART, "W1"), (Cure.REPLAN, "W2")):
+        (struck,), _ = at_goal((jam(cure=cure),), "InsertCable", goal())
+        outcome = {wire: when_fed((struck,), wire)[0].is_over for wire in ("W1", "W2")}
+        assert outcome == {"W1": curing == "W1", "W2": curing == "W2"}
+
+
+def test_an_operator_mends_what_has_shown():
+    (struck,), _ = at_goal((jam(cure=Cure.ASK_OPERATOR),), "InsertCable", goal())
+    mended, waiting = when_mended((struck, jam()))
+    assert mended.is_over
+    assert not waiting.is_over
+
+
+@pytest.mark.parametrize("wrong", [{"nth": 0}, {"times": 0}, {"cure": Cure.RETRY_WITH}])
+def test_a_senseless_fault_is_refused(wrong):
+    with pytest.raises(ValueError, match="insertion_jammed"):
+        jam(**wrong)
+
+
+# --- on disk
+
+
+def test_the_file_gives_back_what_it_was_given(tmp_path, a_fixed):
+    file = WorldFile(tmp_path / "world")
+    faults = (jam(cure=Cure.NEW_PART), Fault("server_hung", "FixCable", behaves=Behaves.HANGS))
+    entry = Entry(Deed.FEED, CELL, "W1", terminal="A")
+    with file.change() as draft:
+        draft.world, draft.faults, draft.goals = a_fixed, faults, {"FixCable": 3}
+        draft.entries.append(entry)
+    again = WorldFile(tmp_path / "world")
+    read = again.read()
+    assert (read.world, read.faults, read.goals) == (a_fixed, faults, {"FixCable": 3})
+    (written,) = again.ledger()
+    assert (written.deed, written.wire, written.terminal) == (Deed.FEED, "W1", "A")
+
+
+def test_a_change_that_fails_changes_nothing(tmp_path, a_fixed):
+    file = WorldFile(tmp_path / "world")
+    with pytest.raises(WorldError), file.change() as draft:
+        draft.world = a_fixed
+        draft.entries.append(Entry(Deed.FEED, CELL, "W1"))
+        raise WorldError(ErrorCode.UNKNOWN_NAME, "no")
+    assert file.read().world == World()
+    assert file.ledger() == ()
+
+
+def test_a_second_change_waits_for_the_first(tmp_path, fed):
+    file = WorldFile(tmp_path / "world")
+    with file.change() as draft:
+        draft.world = fed
+        with pytest.raises(sqlite3.OperationalError, match="locked"):
+            sqlite3.connect(tmp_path / "world", timeout=0).execute("BEGIN IMMEDIATE")
+
+
+def test_a_robot_does_one_goal_at_a_time(tmp_path):
+    first, second = (RobotLock(str(tmp_path / "lock")) for _ in range(2))
+    assert first.take()
+    assert not second.take()
+    first.free()
+    assert second.take()
+    second.free()
+
+
+# --- the account
+
+
+def entries(text):
+    """Return the entries of words like "feed:W1" and "fix:W1/a"."""
+    found = []
+    for word in text.split():
+        deed, _, what = word.partition(":")
+        wire, _, end = what.partition("/")
+        found.append(Entry(Deed(deed), CELL, wire, end))
+    return found
+
+
+@pytest.mark.parametrize(
+    ("deeds", "told"),
+    [
+        ("feed:W1 fix:W1/a fix:W1/b", ((), (), (), ())),
+        ("feed:W1 fix:W1/a", ((), (), (), ("W1/b",))),
+        ("feed:W1 fix:W1/a feed:W1 fix:W1/a fix:W1/b", (("W1/a",), ("W1",), ("W1",), ())),
+        ("feed:W1 fix:W1/a fix:W1/b loosen:W1/b", ((), (), (), ("W1/b",))),
+        ("feed:W1 feed:W1 fix:W1/a fix:W1/b feed:W2", ((), ("W1",), (), ())),
+        ("feed:W1 fix:W1/a load:p feed:W1 fix:W1/a fix:W1/b", ((), (), (), ())),
+    ],
+)
+def test_the_account_tells_what_was_done_twice_or_left_out(deeds, told):
+    found = account(entries(deeds), ["W1"])
+    assert (found.fixed_again, found.fed_again, found.scrapped, found.omitted) == told
