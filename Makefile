@@ -66,8 +66,8 @@ bench-vision: build ## Measure the detection of cables on rendered scenes, again
 evaluate-abilities: build ## Measure the abilities over seeds, against their targets (BENCH="--seeds 0-99 --jobs 2")
 	@$(SOURCED) benchmarks/sim/evaluate_abilities.py $(BENCH)
 
-bench-console: build ## Lag of the console's pages and memory of its node, at 50 transitions a second
-	@$(SOURCED) benchmarks/console/load.py
+bench-console: build ## Load of the console at 50 transitions a second, 5 minutes (BENCH="--seconds 30 --pages 10")
+	@$(SOURCED) benchmarks/console/load.py $(BENCH)
 
 build/bench-venv/.ready: requirements-bench.txt | build
 	@/usr/bin/python3 -m venv build/bench-venv

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Load of the console: 200 states at 50 transitions a second, with several pages open.
+"""Load of the console: 200 states at 50 transitions a second.
 
-Prints how late the pages light what is active, and how the memory of the console's node grows.
+Prints how fast the engine is without the console and with it, how late a page lights what is
+active, how the memory of the console's node grows, and how late several pages are.
 """
 
 from __future__ import annotations
@@ -11,11 +12,13 @@ import os
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import rospy
+from flexbe_msgs.msg import BEStatus
 from playwright.sync_api import Page
-from std_msgs.msg import String
+from std_msgs.msg import Empty, String
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "src/remodel_console/test/rostest"))
 from browser_test_case import free_port
@@ -27,6 +30,9 @@ from flexbe_synthesizer.core.model import Chart, Container, Outcome, Param, Stat
 BOXES, STATES = 10, 20
 VISIT_S = 0.02
 LIMIT_S = 0.25  # what a page may lag behind at most
+SLOWER = 0.05  # by which the engine may be slower with the console
+WARM_S = 10.0  # before the memory of the node is looked at
+WAIT_S = 30.0
 AHEAD_MS = 50.0  # by which a page may learn of a state before this process does
 
 
@@ -61,36 +67,124 @@ class Load(ConsoleTest):
         cls.more_charts = {"load.xml": write_chart(chart)}
         super(ConsoleTest, cls).setUpClass()
 
+    def setUp(self) -> None:
+        """Listen to what the engine enters."""
+        self.entered: dict[str, list[float]] = {}
+        self.count = 0
+        rospy.Subscriber("flexbe/behavior_update", String, self.take, tcp_nodelay=True)
+
+    def take(self, message: String) -> None:
+        """Count a transition."""
+        self.count += 1
+        self.entered.setdefault(message.data.strip("/"), []).append(1000 * time.time())
+
+    def wait_until(self, is_so: Callable[[], bool]) -> None:
+        """Wait for a condition; no page is there yet."""
+        wait_until(is_so)
+
     def measure(self, duration_s: float, page_count: int) -> None:
-        """Run the behavior, and print what was seen."""
-        entered: dict[str, list[float]] = {}
-        rospy.Subscriber(
-            "flexbe/behavior_update",
-            String,
-            lambda m: entered.setdefault(m.data.strip("/"), []).append(1000 * time.time()),
-            tcp_nodelay=True,
+        """Print the figures."""
+        short_s = max(10.0, duration_s / 10)
+        self.kill("console")
+        alone = self.rate_without_console(short_s)
+        self.start_console()
+        super().setUp()
+        with_console = self.rate_and_lag(duration_s)
+        tell(
+            f"engine: {alone:.2f} transitions/s without the console, {with_console:.2f} with it "
+            f"and a page: {with_console / alone - 1:+.1%} (limit {-SLOWER:.0%})"
         )
+        self.many_pages(short_s, page_count)
+        self.stop(self.page)
+
+    def rate_without_console(self, duration_s: float) -> float:
+        """Return the engine's speed [transitions/s] with nothing but the mirror."""
+        preempt = rospy.Publisher("flexbe/command/preempt", Empty, queue_size=1)
+        status = []
+        rospy.Subscriber("flexbe/status", BEStatus, lambda m: status.append(m.code))
+        self.start_elsewhere("Load")
+        rate = self.rate(duration_s)
+        preempt.publish()
+        wait_until(lambda: BEStatus.FINISHED in status)
+        return rate
+
+    def rate(self, duration_s: float) -> float:
+        """Return the transitions per second from the next one on."""
+        count = self.count
+        wait_until(lambda: self.count > count)
+        count, begin_s = self.count, time.monotonic()
+        time.sleep(duration_s)
+        return (self.count - count) / (time.monotonic() - begin_s)
+
+    def rate_and_lag(self, duration_s: float) -> float:
+        """Run the behavior from a page, print what was seen, and return the engine's speed."""
         self.load(self.page, "Load")
+        self.page.locator("g.node").first.wait_for()
+        self.press(self.page, "Start")
+        self.page.evaluate(OBSERVE)
+        node = console_pid(self.port)
+        self.page.wait_for_timeout(1000 * min(WARM_S, duration_s / 3))
+        self.entered.clear()
+        count, begin_s, begin_cpu_s = self.count, time.monotonic(), cpu_s(node)
+        memory = []
+        while time.monotonic() - begin_s < duration_s:
+            self.page.wait_for_timeout(1000)
+            memory.append(resident_mib(node))
+        took_s = time.monotonic() - begin_s
+        rate = (self.count - count) / took_s
+        tell(
+            f"one page, {rate:.0f} transitions/s for {took_s:.0f} s: "
+            f"{lag_words([self.page], self)}",
+            f"memory of the node: {memory[0]:.1f} MiB, after {took_s:.0f} s {memory[-1]:.1f} MiB, "
+            f"at most {max(memory):.1f} MiB; {(cpu_s(node) - begin_cpu_s) / took_s:.0%} of a core",
+        )
+        return rate
+
+    def many_pages(self, duration_s: float, page_count: int) -> None:
+        """Open more pages, and print how late they are, and that they all live."""
         pages = [self.page, *(self.open_page() for _ in range(page_count - 1))]
         for page in pages:
             page.locator("g.node").first.wait_for()
             page.evaluate(OBSERVE)
-        self.press(self.page, "Start")
+        self.entered.clear()
         node = console_pid(self.port)
-        before, begin = resident_mib(node), time.monotonic()
-        peak = before
-        while time.monotonic() - begin < duration_s:
+        begin_s, begin_cpu_s = time.monotonic(), cpu_s(node)
+        while time.monotonic() - begin_s < duration_s:
             self.page.wait_for_timeout(1000)
-            peak = max(peak, resident_mib(node))
-        lags = sorted(lag for page in pages for lag in lags_s(page, entered))
-        count = sum(map(len, entered.values()))
-        self.stop(self.page)
-        sys.stdout.write(
-            f"{count / duration_s:.0f} transitions/s for {duration_s:.0f} s, {page_count} pages\n"
-            f"lag of the pages: median {at(lags, 0.5):.3f} s, 99 % within {at(lags, 0.99):.3f} s, "
-            f"worst {lags[-1]:.3f} s (limit {LIMIT_S} s)\n"
-            f"memory of the node: {before:.0f} MiB at the start, at most {peak:.0f} MiB\n"
+        share = (cpu_s(node) - begin_cpu_s) / (time.monotonic() - begin_s)
+        alive = sum(bool(page.evaluate("() => window.lit && window.lit.length")) for page in pages)
+        tell(
+            f"{page_count} pages for {duration_s:.0f} s: {alive} live, {lag_words(pages, self)}",
+            f"node with {page_count} pages: {share:.0%} of a core; the pages are all painted here",
         )
+        for page in pages[1:]:
+            page.close()
+
+
+def lag_words(pages: list[Page], load: Load) -> str:
+    """Return how late pages have lit what was active."""
+    lags = sorted(lag for page in pages for lag in lags_s(page, load.entered))
+    if not lags:
+        return "no page has lit anything"
+    return (
+        f"lag median {at(lags, 0.5):.3f} s, 99 % within {at(lags, 0.99):.3f} s, "
+        f"worst {lags[-1]:.3f} s (limit {LIMIT_S} s), {len(lags)} seen"
+    )
+
+
+def tell(*lines: str) -> None:
+    """Print lines at once."""
+    sys.stdout.write("".join(f"{line}\n" for line in lines))
+    sys.stdout.flush()
+
+
+def wait_until(is_so: Callable[[], bool]) -> None:
+    """Wait for a condition, not for ever."""
+    end_s = time.monotonic() + WAIT_S
+    while not is_so():
+        if time.monotonic() > end_s:
+            raise TimeoutError("waited too long for the engine")
+        time.sleep(0.02)
 
 
 def lags_s(page: Page, entered: dict[str, list[float]]) -> list[float]:
@@ -116,6 +210,12 @@ def console_pid(port: int) -> int:
     return max(map(int, found.stdout.split()))
 
 
+def cpu_s(pid: int) -> float:
+    """Return the processor time that a process has taken [s]."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
 def resident_mib(pid: int) -> float:
     """Return the resident memory of a process."""
     pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
@@ -126,7 +226,7 @@ def main() -> None:
     """Measure once, on a roscore of its own."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seconds", type=float, default=300.0)
-    parser.add_argument("--pages", type=int, default=1)
+    parser.add_argument("--pages", type=int, default=10)
     options = parser.parse_args()
     port = free_port()
     os.environ["ROS_MASTER_URI"] = f"http://127.0.0.1:{port}"

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Protocol
 
 from flexbe_synthesizer.core.model import Chart
 from remodel_console.core.access import Door
 from remodel_console.core.drawing import opened
 from remodel_console.core.order import Attach, Order, SetAutonomy, ShowStructure, Start
+from remodel_console.core.record import Record, Summary
 from remodel_console.core.run_view import Event, Ordered, Phase
+from remodel_console.core.use_case import Choice
 from remodel_console.desk import Desk
 from remodel_console.edge.catalogue import Catalogue
+from remodel_console.edge.settings_file import SettingsFile
 from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import CommandError
 from remodel_console.live import Live
+from remodel_console.pictures import Pictures
 from remodel_console.session import Session
 
 
@@ -27,11 +32,61 @@ class Engine(Protocol):
         """Return (where, key, type, value) of the userdata of what runs."""
 
 
+class Supervisor(Protocol):
+    """The way to the use case supervisor; each command returns its answer, `by` tells who asks.
+
+    All raise CommandError if it is away, does not answer, or refuses.
+    """
+
+    def now_s(self) -> float:
+        """Return the ROS time [s]."""
+
+    def run(self, order: str, tasks: int, by: str) -> str:
+        """Start an order: so many of its tasks, 0 for all."""
+
+    def pause(self, by: str) -> str:
+        """Have the run pause."""
+
+    def resume(self, by: str) -> str:
+        """Have the run go on."""
+
+    def stop(self, by: str) -> str:
+        """Have the run stopped safely."""
+
+    def skip(self, task: str, by: str) -> str:
+        """Have a task left undone."""
+
+    def retry(self, task: str, by: str) -> str:
+        """Have a task done again."""
+
+    def answer(self, question: int, choice: Choice, by: str) -> str:
+        """Answer a question by its number."""
+
+
+class Recorder(Protocol):
+    """The way to recorded runs; all raise CommandError if nobody can tell them."""
+
+    def runs(self) -> tuple[Summary, ...]:
+        """Return the runs, the latest first."""
+
+    def orders(self) -> tuple[str, ...]:
+        """Return the names of all orders."""
+
+    def record(self, run: int) -> Record:
+        """Return the record of a run, without its pictures."""
+
+    def picture(self, run: int, position: int) -> bytes:
+        """Return the picture of an entry, as jpeg or png."""
+
+
 class Console:
     """Everything that a page needs.
 
     Attributes:
+        pictures: what the cell's cameras see.
         engine: None until ROS is there.
+        supervisor: None until ROS is there.
+        recorder: None until ROS is there.
     """
 
     def __init__(
@@ -42,6 +97,7 @@ class Console:
         session: Session,
         workspace: Workspace,
         catalogue: Catalogue,
+        settings: SettingsFile,
     ) -> None:
         """Join the parts."""
         self.door = door
@@ -50,7 +106,11 @@ class Console:
         self.session = session
         self.workspace = workspace
         self.catalogue = catalogue
+        self.settings = settings
+        self.pictures = Pictures()
         self.engine: Engine | None = None
+        self.supervisor: Supervisor | None = None
+        self.recorder: Recorder | None = None
         self._names: dict[int, str] = {}
         self._structure_asked = 0
 
@@ -75,6 +135,16 @@ class Console:
         elif isinstance(order, Attach | SetAutonomy):
             self.live.take(Ordered(order.level))
         self.engine.send(order)
+
+    def command(self, deed: Callable[[Supervisor], str]) -> str:
+        """Command the use case supervisor, and return its answer.
+
+        Raises:
+            CommandError: if ROS is away, or the supervisor refuses.
+        """
+        if self.supervisor is None:
+            raise CommandError("ROS is away; start it: roscore")
+        return deed(self.supervisor)
 
     def attach(self, level: int) -> None:
         """Watch over what runs.

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from remodel_console.core.log_line import LogLine
 from remodel_console.core.run_view import Event, step
+from remodel_console.core.use_case import UseCase
 from remodel_console.core.world import World
 
 _KEPT_LINES = 500  # of the log; a page that opens shows them
@@ -47,24 +48,32 @@ class Live:
             self._line_count += 1
         self._wake()
 
-    def set_presence(
-        self,
-        *,
-        master: bool | None = None,
-        mirror: bool | None = None,
-        cell: bool | None = None,
-    ) -> None:
-        """Say what is there; None leaves as it is."""
+    def set_master(self, is_there: bool) -> None:
+        """Say whether ROS is there."""
+        with self._lock:
+            self._world = replace(self._world, has_master=is_there)
+        self._wake()
+
+    def set_presence(self, *, mirror: bool, abilities: bool, cell: bool, supervisor: bool) -> None:
+        """Say what else is there; what a supervisor told is true no longer when it has gone."""
         with self._lock:
             before = self._world
             self._world = replace(
                 before,
-                has_master=before.has_master if master is None else master,
-                has_mirror=before.has_mirror if mirror is None else mirror,
-                has_cell=before.has_cell if cell is None else cell,
+                has_mirror=mirror,
+                has_abilities=abilities,
+                has_cell=cell,
+                has_supervisor=supervisor,
+                use_case=before.use_case if supervisor or not before.has_supervisor else None,
             )
         if self._world != before:
             self._wake()
+
+    def take_use_case(self, use_case: UseCase) -> None:
+        """Take in what the use case supervisor tells."""
+        with self._lock:
+            self._world = replace(self._world, use_case=use_case)
+        self._wake()
 
     def lines_since(self, count: int) -> tuple[tuple[LogLine, ...], int]:
         """Return the lines that came after the first `count`, and how many there are by now."""

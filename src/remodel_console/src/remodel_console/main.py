@@ -11,6 +11,7 @@ import secrets
 import sys
 import threading
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from nicegui import app
@@ -20,7 +21,9 @@ from remodel_console.core.access import Door, is_local
 from remodel_console.desk import Desk
 from remodel_console.edge.catalogue import Catalogue
 from remodel_console.edge.journal import Journal
-from remodel_console.edge.workspace import Workspace, chart_folders
+from remodel_console.edge.settings_file import SettingsFile
+from remodel_console.edge.workspace import Workspace
+from remodel_console.errors import CommandError
 from remodel_console.live import Live
 from remodel_console.ros.presence import join_ros
 from remodel_console.session import Session
@@ -28,6 +31,7 @@ from remodel_console.web.server import serve
 
 _PORT = 8765
 _JOURNAL = "~/.ros/remodel_console/commands.jsonl"
+_SETTINGS = "~/.ros/remodel_console/settings.json"
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -35,17 +39,21 @@ def main(arguments: Sequence[str]) -> int:
     options = _read_options(arguments)
     try:
         door, journal = _door(options), Journal(Path(options.record).expanduser())
-    except (ValueError, OSError) as error:
+        settings = _settings(options)
+    except (ValueError, OSError, CommandError) as error:
         sys.stderr.write(f"console: {error}\n")
         return 2
     package_path = os.environ.get("ROS_PACKAGE_PATH", "")
     user_charts = Path(options.user_charts).expanduser()
-    workspace = Workspace(chart_folders(package_path, [user_charts]), package_path)
+    workspace = Workspace(
+        package_path, lambda: (user_charts, *map(Path, settings.now.chart_folders))
+    )
+    session = Session(workspace, lambda: settings.now)
     console = Console(
-        door, Desk(journal), Live(), Session(workspace), workspace, Catalogue(package_path)
+        door, Desk(journal), Live(), session, workspace, Catalogue(package_path), settings
     )
     end = threading.Event()
-    joining = threading.Thread(target=join_ros, args=(console, options.key, journal, end))
+    joining = threading.Thread(target=join_ros, args=(console, journal, end))
     app.on_startup(joining.start)
     app.on_shutdown(end.set)
     _tell_address(door, options.port)
@@ -63,6 +71,7 @@ def _read_options(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--watch-token", default="", help="opens for people who only watch")
     parser.add_argument("--key", default="", help="what a command of /flexbe/uicommand must bring")
     parser.add_argument("--user-charts", default="~/remodel_charts", help="one more chart folder")
+    parser.add_argument("--settings", default=_SETTINGS, help="file that keeps the configuration")
     parser.add_argument("--record", default=_JOURNAL, help="file in which commands are recorded")
     given = [word for word in arguments[1:] if ":=" not in word]  # what roslaunch adds
     return parser.parse_args(given)
@@ -73,6 +82,15 @@ def _door(options: argparse.Namespace) -> Door:
     if not token and not is_local(options.host):
         token = secrets.token_urlsafe(24)
     return Door(options.host, token, options.watch_token)
+
+
+def _settings(options: argparse.Namespace) -> SettingsFile:
+    """Return what is configured; a key that is given at the start becomes part of it."""
+    package_path = os.environ.get("ROS_PACKAGE_PATH", "")
+    settings = SettingsFile(Path(options.settings).expanduser(), package_path)
+    if options.key:
+        settings.change(lambda now: replace(now, command_key=options.key))
+    return settings
 
 
 def _tell_address(door: Door, port: int) -> None:

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import PurePath
 
 from flexbe_synthesizer.core.codec import write_chart
+from flexbe_synthesizer.core.instantiate import Instantiation
 from flexbe_synthesizer.core.model import Chart
 from remodel_console.core.commands import Command, Verb, help_lines
 from remodel_console.core.editing import (
@@ -18,6 +19,9 @@ from remodel_console.core.editing import (
     read_path,
     with_container,
 )
+from remodel_console.core.server_states import chart_from_states
+from remodel_console.core.settings import Settings
+from remodel_console.core.synthesis_request import ServerRequest
 from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import CommandError
 
@@ -32,11 +36,14 @@ class Session:
         chart: what is edited, None before the first `load`.
         is_saved: nothing has changed since it was loaded or saved.
         tell: called after each command that was carried out.
+        ask_server: the way to a synthesis server; None until ROS is there.
     """
 
-    def __init__(self, workspace: Workspace) -> None:
-        """Begin with nothing loaded."""
+    def __init__(self, workspace: Workspace, settings: Callable[[], Settings] = Settings) -> None:
+        """Begin with nothing loaded; `settings` returns what is configured now."""
         self._workspace = workspace
+        self._settings = settings
+        self.ask_server: Callable[[ServerRequest], tuple[Instantiation, ...]] | None = None
         self._lock = threading.Lock()
         self._path: tuple[str, ...] = ()
         self.chart: Chart | None = None
@@ -144,14 +151,30 @@ class Session:
 
     def _put(self, path: tuple[str, ...], name: str, initial: str, goal: str) -> str:
         chart = self._loaded()
-        source = self._workspace.read(goal)
         initial = "" if initial == START else initial
         folder = str(PurePath(chart.file).parent)
-        container = as_container(source, name, initial, folder)
+        settings = self._settings()
+        if not settings.is_synthesis_enabled:
+            raise CommandError("synthesis is switched off; the Configuration page switches it on")
+        if settings.synthesis_topic:
+            where = "/".join(("", *path, name))
+            topic, system = settings.synthesis_topic, settings.system
+            source = self._served(ServerRequest(topic, system, where, initial, goal), name)
+            container = as_container(source, name, "", folder)
+        else:
+            source = self._workspace.read(goal)
+            container = as_container(source, name, initial, folder)
         changed = change_at(chart, path, lambda scope: with_container(scope, container))
         self._change(changed)
         where = "/".join(("", *path, container.id))
         return f"'{source.name}' is in '{chart.name}' as {where}; 'save' checks and writes it"
+
+    def _served(self, request: ServerRequest, name: str) -> Chart:
+        """Return what a synthesis server makes of a request, as a chart of that name."""
+        if self.ask_server is None:
+            raise CommandError("ROS is away, so no synthesis server can be asked")
+        states = self.ask_server(request)
+        return chart_from_states(states, name, self._workspace.library())
 
     def _save(self, _given: Mapping[str, str]) -> str:
         chart = self._loaded()

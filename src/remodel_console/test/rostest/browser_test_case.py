@@ -41,9 +41,13 @@ class BrowserTestCase(unittest.TestCase):
 
     Attributes:
         more_charts: texts of charts that a class has besides those in `test/charts`, by file name.
+        has_engine: engine and mirror are started too.
+        first_page: address of the page that each test begins on.
     """
 
     more_charts: ClassVar[dict[str, str]] = {}
+    has_engine: ClassVar[bool] = True
+    first_page: ClassVar[str] = "/runtime"
 
     @classmethod
     def setUpClass(cls):
@@ -67,8 +71,10 @@ class BrowserTestCase(unittest.TestCase):
         cls.addClassCleanup(cls.end_all)
         cls.port = free_port()
         cls.record = cls.folder / "commands.jsonl"
-        cls.start_engine()
-        cls.start_mirror()
+        cls.settings = cls.folder / "settings.json"
+        if cls.has_engine:
+            cls.start_engine()
+            cls.start_mirror()
         cls.start_console()
         driver = sync_playwright().start()
         cls.addClassCleanup(driver.stop)
@@ -81,7 +87,7 @@ class BrowserTestCase(unittest.TestCase):
     def setUp(self):
         self.page = self.open_page()
 
-    def open_page(self, address="/runtime", width=1280, height=800, port=None):
+    def open_page(self, address=None, width=1280, height=800, port=None):
         """Return a page of a browser of its own; a mistake in its scripts fails the test."""
         context = self.browser.new_context(viewport={"width": width, "height": height})
         self.addCleanup(context.close)
@@ -90,7 +96,7 @@ class BrowserTestCase(unittest.TestCase):
         mistakes = []
         page.on("pageerror", lambda mistake: mistakes.append(mistake))
         self.addCleanup(lambda: self.assertEqual(mistakes, []))
-        page.goto(f"http://127.0.0.1:{port or self.port}{address}")
+        page.goto(f"http://127.0.0.1:{port or self.port}{address or self.first_page}")
         return page
 
     def take_picture(self, page, name):
@@ -119,7 +125,8 @@ class BrowserTestCase(unittest.TestCase):
 
     @classmethod
     def start_console_at(cls, name, port, *options, **environment):
-        line = ("--port", str(port), "--record", str(cls.record), *options)
+        kept = ("--record", str(cls.record), "--settings", str(cls.settings))
+        line = ("--port", str(port), *kept, *options)
         cls.start(name, "remodel_console", "console", *line, **environment)
         end = time.monotonic() + LIMIT_S
         while not listens(port):

@@ -224,6 +224,7 @@ class ConsoleTest(BrowserTestCase):
         page.get_by_label("Token").fill("look")
         page.get_by_role("button", name="Enter").click()
         expect(page.get_by_text("watching only")).to_be_visible()
+        page.get_by_role("link", name="Runtime control").click()
         expect(page.get_by_role("combobox", name="Behavior")).to_be_disabled()
         self.load(self.page, "Errand")
         self.choose(self.page, "Autonomy", "Low")

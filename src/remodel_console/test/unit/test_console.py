@@ -11,7 +11,7 @@ from flexbe_synthesizer.core.model import Container
 from remodel_console.core.answer import DONE, Answer, read_answer
 from remodel_console.core.commands import Verb, help_lines, read_command
 from remodel_console.core.key import is_allowed
-from remodel_console.edge.workspace import Workspace, chart_folders
+from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import CommandError
 from remodel_console.session import Session
 
@@ -27,7 +27,7 @@ def package(tmp_path):
 @pytest.fixture
 def session(package):
     path = f"{package}:{SRC / 'remodel_states'}:{SRC / 'flexbe' / 'flexbe_states'}"
-    return Session(Workspace(chart_folders(path, ()), path))
+    return Session(Workspace(path))
 
 
 @pytest.fixture

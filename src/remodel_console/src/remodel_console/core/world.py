@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from remodel_console.core.run_view import Phase, RunView
+from remodel_console.core.use_case import UseCase
 
 
 @dataclass(frozen=True)
@@ -24,13 +25,19 @@ class World:
     Attributes:
         has_master: the ROS master answers.
         has_mirror: a mirror follows what runs.
-        has_cell: an ability server of a cell is there.
+        has_abilities: ability servers are there, of a cell or fake ones.
+        has_cell: the cameras of a cell are there.
+        has_supervisor: a use case supervisor is there.
+        use_case: what it told last; None before that, and when it is away.
     """
 
     run: RunView = field(default_factory=RunView)
     has_master: bool = False
     has_mirror: bool = False
+    has_abilities: bool = False
     has_cell: bool = False
+    has_supervisor: bool = False
+    use_case: UseCase | None = None
 
     @property
     def has_engine(self) -> bool:
@@ -62,6 +69,18 @@ def notices(world: World) -> Iterator[Notice]:
     if not world.has_cell:
         yield Notice(
             "The cell is away",
-            "no ability server answers, so states that move the robot will fail",
+            "ability servers answer without one, so nothing really moves"
+            if world.has_abilities
+            else "no ability server answers, so states that move the robot will fail",
             "roslaunch remodel_sim cell.launch",
+        )
+
+
+def supervisor_notice(world: World) -> Iterator[Notice]:
+    """Yield that the use case supervisor is away, if ROS is there."""
+    if world.has_master and not world.has_supervisor:
+        yield Notice(
+            "The supervisor is away",
+            "no order can run, and what one does cannot be seen",
+            "rosrun remodel_planner use_case_supervisor",
         )

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.codec import read_chart, write_chart
 from flexbe_synthesizer.core.fold import fold
+from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.machine_reader import read_machine
 from flexbe_synthesizer.core.model import Chart, State, walk_nodes
 from flexbe_synthesizer.core.problem import Problem, errors_in
@@ -23,10 +24,21 @@ from remodel_console.errors import CommandError
 
 @dataclass(frozen=True)
 class Workspace:
-    """The folders that charts are read from, and the ROS package path."""
+    """The folders that charts are read from, and the ROS package path.
 
-    chart_folders: tuple[Path, ...]
+    Attributes:
+        ros_package_path: on which packages, their charts, states and behaviors are found.
+        more_folders: returns the other folders that hold charts now.
+    """
+
     ros_package_path: str
+    more_folders: Callable[[], Iterable[Path]] = tuple
+
+    @property
+    def chart_folders(self) -> tuple[Path, ...]:
+        """Return `charts/` of all packages that export behaviors, then the other folders."""
+        packages, _warnings = find_packages(self.ros_package_path)
+        return (*(p.folder / "charts" for p in packages if p.has_behaviors), *self.more_folders())
 
     def find(self, name: str) -> Chart:
         """Return the chart of a behavior; one without a chart is read back from its code.
@@ -61,9 +73,10 @@ class Workspace:
             CommandError: if it cannot be read, or is wrong.
         """
         try:
-            file = find_chart(path, self.chart_folders)
+            folders = self.chart_folders
+            file = find_chart(path, folders)
             self._expect_right(self._check(file))
-            return read_charts([file], confined_to(self.chart_folders)).charts[0]
+            return read_charts([file], confined_to(folders)).charts[0]
         except SynthesisError as error:
             raise CommandError(str(error)) from error
 
@@ -83,11 +96,15 @@ class Workspace:
         """
         return self._check(file, {file: text.encode()})
 
+    def library(self) -> Library:
+        """Return the states and behaviors that are installed."""
+        packages, _warnings = find_packages(self.ros_package_path)
+        return read_library(packages)[0]
+
     def files(self) -> tuple[str, ...]:
         """Return the names of the files in the chart folders, as `read` takes them."""
-        return tuple(
-            sorted({p.name for folder in self.chart_folders for p in folder.glob("*.xml")})
-        )
+        folders = self.chart_folders
+        return tuple(sorted({p.name for folder in folders for p in folder.glob("*.xml")}))
 
     def text_of(self, path: str) -> str:
         """Return the text of a file in the chart folders; empty if it cannot be read."""
@@ -142,8 +159,7 @@ class Workspace:
         return self.look(write_chart(chart), chart.file)
 
     def _check(self, path: str, drafts: dict[str, bytes] | None = None) -> CheckedFiles:
-        packages, _warnings = find_packages(self.ros_package_path)
-        library, _more = read_library(packages)
+        library = self.library()
         locate = confined_to((*self.chart_folders, Path(path).parent))
         try:
             return check_files([path], library, _package_of, locate, drafts or {})
@@ -160,9 +176,3 @@ class Workspace:
 
 def _package_of(path: str) -> OutputPackage:
     return enclosing_package(Path(path))
-
-
-def chart_folders(ros_package_path: str, more: Iterable[Path]) -> tuple[Path, ...]:
-    """Return `charts/` of all packages that export behaviors, and some more folders."""
-    packages, _warnings = find_packages(ros_package_path)
-    return (*(p.folder / "charts" for p in packages if p.has_behaviors), *more)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import queue
 import threading
+from collections.abc import Callable
 
 import rospy
 from flexbe_msgs.msg import UICommand
@@ -13,6 +14,7 @@ from remodel_console.core.access import Actor, Role
 from remodel_console.core.answer import DONE, FAILED, REFUSED, Answer
 from remodel_console.core.commands import read_command
 from remodel_console.core.key import is_allowed
+from remodel_console.core.settings import Settings
 from remodel_console.desk import Journal
 from remodel_console.errors import CommandError
 from remodel_console.ros import topics
@@ -26,20 +28,24 @@ class CommandServer:
     """Carries out the commands that arrive, in a thread of its own."""
 
     def __init__(
-        self, session: Session, runtime: Runtime, key: str, journal: Journal | None = None
+        self,
+        session: Session,
+        runtime: Runtime,
+        settings: Callable[[], Settings],
+        journal: Journal | None = None,
     ) -> None:
         """Start serving.
 
         Args:
             session: what is edited.
             runtime: the way to the engine.
-            key: what a command must bring; empty if all may give commands.
+            settings: returns whether commands are taken now, and what they must bring.
             journal: where commands are recorded.
         """
         self._journal = journal
         self._session = session
         self._runtime = runtime
-        self._key = key
+        self._settings = settings
         self._waiting: queue.Queue[UICommand] = queue.Queue(_MOST_WAITING)
         self._notification = rospy.Publisher(topics.NOTIFICATION, String, queue_size=10)
         self._answers = rospy.Publisher(topics.ANSWER, String, queue_size=10)
@@ -68,8 +74,11 @@ class CommandServer:
 
     def _answer(self, message: UICommand) -> Answer:
         """Carry one command out and return what became of it."""
-        text = message.command
-        if not is_allowed(message.key, self._key):
+        text, settings = message.command, self._settings()
+        if not settings.are_commands_allowed:
+            words = "commands of topics are switched off on the console's Configuration page"
+            return Answer(REFUSED, text, words)
+        if not is_allowed(message.key, settings.command_key):
             rospy.logwarn("a command with a wrong key was refused: %s", text)
             return Answer(REFUSED, text, "the key is wrong; ask who configured this console")
         try:

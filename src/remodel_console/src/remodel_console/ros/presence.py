@@ -11,25 +11,30 @@ import rospy
 
 from remodel_console.console import Console
 from remodel_console.desk import Journal
+from remodel_console.ros import topics
+from remodel_console.ros.camera_link import CameraLink
 from remodel_console.ros.command_server import CommandServer
 from remodel_console.ros.engine_link import EngineLink
 from remodel_console.ros.master import MasterWatch
+from remodel_console.ros.record_link import RecordLink
 from remodel_console.ros.runtime import Runtime
+from remodel_console.ros.synthesis_link import ask_synthesis_server
+from remodel_console.ros.use_case_link import UseCaseLink
 
 _LOOK_EVERY_S = 0.5
-_ABILITIES = "/remodel_abilities/"  # in whose namespace the ability servers of a cell are
+_ABILITIES = "remodel_abilities/"  # in whose namespace ability servers are
+_CAMERA = f"{topics.CELL}/overhead/image_raw"  # which a cell publishes, and fake abilities do not
 
 
-def join_ros(console: Console, key: str, journal: Journal, end: threading.Event) -> None:
+def join_ros(console: Console, journal: Journal, end: threading.Event) -> None:
     """Wait for a master, connect, and watch until the event is set.
 
     Args:
         console: gets what is seen, and the way to the engine.
-        key: what a command of `/flexbe/uicommand` must bring.
-        journal: records those commands.
+        journal: records the commands of `/flexbe/uicommand`.
         end: the console ends.
     """
-    watch = MasterWatch(lambda is_there: console.live.set_presence(master=is_there))
+    watch = MasterWatch(console.live.set_master)
     if not watch.wait(end):
         return
     try:
@@ -40,26 +45,40 @@ def join_ros(console: Console, key: str, journal: Journal, end: threading.Event)
     rospy.on_shutdown(lambda: _end_process(end, "ROS has shut this node down"))
     link = EngineLink(console.take, console.live.take_line)
     console.engine = link
-    CommandServer(console.session, Runtime(), key, journal)
-    looking = threading.Thread(target=_look, args=(console, link, end), daemon=True)
+    supervisor = UseCaseLink(console.live.take_use_case)
+    console.supervisor = supervisor
+    console.recorder = RecordLink()
+    CameraLink(console.pictures, end)
+    console.session.ask_server = ask_synthesis_server
+    CommandServer(console.session, Runtime(), lambda: console.settings.now, journal)
+    looking = threading.Thread(target=_look, args=(console, link, supervisor, end), daemon=True)
     looking.start()
     watch.watch(end)
     rospy.signal_shutdown("the console ends")
 
 
-def _look(console: Console, link: EngineLink, end: threading.Event) -> None:
-    """Keep an eye on the mirror and on the cell."""
+def _look(
+    console: Console, link: EngineLink, supervisor: UseCaseLink, end: threading.Event
+) -> None:
+    """Keep an eye on the mirror, the supervisor and the cell."""
+    abilities, camera = rospy.resolve_name(_ABILITIES), rospy.resolve_name(_CAMERA)
     while not end.wait(_LOOK_EVERY_S):
-        console.live.set_presence(mirror=link.is_followed, cell=_has_cell())
+        published = _published()
+        console.live.set_presence(
+            mirror=link.is_followed,
+            abilities=any(topic.startswith(abilities) for topic in published),
+            cell=camera in published,
+            supervisor=supervisor.is_there,
+        )
 
 
-def _has_cell() -> bool:
-    """Tell whether somebody serves an ability."""
+def _published() -> frozenset[str]:
+    """Return the topics that somebody publishes; none if the master is away."""
     try:
-        published = rosgraph.Master(rospy.get_name()).getPublishedTopics("")
+        found = rosgraph.Master(rospy.get_name()).getPublishedTopics("")
     except (OSError, rosgraph.MasterError):
-        return False
-    return any(topic.startswith(_ABILITIES) for topic, _ in published)
+        return frozenset()
+    return frozenset(topic for topic, _ in found)
 
 
 def _end_process(end: threading.Event, why: str) -> None:

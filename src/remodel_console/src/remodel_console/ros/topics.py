@@ -22,3 +22,7 @@ PREEMPT = "flexbe/command/preempt"  # std_msgs/Empty
 SHOW_STRUCTURE = "flexbe/request_mirror_structure"  # std_msgs/Int32
 USERDATA = "flexbe/get_userdata"  # flexbe_msgs/GetUserdata, a service of the engine
 LEFT = "flexbe/debug/current_state"  # std_msgs/String: path > outcome, of what is supervised
+USE_CASE = "remodel/use_case/state"  # remodel_msgs/UseCaseState, latched
+RUN_USE_CASE = "remodel/run_use_case"  # remodel_msgs/RunUseCase, an action
+RUN_COMMANDS = "remodel/use_case"  # its services: pause, resume, stop, skip, retry, answer
+CELL = "cell"  # in whose namespace a cell's cameras are

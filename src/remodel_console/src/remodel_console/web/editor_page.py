@@ -28,6 +28,11 @@ from remodel_console.web.page import Page
 from remodel_console.web.properties_panel import PropertiesPanel
 
 _ROOM = (640.0, 620.0)  # for the drawing on a common screen [pixels]
+# What is typed into the XML means nothing else; but saving does, and is not the browser's.
+_KEEP_KEYS = "(event) => { if (!(event.ctrlKey && event.key === 's')) event.stopPropagation(); }"
+_OWN_SAVE = """<script>document.addEventListener("keydown", (event) => {
+  if (event.ctrlKey && event.key === "s") event.preventDefault();
+});</script>"""
 _TYPED_S = 0.4  # without a key pressed, after which typed XML is taken in
 
 
@@ -43,8 +48,10 @@ class EditorPage(Page):
 
     def build(self) -> None:
         """Build the tools, the library, the drawing, and the panel beside it."""
+        ui.add_head_html(_OWN_SAVE)
         self.chart: Chart | None = None
         self.inspection = Inspection()
+        self.inspected: Chart | None = None
         self.selected: Path = ()
         self._text = ""
         self._is_typing = False
@@ -65,6 +72,7 @@ class EditorPage(Page):
                         self._xml = ui.codemirror(
                             language="XML", on_change=self._on_typed, theme=self._theme()
                         ).classes("xml")
+                        self._xml.on("keydown", js_handler=_KEEP_KEYS)
                 self._problems = ui.element("div").classes("problems").props('role="status"')
         self._typed = ui.timer(_TYPED_S, self._take_typed, active=False, once=False)
 
@@ -73,6 +81,7 @@ class EditorPage(Page):
         chart = self.console.session.chart
         self._saved.text = _saved_words(chart, self.console.session.is_saved)
         if chart is self.chart:
+            self._properties.show()
             return
         is_other = self.chart is None or chart is None or chart.file != self.chart.file
         self.chart = chart
@@ -172,6 +181,7 @@ class EditorPage(Page):
         _, self.inspection = await run.io_bound(
             inspect_text, self.console.workspace, self._text, chart.file
         )
+        self.inspected = chart
         self._show_problems()
         self._properties.show()
 

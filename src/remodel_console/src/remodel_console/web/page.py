@@ -13,7 +13,7 @@ from starlette.requests import Request
 from remodel_console.console import Console
 from remodel_console.core.access import Actor, Role, tidy_name
 from remodel_console.core.answer import DONE, Answer
-from remodel_console.core.world import World, notices
+from remodel_console.core.world import Notice, World, notices
 from remodel_console.web.broadcast import Broadcast
 from remodel_console.web.guard import role_of
 
@@ -27,7 +27,13 @@ _DEEDS = {True: "dark", False: "light"}
 class Page:
     """One open page."""
 
-    PAGES = (("Runtime control", "/runtime"), ("Editor", "/editor"))
+    PAGES = (
+        ("Overview", "/overview"),
+        ("Runtime control", "/runtime"),
+        ("Editor", "/editor"),
+        ("Replay", "/replay"),
+        ("Configuration", "/configuration"),
+    )
     KEYS: tuple[tuple[str, str], ...] = ()
 
     def __init__(
@@ -36,6 +42,7 @@ class Page:
         """Build the page, and have it shown again after each change."""
         self.console = console
         self.role = role_of(request.scope)
+        self.query = request.query_params
         self._address = request.client.host if request.client else "?"
         self._name = tidy_name(request.cookies.get(NAME_COOKIE, ""))
         self._dark = ui.dark_mode(value=request.cookies.get(DARK_COOKIE) == "dark")
@@ -47,7 +54,8 @@ class Page:
         self._dialogs = ui.element("div")  # what is asked stays, whatever the page shows next
         with ui.element("main").classes("page"):
             self.build()
-        ui.keyboard(on_key=self._on_key, repeating=False)
+        typed_in = ["input", "select", "textarea"]
+        ui.keyboard(on_key=self._on_key, repeating=False, ignore=typed_in)
         broadcast.add(ui.context.client, self._show)
         self._show()
 
@@ -68,6 +76,10 @@ class Page:
     def show(self, world: World) -> None:
         """Show what has changed."""
         raise NotImplementedError
+
+    def more_notices(self, world: World) -> Iterable[Notice]:
+        """Return what is away that only this page needs."""
+        return ()
 
     def press(self, key: str, *, ctrl: bool) -> None:
         """Do what a key means on this page."""
@@ -121,7 +133,7 @@ class Page:
         self.show(world)
 
     def _show_notices(self, world: World) -> None:
-        found = tuple(notices(world))
+        found = (*notices(world), *self.more_notices(world))
         if found == self._shown_notices:
             return
         self._shown_notices = found

@@ -31,9 +31,11 @@ class PropertiesPanel:
         self._shown: object = None
 
     def show(self) -> None:
-        """Show the properties of what is selected now."""
+        """Show the properties of what is selected now, once the checks know it."""
         page = self._page
-        shown = (page.chart, page.selected, page.inspection)
+        if page.inspected is not page.chart:
+            return  # not twice, so that nothing moves under somebody's hand
+        shown = (page.chart, page.selected, page.inspection, page.console.settings.now)
         if shown == self._shown:
             return
         self._shown = shown
@@ -89,6 +91,10 @@ class PropertiesPanel:
 
     def _synthesis(self, node: Container, path: Path) -> None:
         """Show what fills a container from a chart (Deliverable 5.1, 4.1)."""
+        settings = self._page.console.settings.now
+        if not settings.is_synthesis_enabled:
+            return
+        is_served = bool(settings.synthesis_topic)  # a server may know charts that lie elsewhere
         with ui.element("div").classes("card synthesis"):
             box = ui.checkbox("Use synthesis", value=path in self._uses_synthesis)
             with ui.element("div").classes("wide fields").bind_visibility_from(box, "value"):
@@ -98,6 +104,7 @@ class PropertiesPanel:
                     list(self._page.console.workspace.files()),
                     label="Goal: a chart",
                     with_input=True,
+                    new_value_mode="add-unique" if is_served else None,
                 )
                 goal.props("outlined dense").classes("wide")
 
@@ -214,8 +221,10 @@ class PropertiesPanel:
         entry.set_enabled(self._page.is_operator)
 
         async def take() -> None:
+            nonlocal value  # Enter, and then leaving the field, change it once
             text = (entry.value or "").strip()
             if text != value:
+                value = text
                 await put(text)  # type: ignore[misc]
 
         entry.on("blur", take)

@@ -57,7 +57,7 @@ class RuntimePage(Page):
         self._line_count = 0
         self._outcomes: ui.element | None = None
         self._outcomes_of = ""
-        ui.timer(_READABLE_S, self._show_outcomes)
+        ui.timer(_READABLE_S, self._show_what_changes_fast)
         with ui.element("div").classes("runtime"):
             with ui.element("section").classes("stage"):
                 with ui.row().classes("headline"):
@@ -86,8 +86,6 @@ class RuntimePage(Page):
         if shown != self._shown:
             self._shown = shown
             self._show_panel(world, running, loaded)
-        self._where.text = _breadcrumb(world.run.active)
-        self._count.text = f"{world.run.entries} states entered"
 
     def press(self, key: str, *, ctrl: bool) -> None:
         """Do what a key means on this page."""
@@ -152,8 +150,8 @@ class RuntimePage(Page):
                 self._show_idle(view)
             else:
                 self._show_running(view, running, loaded)
-            self._where = ui.label().classes("where")
-            self._count = ui.label().classes("soft")
+            self._where = ui.label(_breadcrumb(view.active)).classes("where")
+            self._count = ui.label(_count_words(view)).classes("soft")
             if view.phase is not Phase.RUNNING:
                 self._where.set_visibility(False)
                 self._count.set_visibility(view.entries > 0)
@@ -241,8 +239,15 @@ class RuntimePage(Page):
             for path in self.console.live.world.run.holdable():
                 ui.menu_item(_breadcrumb(path), partial(self._order, Hold(path)))
 
+    def _show_what_changes_fast(self) -> None:
+        """Show what follows each state; not faster than it can be read."""
+        view = self.console.live.world.run
+        self._where.text = _breadcrumb(view.active)
+        self._count.text = _count_words(view)
+        self._show_outcomes()
+
     def _show_outcomes(self) -> None:
-        """Show the outcomes of the active state; not faster than they can be read."""
+        """Show the outcomes of the active state."""
         view = self.console.live.world.run
         if not view.is_supervised or self._outcomes is None or view.active == self._outcomes_of:
             return
@@ -346,6 +351,10 @@ def _state_words(view: RunView) -> str:
 
 def _loaded_words(loaded: str) -> str:
     return f"'{loaded}' is loaded now" if loaded else "nothing is loaded yet"
+
+
+def _count_words(view: RunView) -> str:
+    return f"{view.entries} states entered"
 
 
 def _breadcrumb(path: str) -> str:

@@ -6,17 +6,23 @@ import contextlib
 from pathlib import Path
 
 from nicegui import app, ui
+from nicegui import run as on_thread
 from starlette.requests import Request
 from starlette.responses import RedirectResponse, Response
 
 from remodel_console.console import Console
+from remodel_console.errors import CommandError
 from remodel_console.web.broadcast import Broadcast
+from remodel_console.web.configuration_page import ConfigurationPage
 from remodel_console.web.editor_page import EditorPage
 from remodel_console.web.guard import Guard
+from remodel_console.web.overview_page import OverviewPage
+from remodel_console.web.replay_page import ReplayPage
 from remodel_console.web.runtime_page import RuntimePage
 
 _STATIC = Path(__file__).parent / "static"
 _HEAD = '<link rel="stylesheet" href="/console/console.css">'
+_PNG = b"\x89PNG"  # how such a file begins
 _RECONNECT_S = 30.0  # for which the page of a browser that has lost us is kept
 
 
@@ -27,12 +33,33 @@ def serve(console: Console, port: int) -> None:
     app.add_middleware(Guard, door=console.door)
     app.on_startup(broadcast.bind)
     console.live.on_change(broadcast.wake)
+    console.pictures.on_change(broadcast.wake)
     console.session.tell = broadcast.wake
+    console.settings.tell = broadcast.wake
     ui.add_head_html(_HEAD, shared=True)
 
     @ui.page("/")
     def front() -> Response:
-        return RedirectResponse("/runtime")
+        return RedirectResponse("/overview")
+
+    @app.get("/picture/{camera}")
+    def picture(camera: str) -> Response:
+        found = console.pictures.newest(camera)
+        if found is None:
+            return Response("no picture of this camera", 404)
+        return Response(found.jpeg, media_type="image/jpeg", headers={"Cache-Control": "no-store"})
+
+    @app.get("/record/{run}/{position}")
+    async def recorded(run: int, position: int) -> Response:
+        return await _recorded(console, run, position)
+
+    @ui.page("/replay")
+    def replay(request: Request) -> None:
+        ReplayPage(console, broadcast, request, "Replay")
+
+    @ui.page("/overview")
+    def overview(request: Request) -> None:
+        OverviewPage(console, broadcast, request, "Overview")
 
     @ui.page("/runtime")
     def runtime(request: Request) -> None:
@@ -41,6 +68,10 @@ def serve(console: Console, port: int) -> None:
     @ui.page("/editor")
     def editor(request: Request) -> None:
         EditorPage(console, broadcast, request, "Editor")
+
+    @ui.page("/configuration")
+    def configuration(request: Request) -> None:
+        ConfigurationPage(console, broadcast, request, "Configuration")
 
     with contextlib.suppress(KeyboardInterrupt):  # how the server ends when it is told to
         ui.run(
@@ -53,3 +84,15 @@ def serve(console: Console, port: int) -> None:
             reload=False,
             show_welcome_message=False,
         )
+
+
+async def _recorded(console: Console, run: int, position: int) -> Response:
+    """Return the picture of an entry in a run's record."""
+    if console.recorder is None:
+        return Response("ROS is away", 503)
+    try:
+        picture = await on_thread.io_bound(console.recorder.picture, run, position)
+    except CommandError as error:
+        return Response(str(error), 404)
+    kind = "image/png" if picture.startswith(_PNG) else "image/jpeg"
+    return Response(picture, media_type=kind)

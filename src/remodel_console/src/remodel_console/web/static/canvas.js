@@ -35,7 +35,11 @@ export default {
       const before = this.view;
       stage.innerHTML = svg;
       this.svg = stage.querySelector("svg");
-      if (!this.svg) return;
+      if (!this.svg) {
+        this.$refs.map.replaceChildren();
+        this.groups = undefined;
+        return;
+      }
       const [, , width, height] = this.svg.getAttribute("viewBox").split(" ").map(Number);
       this.size = { width, height };
       this.svg.removeAttribute("width");
@@ -60,9 +64,13 @@ export default {
       }
       this.marked = new Map();
       this.select(this.selected || "");
-      this.light(this.active, [...this.passed], true, this.asked);
+      this.lightUp(this.active, [...this.passed], true, this.asked);
     },
-    light(active, passed, isNewRun, asked) { // `passed` holds what is new, unless it is a new run
+    light(active, passed, isNewRun, asked) {
+      this.lightUp(active, passed, isNewRun, asked);
+      requestAnimationFrame(() => setTimeout(() => this.$emit("painted"))); // a hidden page paints nothing
+    },
+    lightUp(active, passed, isNewRun, asked) { // `passed` holds what is new, unless it is a new run
       this.passed = new Set(isNewRun ? passed : [...this.passed, ...passed]);
       const hasMoved = active && active !== this.active;
       this.active = active;
@@ -122,6 +130,7 @@ export default {
       this.show();
     },
     fit() {
+      if (!this.svg) return;
       const { clientWidth, clientHeight } = this.$refs.stage;
       const scale = Math.min(clientWidth / this.size.width, clientHeight / this.size.height, 1.25);
       const width = clientWidth / scale;

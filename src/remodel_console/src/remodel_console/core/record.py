@@ -1,0 +1,163 @@
+"""The record of a run, and what was so at each moment of it."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Kind(Enum):
+    """What an entry tells; the values are those of remodel_msgs/RunEntry."""
+
+    RUN = "run"
+    TASK = "task"
+    STATE = "state"
+    FEEDBACK = "feedback"
+    RESULT = "result"
+    FAILURE = "failure"
+    DECISION = "decision"
+    OPERATOR = "operator"
+    PICTURE = "picture"
+
+
+REASONS = (Kind.FAILURE, Kind.DECISION, Kind.OPERATOR)  # what tells why a run took its course
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One thing that happened, at a ROS time [s]; `values` are named with their units."""
+
+    position: int
+    time_s: float
+    kind: Kind
+    task: str = ""
+    behavior: str = ""
+    state_path: str = ""
+    ability: str = ""
+    fault: str = ""
+    error_code: int = 0
+    text: str = ""
+    because: str = ""
+    values: tuple[tuple[str, float], ...] = ()
+    has_picture: bool = False
+
+
+@dataclass(frozen=True)
+class Summary:
+    """A run as a list of runs shows it; `started_s` is wall time [s], `taken_s` ROS time [s]."""
+
+    run: int
+    order: str
+    use_case: str
+    cell: str
+    started_s: float
+    taken_s: float
+    has_ended: bool
+    is_success: bool
+    message: str
+    done: int
+    tasks: int
+
+
+@dataclass(frozen=True)
+class Moment:
+    """What was so at one moment of a run.
+
+    Attributes:
+        entry: what happened last.
+        task: under way; empty between tasks.
+        behavior: that ran last in the task; empty if none did.
+        state_path: its state that was active; empty if none was.
+        passed: states that the task's behavior had entered by then, the active one too.
+        feedback: what an ability had told last in this state; None if nothing.
+        picture: position of the last picture; 0 if there was none.
+        reasons: failures, decisions and answers up to then, the latest first.
+    """
+
+    entry: Entry
+    task: str
+    behavior: str
+    state_path: str
+    passed: tuple[str, ...]
+    feedback: Entry | None
+    picture: int
+    reasons: tuple[Entry, ...]
+
+
+_UNITS = {"n": "N", "nm": "N m", "m": "m", "s": "s", "rad": "rad", "percentage": "%"}
+
+
+def value_words(name: str) -> str:
+    """Return the name of a value as a person reads it: `force_n` is force [N]."""
+    words, _, unit = name.rpartition("_")
+    if not words or unit not in _UNITS:
+        return name.replace("_", " ")
+    return f"{words.replace('_', ' ')} [{_UNITS[unit]}]"
+
+
+@dataclass(frozen=True)
+class Record:
+    """All entries of a run, in the order of their positions."""
+
+    entries: tuple[Entry, ...]
+
+    @property
+    def length_s(self) -> float:
+        """Return the time from the first entry to the last [s]."""
+        return self.entries[-1].time_s - self.entries[0].time_s if self.entries else 0.0
+
+    def offset_s(self, entry: Entry) -> float:
+        """Return when in the run an entry was [s]."""
+        return entry.time_s - self.entries[0].time_s
+
+    def at(self, offset_s: float) -> int:
+        """Return the index of the last entry up to a time in the run [s]; of the first before."""
+        times = [entry.time_s for entry in self.entries]
+        return max(0, bisect_right(times, self.entries[0].time_s + offset_s) - 1)
+
+    def moment(self, index: int) -> Moment:
+        """Return what was so after the entry of an index."""
+        task, behavior, path, picture = "", "", "", 0
+        passed: list[str] = []
+        feedback: Entry | None = None
+        for entry in self.entries[: index + 1]:
+            if entry.task and entry.task != task:
+                task, path, passed, feedback = entry.task, "", [], None
+                behavior = ""
+            if entry.kind is Kind.TASK and not entry.task:
+                task = ""
+            if entry.kind is Kind.STATE:
+                path, feedback = entry.state_path, None
+                behavior = entry.behavior or behavior
+                if path and path not in passed:
+                    passed.append(path)
+            elif entry.kind in (Kind.FEEDBACK, Kind.RESULT):
+                feedback = entry
+            picture = entry.position if entry.has_picture else picture
+        reasons = tuple(e for e in reversed(self.entries[: index + 1]) if e.kind in REASONS)
+        now = self.entries[index]
+        return Moment(now, task, behavior, path, tuple(passed), feedback, picture, reasons)
+
+    def next_reason(self, index: int, step: int) -> int:
+        """Return the index of the next failure, decision or answer, or of the one before.
+
+        Args:
+            index: from where on.
+            step: 1 for the next, -1 for the one before; without one the index stays.
+        """
+        last = len(self.entries) if step > 0 else -1
+        found = (i for i in range(index + step, last, step) if self.entries[i].kind in REASONS)
+        return next(found, index)
+
+    def series(self, name: str) -> Iterator[tuple[float, float]]:
+        """Yield (time in the run [s], value) of all entries that have a value of a name."""
+        for entry in self.entries:
+            for own, value in entry.values:
+                if own == name:
+                    yield self.offset_s(entry), value
+
+    def value_names(self) -> tuple[str, ...]:
+        """Return the names of the values in it, in the order of their first entries."""
+        return tuple(dict.fromkeys(name for entry in self.entries for name, _ in entry.values))

@@ -1,0 +1,89 @@
+"""What is configured on the page: kept across restarts as one JSON object."""
+
+from __future__ import annotations
+
+import json
+import posixpath
+from dataclasses import asdict, dataclass, fields
+from typing import get_type_hints
+
+_LONGEST = 200  # letters of a text; none of them needs more
+
+
+@dataclass(frozen=True)
+class Settings:
+    """The configuration.
+
+    Attributes:
+        is_synthesis_enabled: containers may be filled by synthesis, on pages and by command.
+        synthesis_topic: action of the synthesis server that is asked; empty: the console itself
+            synthesizes.
+        system: name of the robot system, told to the synthesis server.
+        are_commands_allowed: commands of `/flexbe/uicommand` are taken.
+        command_key: what such a command must bring; empty: nothing.
+        chart_folders: absolute paths of folders with charts, besides those of the packages.
+    """
+
+    is_synthesis_enabled: bool = True
+    synthesis_topic: str = ""
+    system: str = ""
+    are_commands_allowed: bool = True
+    command_key: str = ""
+    chart_folders: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be meant.
+
+        Raises:
+            ValueError: if a text is too long or of several lines, or a folder is not absolute.
+        """
+        texts = (self.synthesis_topic, self.system, self.command_key, *self.chart_folders)
+        for text in texts:
+            if len(text) > _LONGEST or not text.isprintable():
+                raise ValueError(f"{text[:20]!r}... is no text of one line, {_LONGEST} letters")
+        for folder in self.chart_folders:
+            if not posixpath.isabs(folder):
+                raise ValueError(f"'{folder}' is no absolute path; a folder begins with '/'")
+
+
+def write_settings(settings: Settings) -> str:
+    """Return the text of a settings file."""
+    return json.dumps(asdict(settings), indent=2, ensure_ascii=False) + "\n"
+
+
+def read_settings(text: str) -> Settings:
+    """Return the settings that a text says; what it leaves out is as at the first start.
+
+    Raises:
+        ValueError: if it is no settings file, says something unknown, or of another type.
+    """
+    found = json.loads(text)
+    if not isinstance(found, dict):
+        raise ValueError("it holds no JSON object")
+    known = {field.name for field in fields(Settings)}
+    strange = sorted(set(found) - known)
+    if strange:
+        raise ValueError(f"unknown: {', '.join(strange)}; known: {', '.join(sorted(known))}")
+    kinds = get_type_hints(Settings)
+    for name, value in found.items():
+        if kinds[name] in (bool, str) and type(value) is not kinds[name]:
+            raise ValueError(f"{name} is {value!r}, not a {kinds[name].__name__}")
+    folders = found.get("chart_folders", [])
+    if not isinstance(folders, list) or not all(isinstance(one, str) for one in folders):
+        raise ValueError(f"chart_folders is {folders!r}, not a list of paths")
+    return Settings(**{**found, "chart_folders": tuple(folders)})
+
+
+def difference(old: Settings, new: Settings) -> str:
+    """Return what changes from one to the other, for the record; a key is not told."""
+    parts = []
+    for field in fields(Settings):
+        before, after = getattr(old, field.name), getattr(new, field.name)
+        if before != after:
+            value = "changed" if field.name == "command_key" else f"= {_words(after)}"
+            parts.append(f"{field.name} {value}")
+    return "; ".join(parts) or "nothing"
+
+
+def _words(value: object) -> str:
+    return ":".join(value) if isinstance(value, tuple) else repr(value)

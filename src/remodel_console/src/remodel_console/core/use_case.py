@@ -1,0 +1,202 @@
+"""A run of an order as the use case supervisor tells it: tasks, levels, failures, the question."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Phase(Enum):
+    """What the supervisor does; the values are those of remodel_msgs/UseCaseState."""
+
+    IDLE = "idle"
+    PLANNING = "planning"
+    RUNNING = "running"
+    SETTLING = "settling"
+    PAUSED = "paused"
+    ASKING = "asking"
+    ENDED = "ended"
+
+    @property
+    def words(self) -> str:
+        """Return what an operator reads."""
+        return _PHASE_WORDS[self]
+
+
+_PHASE_WORDS = {
+    Phase.IDLE: "idle",
+    Phase.PLANNING: "plans",
+    Phase.RUNNING: "runs",
+    Phase.SETTLING: "looks what an interrupted task has left",
+    Phase.PAUSED: "paused",
+    Phase.ASKING: "waits for you",
+    Phase.ENDED: "ended",
+}
+
+
+class TaskPhase(Enum):
+    """How far a task is; the values are those of remodel_msgs/TaskState."""
+
+    WAITING = "waiting"
+    RUNNING = "running"
+    DONE = "done"
+    SET_ASIDE = "set_aside"
+
+
+class Choice(Enum):
+    """An answer to a question; the values are those of remodel_msgs/OperatorQuestion."""
+
+    RETRY = "retry"
+    FIXED = "fixed"
+    MARK_DONE = "mark_done"
+    SKIP = "skip"
+    REPLAN = "replan"
+    STOP = "stop"
+
+    @property
+    def words(self) -> str:
+        """Return what stands on its button."""
+        return _CHOICE_WORDS[self][0]
+
+    @property
+    def meaning(self) -> str:
+        """Return what it does."""
+        return _CHOICE_WORDS[self][1]
+
+
+_CHOICE_WORDS = {
+    Choice.RETRY: ("Try again", "What is left of the task is done again."),
+    Choice.FIXED: ("I have fixed it", "The cell looks, then goes on with what is left."),
+    Choice.MARK_DONE: ("The task is done", "The cell looks, then goes on with the next task."),
+    Choice.SKIP: ("Skip the task", "It is left undone, and the others go on."),
+    Choice.REPLAN: ("Do it later", "The rest of the order is planned anew."),
+    Choice.STOP: ("Stop the run", "The run ends safely."),
+}
+
+
+@dataclass(frozen=True)
+class Task:
+    """A task of the order; `first_pass`: done, and no operation of it failed. Times in [s]."""
+
+    name: str
+    description: str
+    phase: TaskPhase
+    attempts: int
+    first_pass: bool
+    taken_s: float
+    expected_s: float
+
+
+@dataclass(frozen=True)
+class Level:
+    """What one of the four levels of supervision does, since a ROS time [s]."""
+
+    level: str
+    name: str
+    doing: str
+    since_s: float
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A task's failure, and what was decided about it, at a ROS time [s]."""
+
+    time_s: float
+    task: str
+    fault: str
+    error_code: int
+    ability: str
+    text: str
+    decision: str
+    because: str
+
+
+@dataclass(frozen=True)
+class Question:
+    """What the run waits for a person to answer."""
+
+    number: int
+    task: str
+    text: str
+    choices: tuple[Choice, ...]
+
+
+@dataclass(frozen=True)
+class UseCase:
+    """A run, or that there is none; `run` is its number in the production database, 0 without."""
+
+    phase: Phase
+    message: str = ""
+    cell: str = ""
+    run: int = 0
+    order: str = ""
+    use_case: str = ""
+    started_s: float = 0.0
+    interruptions: int = 0
+    tasks: tuple[Task, ...] = ()
+    task: str = ""
+    levels: tuple[Level, ...] = ()
+    failures: tuple[Failure, ...] = ()
+    question: Question | None = None
+
+    @property
+    def is_under_way(self) -> bool:
+        """Tell whether a run goes on, or waits."""
+        return self.phase not in (Phase.IDLE, Phase.ENDED)
+
+    @property
+    def left_s(self) -> float:
+        """Return the time that all tasks are still expected to take [s]."""
+        return sum(task.expected_s for task in self.tasks)
+
+    def count(self, phase: TaskPhase) -> int:
+        """Return how many tasks are in a phase."""
+        return sum(task.phase is phase for task in self.tasks)
+
+
+_LEVEL_WORDS = {
+    "use_case": "Order",
+    "task": "Task",
+    "behavior": "Behavior",
+    "action": "Ability",
+}
+
+
+def level_rows(use_case: UseCase) -> Iterator[tuple[str, Level | None]]:
+    """Yield the four levels, what an operator calls them and what they do; None: nothing."""
+    told = {level.level: level for level in use_case.levels}
+    for level, word in _LEVEL_WORDS.items():
+        yield word, told.get(level)
+
+
+_DECISION_WORDS = {
+    "retry": "tries again",
+    "retry_with": "tries again with changed parameters",
+    "look_again": "looks again from another view",
+    "other_method": "takes another method",
+    "new_part": "begins anew with a new part",
+    "replan": "plans the rest anew; the task comes later",
+    "set_aside": "sets the task aside and goes on",
+    "ask_operator": "asks you",
+    "stop": "stops safely",
+}
+
+
+def decision_words(decision: str) -> str:
+    """Return what a decision means; one that is not known stays as it is."""
+    return _DECISION_WORDS.get(decision, decision.replace("_", " "))
+
+
+def fault_words(fault: str) -> str:
+    """Return a fault's name as a person writes it."""
+    return fault.replace("_", " ").capitalize() or "Unknown fault"
+
+
+def duration_words(time_s: float) -> str:
+    """Return a duration as an operator reads it: seconds, then minutes, then hours."""
+    seconds = max(0, round(time_s))
+    if seconds < 100:
+        return f"{seconds} s"
+    minutes = round(seconds / 60)
+    return f"{minutes} min" if minutes < 100 else f"{minutes // 60} h {minutes % 60:02} min"

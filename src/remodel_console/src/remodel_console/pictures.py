@@ -1,0 +1,51 @@
+"""The newest picture of each camera; written by any thread, read by the pages."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture as JPEG; `number` counts those of its camera."""
+
+    number: int
+    jpeg: bytes
+
+
+class Pictures:
+    """Holds the pictures, and knows whether anybody looks at them."""
+
+    def __init__(self) -> None:
+        """Begin with no picture, and nobody who looks."""
+        self._lock = threading.Lock()
+        self._newest: dict[str, Picture] = {}
+        self._viewers = 0
+        self._wake: Callable[[], None] = lambda: None
+
+    def on_change(self, wake: Callable[[], None]) -> None:
+        """Have a function called, on any thread, after each new picture."""
+        self._wake = wake
+
+    @property
+    def are_wanted(self) -> bool:
+        """Tell whether a page shows them."""
+        return self._viewers > 0
+
+    def add_viewer(self, change: int) -> None:
+        """Count pages that show them: 1 more, or -1."""
+        with self._lock:
+            self._viewers += change
+
+    def take(self, camera: str, jpeg: bytes) -> None:
+        """Take in a picture."""
+        with self._lock:
+            before = self._newest.get(camera)
+            self._newest[camera] = Picture(before.number + 1 if before else 1, jpeg)
+        self._wake()
+
+    def newest(self, camera: str) -> Picture | None:
+        """Return the newest picture of a camera; None before the first."""
+        return self._newest.get(camera)

@@ -1,0 +1,38 @@
+"""Call a service of another node; never longer than a person would wait."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+import rospy
+from genpy import Message
+
+from remodel_console.errors import CommandError
+
+_LIMIT_S = 8.0  # wall time
+
+
+def call_service(name: str, kind: type, request: Message, limit_s: float = _LIMIT_S) -> Any:  # noqa: ANN401 - rospy's answers have no common type
+    """Return the answer of a service.
+
+    Raises:
+        CommandError: if nobody serves it, it fails, or it does not answer in time.
+    """
+    answers: list[Message] = []
+    mistakes: list[Exception] = []
+
+    def call() -> None:
+        try:
+            rospy.wait_for_service(name, timeout=limit_s)
+            answers.append(rospy.ServiceProxy(name, kind)(request))
+        except (rospy.ROSException, rospy.ServiceException) as error:
+            mistakes.append(error)
+
+    calling = threading.Thread(target=call, name=f"call {name}", daemon=True)
+    calling.start()
+    calling.join(limit_s)
+    if answers:
+        return answers[0]
+    reason = str(mistakes[0]) if mistakes else f"no answer within {limit_s:.0f} s"
+    raise CommandError(f"{rospy.resolve_name(name)} could not be called: {reason}")

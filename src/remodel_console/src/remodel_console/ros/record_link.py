@@ -1,0 +1,101 @@
+"""Recorded runs as the console sees them: asked of whoever has the production database."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from remodel_msgs import msg, srv
+
+from remodel_console.core.record import Entry, Kind, Record, Summary
+from remodel_console.errors import CommandError
+from remodel_console.ros import topics
+from remodel_console.ros.call_service import call_service
+
+
+class RecordLink:
+    """Asks for runs and their records."""
+
+    def runs(self) -> tuple[Summary, ...]:
+        """Return the recorded runs, the latest first; see `call_service` for errors."""
+        return tuple(map(_summary, self._list().runs))
+
+    def orders(self) -> tuple[str, ...]:
+        """Return the names of all orders; see `call_service` for errors."""
+        return tuple(self._list().orders)
+
+    def record(self, run: int) -> Record:
+        """Return the record of a run, without its pictures.
+
+        Raises:
+            CommandError: if nobody can tell it.
+        """
+        return Record(tuple(self._entries(run)))
+
+    def picture(self, run: int, position: int) -> bytes:
+        """Return the picture of an entry, as jpeg or png.
+
+        Raises:
+            CommandError: if there is none.
+        """
+        answer = _get(srv.GetRunRequest(run, position, 1, True))
+        if not answer.entries or not answer.entries[0].has_picture:
+            raise CommandError(f"entry {position} of run {run} has no picture")
+        return bytes(answer.entries[0].picture.data)
+
+    def _entries(self, run: int) -> Iterator[Entry]:
+        """Yield all entries; the server gives some at once."""
+        first = 1
+        while True:
+            answer = _get(srv.GetRunRequest(run, first, 0, False))
+            yield from map(_entry, answer.entries)
+            if not answer.entries or answer.entries[-1].position >= answer.total:
+                return
+            first = answer.entries[-1].position + 1
+
+    @staticmethod
+    def _list() -> srv.ListRunsResponse:
+        answer = call_service(f"{topics.RUN_COMMANDS}/runs", srv.ListRuns, srv.ListRunsRequest())
+        if not answer.success:
+            raise CommandError(f"the runs cannot be listed: {answer.message}")
+        return answer
+
+
+def _get(request: srv.GetRunRequest) -> srv.GetRunResponse:
+    answer = call_service(f"{topics.RUN_COMMANDS}/record", srv.GetRun, request)
+    if not answer.success:
+        raise CommandError(f"run {request.run} cannot be read: {answer.message}")
+    return answer
+
+
+def _summary(message: msg.RunSummary) -> Summary:
+    return Summary(
+        run=message.run,
+        order=message.order,
+        use_case=message.use_case,
+        cell=message.cell,
+        started_s=message.started.to_sec(),
+        taken_s=message.taken_s,
+        has_ended=message.ended,
+        is_success=message.success,
+        message=message.message,
+        done=message.done,
+        tasks=message.tasks,
+    )
+
+
+def _entry(message: msg.RunEntry) -> Entry:
+    return Entry(
+        position=message.position,
+        time_s=message.stamp.to_sec(),
+        kind=Kind(message.kind),
+        task=message.task,
+        behavior=message.behavior,
+        state_path=message.state_path,
+        ability=message.ability,
+        fault=message.fault,
+        error_code=message.error_code,
+        text=message.text,
+        because=message.because,
+        values=tuple(zip(message.names, message.values, strict=False)),
+        has_picture=message.has_picture,
+    )

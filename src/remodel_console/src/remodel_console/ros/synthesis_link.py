@@ -1,0 +1,104 @@
+"""A synthesis server as the console sees it: a request, then the states or the reason why not."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+import actionlib
+import rospy
+from actionlib_msgs.msg import GoalStatus
+from flexbe_msgs.msg import (
+    BehaviorSynthesisAction,
+    BehaviorSynthesisFeedback,
+    BehaviorSynthesisGoal,
+    BehaviorSynthesisResult,
+    StateInstantiation,
+    SynthesisRequest,
+)
+
+from flexbe_synthesizer.core.instantiate import Instantiation
+from remodel_console.core.synthesis_request import ServerRequest
+from remodel_console.errors import CommandError
+
+_FOUND_S = 5.0  # in which a server is found; wall time, as a person waits
+_ANSWER_S = 65.0  # longer than our own server takes at most
+_LOOK_EVERY_S = 0.05
+
+
+def ask_synthesis_server(request: ServerRequest) -> tuple[Instantiation, ...]:
+    """Return the states that a server makes for a request.
+
+    Raises:
+        CommandError: if there is no server, or it fails, or gives no answer in time.
+    """
+    client = actionlib.ActionClient(request.topic, BehaviorSynthesisAction)
+    try:
+        _wait_for(client, request.topic)
+        return _result(client, request)
+    finally:
+        client.stop()
+
+
+def _wait_for(client: actionlib.ActionClient, topic: str) -> None:
+    end_s = time.monotonic() + _FOUND_S
+    while not (client.pub_goal.get_num_connections() and client.result_sub.get_num_connections()):
+        if rospy.is_shutdown() or time.monotonic() > end_s:
+            raise CommandError(
+                f"no synthesis server serves {rospy.resolve_name(topic)}; start it: roslaunch "
+                "flexbe_synthesizer synthesizer.launch, or leave the action topic empty on the "
+                "Configuration page: then the console itself synthesizes"
+            )
+        time.sleep(_LOOK_EVERY_S)
+
+
+def _result(client: actionlib.ActionClient, request: ServerRequest) -> tuple[Instantiation, ...]:
+    ended, told = threading.Event(), [""]
+
+    def on_change(handle: actionlib.ClientGoalHandle) -> None:
+        if handle.get_comm_state() == actionlib.CommState.DONE:
+            ended.set()
+
+    def on_feedback(_: actionlib.ClientGoalHandle, feedback: BehaviorSynthesisFeedback) -> None:
+        told[0] = feedback.status
+
+    goal = BehaviorSynthesisGoal(
+        SynthesisRequest(
+            name=request.path,
+            system=request.system,
+            goal=request.goal,
+            initial_condition=request.initial,
+        )
+    )
+    handle = client.send_goal(goal, on_change, on_feedback)
+    if not ended.wait(_ANSWER_S):
+        handle.cancel()
+        raise CommandError(f"the synthesis server has not answered within {_ANSWER_S:.0f} s")
+    result: BehaviorSynthesisResult | None = handle.get_result()
+    if handle.get_goal_status() != GoalStatus.SUCCEEDED or result is None:
+        reason = handle.get_goal_status_text() or told[0] or "it gave no reason"
+        raise CommandError(f"the synthesis server refuses: {reason}")
+    return tuple(map(_instantiation, result.states))
+
+
+def _instantiation(state: StateInstantiation) -> Instantiation:
+    conditions = (
+        tuple(zip(c.state_name, c.state_outcome, strict=True)) for c in state.cond_transition
+    )
+    return Instantiation(
+        state_path=state.state_path,
+        state_class=state.state_class,
+        initial_state_name=state.initial_state_name,
+        input_keys=tuple(state.input_keys),
+        output_keys=tuple(state.output_keys),
+        cond_outcome=tuple(state.cond_outcome),
+        cond_transition=tuple(conditions),
+        behavior_class=state.behavior_class,
+        parameter_names=tuple(state.parameter_names),
+        parameter_values=tuple(state.parameter_values),
+        outcomes=tuple(state.outcomes),
+        transitions=tuple(state.transitions),
+        autonomy=tuple(state.autonomy),
+        userdata_keys=tuple(state.userdata_keys),
+        userdata_remapping=tuple(state.userdata_remapping),
+    )

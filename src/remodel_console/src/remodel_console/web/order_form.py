@@ -1,0 +1,56 @@
+"""The form that starts an order: which, and how many of its tasks."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from nicegui import run, ui
+
+from remodel_console.core.use_case import Phase, TaskPhase, UseCase
+from remodel_console.errors import CommandError
+
+if TYPE_CHECKING:
+    from remodel_console.web.overview_page import OverviewPage
+
+
+class OrderForm:
+    """Says how the last run ended, and starts another."""
+
+    def __init__(self, page: OverviewPage) -> None:
+        """Build the form."""
+        self._page = page
+        self._ending = ui.label().classes("ending")
+        self._order = ui.select(
+            [], label="Order", with_input=True, new_value_mode="add-unique", clearable=True
+        )
+        self._order.props("outlined dense").classes("wide").set_enabled(page.is_operator)
+        self._order.on("focus", self._list)
+        self._tasks = ui.number("Number of tasks", min=1, step=1, placeholder="all of them")
+        self._tasks.props("outlined dense stack-label").classes("wide")
+        self._tasks.set_enabled(page.is_operator)
+        page.button("Start the order", self._start, icon="play_arrow")
+
+    def show(self, now: UseCase) -> None:
+        """Show how the last run ended."""
+        is_over = now.phase is Phase.ENDED
+        self._ending.set_visibility(is_over)
+        is_all_done = now.count(TaskPhase.DONE) == len(now.tasks)
+        self._ending.classes(replace="ending" if is_all_done else "ending bad")
+        self._ending.text = f"Order '{now.order}', run {now.run}: {now.message}"
+
+    async def _list(self) -> None:
+        """Offer the orders that the production database has."""
+        recorder = self._page.console.recorder
+        try:
+            orders = (await run.io_bound(recorder.orders)) if recorder else ()
+        except CommandError:
+            return  # a name can be typed
+        known = {*orders, self._order.value} - {None, ""}
+        self._order.set_options(sorted(known), value=self._order.value)
+
+    async def _start(self) -> None:
+        order = str(self._order.value or "").strip()
+        if not order:
+            ui.notify("Choose the order, or type its name.", type="warning")
+            return
+        await self._page.start(order, int(self._tasks.value or 0))

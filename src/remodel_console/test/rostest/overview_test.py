@@ -1,0 +1,142 @@
+#!/usr/bin/env python3
+"""Overview in a real browser, against a supervisor and cameras that are fake."""
+
+import json
+import sys
+import time
+from pathlib import Path
+
+import rospy
+import rostest
+from playwright.sync_api import expect
+
+sys.path.insert(0, str(Path(__file__).parent))
+from browser_test_case import LIMIT_S, BrowserTestCase
+from fake_supervisor import FakeCameras, FakeRecords, FakeSupervisor
+
+
+class OverviewTest(BrowserTestCase):
+    has_engine = False
+    first_page = "/overview"
+
+    def setUp(self):
+        super().setUp()
+        expect(self.page.locator(".presence.there", has_text="ROS")).to_be_visible()
+
+    def wait_until(self, is_so):
+        end = time.monotonic() + LIMIT_S
+        while not is_so():
+            self.assertLess(time.monotonic(), end, "waited too long")
+            self.page.wait_for_timeout(20)
+
+    def press(self, name):
+        self.page.get_by_role("button", name=name, exact=True).click()
+
+    def test_an_order_runs_asks_and_is_commanded(self):
+        page = self.page
+        away = page.locator(".notice", has_text="The supervisor is away")
+        expect(away).to_be_visible()
+        expect(page.locator(".notice", has_text="The cell is away")).to_be_visible()
+        expect(page.locator(".notice", has_text="The engine is away")).to_be_visible()
+        supervisor, cameras = FakeSupervisor(), FakeCameras()
+        expect(away).to_have_count(0)
+        expect(page.locator(".presence.there", has_text="Cell")).to_be_visible()
+
+        page.get_by_role("combobox", name="Order").fill("nowhere")
+        page.get_by_role("combobox", name="Order").press("Enter")
+        self.press("Start the order")
+        expect(page.get_by_text("there is no order 'nowhere'")).to_be_visible()
+        self.press("OK")
+        page.get_by_role("combobox", name="Order").fill("cabinet 7")
+        page.get_by_role("combobox", name="Order").press("Enter")
+        page.get_by_label("Number of tasks").fill("6")
+        self.press("Start the order")
+        expect(page.locator(".order .title")).to_have_text("cabinet 7")
+        self.assertEqual(supervisor.asked[-1], ("run", "cabinet 7", 6))
+        expect(page.locator(".order-head")).to_contain_text(
+            "2 of 6 tasks done, 1 set aside; about 2 min left"
+        )
+        expect(page.locator("tr.task.set_aside")).to_contain_text("W3")
+        expect(page.locator(".levels")).to_contain_text("Ability: InsertCable")
+        expect(page.locator(".failures")).to_contain_text("W4: Insertion jammed")
+        expect(page.locator(".failures")).to_contain_text(
+            "The cell tries again, because it has failed once."
+        )
+        expect(page.locator(".figures")).to_contain_text("33%")
+        expect(page.locator(".figures")).to_contain_text("Grasp missed")
+
+        self.wait_until(cameras.is_followed)
+        cameras.look()
+        for name in ("From above", "From the hand", "The cell"):
+            expect(page.get_by_role("img", name=name)).to_be_visible()
+        self.take_picture(page, "overview")
+        self.take_picture_on_a_tablet("overview-dark-1024", "/overview", ".request")
+
+        page.locator(".q-header .q-btn", has_text="Your name").click()
+        page.get_by_label("Name").fill("Ada")
+        self.press("Keep")
+        page.get_by_role("button", name="I have fixed it").click()
+        expect(page.locator(".request")).to_have_count(0)
+        self.assertEqual(supervisor.asked[-1], ("answer", 1, "fixed", "Ada"))
+        self.press("Skip W5")
+        self.wait_until(lambda: supervisor.asked[-1] == ("skip", "W5", "Ada"))
+        self.press("Retry W3")
+        self.wait_until(lambda: supervisor.asked[-1] == ("retry", "W3", "Ada"))
+        page.keyboard.press("p")
+        self.press("Go on")
+        expect(page.locator(".order .state")).to_have_text("runs")
+        self.press("Stop")
+        self.press("Stop the run")
+        expect(page.locator(".ending")).to_have_text(
+            "Order 'cabinet 7', run 12: stopped by an operator"
+        )
+        commands = [json.loads(line) for line in self.record.read_text().splitlines()]
+        given = [(c["who"], c["command"], c["state"]) for c in commands]
+        self.assertIn(("Ada", "answer question 1 about W4: I have fixed it", "done"), given)
+        self.assertIn(("operator", "run order 'nowhere'", "failed"), given)
+
+    def test_the_record_of_a_run_is_scrubbed_through(self):
+        _records = FakeRecords()
+        page = self.page = self.open_page("/replay")
+        page.get_by_role("button", name="Look again").click()
+        page.get_by_role("button", name="12 cabinet 7").click()
+        expect(page.locator(".clock")).to_have_text("0.0 s of 16.0 s, entry 1 of 23")
+        page.keyboard.press("n")
+        expect(page.locator(".entry-words")).to_have_text(
+            "failure: Insertion jammed: 22 N at 6 mm of 14 mm"
+        )
+        expect(page.locator("g.node.active[data-path='Search/Look closer']").first).to_be_visible()
+        expect(page.locator("g.node.passed[data-path='Greet']").first).to_be_visible()
+        expect(page.get_by_role("img", name="What a camera saw last")).to_be_visible()
+        page.get_by_role("button", name="Next reason (N)").click()
+        expect(page.locator(".failures")).to_contain_text(
+            "The cell plans the rest anew; the task comes later, because two new parts have jammed."
+        )
+        self.take_picture(page, "replay")
+        self.take_picture_on_a_tablet("replay-dark-1024", "/replay?run=12", ".clock")
+        page.get_by_role("button", name="Moment before (,)").click()
+        expect(page.locator(".clock")).to_contain_text("entry 18 of 23")
+        track = page.locator(".track")
+        track.click(position={"x": track.bounding_box()["width"] - 1, "y": 20})
+        expect(page.locator(".clock")).to_contain_text("entry 23 of 23")
+        expect(page.locator(".failures")).to_contain_text("Ada: skips W2")
+        track.click(position={"x": 1, "y": 20})
+        expect(page.locator(".clock")).to_contain_text("entry 1 of 23")
+        self.choose(page, "Speed", "20 x")
+        page.get_by_role("button", name="Play (P)").click()
+        expect(page.locator(".clock")).to_contain_text("entry 23 of 23")
+
+    def take_picture_on_a_tablet(self, name, address, shown):
+        page = self.open_page(address, width=1024, height=768)
+        page.get_by_role("button", name="Dark or light").click()
+        expect(page.locator(shown)).to_be_visible()
+        overflow = (
+            "() => document.documentElement.scrollWidth - document.documentElement.clientWidth"
+        )
+        self.assertEqual(page.evaluate(overflow), 0)
+        self.take_picture(page, name)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_overview")
+    rostest.rosrun("remodel_console", "test_overview", OverviewTest)

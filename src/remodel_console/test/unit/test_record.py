@@ -1,0 +1,80 @@
+"""The record of a run: what was so at each moment of it."""
+
+import pytest
+
+from remodel_console.core.record import Entry, Kind, Record, value_words
+
+
+def entry(position, time_s, kind, **fields):
+    return Entry(position, time_s, kind, **fields)
+
+
+RECORD = Record(
+    (
+        entry(1, 100.0, Kind.RUN, text="begins"),
+        entry(2, 101.0, Kind.TASK, task="W1", text="running"),
+        entry(3, 101.5, Kind.STATE, task="W1", state_path="/Locate"),
+        entry(4, 102.0, Kind.FEEDBACK, task="W1", values=(("completed_percentage", 40.0),)),
+        entry(5, 103.0, Kind.STATE, task="W1", state_path="/Insert"),
+        entry(6, 104.0, Kind.RESULT, task="W1", text="jammed", values=(("force_n", 22.0),)),
+        entry(7, 104.0, Kind.FAILURE, task="W1", fault="insertion_jammed", has_picture=True),
+        entry(8, 104.1, Kind.DECISION, task="W1", text="replan", because="two parts jammed"),
+        entry(9, 105.0, Kind.TASK, task="W2", text="running"),
+        entry(10, 106.0, Kind.STATE, task="W2", state_path="/Locate"),
+        entry(11, 107.0, Kind.STATE, task="W2", state_path=""),
+        entry(12, 108.0, Kind.TASK, text="between tasks"),
+    )
+)
+
+
+def test_times_are_those_of_the_run():
+    assert RECORD.length_s == 8
+    assert RECORD.offset_s(RECORD.entries[4]) == 3
+    assert [RECORD.at(t) for t in (-1, 0, 2.5, 4.0, 99)] == [0, 0, 3, 6, 11]
+    assert Record(()).length_s == 0
+
+
+def test_a_moment_tells_task_state_and_feedback():
+    moment = RECORD.moment(3)
+    assert (moment.task, moment.state_path, moment.passed) == ("W1", "/Locate", ("/Locate",))
+    assert moment.feedback == RECORD.entries[3]
+    assert moment.reasons == ()
+    assert moment.picture == 0
+
+
+def test_another_state_has_no_feedback_yet():
+    moment = RECORD.moment(4)
+    assert moment.passed == ("/Locate", "/Insert")
+    assert moment.feedback is None
+
+
+def test_why_is_told_with_the_latest_first():
+    moment = RECORD.moment(7)
+    assert [e.position for e in moment.reasons] == [8, 7]
+    assert moment.picture == 7
+    assert moment.feedback == RECORD.entries[5]
+
+
+def test_another_task_begins_with_nothing_passed():
+    assert RECORD.moment(8).passed == ()
+    assert RECORD.moment(9).passed == ("/Locate",)
+    assert RECORD.moment(10).state_path == ""
+    assert RECORD.moment(11).task == ""
+
+
+@pytest.mark.parametrize(
+    ("index", "step", "found"), [(0, 1, 6), (6, 1, 7), (7, 1, 7), (11, -1, 7), (6, -1, 6)]
+)
+def test_from_reason_to_reason(index, step, found):
+    assert RECORD.next_reason(index, step) == found
+
+
+def test_values_are_series_over_the_run():
+    assert RECORD.value_names() == ("completed_percentage", "force_n")
+    assert list(map(value_words, ("force_n", "completed_percentage", "gain_x", "n"))) == [
+        "force [N]",
+        "completed [%]",
+        "gain x",
+        "n",
+    ]
+    assert list(RECORD.series("force_n")) == [(4.0, 22.0)]

@@ -1,0 +1,185 @@
+"""A run of an order: its words, and the production figures."""
+
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pytest
+
+from remodel_console.core.plot import bar_plot, count_plot, line_plot
+from remodel_console.core.production import figures
+from remodel_console.core.use_case import (
+    Choice,
+    Failure,
+    Level,
+    Phase,
+    Task,
+    TaskPhase,
+    UseCase,
+    decision_words,
+    duration_words,
+    fault_words,
+    level_rows,
+)
+from remodel_console.core.world import World, notices, supervisor_notice
+from remodel_console.edge.jpeg import as_jpeg
+from remodel_console.errors import PictureError
+from remodel_console.live import Live
+from remodel_console.pictures import Pictures
+
+
+def task(name, phase, *, passed=False, taken_s=0.0, expected_s=0.0):
+    return Task(name, "", phase, 1, passed, taken_s, expected_s)
+
+
+def failure(name, fault, decision):
+    return Failure(0.0, name, fault, 0, "", "", decision, "")
+
+
+RUN = UseCase(
+    Phase.RUNNING,
+    tasks=(
+        task("W1", TaskPhase.DONE, passed=True, taken_s=40),
+        task("W2", TaskPhase.DONE, taken_s=80),
+        task("W3", TaskPhase.SET_ASIDE, taken_s=120),
+        task("W4", TaskPhase.DONE, passed=True, taken_s=40),
+        task("W5", TaskPhase.RUNNING, taken_s=10, expected_s=30),
+        task("W6", TaskPhase.WAITING, expected_s=40),
+    ),
+    failures=(
+        failure("W2", "grasp_missed", "retry"),
+        failure("W2", "cable_slipped", "retry_with"),
+        failure("W2", "grasp_missed", "look_again"),
+        failure("W3", "component_not_found", "retry"),
+        failure("W3", "component_not_found", "set_aside"),
+        failure("W5", "grasp_missed", "retry"),
+    ),
+)
+
+
+def test_figures_count_tasks_that_have_ended():
+    found = figures(RUN)
+    assert found.tasks == ("W1", "W2", "W3", "W4")
+    assert found.yields == (1.0, 0.5, pytest.approx(1 / 3), 0.5)
+    assert found.first_pass_yield == 0.5
+    assert found.cycles_s == (40, 80, 120, 40)
+    assert found.mean_cycle_s == 70
+
+
+def test_a_recovery_is_a_failure_that_the_cell_itself_got_over():
+    found = figures(RUN)
+    assert found.recoveries == (("Grasp missed", 2), ("Cable slipped", 1))
+    assert found.open_failures == 3
+
+
+def test_before_anything_has_ended_there_are_no_figures():
+    found = figures(UseCase(Phase.IDLE))
+    assert found.first_pass_yield is None
+    assert found.mean_cycle_s is None
+
+
+def test_progress():
+    assert RUN.left_s == 70
+    assert RUN.count(TaskPhase.DONE) == 3
+    assert RUN.is_under_way
+    assert not UseCase(Phase.ENDED).is_under_way
+
+
+def test_the_four_levels_are_always_there():
+    told = Level("task", "W5", "runs", 1.0)
+    rows = dict(level_rows(UseCase(Phase.RUNNING, levels=(told,))))
+    assert rows == {"Order": None, "Task": told, "Behavior": None, "Ability": None}
+
+
+@pytest.mark.parametrize(
+    ("time_s", "words"), [(-3, "0 s"), (99, "99 s"), (130, "2 min"), (7300, "2 h 02 min")]
+)
+def test_durations_in_words(time_s, words):
+    assert duration_words(time_s) == words
+
+
+def test_all_choices_and_phases_have_words():
+    assert all(choice.words and choice.meaning for choice in Choice)
+    assert all(phase.words for phase in Phase)
+    assert decision_words("retry") == "tries again"
+    assert decision_words("dance_about") == "dance about"
+    assert fault_words("grasp_missed") == "Grasp missed"
+    assert fault_words("") == "Unknown fault"
+
+
+@pytest.mark.parametrize(
+    "svg",
+    [
+        line_plot("<yield>", ("W<1>", "W2"), (1.0, 0.5), 1.0),
+        bar_plot("time", tuple(map(str, range(40))), tuple(range(40)), "s"),
+        bar_plot("time", (), (), "s"),
+        count_plot("causes", (("a & b", 2), ("c", 1))),
+        count_plot("causes", ()),
+    ],
+)
+def test_plots_are_well_formed_whatever_is_in_them(svg):
+    root = ElementTree.fromstring(svg)
+    assert root.tag == "svg"
+    assert "nan" not in svg
+
+
+def test_a_bar_is_as_high_as_its_share():
+    root = ElementTree.fromstring(bar_plot("time", ("a", "b"), (10.0, 5.0), "s"))
+    heights = [float(rect.get("height")) for rect in root.iter("rect")]
+    assert heights[0] == pytest.approx(2 * heights[1], abs=0.11)
+
+
+def test_fake_abilities_are_no_cell():
+    world = World(has_master=True, has_abilities=True)
+    (*_, cell) = notices(world)
+    assert cell.what == "The cell is away"
+    assert "answer without one" in cell.meaning
+    assert [n.what for n in supervisor_notice(world)] == ["The supervisor is away"]
+    assert not list(supervisor_notice(World()))
+
+
+def test_what_a_supervisor_told_is_gone_with_it():
+    live = Live()
+    live.set_master(True)
+    live.take_use_case(RUN)
+    live.set_presence(mirror=False, abilities=False, cell=False, supervisor=True)
+    assert live.world.use_case == RUN
+    live.set_presence(mirror=False, abilities=False, cell=False, supervisor=False)
+    assert live.world.use_case is None
+
+
+def test_a_picture_becomes_a_jpeg_no_larger_than_it_is_shown():
+    rows = np.zeros((1000, 2000, 3), np.uint8)
+    small = as_jpeg(rows.tobytes(), 1000, 2000, 6000, "rgb8")
+    assert small.startswith(b"\xff\xd8")
+    assert len(small) < 50_000
+    grey = as_jpeg(bytes(8 * 4), 4, 6, 8, "mono8")  # rows may be longer than their pixels
+    assert grey.startswith(b"\xff\xd8")
+
+
+@pytest.mark.parametrize(
+    ("size", "words"),
+    [
+        ((bytes(12), 2, 2, 6, "16UC1"), "this one is '16UC1'"),
+        ((bytes(11), 2, 2, 6, "rgb8"), "11 bytes are no picture of 2 x 2"),
+        ((bytes(8), 2, 2, 4, "rgb8"), "no picture"),
+        ((b"", 0, 0, 0, "rgb8"), "no picture"),
+    ],
+)
+def test_what_is_no_picture_is_told(size, words):
+    with pytest.raises(PictureError, match=words):
+        as_jpeg(*size)
+
+
+def test_the_newest_picture_is_kept_and_counted():
+    pictures, woken = Pictures(), []
+    pictures.on_change(lambda: woken.append(1))
+    assert pictures.newest("wrist") is None
+    pictures.take("wrist", b"1")
+    pictures.take("wrist", b"2")
+    assert pictures.newest("wrist").number == 2
+    assert pictures.newest("wrist").jpeg == b"2"
+    assert len(woken) == 2
+    pictures.add_viewer(1)
+    assert pictures.are_wanted
+    pictures.add_viewer(-1)
+    assert not pictures.are_wanted
