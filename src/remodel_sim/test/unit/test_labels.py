@@ -12,7 +12,7 @@ from remodel_sim.core.camera import Lens, Picture, View, looking_down
 from remodel_sim.core.component_shape import marker_cells
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.vision.label_pose import Look, locate_component
-from remodel_sim.core.vision.labels import find_labels
+from remodel_sim.core.vision.labels import find_labels, search_label
 from remodel_sim.physics.cameras import take
 from remodel_sim.physics.panel_scene import PanelScene
 from remodel_sim.physics.world import World
@@ -85,6 +85,22 @@ def looks():
     world.close()
 
 
+def test_a_label_that_a_wire_crosses_is_found_where_it_is_expected(looks):
+    part, look = looks
+    true = Pose.level(0.503, -0.004, 0.0, 0.07)
+    first, _ = look(true)
+    covered = first.picture.rgb.copy()
+    start, end = np.rint(first.corners[[0, 2]] + [[-20, 10], [20, -5]]).astype(int).tolist()
+    cv2.line(covered, start, end, (170, 40, 40), 7)
+    picture = Picture(covered, None, first.picture.view)
+    assert find_labels(picture, [part]) == {}
+    near = Pose.level(0.50, 0.0, 0.0, 0.0)
+    seen = locate_component(part, [Look(picture, search_label(picture, part, near))])
+    assert error(seen.world_from_component, true)[0] < 0.0003
+    stranger = dataclasses.replace(part, marker_id=17)
+    assert search_label(picture, stranger, near) is None
+
+
 def error(seen, true):
     turn = (np.trace(seen.rotation.T @ true.rotation) - 1) / 2
     away = seen.apply(np.array([0.025, 0, 0.022])) - true.apply(np.array([0.025, 0, 0.022]))
@@ -92,23 +108,24 @@ def error(seen, true):
 
 
 @pytest.mark.parametrize("blur", [0.0, 1.5])
-def test_an_upright_component_is_located_from_one_place(looks, blur):
+@pytest.mark.parametrize("count", [1, 2])
+def test_an_upright_component_is_located(looks, blur, count):
     part, look = looks
     true = Pose.level(0.503, -0.004, 0.0, 0.07)
-    seen = locate_component(part, look(true, blur)[:1])
+    seen = locate_component(part, look(true, blur)[:count])
     away, turned = error(seen.world_from_component, true)
     assert seen.upright
     assert away < 0.0002
     assert turned < 0.2
 
 
-def test_a_component_askew_is_noticed_from_one_place_and_located_from_two(looks):
+def test_a_component_askew_is_located_from_two_places(looks):
     part, look = looks
     tilt = np.array([0.03, -0.02, 0.0, 1.0])
     true = Pose.level(0.503, -0.004, 0.003, 0.07) @ Pose(np.zeros(3), tilt / np.linalg.norm(tilt))
-    seen = look(true)
-    assert not locate_component(part, seen[:1]).upright
-    away, turned = error(locate_component(part, seen).world_from_component, true)
+    seen = locate_component(part, look(true))
+    away, turned = error(seen.world_from_component, true)
+    assert not seen.upright
     assert away < 0.0004
     assert turned < 0.8
 
@@ -116,11 +133,11 @@ def test_a_component_askew_is_noticed_from_one_place_and_located_from_two(looks)
 def test_a_wire_over_the_label_does_not_move_it(looks):
     part, look = looks
     true = Pose.level(0.503, -0.004, 0.0, 0.07)
-    (first, _) = look(true)
+    first, _ = look(true)
     middle = first.corners.mean(axis=0)
     covered = first.picture.rgb.copy()
-    line = np.rint([middle + [-60, -25], middle + [60, -12]]).astype(int)
-    cv2.line(covered, tuple(line[0].tolist()), tuple(line[1].tolist()), (170, 40, 40), 9)
+    start, end = np.rint(middle + np.array([[-60, -25], [60, -12]])).astype(int).tolist()
+    cv2.line(covered, start, end, (170, 40, 40), 9)
     picture = Picture(covered, None, first.picture.view)
     seen = locate_component(part, [Look(picture, first.corners)])
     away, turned = error(seen.world_from_component, true)

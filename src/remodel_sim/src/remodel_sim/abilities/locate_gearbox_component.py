@@ -20,15 +20,13 @@ from remodel_sim.core.layout import WORLD_FROM_PANEL
 from remodel_sim.core.panel import Component
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.label_pose import ComponentSighting, Look, locate_component
-from remodel_sim.core.vision.labels import find_labels
+from remodel_sim.core.vision.labels import find_labels, search_label
 
 # Further than this from its place on the panel, something is wrong with the panel or the component.
 DISPLACED_M = 0.030
 DISPLACED_RAD = math.radians(15.0)
-# A label is seen well when its corners, as detected, differ so little from those of the pose found,
-# and so much of it looks as it should.
-RESIDUAL_M = 0.001
-LEAST_SHOWN = 0.75
+# One look does not tell reliably whether a component stands upright.
+LOOKS = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,8 +49,7 @@ class ComponentLocated:
 def locate_gearbox_component(station: Station, goal: LocateGoal) -> Steps[ComponentLocated]:
     """Look from above when the hand is empty, then from the hand.
 
-    The answer is what the hand's camera saw: from one place, or from two when the component does
-    not stand upright or a wire hides its label.
+    The answer is what the hand's camera saw from two places, or from the only one that it reaches.
     """
     component = station.panel.component(goal.component_id)
     coarse = WORLD_FROM_PANEL @ component.panel_from_component
@@ -63,7 +60,7 @@ def locate_gearbox_component(station: Station, goal: LocateGoal) -> Steps[Compon
         yield from park(station)
         picture = station.look_overhead()
         yield
-        above = _see(station, "overhead", picture, component, goal, [])
+        above = _see(station, "overhead", picture, component, goal, coarse, [])
         if above is None:
             code = Code.COMPONENT_NOT_FOUND
         else:
@@ -99,15 +96,11 @@ def _look_from_hand(
     looks: list[Look] = []
     for tool in label_views(station, label, goes_to):
         picture = yield from go_and_see(station, tool)
-        sighting = _see(station, "wrist", picture, component, goal, looks) or sighting
-        if len(looks) == 2 or (sighting is not None and sighting.upright):
-            return sighting
-    if sighting is not None:
-        raise AbilityError(
-            Code.COMPONENT_OCCLUDED,
-            f"{component.id!r} does not stand upright, and its label is seen from one place only",
-        )
-    return None
+        seen = _see(station, "wrist", picture, component, goal, coarse, looks)
+        sighting = seen or sighting
+        if len(looks) == LOOKS:
+            break
+    return sighting
 
 
 def _see(
@@ -116,6 +109,7 @@ def _see(
     picture: Picture,
     component: Component,
     goal: LocateGoal,
+    near: Pose,
     looks: list[Look],
 ) -> ComponentSighting | None:
     """Return what a picture and earlier looks tell of a component; None when it is not seen well.
@@ -125,12 +119,14 @@ def _see(
     drawing = Drawing(picture.rgb, picture.view)
     sighting = None
     corners = find_labels(picture, station.panel.components).get(component.marker_id)
+    if corners is None:
+        corners = search_label(picture, component, near)
     if corners is not None:
         looks.append(Look(picture, corners))
         sighting = locate_component(component, looks)
-        if sighting.shown < LEAST_SHOWN or sighting.residual > RESIDUAL_M:
-            looks.pop()
-            sighting = None
+    if sighting is not None and not sighting.clear:
+        looks.pop()
+        sighting = None
     if sighting is None:
         drawing.title(f"{component.id} (label {component.marker_id}) not seen well")
     else:

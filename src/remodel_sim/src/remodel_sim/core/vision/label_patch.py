@@ -28,11 +28,13 @@ class LabelPatch:
     Attributes:
         levels: (n,) grey levels.
         even: (n, 2) the pixels' places on the label, -0.5 to 0.5, for light that is not even.
+        scale: size of a sample of the drawing [m].
     """
 
     def __init__(self, component: Component, picture: Picture, corners: Array) -> None:
         """Cut out the label that was seen at corners (4, 2) [px]."""
         self._size = component.marker_size
+        self.scale = component.marker_size / (LABEL_CELLS * FINE)
         self._drawing = _drawing(component.marker_id)
         self._layers: dict[float, tuple[Pixels, Pixels, Pixels]] = {}
         square = corners.astype(np.float32)

@@ -7,7 +7,7 @@ part, not four corners only, and all pictures that are given.
 
 A component that stands upright on the plate has three degrees of freedom, one that does not has
 six. The six are taken only where they explain the pictures clearly better, and only of two pictures
-from different places: one tells that a label is not level, but hardly how.
+from different places: one hardly tells how a label is tilted.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.component_shape import label_corners
@@ -45,11 +46,14 @@ OUTLIER = 0.25
 LEAST_CONTRAST = 5.0
 # Six degrees of freedom are taken when they lower the cost to this share.
 CLEARLY_BETTER = 0.8
+# A label is seen well when so much of it looks as it should, and its edges lie so near to those of
+# the pose found [m].
+LEAST_SHOWN, MOST_RESIDUAL_M = 0.7, 0.0005
 
 
 @dataclass(frozen=True, eq=False)
 class Look:
-    """A picture that shows a label, and its corners (4, 2) in it as detected [px]."""
+    """A picture that shows a label, and roughly where: its corners (4, 2) [px]."""
 
     picture: Picture
     corners: Array
@@ -61,10 +65,10 @@ class ComponentSighting:
 
     Attributes:
         world_from_component: upright on the plate, unless two looks or more tell otherwise.
-        upright: whether the label looks as it does on an upright component.
-        residual: RMS distance of the label's corners, as detected, from those of the pose [m].
+        upright: whether it is.
+        residual: RMS distance of the label's edges, as seen, from those of the pose [m].
         shown: share of the label that looks as it should, 0 to 1.
-        corners: (4, 2) of its black square in the last picture, as detected [px].
+        corners: (4, 2) of its black square in the last picture [px].
     """
 
     world_from_component: Pose
@@ -73,20 +77,29 @@ class ComponentSighting:
     shown: float
     corners: Array
 
+    @property
+    def clear(self) -> bool:
+        """Whether the label is seen well enough to rely on."""
+        return self.shown >= LEAST_SHOWN and self.residual <= MOST_RESIDUAL_M
+
 
 def locate_component(component: Component, looks: Sequence[Look]) -> ComponentSighting:
     """Return the pose of a component at which its label looks as it does in all pictures."""
     patches = [LabelPatch(component, look.picture, look.corners) for look in looks]
     upright = _fit(patches, FIRST_BLUR_PX, _upright_start(component, looks[-1]), UPRIGHT)
-    blur = min(BLURS_PX, key=lambda px: _compare(patches, px, upright.world_from_label).cost)
-    upright = _fit(patches, blur, upright.world_from_label, UPRIGHT)
-    free = _fit(patches, blur, upright.world_from_label, FREE)
-    is_upright = free.cost > CLEARLY_BETTER * upright.cost
-    best = upright if is_upright or len(looks) == 1 else free
+    every = np.ones(len(upright.rest), bool)
+    blur = min(BLURS_PX, key=lambda px: _compare(patches, px, upright.world_from_label).cost(every))
+    best = upright = _fit(patches, blur, upright.world_from_label, UPRIGHT)
+    if len(looks) > 1:
+        free = _fit(patches, blur, upright.world_from_label, FREE)
+        if free.cost(free.explained) < CLEARLY_BETTER * upright.cost(free.explained):
+            best = free
     height = float(label_corners(component)[0, 2])
     pose = best.world_from_label @ Pose.level(0.0, 0.0, -height)
-    residual = _residual(component, pose, looks)
-    return ComponentSighting(pose, is_upright, residual, best.shown, looks[-1].corners)
+    corners = looks[-1].picture.view.project(pose.apply(label_corners(component)))
+    return ComponentSighting(
+        pose, best is upright, best.residual, float(best.explained.mean()), corners
+    )
 
 
 def _upright_start(component: Component, look: Look) -> Pose:
@@ -101,17 +114,6 @@ def _upright_start(component: Component, look: Look) -> Pose:
     return Pose.level(float(middle[0]), float(middle[1]), height, yaw)
 
 
-def _residual(component: Component, pose: Pose, looks: Sequence[Look]) -> float:
-    """Return the RMS distance of the corners detected from those of a pose [m]."""
-    model = pose.apply(label_corners(component))
-    squares = []
-    for look in looks:
-        view = look.picture.view
-        scale = view.metres_per_pixel(float(model[:, 2].mean()))
-        squares.append(scale**2 * np.sum((view.project(model) - look.corners) ** 2, axis=1))
-    return float(np.sqrt(np.mean(squares)))
-
-
 @dataclass(frozen=True, eq=False)
 class _Fit:
     """How well a drawing fits at a pose, and which motion would improve it.
@@ -120,15 +122,24 @@ class _Fit:
         world_from_label: the pose.
         normal: (k, k) and
         pull: (k,) of the normal equations of the motion; k = 0 where none was asked for.
-        cost: mean square of the differences, each cut at OUTLIER [squared contrasts].
-        shown: share of the pixels that differ by less.
+        rest: (n,) differences of all pixels, in contrasts.
+        residual: RMS distance of the edges seen from the drawing's [m].
     """
 
     world_from_label: Pose
     normal: Array
     pull: Array
-    cost: float
-    shown: float
+    rest: Array
+    residual: float
+
+    @property
+    def explained(self) -> npt.NDArray[np.bool_]:
+        """Which pixels (n,) show the label."""
+        return np.abs(self.rest) < OUTLIER
+
+    def cost(self, of: npt.NDArray[np.bool_]) -> float:
+        """Return the sum of squares of some pixels' differences, each cut at OUTLIER."""
+        return float(np.sum(np.minimum(np.square(self.rest[of]), OUTLIER**2)))
 
 
 def _fit(patches: Sequence[LabelPatch], blur_px: float, pose: Pose, axes: tuple[int, ...]) -> _Fit:
@@ -148,6 +159,7 @@ def _compare(
 ) -> _Fit:
     """Compare patches with the drawing at a pose, and differentiate along some axes."""
     rests, normal, pull = [], np.zeros((len(axes), len(axes))), np.zeros(len(axes))
+    edges = np.zeros(2)
     for patch in patches:
         places = patch.places(pose)
         shown, slope = patch.shown(blur_px, places)
@@ -166,11 +178,13 @@ def _compare(
         change *= ((level[1] + patch.even @ level[2:]) / contrast)[:, None]
         # What other light would explain as well tells no motion.
         change -= light @ _fitted(light, change, weight)
+        # A difference is a distance times a slope; the steeper, the better it tells the distance.
+        steep = np.sum(np.square(slope), axis=1)
+        edges += [weight @ (steep * np.square(rest * patch.scale)), weight @ np.square(steep)]
         normal += change.T @ (weight[:, None] * change)
         pull += change.T @ (weight * rest)
-    rest = np.concatenate(rests)
-    cost = float(np.mean(np.minimum(np.square(rest), OUTLIER**2)))
-    return _Fit(pose, normal, pull, cost, float(np.mean(np.abs(rest) < OUTLIER)))
+    residual = math.sqrt(edges[0] / max(edges[1], 1e-12))
+    return _Fit(pose, normal, pull, np.concatenate(rests), residual)
 
 
 def _fitted(basis: Array, target: Array, weight: Array) -> Array:

@@ -3,6 +3,8 @@
 OpenCV finds dark squares. Which label a square is, if any, is decided among the panel's own ones
 only, by the correlation of the grey levels in its sixteen cells with each label in each of its four
 turns. So neither a blurred cell nor the outline of a housing becomes a label that the panel lacks.
+
+A label that something lies across is no square. Where one is expected, its drawing is looked for.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ import numpy.typing as npt
 
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.component_shape import LABEL_CELLS, label_corners, marker_cells
-from remodel_sim.core.geometry import Array
+from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.panel import Component
 from remodel_sim.core.vision.pixels import Pixels
 
@@ -32,12 +34,23 @@ SAME_PLACE = 0.5
 DARK_BORDER = 0.35
 # Least difference of white and black cells [grey levels].
 MIN_CONTRAST = 15.0
+# Around where a label is expected it is searched this far [m], in these turns [rad].
+SEARCH_M = 0.03
+TURNS = np.radians(np.arange(-15.0, 15.1, 3.0))
+# A search looks at cells of so many pixels.
+SEARCH_CELL_PX = 4.0
+SEARCH_FINE = 4  # samples of the drawing per cell
+# What is found has this correlation with the drawing, and no more cells on the wrong side of the
+# middle between white and black: labels differ in at least 3.
+MATCH, MOST_WRONG_CELLS = 0.5, 2
 # Where a cell is sampled, from its middle [cells]: blur mixes its rim with its neighbours.
 INNER = np.array([-0.25, 0.0, 0.25])
 
 
 def find_labels(picture: Picture, components: Iterable[Component]) -> dict[int, Array]:
-    """Return the corners (4, 2) [px], as in label_corners, of the labels that are seen, by id.
+    """Return the corners (4, 2) of the labels that are seen, by id, to a pixel or two.
+
+    Their order is that of label_corners.
 
     A label that is seen in two places is left out: one of them belongs to a stranger.
     """
@@ -58,9 +71,65 @@ def find_labels(picture: Picture, components: Iterable[Component]) -> dict[int, 
         places = squares[alike >= ALIKE].mean(axis=1)
         apart = np.linalg.norm(places - squares[best].mean(axis=0), axis=1)
         if len(places) and np.all(apart < SAME_PLACE * expected):
-            corners = np.roll(squares[best], -int(turns[best]), axis=0)
-            found[component.marker_id] = _sharpened(grey, corners)
+            found[component.marker_id] = np.roll(squares[best], -int(turns[best]), axis=0)
     return found
+
+
+def search_label(picture: Picture, component: Component, near: Pose) -> Array | None:
+    """Return the corners (4, 2) [px] of a label that is partly covered; None if it is not there.
+
+    Args:
+        picture: from above.
+        component: whose label is looked for.
+        near: about where the component stands, world frame.
+    """
+    grey = cv2.cvtColor(picture.rgb, cv2.COLOR_RGB2GRAY)
+    model = label_corners(component)
+    height = float(model[0, 2])
+    reach = SEARCH_M + component.marker_size
+    x, y, _ = near.position
+    window = np.array([[x - reach, y - reach], [x + reach, y + reach]])
+    seen = picture.view.project(np.column_stack([window, np.full(2, height)]))
+    low = np.clip(np.floor(seen.min(axis=0)), 0, None).astype(int)
+    high = np.ceil(seen.max(axis=0)).astype(int)
+    part = grey[low[1] : high[1], low[0] : high[0]]
+    cell = component.marker_size / LABEL_CELLS / picture.view.metres_per_pixel(height)
+    scale = SEARCH_CELL_PX / cell
+    part = cv2.resize(part, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+    best, corners = 0.0, None
+    for turn in TURNS:
+        turned = Pose.level(x, y, 0.0, near.yaw + turn).apply(model)
+        square = (picture.view.project(turned) - low + 0.5) * scale - 0.5
+        tile, offset = _tile(component.marker_id, square)
+        if min(np.array(part.shape) - tile.shape) < 0:
+            return None
+        match = cv2.matchTemplate(part, tile, cv2.TM_CCOEFF_NORMED)
+        _, most, _, place = cv2.minMaxLoc(match)
+        if most > best:
+            best = most
+            corners = (square - offset + place + 0.5) / scale - 0.5 + low
+    if corners is None or best < MATCH:
+        return None
+    true = marker_cells(component.marker_id) > 0
+    cells = _cells(grey, corners[None])[0]
+    middle = (np.median(cells[true]) + np.median(cells[~true])) / 2
+    wrong = ((cells > middle) != true)[1:-1, 1:-1]
+    return corners if np.count_nonzero(wrong) <= MOST_WRONG_CELLS else None
+
+
+def _tile(marker_id: int, square: Array) -> tuple[Pixels, Array]:
+    """Return a label drawn at corners (4, 2), as a picture, and the place of that in theirs."""
+    low = np.floor(square.min(axis=0))
+    wide, high = (np.ceil(square.max(axis=0)) - low + 1).astype(int).tolist()
+    flat = np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * LABEL_CELLS * SEARCH_FINE - 0.5
+    to_tile = cv2.getPerspectiveTransform(
+        flat.astype(np.float32), (square - low).astype(np.float32)
+    )
+    drawing = np.kron(marker_cells(marker_id), np.ones((SEARCH_FINE, SEARCH_FINE), np.uint8))
+    tile = cv2.warpPerspective(
+        drawing, to_tile, (wide, high), flags=cv2.INTER_AREA, borderValue=(255,)
+    )
+    return tile, low
 
 
 def _squares(grey: Pixels) -> Array:
@@ -121,13 +190,3 @@ def _likeness(cells: Array, marker_id: int) -> tuple[Array, npt.NDArray[np.intp]
         scores.append(np.where(good, np.sqrt(np.maximum(1 - unexplained, 0.0)), 0.0))
     stacked = np.array(scores)
     return stacked.max(axis=0), np.argmax(stacked, axis=0)
-
-
-def _sharpened(grey: Pixels, corners: Array) -> Array:
-    """Move corners (4, 2) to where the edges meet, to a fraction of a pixel."""
-    side = float(np.linalg.norm(corners[1] - corners[0]))
-    half = max(1, round(0.5 * side / LABEL_CELLS))
-    ends = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_MAX_ITER, 30, 0.005)
-    start = corners.astype(np.float32).reshape(-1, 1, 2)
-    seen = cv2.cornerSubPix(grey, start, (half, half), (-1, -1), ends)
-    return np.asarray(seen.reshape(4, 2), np.float64)
