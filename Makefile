@@ -60,8 +60,9 @@ bench-sim: build build/bench-venv/.ready ## Measure the simulated wire against t
 	@$(SOURCED) benchmarks/sim/plots.py out/bench
 	@$(SOURCED) benchmarks/sim/run.py --mujoco build/bench-venv/bin/python
 
-bench-vision: build ## Measure the detection of cables on rendered scenes, against its targets (BENCH=--scenes 50)
+bench-vision: build ## Measure detecting cables and locating components on rendered scenes (BENCH="--scenes 50")
 	@$(SOURCED) benchmarks/vision/run.py $(BENCH)
+	@$(SOURCED) benchmarks/vision/locate.py $(BENCH)
 
 evaluate-abilities: build ## Measure the abilities over seeds, against their targets (BENCH="--seeds 0-99 --jobs 2")
 	@$(SOURCED) benchmarks/sim/evaluate_abilities.py $(BENCH)
