@@ -69,6 +69,7 @@ def locate_gearbox_component(station: Station, goal: LocateGoal) -> Steps[Compon
             break
     sighting = _find(station, "wrist", picture, component, goal)
     pose = sighting.world_from_component
+    station.book.seen[component.id] = pose
     socket = None
     if goal.terminal_id:
         socket = pose @ component.terminal(goal.terminal_id).component_from_socket
