@@ -74,6 +74,7 @@ def locate_gearbox_component(station: Station, goal: LocateGoal) -> Steps[Compon
             f"{coarse.position[0] * 1e3:.0f}, {coarse.position[1] * 1e3:.0f} mm",
         )
     pose = sighting.world_from_component
+    station.book.seen[component.id] = pose
     socket = None
     if goal.terminal_id:
         socket = pose @ component.terminal(goal.terminal_id).component_from_socket

@@ -7,9 +7,8 @@ from enum import Enum
 
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.core.mouths import TerminalKey
 from remodel_sim.core.panel import End
-
-TerminalKey = tuple[str, str]
 
 
 class EndState(Enum):
@@ -81,6 +80,7 @@ class Book:
         picked_at: where each end was last grasped: there it can be laid down again.
         occupied: which wire end each terminal holds, over all wires.
         fed: every wire fed so far, in order.
+        seen: frames of components in the world, as they were last located.
     """
 
     feed: Feed | None = None
@@ -92,6 +92,7 @@ class Book:
     picked_at: dict[End, Grip] = field(default_factory=dict)
     occupied: dict[TerminalKey, tuple[str, End]] = field(default_factory=dict)
     fed: list[str] = field(default_factory=list)
+    seen: dict[str, Pose] = field(default_factory=dict)
 
     def start_wire(self, feed: Feed, expected: dict[End, Array]) -> None:
         """Note that a wire lies in its channel, both ends loose."""
