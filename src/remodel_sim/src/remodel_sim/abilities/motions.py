@@ -7,12 +7,11 @@ import math
 import numpy as np
 
 from remodel_sim.abilities.station import Station, Steps
-from remodel_sim.core.arm import ToolPose, canonical_yaw, joints_for, tool_of
+from remodel_sim.core.arm import Arm, ToolPose
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import wrap_angle
 from remodel_sim.core.motion import PEAK_OVER_MEAN, Line
-from remodel_sim.physics.plant import PARKED
 
 FREE_SPEED = 0.60  # [m/s], hand empty and high
 CARRY_SPEED = 0.30  # with a wire in the hand
@@ -33,8 +32,8 @@ def move_to(station: Station, target: ToolPose, speed: float) -> Steps[None]:
 
     Raises UNREACHABLE before it starts, MOTION_FAULT when it does not arrive.
     """
-    line = Line(_canonical(station.commanded), _canonical(target), speed)
-    line.check_reach()
+    line = Line(_canonical(station, station.commanded), _canonical(station, target), speed)
+    line.check_reach(station.arm)
     for tick in range(1, math.ceil(line.duration / station.tick_s) + 1):
         station.drive(line.at(tick * station.tick_s))
         yield
@@ -68,14 +67,14 @@ def check_tracking(station: Station) -> None:
 
 def swing_to(station: Station, target: ToolPose) -> Steps[None]:
     """Move the empty hand, high up, through joint space; raises UNREACHABLE before it starts."""
-    start, end = joints_for(station.commanded), joints_for(target)
+    start, end = station.arm.joints_for(station.commanded), station.arm.joints_for(target)
     farthest = float(np.abs(end - start).max())
     ticks = math.ceil(PEAK_OVER_MEAN * farthest / JOINT_SPEED / station.tick_s)
     for tick in range(1, ticks + 1):
         t = tick / ticks
         station.drive_joints(start + t**3 * (10 - 15 * t + 6 * t * t) * (end - start))
         yield
-    station.commanded = tool_of(end)
+    station.commanded = station.arm.tool_of(end)
 
 
 def wait(station: Station, seconds: float) -> Steps[None]:
@@ -100,10 +99,10 @@ def clear_hand(station: Station) -> Steps[None]:
 
 def park(station: Station) -> Steps[None]:
     """Take the empty hand out of the overhead camera's picture."""
-    if station.commanded != PARKED:
+    if station.commanded != station.home:
         yield from clear_hand(station)
-        yield from swing_to(station, PARKED)
-        station.commanded = PARKED
+        yield from swing_to(station, station.home)
+        station.commanded = station.home
 
 
 def disengage(station: Station) -> Steps[None]:
@@ -124,7 +123,11 @@ CLEAR_OF_MOUTH_M = 0.008
 
 
 def choose_flip(
-    at: tuple[float, float], tip_yaw: float, then_at: tuple[float, float], then_tip_yaw: float
+    arm: Arm,
+    at: tuple[float, float],
+    tip_yaw: float,
+    then_at: tuple[float, float],
+    then_tip_yaw: float,
 ) -> float:
     """Return how to hold a wire, tip along the hand's x axis (0) or against it (pi).
 
@@ -138,12 +141,11 @@ def choose_flip(
     turn = wrap_angle(then_tip_yaw - tip_yaw)
     best: tuple[float, float] | None = None
     for flip in (0.0, math.pi):
-        first = canonical_yaw(*at, tip_yaw - flip)
-        second = canonical_yaw(*then_at, then_tip_yaw - flip)
+        first = arm.canonical_yaw(*at, tip_yaw - flip)
+        second = arm.canonical_yaw(*then_at, then_tip_yaw - flip)
         if first is None or second is None or abs(second - first - turn) > 0.5:
             continue
-        q7 = [math.atan2(at[1], at[0]) + math.pi / 4 - first]
-        q7.append(math.atan2(then_at[1], then_at[0]) + math.pi / 4 - second)
+        q7 = [arm.last_joint(*at, first), arm.last_joint(*then_at, second)]
         cost = max(abs(q) for q in q7)
         if best is None or cost < best[0]:
             best = cost, flip
@@ -157,13 +159,13 @@ def choose_flip(
     return best[1]
 
 
-def nearest_hand_yaw(x: float, y: float, yaw: float, near: float) -> float:
+def nearest_hand_yaw(arm: Arm, x: float, y: float, yaw: float, near: float) -> float:
     """Return `yaw`, or that turned by pi, whichever joint 7 reaches with less turning."""
-    options = [canonical_yaw(x, y, yaw + turn) for turn in (0.0, math.pi)]
+    options = [arm.canonical_yaw(x, y, yaw + turn) for turn in (0.0, math.pi)]
     reachable = [option for option in options if option is not None]
     return min(reachable, key=lambda option: abs(option - near), default=yaw)
 
 
-def _canonical(tool: ToolPose) -> ToolPose:
-    yaw = canonical_yaw(tool.x, tool.y, tool.yaw)
+def _canonical(station: Station, tool: ToolPose) -> ToolPose:
+    yaw = station.arm.canonical_yaw(tool.x, tool.y, tool.yaw)
     return tool if yaw is None else ToolPose(tool.x, tool.y, tool.z, yaw)

@@ -12,12 +12,14 @@ from typing import Protocol, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from remodel_sim.core.arm import ToolPose, joints_for, tool_of
+from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.book import Book
 from remodel_sim.core.camera import Picture, View
+from remodel_sim.core.cell_design import RobotDesign
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.panel import Panel, Wire
-from remodel_sim.physics.plant import PARKED, Plant
+from remodel_sim.physics.plant import Plant
+from remodel_sim.physics.robot import Robot
 
 # Commands to the arm and checks of its sensors [1/s].
 TICK_HZ = 120.0
@@ -53,9 +55,14 @@ class Progress:
 
 
 class Station:
-    """The abilities' only access to the plant; nothing here tells where things really are.
+    """The abilities' only access to the plant, for one robot of the cell.
+
+    Nothing here tells where things really are.
 
     Attributes:
+        name: of the robot.
+        arm: its kinematics.
+        home: where the empty hand waits, out of the overhead camera's picture.
         book: what the cell knows of its own doing.
         progress: of the ability that runs.
         tick_s: time between two commands to the arm [s].
@@ -63,17 +70,26 @@ class Station:
             the hand always points down, so its weight reads the same everywhere.
     """
 
-    def __init__(self, plant: Plant, on_look: OnLook | None = None) -> None:
-        """Take over a freshly built plant."""
+    def __init__(
+        self, plant: Plant, design: RobotDesign, book: Book, on_look: OnLook | None = None
+    ) -> None:
+        """Take over a robot of a freshly built plant."""
         self._plant = plant
+        self._camera = design.camera.name
         self._on_look = on_look
-        self.book = Book()
+        self.name, self.arm, self.home = design.name, design.arm, design.home
+        self.book = book
         self.progress = Progress()
         self.steps_per_tick = max(1, round(1.0 / (TICK_HZ * plant.world.time_step)))
         self.tick_s = self.steps_per_tick * plant.world.time_step
-        self.commanded = PARKED
+        self.commanded = self.home
         self.free_force = self.force
-        self.fingers_open_to = plant.robot.finger_gap / 2
+        self.fingers_open_to = self._robot.finger_gap / 2
+
+    @property
+    def _robot(self) -> Robot:
+        """The arm and its sensors; the plant builds them anew for every wire."""
+        return self._plant.robots[self.name]
 
     @property
     def panel(self) -> Panel:
@@ -89,7 +105,7 @@ class Station:
 
     def arm_restarted(self) -> None:
         """Note that the arm stands where it was sent, its fingers open."""
-        self.fingers_open_to = self._plant.robot.finger_gap / 2
+        self.fingers_open_to = self._robot.finger_gap / 2
 
     def report(self, message: str, share: float) -> None:
         """Tell what is being done and how far it is, 0 to 1."""
@@ -97,36 +113,36 @@ class Station:
 
     def drive(self, tool: ToolPose) -> None:
         """Command the tool pose; raises UNREACHABLE."""
-        self._plant.robot.drive(joints_for(tool))
+        self._robot.drive(self.arm.joints_for(tool))
         self.commanded = tool
 
     def drive_joints(self, joints: Array) -> None:
         """Command the arm's joints, (7,) [rad]; joints 3 and 5 stay at zero."""
-        self._plant.robot.drive(joints)
-        self.commanded = tool_of(joints)
+        self._robot.drive(joints)
+        self.commanded = self.arm.tool_of(joints)
 
     def drive_fingers(self, opening: float) -> None:
         """Send each finger to a distance from the middle [m].
 
         Closing, they stop on what they grip.
         """
-        self._plant.robot.drive_fingers(opening)
+        self._robot.drive_fingers(opening)
         self.fingers_open_to = opening
 
     @property
     def tool(self) -> ToolPose:
         """The measured tool pose."""
-        return self._plant.robot.tool
+        return self._robot.tool
 
     @property
     def finger_gap(self) -> float:
         """The measured distance between the pads [m]."""
-        return self._plant.robot.finger_gap
+        return self._robot.finger_gap
 
     @property
     def finger_load(self) -> float:
         """The measured closing force of the weaker finger [N]."""
-        return self._plant.robot.finger_load
+        return self._robot.finger_load
 
     @property
     def force(self) -> Array:
@@ -134,13 +150,13 @@ class Station:
 
         Holds the hand's weight.
         """
-        robot = self._plant.robot
+        robot = self._robot
         return robot.world_from_hand.rotation @ robot.wrist_force
 
     @property
     def wrist_view(self) -> View:
         """Where the wrist camera is, by the arm's own measure."""
-        return self._plant.wrist_view
+        return self._plant.wrist_view(self.name)
 
     def look_overhead(self) -> Picture:
         """Take a colour and depth picture of the whole plate."""
@@ -148,7 +164,7 @@ class Station:
 
     def look_wrist(self) -> Picture:
         """Take a colour picture from the hand."""
-        return self._looked("wrist", self._plant.look_wrist())
+        return self._looked(self._camera, self._plant.look_wrist(self.name))
 
     def _looked(self, camera: str, picture: Picture) -> Picture:
         if self._on_look is not None:
@@ -156,9 +172,10 @@ class Station:
         return picture
 
     def show(self, camera: str, picture: Picture, drawing: Image) -> None:
-        """Show what was found in a picture."""
+        """Show what was found in a picture of a camera, "overhead" or "wrist": this robot's."""
         if self._on_look is not None:
-            self._on_look(camera, picture, drawing)
+            name = self._camera if camera == "wrist" else camera
+            self._on_look(name, picture, drawing)
 
     def move_fork(self, x: float, y: float) -> None:
         """Bring the feeder's fork up around a wire, world frame [m].

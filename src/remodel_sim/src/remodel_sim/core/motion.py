@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from remodel_sim.core.arm import ToolPose, joints_for
+from remodel_sim.core.arm import Arm, ToolPose
 
 # A minimum-jerk motion peaks at 15/8 of its mean speed.
 PEAK_OVER_MEAN = 15.0 / 8.0
@@ -57,9 +57,9 @@ class Line:
             a.yaw + share * (b.yaw - a.yaw),
         )
 
-    def check_reach(self) -> None:
+    def check_reach(self, arm: Arm) -> None:
         """Raise UNREACHABLE if a posture on the way does not exist."""
         turn = abs(self.end.yaw - self.start.yaw)
         parts = max(1, math.ceil(max(self.distance / CHECK_STEP_M, turn / CHECK_STEP_RAD)))
         for i in range(parts + 1):
-            joints_for(self._between(i / parts))
+            arm.joints_for(self._between(i / parts))

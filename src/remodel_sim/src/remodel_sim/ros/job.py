@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 import traceback
+from collections.abc import Sequence
 
 import rospy
 from actionlib import ServerGoalHandle
@@ -20,21 +21,32 @@ FEEDBACK_PERIOD_S = 0.1  # of wall time
 
 
 class Job:
-    """An accepted goal, its steps and its end; all in the owner's thread but `cancel`."""
+    """An accepted goal, its steps and its end; all in the owner's thread but `cancel`.
+
+    Attributes:
+        robots: that do it; the first one's progress is told.
+    """
 
     def __init__(
-        self, ability: Ability, goal: Goal, handle: ServerGoalHandle, station: Station, now_s: float
+        self,
+        ability: Ability,
+        goal: Goal,
+        handle: ServerGoalHandle,
+        stations: Sequence[Station],
+        now_s: float,
     ) -> None:
-        """Begin a goal that has been accepted."""
+        """Begin a goal that has been accepted, with the robots that it needs."""
+        self.robots = tuple(station.name for station in stations)
         self._ability = ability
         self._message = handle.get_goal()
         self._handle = handle
-        self._station = station
+        self._station = stations[0]
         self._started_s = now_s
         self._cancelled = False
         self._told = 0.0
-        station.progress = Progress()
-        self._steps = ability.perform(station, goal)
+        for station in stations:
+            station.progress = Progress()
+        self._steps = ability.perform(*stations, goal)
 
     def __str__(self) -> str:
         """Name the ability and its goal."""
