@@ -64,6 +64,16 @@ class RobotDesign:
     prefix: str
 
 
+@dataclass(frozen=True)
+class Table:
+    """What the plate lies on, to be seen only: its middle, and its size along x and y [m]."""
+
+    x: float
+    y: float
+    length: float
+    width: float
+
+
 @dataclass(frozen=True, eq=False)
 class CellDesign:
     """All of a cell but its panel.
@@ -73,6 +83,7 @@ class CellDesign:
         robots: one or two.
         overhead: camera for colour and depth that sees the whole plate.
         scene: camera for people.
+        table: under the plate.
         feeder: lays wires.
         clips, ducts: the cell's own, besides the panel's; panel frame.
     """
@@ -81,6 +92,7 @@ class CellDesign:
     robots: tuple[RobotDesign, ...]
     overhead: View
     scene: View
+    table: Table
     feeder: Feeder
     clips: tuple[Clip, ...]
     ducts: tuple[Duct, ...]

@@ -19,6 +19,7 @@ from remodel_sim.core.cell_design import (
     CellDesign,
     Gripper,
     RobotDesign,
+    Table,
     WristCamera,
     find_design_problems,
 )
@@ -100,7 +101,7 @@ def _not_finite(value: object, place: str) -> Iterator[str]:
 
 def _design(parsed: dict[str, Any]) -> CellDesign:
     overhead, scene = parsed["cameras"]["overhead"], parsed["cameras"]["scene"]
-    fork, fixtures = parsed["feeder"]["fork"], parsed["fixtures"]
+    table, fork, fixtures = parsed["table"], parsed["feeder"]["fork"], parsed["fixtures"]
     return CellDesign(
         parsed["name"],
         tuple(_robot(robot) for robot in parsed["robots"]),
@@ -112,6 +113,7 @@ def _design(parsed: dict[str, Any]) -> CellDesign:
             _lens(scene),
             looking_at(np.array(_point(scene["at"])), np.array(_point(scene["looks_at"]))),
         ),
+        Table(*(float(table[key]) for key in ("x", "y", "length", "width"))),
         Feeder(
             float(parsed["feeder"]["overlap"]),
             *(float(fork[key]) for key in ("behind_tip", "length", "height", "post", "clearance")),

@@ -125,7 +125,7 @@ class Plant:
         memory.
         """
         self.world.clear()
-        self._scene = PanelScene(self.world, self.panel, self._poses)
+        self._scene = PanelScene(self.world, self.design.table, self.panel, self._poses)
         self._plugs: dict[tuple[str, str], int] = {}
         for component_id, terminal_id in sorted(self._blocked):
             self._add_plug(component_id, terminal_id)
