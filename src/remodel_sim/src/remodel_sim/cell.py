@@ -6,13 +6,14 @@ from typing import TypeVar
 
 import numpy as np
 
-from remodel_sim.abilities.runner import run
+from remodel_sim.abilities.runner import occupy, run
 from remodel_sim.abilities.station import OnLook, Station, Steps
 from remodel_sim.core.book import Book, EndState, Feed
 from remodel_sim.core.cell_design import CellDesign
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.panel import End, Panel
+from remodel_sim.core.traffic import Traffic
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.plant import Plant
 
@@ -55,13 +56,13 @@ class Cell:
 
     def _man(self) -> dict[str, Station]:
         """Return new stations for the robots of a freshly built plant."""
-        first, *others = self.plant.design.robots
-        book = Book(first.name, first.arm)
-        stations = {first.name: Station(self.plant, first, book, self._on_look)}
-        for robot in others:
-            beside = book.beside(robot.name, robot.arm)
-            stations[robot.name] = Station(self.plant, robot, beside, self._on_look)
-        return stations
+        first = self.plant.design.robots[0]
+        book, traffic = Book(first.name, first.arm), Traffic()
+        crew: dict[str, Station] = {}
+        for robot in self.plant.design.robots:
+            own = book if robot is first else book.beside(robot.name, robot.arm)
+            crew[robot.name] = Station(self.plant, robot, own, crew, traffic, self._on_look)
+        return crew
 
     @property
     def station(self) -> Station:
@@ -107,10 +108,11 @@ class Cell:
             station.arm_restarted()
             station.book.start_wire(Feed(wire_id, channel_id, laying.direction), expected)
 
-    def run(self, steps: Steps[T]) -> T:
-        """Run an ability to its end; raises what it raises."""
+    def run(self, steps: Steps[T], *robots: str) -> T:
+        """Run an ability of some robots, the first by default; raises what it raises."""
+        stations = [self.stations[robot] for robot in robots] or [self.station]
         try:
-            return run(self.plant, self.station, steps)
+            return run(self.plant, self.station, occupy(stations, steps))
         finally:
             self.settle()
 

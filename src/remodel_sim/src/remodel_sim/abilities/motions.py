@@ -10,7 +10,7 @@ from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.arm import Arm, ToolPose
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import wrap_angle
+from remodel_sim.core.geometry import Array, wrap_angle
 from remodel_sim.core.motion import PEAK_OVER_MEAN, Line
 
 FREE_SPEED = 0.60  # [m/s], hand empty and high
@@ -22,6 +22,11 @@ TRAVEL_Z = 0.10
 # Low enough that a carried wire stays between the rows.
 CARRY_Z = 0.028
 HAND_OPEN_M = 0.012
+# A path through joint space is checked this far apart [rad].
+CHECK_STEP_RAD = 0.1
+# Another robot is waited for so long, and looked after so often [s].
+PATIENCE_S = 60.0
+WAIT_S = 0.1
 TRACKING_TOLERANCE_M = 0.003
 # The servo lags by up to 8 mm at full speed; more means that something is in the way.
 MAX_LAG_M = 0.015
@@ -33,13 +38,15 @@ def move_to(station: Station, target: ToolPose, speed: float) -> Steps[None]:
     Raises UNREACHABLE before it starts, MOTION_FAULT when it does not arrive.
     """
     line = Line(_canonical(station, station.commanded), _canonical(station, target), speed)
-    line.check_reach(station.arm)
+    postures = line.postures(station.arm)
+    yield from clear_way(station, postures)
     for tick in range(1, math.ceil(line.duration / station.tick_s) + 1):
-        station.drive(line.at(tick * station.tick_s))
+        station.follow(line.at(tick * station.tick_s))
         yield
         _check_lag(station)
-    station.drive(line.end)
+    station.follow(line.end)
     yield
+    station.stand()
     check_tracking(station)
 
 
@@ -69,12 +76,15 @@ def swing_to(station: Station, target: ToolPose) -> Steps[None]:
     """Move the empty hand, high up, through joint space; raises UNREACHABLE before it starts."""
     start, end = station.arm.joints_for(station.commanded), station.arm.joints_for(target)
     farthest = float(np.abs(end - start).max())
+    parts = math.ceil(farthest / CHECK_STEP_RAD) + 1
+    yield from clear_way(station, np.linspace(start, end, parts + 1))
     ticks = math.ceil(PEAK_OVER_MEAN * farthest / JOINT_SPEED / station.tick_s)
     for tick in range(1, ticks + 1):
         t = tick / ticks
         station.drive_joints(start + t**3 * (10 - 15 * t + 6 * t * t) * (end - start))
         yield
     station.commanded = station.arm.tool_of(end)
+    station.stand()
 
 
 def wait(station: Station, seconds: float) -> Steps[None]:
@@ -97,8 +107,67 @@ def clear_hand(station: Station) -> Steps[None]:
     yield from rise(station)
 
 
+def clear_way(station: Station, postures: Array) -> Steps[None]:
+    """Wait until no other robot is in the way of a path, (n, 7) [rad], and claim its room.
+
+    A robot that does nothing and holds nothing is sent home.
+
+    Raises:
+        AbilityError: ROBOT_IN_THE_WAY when it holds something, or waits for this one, or does not
+            make way in time.
+    """
+    for _ in range(math.ceil(PATIENCE_S / WAIT_S)):
+        other = station.claim(postures)
+        if other is None:
+            station.wait_for(None)
+            return
+        _check_makes_way(station, other)
+        station.wait_for(other)
+        if other.busy:
+            yield from wait(station, WAIT_S)
+        else:
+            yield from send_home(other)
+    raise AbilityError(
+        Code.ROBOT_IN_THE_WAY,
+        f"{other.name} has been in the way of {station.name} for {PATIENCE_S:.0f} s: it does "
+        f"{other.progress.message!r}; wait for it or cancel it",
+    )
+
+
+def _check_makes_way(station: Station, other: Station) -> None:
+    if other.waits_for(station):
+        raise AbilityError(
+            Code.ROBOT_IN_THE_WAY,
+            f"{station.name} and {other.name} are in each other's way; {station.name} gives up: "
+            "try again when the other is done",
+        )
+    if not other.busy and (other.book.grip is not None or other.commanded == other.home):
+        raise AbilityError(
+            Code.ROBOT_IN_THE_WAY,
+            f"{other.name} stands at {other.commanded}, in the way of {station.name}; place what "
+            "it holds, or go another way",
+        )
+
+
+def send_home(other: Station) -> Steps[None]:
+    """Take the empty hand of a robot that does nothing home."""
+    other.begin()
+    other.report("making way", 0.0)
+    try:
+        yield from _go_home(other)
+    finally:
+        other.end()
+
+
 def park(station: Station) -> Steps[None]:
-    """Take the empty hand out of the overhead camera's picture."""
+    """Take the empty hand out of the overhead camera's picture, and idle robots' as well."""
+    for other in station.peers:
+        if not other.busy and other.book.grip is None and other.commanded != other.home:
+            yield from send_home(other)
+    yield from _go_home(station)
+
+
+def _go_home(station: Station) -> Steps[None]:
     if station.commanded != station.home:
         yield from clear_hand(station)
         yield from swing_to(station, station.home)

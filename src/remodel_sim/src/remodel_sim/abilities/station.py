@@ -5,7 +5,7 @@ The arm, its sensors, the cameras, the clamps' drives, the panel's drawing and t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
@@ -13,11 +13,15 @@ import numpy as np
 import numpy.typing as npt
 
 from remodel_sim.core.arm import ToolPose
+from remodel_sim.core.arm_volume import volume_of
 from remodel_sim.core.book import Book
 from remodel_sim.core.camera import Picture, View
 from remodel_sim.core.cell_design import RobotDesign
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.panel import Panel, Wire
+from remodel_sim.core.traffic import Traffic
 from remodel_sim.physics.plant import Plant
 from remodel_sim.physics.robot import Robot
 
@@ -61,6 +65,8 @@ class Station:
 
     Attributes:
         name: of the robot.
+        busy: whether the robot does something.
+        crew: the stations of all robots of the cell, by name.
         arm: its kinematics.
         home: where the empty hand waits, out of the overhead camera's picture.
         book: what the cell knows of its own doing.
@@ -71,7 +77,13 @@ class Station:
     """
 
     def __init__(
-        self, plant: Plant, design: RobotDesign, book: Book, on_look: OnLook | None = None
+        self,
+        plant: Plant,
+        design: RobotDesign,
+        book: Book,
+        crew: Mapping[str, Station],
+        traffic: Traffic,
+        on_look: OnLook | None = None,
     ) -> None:
         """Take over a robot of a freshly built plant."""
         self._plant = plant
@@ -79,10 +91,14 @@ class Station:
         self._on_look = on_look
         self.name, self.arm, self.home = design.name, design.arm, design.home
         self.book = book
+        self.busy = False
+        self.crew = crew
+        self._traffic = traffic
         self.progress = Progress()
         self.steps_per_tick = max(1, round(1.0 / (TICK_HZ * plant.world.time_step)))
         self.tick_s = self.steps_per_tick * plant.world.time_step
         self.commanded = self.home
+        self.stand()
         self.free_force = self.force
         self.fingers_open_to = self._robot.finger_gap / 2
 
@@ -90,6 +106,43 @@ class Station:
     def _robot(self) -> Robot:
         """The arm and its sensors; the plant builds them anew for every wire."""
         return self._plant.robots[self.name]
+
+    @property
+    def peers(self) -> list[Station]:
+        """The cell's other robots."""
+        return [station for name, station in self.crew.items() if name != self.name]
+
+    def begin(self) -> None:
+        """Note that the robot begins to do something."""
+        self.busy, self.progress = True, Progress()
+
+    def end(self) -> None:
+        """Note that the robot has stopped; it needs no more room than it takes up."""
+        self.busy = False
+        self.wait_for(None)
+        self.stand()
+
+    def claim(self, postures: Array) -> Station | None:
+        """Ask for the room of a path, (n, 7) [rad]; return who is in the way, if anybody is."""
+        if len(self.crew) == 1:
+            return None
+        other = self._traffic.claim(self.name, volume_of(self.arm, postures))
+        return None if other is None else self.crew[other]
+
+    def stand(self) -> None:
+        """Give up all room but that of the arm where it was sent last."""
+        here = volume_of(self.arm, self.arm.joints_for(self.commanded))
+        self._traffic.stand(self.name, here)
+
+    def wait_for(self, other: Station | None) -> None:
+        """Note whom the robot waits for."""
+        self._traffic.waits_for.pop(self.name, None)
+        if other is not None:
+            self._traffic.waits_for[self.name] = other.name
+
+    def waits_for(self, other: Station) -> bool:
+        """Return whether the robot waits for another one."""
+        return self._traffic.waits_for.get(self.name) == other.name
 
     @property
     def panel(self) -> Panel:
@@ -112,7 +165,19 @@ class Station:
         self.progress = Progress(message, max(self.progress.share, share))
 
     def drive(self, tool: ToolPose) -> None:
-        """Command the tool pose; raises UNREACHABLE."""
+        """Command a tool pose by feel; raises UNREACHABLE, or ROBOT_IN_THE_WAY and stops."""
+        if len(self.crew) > 1:
+            here = volume_of(self.arm, self.arm.joints_for(tool))
+            other = self._traffic.in_the_way(self.name, here)
+            if other is not None:
+                raise AbilityError(
+                    Code.ROBOT_IN_THE_WAY,
+                    f"{other} is in the way of {self.name}, which stands at {self.commanded}",
+                )
+        self.follow(tool)
+
+    def follow(self, tool: ToolPose) -> None:
+        """Command a tool pose on a path whose room is claimed; raises UNREACHABLE."""
         self._robot.drive(self.arm.joints_for(tool))
         self.commanded = tool
 

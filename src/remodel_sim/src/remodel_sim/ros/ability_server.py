@@ -73,14 +73,17 @@ class AbilityServer:
             if job is not None:
                 text = f"{station.name} is doing {job}; wait for it or cancel it"
                 raise AbilityError(Code.BUSY, text)
+            if station.busy:
+                raise AbilityError(
+                    Code.BUSY, f"{station.name} is making way for another robot; try again"
+                )
         return stations
 
     def _free_station(self) -> Station:
         """Return a robot for a look: one that does nothing, rather with an empty hand."""
 
         def rank(station: Station) -> tuple[bool, bool]:
-            busy = self._owner.job_of(station.name) is not None
-            return busy, station.book.grip is not None
+            return station.busy, station.book.grip is not None
 
         return min(self._owner.cell.stations.values(), key=rank)
 

@@ -10,7 +10,8 @@ import rospy
 from actionlib import ServerGoalHandle
 from genpy import Message
 
-from remodel_sim.abilities.station import Found, Progress, Station
+from remodel_sim.abilities.runner import occupy
+from remodel_sim.abilities.station import Found, Station
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import Goal
@@ -40,13 +41,11 @@ class Job:
         self._ability = ability
         self._message = handle.get_goal()
         self._handle = handle
-        self._station = stations[0]
         self._started_s = now_s
         self._cancelled = False
         self._told = 0.0
-        for station in stations:
-            station.progress = Progress()
-        self._steps = ability.perform(*stations, goal)
+        self._stations = stations
+        self._steps = occupy(stations, ability.perform(*stations, goal))
 
     def __str__(self) -> str:
         """Name the ability and its goal."""
@@ -62,7 +61,7 @@ class Job:
         self._cancelled = True
 
     def stop(self) -> None:
-        """Leave the steps where they are; the arm stays where it was sent."""
+        """Leave the steps where they are; the arms stay where they were sent."""
         self._steps.close()
 
     def step(self, now_s: float) -> bool:
@@ -74,7 +73,9 @@ class Job:
             )
             return True
         if elapsed > self._message.timeout:
-            text = f"not done within {self._message.timeout:g} s: {self._station.progress.message}"
+            text = (
+                f"not done within {self._message.timeout:g} s: {self._stations[0].progress.message}"
+            )
             self._end(Code.TIMEOUT, text, elapsed)
             return True
         try:
@@ -97,7 +98,7 @@ class Job:
         if wall - self._told < FEEDBACK_PERIOD_S:
             return
         self._told = wall
-        progress = self._station.progress
+        progress = self._stations[0].progress
         feedback = self._ability.message("Feedback")(
             self._message.id, progress.message, elapsed, 100.0 * progress.share
         )
