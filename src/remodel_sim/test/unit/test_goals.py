@@ -63,7 +63,7 @@ def pose_with(position=(0.5, 0.0, 0.03), quaternion=(0.0, 0.0, 0.0, 1.0)):
             Code.INVALID_GOAL,
             "tilted",
         ),
-        (lambda: insertion(robot_name="robot_2"), Code.UNKNOWN_NAME, "there is: robot_1"),
+        (lambda: insertion(robot_name=" "), Code.INVALID_GOAL, "robot_name is empty"),
         (lambda: goals.RouteGoal("robot_1", "W1", ()), Code.INVALID_GOAL, "path is empty"),
         (lambda: goals.PickGoal("robot_1", "W1", End.A, 0.5), Code.INVALID_GOAL, "grasp_distance"),
         (

@@ -13,7 +13,7 @@ from typing import Protocol
 
 import numpy as np
 
-from remodel_sim.core.arm import ToolPose, joints_for
+from remodel_sim.core.arm import Arm, ToolPose
 from remodel_sim.core.book import Book
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
@@ -63,9 +63,8 @@ def require_pose(name: str, pose: Pose) -> None:
 
 
 def require_robot(name: str) -> None:
-    """Raise UNKNOWN_NAME unless the robot is the cell's."""
-    if name != ROBOT:
-        raise AbilityError(Code.UNKNOWN_NAME, f"no robot {name!r}; there is: {ROBOT}")
+    """Raise INVALID_GOAL when no robot is named; whether the cell has it, the cell knows."""
+    require(bool(name.strip()), "robot_name is empty; it must name the robot that does it")
 
 
 def check_live(cable_id: str, panel: Panel, book: Book) -> None:
@@ -234,7 +233,7 @@ class InsertGoal:
     def check(self, panel: Panel, book: Book) -> None:
         """Raise when the end cannot go there."""
         check_live(self.cable_id, panel, book)
-        check_socket(self.component_id, self.terminal_id, self.socket, panel)
+        check_socket(self.component_id, self.terminal_id, self.socket, panel, book)
         check_mouth(self.component_id, self.terminal_id, self.socket, panel, book)
         check_hand(book, self.end)
         if book.ends[self.end].value != "loose":
@@ -292,10 +291,12 @@ class ExtractGoal:
     def check(self, panel: Panel, book: Book) -> None:
         """Raise when the wire or the socket is not there."""
         check_live(self.cable_id, panel, book)
-        check_socket(self.component_id, self.terminal_id, self.socket, panel)
+        check_socket(self.component_id, self.terminal_id, self.socket, panel, book)
 
 
-def check_socket(component_id: str, terminal_id: str, socket: Pose, panel: Panel) -> None:
+def check_socket(
+    component_id: str, terminal_id: str, socket: Pose, panel: Panel, book: Book
+) -> None:
     """Raise when a mouth is not near the terminal it is said to be, or out of reach."""
     nominal = WORLD_FROM_PANEL @ panel.panel_from_socket(component_id, terminal_id)
     away = float(np.linalg.norm(socket.position - nominal.position))
@@ -308,7 +309,7 @@ def check_socket(component_id: str, terminal_id: str, socket: Pose, panel: Panel
         )
     tool = socket.position - unit_x(socket) * (GRASP_DISTANCE_M + STANDOFF_M)
     x, y, z = (float(v) for v in tool)
-    check_reach(ToolPose(x, y, z, socket.yaw))
+    check_reach(book.arm, ToolPose(x, y, z, socket.yaw))
 
 
 def check_mouth(
@@ -341,12 +342,12 @@ def check_tool_path(path: tuple[Pose, ...], book: Book) -> None:
     flip = book.grip.flip if book.grip is not None else 0.0
     for pose in path:
         x, y, z = (float(v) for v in pose.position)
-        joints_for(ToolPose(x, y, z, pose.yaw - flip))
+        book.arm.joints_for(ToolPose(x, y, z, pose.yaw - flip))
 
 
-def check_reach(tool: ToolPose) -> None:
+def check_reach(arm: Arm, tool: ToolPose) -> None:
     """Raise UNREACHABLE when neither the pose nor that with the hand turned by pi is reached."""
     try:
-        joints_for(tool)
+        arm.joints_for(tool)
     except AbilityError:
-        joints_for(ToolPose(tool.x, tool.y, tool.z, tool.yaw + math.pi))
+        arm.joints_for(ToolPose(tool.x, tool.y, tool.z, tool.yaw + math.pi))
