@@ -19,6 +19,7 @@ from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.layout import WORLD_FROM_PANEL
 from remodel_sim.core.panel import Component, Panel
 from remodel_sim.core.wire_colours import WIRE_RGB
+from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.cameras import NOISE_LEVELS, take
 from remodel_sim.physics.panel_scene import PanelScene
 from remodel_sim.physics.parked_wire import draw_parked
@@ -76,7 +77,8 @@ class LabelScene:
         )
         self.poses = {part.id: self._stands(part) for part in self.components}
         world.clear()
-        PanelScene(world, replace(panel, components=self.components, wires=()), self.poses)
+        bare = replace(panel, components=self.components, wires=())
+        PanelScene(world, read_cell().table, bare, self.poses)
         if condition.clutter:
             self._add_strangers(markers[own : 2 * own])
             for _ in range(WIRES):

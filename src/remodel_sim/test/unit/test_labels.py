@@ -13,6 +13,7 @@ from remodel_sim.core.component_shape import marker_cells
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.vision.label_pose import Look, locate_component
 from remodel_sim.core.vision.labels import find_labels, search_label
+from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.cameras import take
 from remodel_sim.physics.panel_scene import PanelScene
 from remodel_sim.physics.world import World
@@ -68,10 +69,11 @@ def looks():
     world = World(240.0)
     part = component("X1", 1, 0.0, 0.0, 1)
     noise = np.random.default_rng(4)
+    table = read_cell().table
 
     def look(pose, blur=0.0):
         world.clear()
-        PanelScene(world, panel(components=(part,), wires=()), {"X1": pose})
+        PanelScene(world, table, panel(components=(part,), wires=()), {"X1": pose})
         found = []
         for aside in (0.0, 0.07):
             view = View(LENS, looking_down(0.50, aside, HEIGHT, 0.3))
