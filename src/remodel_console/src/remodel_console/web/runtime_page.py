@@ -20,6 +20,7 @@ from remodel_console.core.order import (
     Repeat,
     Resume,
     SetAutonomy,
+    Switch,
     TakeOutcome,
 )
 from remodel_console.core.run_view import Asked, Phase, RunView
@@ -54,6 +55,8 @@ class RuntimePage(Page):
         self._passed: frozenset[str] = frozenset()
         self._passed_of: tuple[frozenset[str], frozenset[str]] = (frozenset(), frozenset())
         self._shown: object = None
+        self._newer: Switch | None = None
+        self._newer_for: object = None
         self._line_count = 0
         self._outcomes: ui.element | None = None
         self._outcomes_of = ""
@@ -82,10 +85,19 @@ class RuntimePage(Page):
             background_tasks.create(self._draw(loaded))
         running = self.console.running_name() if world.run.phase is Phase.RUNNING else ""
         self._light(world.run, running)
-        shown = (world.has_master, _without_path(world.run), running, loaded)
+        self._look_for_newer_version(world.run)
+        shown = (world.has_master, _without_path(world.run), running, loaded, self._newer)
         if shown != self._shown:
             self._shown = shown
             self._show_panel(world, running, loaded)
+
+    def _look_for_newer_version(self, view: RunView) -> None:
+        """Look whether what runs has been saved anew; only when that can have changed."""
+        session = self.console.session
+        cause = (view.behavior_id, view.is_supervised, session.chart, session.is_saved)
+        if cause != self._newer_for:
+            self._newer_for = cause
+            self._newer = self.console.newer_version()
 
     def press(self, key: str, *, ctrl: bool) -> None:
         """Do what a key means on this page."""
@@ -166,6 +178,9 @@ class RuntimePage(Page):
         if view.asked is not None:
             self._show_request(view)
         if view.is_supervised:
+            if view.ending:
+                ui.label(f"The behavior {view.ending}.").classes("ending bad")
+            self._show_newer_version()
             self._show_controls(view)
         else:
             self._show_attach(running, loaded)
@@ -188,6 +203,15 @@ class RuntimePage(Page):
                 partial(self._order, confirmation),
                 icon="check",
             ).classes("confirm").props("autofocus")
+
+    def _show_newer_version(self) -> None:
+        """Offer the version that has been saved while this one runs."""
+        if self._newer is None:
+            return
+        with ui.element("div").classes("card attach"):
+            ui.label(f"Another version of '{self._newer.name}' is saved.").classes("question")
+            ui.label("The active state goes on in it, locked until you unlock it.").classes("soft")
+            self._control("Switch to it", self._newer, "swap_horiz")
 
     def _show_attach(self, running: str, loaded: str) -> None:
         """Show how to attach, or what to load first."""
