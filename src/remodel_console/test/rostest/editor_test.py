@@ -143,6 +143,28 @@ class EditorTest(BrowserTestCase):
         page.keyboard.press("Control+z")
         expect(page.locator("g.node[data-path='Search/Look closer']").first).to_be_visible()
 
+    def test_values_and_what_ends_a_concurrency_container_are_set(self):
+        page = self.page
+        self.open("Errand")
+        page.get_by_label("Input 2: name").fill("count")
+        page.get_by_label("Input 2: any type").fill("int")
+        page.get_by_label("Input 2: must be given").fill("3")
+        page.get_by_label("Input 2: must be given").press("Enter")
+        expect(page.get_by_label("Input 3: name")).to_be_visible()
+        self.pick("Search/Look")
+        page.locator(".canvas-stage g.cluster[data-path='Search'] text").first.click()
+        self.choose(page, "Runs what is in it", "all at once")
+        page.get_by_role("combobox", name="Condition 1: all of").click()
+        for name in ("Look: done", "Look closer: done"):
+            page.get_by_role("option", name=name, exact=True).click()
+        page.keyboard.press("Escape")
+        self.choose(page, "Condition 1: ends with", "found")
+        expect(page.get_by_role("combobox", name="Condition 2: ends with")).to_be_visible()
+        expect(page.locator(".problems")).to_contain_text("No errors.")
+        page.get_by_role("tab", name="XML").click()
+        expect(page.locator(".cm-content")).to_contain_text('<input name="count" type="int"')
+        expect(page.locator(".cm-content")).to_contain_text('<ext:condition outcome="found">')
+
     def test_deleting_and_renaming_keep_what_belongs_together(self):
         self.open("Patrol")
         self.pick("South")
