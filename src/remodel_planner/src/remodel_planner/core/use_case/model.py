@@ -5,10 +5,12 @@ The grammar of the YAML is told in docs/use-cases.md; config/use_case.schema.jso
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 
 from remodel_planner.core.condition import Condition, Value, is_number
+from remodel_planner.core.learning.bounds import Bounds
 from remodel_planner.core.recovery.policy import Policy
 from remodel_planner.core.use_case.expectation import FrozenExpectations
 
@@ -169,6 +171,7 @@ class UseCase:
         give_up: the action that empties the hand when a task is given up.
         preferences: weights, preferences and requirements, as in a preferences document.
         recovery: what is done about tasks that fail.
+        learned: ability -> parameter -> within which values runs may choose it.
     """
 
     name: str
@@ -186,3 +189,4 @@ class UseCase:
     give_up: str
     preferences: dict[str, object]
     recovery: Policy
+    learned: Mapping[str, Mapping[str, Bounds]]
