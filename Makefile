@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-sim bench-vision bench-learning evaluate-abilities clean
+.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-sim bench-vision evaluate-abilities clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -53,6 +53,9 @@ bench-planner: build build/bench-venv/.ready ## Measure the planner beside GTPyh
 	@$(SOURCED) benchmarks/planner/witness.py --python build/bench-venv/bin/python
 	@$(SOURCED) benchmarks/planner/panels.py --gtpyhop build/bench-venv/bin/python $(BENCH)
 
+bench-learning: build ## First-pass yield with learned and with frozen parameters, and the guard rail; plot in out/bench/learning.png
+	@$(SOURCED) benchmarks/learning/first_pass_yield.py $(BENCH)
+
 bench-synthesis: build ## Time of the synthesis by size of the chart, beside that of lxml and the schema alone
 	@$(SOURCED) benchmarks/synthesis/sizes.py
 
@@ -65,9 +68,6 @@ bench-vision: build ## Measure the detection of cables on rendered scenes, again
 
 evaluate-abilities: build ## Measure the abilities over seeds, against their targets (BENCH="--seeds 0-99 --jobs 2")
 	@$(SOURCED) benchmarks/sim/evaluate_abilities.py $(BENCH)
-
-bench-learning: build ## First-pass yield with learned and with frozen parameters, and the guard rail; plot in out/bench/learning.png
-	@$(SOURCED) benchmarks/learning/first_pass_yield.py $(BENCH)
 
 bench-console: build ## Lag of the console's pages and memory of its node, at 50 transitions a second
 	@$(SOURCED) benchmarks/console/load.py

@@ -167,11 +167,11 @@ class UseCase:
         title: of the behavior that does a task; `{task}` is the task's name.
         task_characteristics: what tasks may say; what they ask of an arm follows from it.
         heavy: which tasks are to come before the others.
+        learned: ability -> parameter -> within which values runs may choose it.
         methods: by the name of the task that they do, in the order in which they are preferred.
         give_up: the action that empties the hand when a task is given up.
         preferences: weights, preferences and requirements, as in a preferences document.
         recovery: what is done about tasks that fail.
-        learned: ability -> parameter -> within which values runs may choose it.
     """
 
     name: str
@@ -182,6 +182,7 @@ class UseCase:
     heavy: Condition
     facts: dict[str, Fact]
     expectations: FrozenExpectations
+    learned: Mapping[str, Mapping[str, Bounds]]
     actions: dict[str, Action]
     methods: dict[str, tuple[Method, ...]]
     rules: tuple[ControlRule, ...]
@@ -189,4 +190,3 @@ class UseCase:
     give_up: str
     preferences: dict[str, object]
     recovery: Policy
-    learned: Mapping[str, Mapping[str, Bounds]]

@@ -56,6 +56,7 @@ def use_case_from(data: Json) -> UseCase:
         expectations=FrozenExpectations(
             {name: _frozen(item) for name, item in data["abilities"].items()}
         ),
+        learned={name: _bounds(name, item) for name, item in data.get("learned", {}).items()},
         actions={name: _action(name, item) for name, item in data["actions"].items()},
         methods={task: tuple(map(_method, methods)) for task, methods in data["methods"].items()},
         rules=tuple(
@@ -66,7 +67,6 @@ def use_case_from(data: Json) -> UseCase:
         give_up=data["give_up"],
         preferences=data.get("preferences", {}),
         recovery=policy_from(data.get("recovery", {})),
-        learned={name: _bounds(name, item) for name, item in data.get("learned", {}).items()},
     )
     findings = list(_unknown_names(use_case)) or [*_untold_facts(use_case), *_circles(use_case)]
     if findings:
