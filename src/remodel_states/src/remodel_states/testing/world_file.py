@@ -54,7 +54,7 @@ class WorldFile:
     def __init__(self, path: Path | str) -> None:
         """Make the file, unless it is there."""
         self._path = str(path)
-        # Never closed: with the last connection SQLite clears its log, which costs more than a change.
+        # Never closed: with the last connection SQLite clears its log, at the cost of five changes.
         self._anchor = self._connect()
         self._anchor.execute("PRAGMA journal_mode = WAL")
         self._anchor.executescript(_TABLES)
