@@ -59,6 +59,9 @@ bench-planner: build build/bench-venv/.ready ## Measure the planner beside GTPyh
 	@$(SOURCED) benchmarks/planner/witness.py --python build/bench-venv/bin/python
 	@$(SOURCED) benchmarks/planner/panels.py --gtpyhop build/bench-venv/bin/python $(BENCH)
 
+bench-learning: build ## First-pass yield with learned and with frozen parameters, and the guard rail; plot in out/bench/learning.png
+	@$(SOURCED) benchmarks/learning/first_pass_yield.py $(BENCH)
+
 bench-synthesis: build ## Time of the synthesis by size of the chart, beside that of lxml and the schema alone
 	@$(SOURCED) benchmarks/synthesis/sizes.py
 
