@@ -383,7 +383,8 @@ class UseCaseSupervisor:
 
     def _load_panel(self) -> None:
         if self.work.panel is not None and not self._loaded:
-            self._peers.cell.load(self.work.panel, keep=self.work.keep_panel)
+            begun = any(task.attempts for task in self.state.tasks.values())
+            self._peers.cell.load(self.work.panel, keep=self.work.keep_panel or begun)
         self._loaded = True
 
     def _recover(self, because: str) -> None:
