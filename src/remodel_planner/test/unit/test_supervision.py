@@ -1,6 +1,7 @@
 """A run follows from its events alone: what is known, what comes next, and that it ends."""
 
 import json
+from dataclasses import replace
 from random import Random
 
 import hypothesis.strategies as st
@@ -49,7 +50,7 @@ from remodel_planner.errors import OrderError
 
 FAULTS = read_faults()
 POSSIBLE = frozenset(Do) - {Do.OTHER_METHOD, Do.RETRY_WITH}
-JAM, LOST = 301, 4
+JAM, LOST, NOTHING_HELD = 301, 4, 202
 
 
 class Run:
@@ -125,6 +126,20 @@ def test_what_was_interrupted_is_cleared_settled_and_only_what_is_left_done(run)
     run.begin("W1", Part.REST)
     assert run.end("W1") == Execute("W2", Part.WHOLE)
     assert not run.state.tasks["W1"].first_pass
+
+
+def test_an_empty_hand_at_the_end_is_not_the_cause_of_a_failure(run):
+    run.begin("W1")
+    run.add(OperationEnded("W1", operation(JAM)))
+    empty = replace(operation(NOTHING_HELD), state_path="/Lay down", ability="PlaceCable")
+    run.add(OperationEnded("W1", empty))
+    run.end("W1", "failed")
+    decided = run.decide("W1")
+    assert (decided.fault, decided.code, decided.ability) == (
+        "insertion_jammed",
+        JAM,
+        "InsertCable",
+    )
 
 
 def test_what_turns_out_to_be_done_is_not_done_again(run):

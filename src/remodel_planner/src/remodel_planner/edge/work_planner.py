@@ -8,6 +8,7 @@ from dataclasses import replace
 from flexbe_synthesizer.core.model import Chart
 from remodel_planner.core.recovery.fault import Do
 from remodel_planner.core.supervision.events import Decided, Part
+from remodel_planner.core.use_case.escalation import escalating
 from remodel_planner.core.use_case.expectation import Expectations
 from remodel_planner.core.use_case.model import UseCase
 from remodel_planner.core.use_case.planned_tasks import (
@@ -31,6 +32,7 @@ class WorkPlanner:
         expectations: Expectations,
         search_s: float,
         documents: Sequence[tuple[str, object]] = (),
+        escalated: Collection[int] = (),
     ) -> None:
         """Take the order.
 
@@ -40,12 +42,14 @@ class WorkPlanner:
             expectations: of abilities.
             search_s: [s] of wall time that a search for the best order gets.
             documents: preferences, parsed, with what to call them in errors.
+            escalated: error codes after which a behavior gives up at once, for its supervisor.
         """
         self.order = order
         self.use_case = use_case
         self._expectations = expectations
         self._search_s = search_s
         self._documents = documents
+        self._escalated = escalated
         self._prepared: Prepared | None = None
         self._tasks: dict[str, PlannedTask] = {}
 
@@ -107,7 +111,7 @@ class WorkPlanner:
         chart = task.rest(connected) if part is Part.REST else task.chart
         for decision in decisions:
             chart = with_parameters(chart, decision.ability, decision.change) or chart
-        return chart
+        return escalating(chart, self._escalated) if self._escalated else chart
 
     def _otherwise(self, task: PlannedTask, state_path: str) -> PlannedTask | None:
         assert self._prepared is not None, "a task is planned before it is asked for"

@@ -70,7 +70,13 @@ class WorkMaker:
             for wire in order.wires
         }
         return Work(
-            planner=WorkPlanner(cell_order(layout), use_case, learned, self.search_s),
+            planner=WorkPlanner(
+                cell_order(layout),
+                use_case,
+                learned,
+                self.search_s,
+                escalated=self.faults.codes_above_behaviors,
+            ),
             faults=self.faults,
             panel=panel_message(layout, rules),
             keep_panel=leases.any_begun(),

@@ -9,7 +9,7 @@ from remodel_planner.core.recovery.failure import Failure, Spent
 from remodel_planner.core.recovery.fault import Do, FaultTable
 from remodel_planner.core.recovery.policy import Policy
 from remodel_planner.core.supervision.events import Decided
-from remodel_planner.core.supervision.state import UNTOLD, RunState, TaskProgress
+from remodel_planner.core.supervision.state import UNTOLD, RunState, TaskProgress, cause_of
 
 POLICY = "policy"
 
@@ -23,20 +23,19 @@ def failure_of(task: TaskProgress, faults: FaultTable, at_s: float) -> Failure:
         at_s: [s] ROS time.
     """
     fault = faults.diagnose(task.codes) or faults.of(UNTOLD)
-    failed = [operation for operation in task.operations if operation.error_code]
-    if task.unseen or not failed:
+    cause = cause_of(task.operations)
+    if task.unseen or cause is None:
         text = task.unseen or f"the behavior ended {task.outcome}"
         return Failure(task.name, fault, task.codes[-1], "", "", text, at_s)
-    last = failed[-1]
     return Failure(
         task.name,
         fault,
-        last.error_code,
-        last.ability,
-        last.state_path,
-        last.text,
+        cause.error_code,
+        cause.ability,
+        cause.state_path,
+        cause.text,
         at_s,
-        last.parameters,
+        cause.parameters,
     )
 
 
