@@ -34,7 +34,7 @@ from rospkg import RosPack
 from table import told
 from tqdm import tqdm
 from trial import WIRES, Trial, drawn
-from verdict import Verdict, cell_s, handled_first, is_complete
+from verdict import Verdict, cell_s, decided_first, handled_first, is_complete
 
 from remodel_planner.commands import explain_run, replay
 from remodel_planner.core.supervision.events import Event
@@ -121,7 +121,10 @@ class Campaign:
             complete=is_complete(events),
             true=is_true(events, draft.world),
             hand_empty=not any(hand.held for hand in draft.world.hands.values()),
-            first=handled_first(events, codes),
+            # A fault that shows only in a row of failures is handled when it is known.
+            first=decided_first(events, trial.kind)
+            if "after" in self._tables.faults.get(trial.kind, {})
+            else handled_first(events, codes),
             cell_s=cell_s(events, self._tables.durations_s, self._tables.look_s),
             wall_s=wall_s,
             explained=explained,

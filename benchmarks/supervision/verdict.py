@@ -77,6 +77,18 @@ def is_complete(events: Sequence[Event]) -> bool:
     return isinstance(last, RunEnded) and last.ending is Ending.COMPLETE
 
 
+def decided_first(events: Sequence[Event], fault: str) -> str:
+    """Return who decided first about a fault of a name; empty if nobody did."""
+    return next(
+        (_level(event) for event in events if isinstance(event, Decided) and event.fault == fault),
+        "",
+    )
+
+
+def _level(event: Decided) -> str:
+    return TASK if event.do in _OF_THE_TASK else USE_CASE
+
+
 def handled_first(events: Sequence[Event], codes: Collection[int]) -> str:
     """Return who did something first about the first failure with one of some codes."""
     failed = ""
@@ -89,7 +101,7 @@ def handled_first(events: Sequence[Event], codes: Collection[int]) -> str:
             case TaskEnded() if failed and event.outcome == "finished":
                 return INSIDE
             case Decided() if failed:
-                return TASK if event.do in _OF_THE_TASK else USE_CASE
+                return _level(event)
     return ""
 
 

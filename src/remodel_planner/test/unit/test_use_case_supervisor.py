@@ -243,6 +243,15 @@ def test_a_jam_is_tried_again_then_with_a_new_wire(bench):
     assert state.ended.ending is Ending.COMPLETE
 
 
+def test_a_task_whose_order_is_planned_anew_comes_later(bench):
+    state = bench.run(JAM, JAM, JAM)
+    before, after = (event.tasks for event in bench.events(Planned))
+    first, second = before
+    assert after == (second, first)
+    assert bench.ran == [first, first, first, second, first]
+    assert state.ended.ending is Ending.COMPLETE
+
+
 def test_what_is_connected_is_not_connected_again(bench):
     first = bench.work.planner.plan(["W1", "W2"])[0]
     bench.peers.inspection.connected = {(first, "a")}

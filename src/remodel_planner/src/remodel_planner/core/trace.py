@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from flexbe_synthesizer.core.error_routes import FAILED_EVENT, route_event
-from flexbe_synthesizer.core.model import Behavior, Chart
+from flexbe_synthesizer.core.model import Behavior, Chart, Container
 from remodel_planner.core.run import Operation
 
 
@@ -60,8 +60,9 @@ def _follow(
         operation = None
         if node.attempts is not None and visits[current] > node.attempts:
             event = "exhausted"
-        elif isinstance(node, Behavior):
-            child = _follow(charts[node.type], f"{path}/{node.id}", operations, charts)
+        elif isinstance(node, Behavior | Container):
+            inner = node.body if isinstance(node, Container) else charts[node.type]
+            child = _follow(inner, f"{path}/{node.id}", operations, charts)
             children.append(child)
             event = child.outcome
         else:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from dataclasses import replace
 
-from flexbe_synthesizer.core.model import Chart, ErrorRoute, State
+from flexbe_synthesizer.core.model import AnyNode, Chart, ErrorRoute, State
 from remodel_planner.core.use_case.task_chart import marked
 
 _FAILED, _REFUSED = "failed", "command_error"
@@ -23,7 +23,7 @@ def escalating(chart: Chart, codes: Collection[int]) -> Chart:
     return marked(replace(chart, nodes=tuple(_leaving(node, codes) for node in chart.nodes)))
 
 
-def _leaving(node: object, codes: Collection[int]) -> object:
+def _leaving(node: AnyNode, codes: Collection[int]) -> AnyNode:
     if not isinstance(node, State) or node.on_error:
         return node
     targets = {transition.event: transition.target for transition in node.transitions}
