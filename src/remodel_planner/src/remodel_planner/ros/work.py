@@ -79,7 +79,13 @@ class WorkMaker:
             for wire in stored.wires
         }
         return Work(
-            planner=WorkPlanner(order, use_case, learned, self.search_s),
+            planner=WorkPlanner(
+                order,
+                use_case,
+                learned,
+                self.search_s,
+                escalated=self.faults.codes_above_behaviors,
+            ),
             faults=self.faults,
             panel=panel,
             keep_panel=leases.any_begun(),
