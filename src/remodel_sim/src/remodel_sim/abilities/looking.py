@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,6 +42,8 @@ STILL_S = 0.10
 # wire 50 mm high moves by a third of that in the picture. Wires leave their terminals along x, so
 # it is tried along y first.
 ASIDE_M = ((0.0, 0.07), (0.0, -0.07), (0.07, 0.0), (-0.07, 0.0))
+# The same beside a label, which lies nearer to the lens and stays in the picture so far.
+LABEL_ASIDE_M = ((0.0, 0.045), (0.0, -0.045), (0.045, 0.0), (-0.045, 0.0))
 # Turns of a hand that holds a wire, for a look at a component that it need not go to [rad].
 EITHER_WAY = np.radians([0.0, 45.0, -45.0, 90.0, -90.0])
 # A label that is hidden from one place of the lens is looked for from others, so far apart [m].
@@ -173,11 +176,13 @@ def _look_close(station: Station, end: End, distance: float) -> Steps[GraspSight
     )
 
 
-def _views_around(station: Station, point: Array, yaw: float) -> list[ToolPose]:
+def _views_around(
+    station: Station, point: Array, yaw: float, beside: Sequence[tuple[float, float]] = ASIDE_M
+) -> list[ToolPose]:
     """Return tool poses that bring the wrist camera over a point (2,) [m], and beside it."""
     tools = [
         camera_above(station.arm, point + aside, yaw, station.commanded.yaw)
-        for aside in ((0.0, 0.0), *ASIDE_M)
+        for aside in ((0.0, 0.0), *beside)
     ]
     return [tools[0], *(tool for tool in tools[1:] if station.arm.reaches(tool))]
 
@@ -277,7 +282,7 @@ def label_views(station: Station, label: Array, socket_yaw: float | None) -> lis
     """
     grip, now = station.book.grip, station.commanded
     if grip is None:
-        return _views_around(station, label.mean(axis=0)[:2], 0.0)
+        return _views_around(station, label.mean(axis=0)[:2], 0.0, LABEL_ASIDE_M)
     turns = EITHER_WAY
     if socket_yaw is not None:
         turns = np.linspace(0.0, wrap_angle(socket_yaw - grip.flip - now.yaw), 5)
