@@ -9,6 +9,7 @@ import rospy
 import yaml
 from genpy import MessageException
 
+from remodel_sim.abilities.station import Audience
 from remodel_sim.cell import Cell
 from remodel_sim.core.errors import CellError
 from remodel_sim.core.panel import End
@@ -20,7 +21,7 @@ from remodel_sim.ros.ability_server import AbilityServer
 from remodel_sim.ros.conversions import read_panel
 from remodel_sim.ros.markers import Markers
 from remodel_sim.ros.owner import Owner
-from remodel_sim.ros.publishers import Pictures, RobotState
+from remodel_sim.ros.publishers import FixedFrames, Pictures, RobotState
 from remodel_sim.ros.services import Services
 from remodel_sim.ros.sim_clock import SimClock
 
@@ -55,6 +56,7 @@ def _build(materials: WireMaterials) -> Owner:
     panel = read_panel(Path(rospy.get_param("~panel")), materials)
     design = read_cell(str(rospy.get_param("~cell", "one_panda")))
     clock = SimClock()
+    fixed = FixedFrames(clock)
     cell = Cell(
         panel,
         design=design,
@@ -62,10 +64,10 @@ def _build(materials: WireMaterials) -> Owner:
         rate_hz=rate_hz,
         gui=bool(rospy.get_param("~gui", False)),
         solid_parked=bool(rospy.get_param("~solid_parked", False)),
-        on_look=Pictures(design, clock),
+        audience=Audience(Pictures(design, clock), fixed),
     )
     wire_id = str(rospy.get_param("~feed", ""))
     if wire_id:
         mouth = panel.panel_from_socket(*panel.wire(wire_id).goes_to(End.A)).position
         cell.feed(wire_id, panel.channel_in_front_of(mouth).id)
-    return Owner(cell, clock, (RobotState(cell.plant, clock), Markers(cell.plant, clock)))
+    return Owner(cell, clock, (RobotState(cell.plant, clock, fixed), Markers(cell.plant, clock)))
