@@ -71,14 +71,12 @@ def test_two_arms_work_at_once_and_keep_apart(cell):
     one, two = cell.stations.values()
     locate = locate_gearbox_component(one, goals.LocateGoal("X2", "1"))
     pick = pick_cable(two, goals.PickGoal("robot_2", "W1", End.B, 0.0))
-    began, gaps = cell.plant.world.steps, []
+    gaps = []
     both = together(occupy([one], locate), occupy([two], pick))
     located, _ = run(cell.plant, one, watched(cell, both, gaps))
-    took = cell.plant.world.steps - began
     assert located.socket_pose is not None
     assert two.book.grip is not None and one.book.grip is None
     assert min(gaps) > 0.03, "what the claims keep free"
-    assert took * cell.plant.world.time_step < 20.0
 
 
 def test_a_wire_goes_from_one_arm_to_the_other_by_way_of_the_plate(cell):

@@ -146,6 +146,13 @@ class Station:
         other = self._traffic.claim(self.name, volume_of(self.arm, postures))
         return None if other is None else self.crew[other]
 
+    def has_room(self, tool: ToolPose) -> bool:
+        """Return whether no other robot is in the way where the arm would stand."""
+        if len(self.crew) == 1:
+            return True
+        there = volume_of(self.arm, self.arm.joints_for(tool))
+        return self._traffic.in_the_way(self.name, there) is None
+
     def stand(self) -> None:
         """Give up all room but that of the arm where it was sent last."""
         here = volume_of(self.arm, self.arm.joints_for(self.commanded))
