@@ -142,7 +142,7 @@ def _find(station: Station, clip: Clip, held_at: Array, slack: float) -> Steps[P
     away = (beside.position - held_at)[:2]
     radius = float(np.linalg.norm(away)) + slack
     towards = math.atan2(away[1], away[0])
-    tool = camera_above(beside.position[:2], towards, station.commanded.yaw)
+    tool = camera_above(station, beside.position[:2], towards)
     picture = yield from go_and_see(station, tool)
     wire = station.wire
     likelihood = wire_likelihood(picture.rgb, wire.colour)
