@@ -39,6 +39,7 @@ SHARES = {
     "neighbour": ("wrong socket, the one beside it: INVALID_GOAL", 98.0),
     "occupied": ("wrong socket, occupied: TERMINAL_OCCUPIED", 98.0),
     "route": ("six clips, the whole wire in them after release", 95.0),
+    "connections": ("trials of CheckConnection without a wrong answer", None),
     "locate": ("located", None),
     "locate_moved": ("located, moved by up to 10 mm and 8 deg", None),
     "locate_light": ("located, 40 to 160 % of the light", None),
@@ -87,6 +88,8 @@ def rows(outcomes: Outcomes) -> Iterator[Row]:
         yield _share(what, [outcome.good for outcome in done], least)
         if name == "wire":
             yield from _wire_rows(done)
+        if name == "connections":
+            yield from _connection_rows(done)
     located = [o for name, done in outcomes.items() if name.startswith("locate") for o in done]
     for figure, (median, p90) in ERRORS.items():
         errors = [o.figures[figure] for o in located if figure in o.figures]
@@ -114,6 +117,18 @@ def _wire_rows(done: Sequence[Outcome]) -> Iterator[Row]:
         yield Row("a whole wire, wall time, median", wall, "s", most=WALL_S)
         yield Row("a whole wire, wall time, slowest", max(times)[0], "s")
         yield Row("a whole wire, CPU time, median", cpu, "s")
+
+
+def _connection_rows(done: Sequence[Outcome]) -> Iterator[Row]:
+    """Yield the shares of right answers, and of refusals to answer."""
+    asked, wrong, refused = (
+        int(sum(outcome.figures[name] for outcome in done))
+        for name in ("asked", "wrong", "refused")
+    )
+    right = asked - wrong - refused
+    what = f"CheckConnection: right answers ({right} of {asked}, {wrong} wrong)"
+    yield Row(what, 100 * right / asked, "%", 99.0)
+    yield Row(f"CheckConnection: refused ({refused} of {asked})", 100 * refused / asked, "%")
 
 
 def _share(what: str, good: Sequence[bool], least: float | None) -> Row:

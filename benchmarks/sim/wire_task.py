@@ -122,11 +122,11 @@ def place(cell: Cell, wire: Wire, history: History) -> None:
     cell.feed(wire.id, channel_of(cell, wire))
     _again(history, lambda: do(cell, detect_cable, goals.DetectGoal(wire.id)))
     connect(cell, wire, End.A, history)
-    _again(history, lambda: _carry(cell, wire))
+    _again(history, lambda: carry(cell, wire))
     connect(cell, wire, End.B, history)
 
 
-def _carry(cell: Cell, wire: Wire) -> None:
+def carry(cell: Cell, wire: Wire) -> None:
     """Pick end b and route it along its channel to beside its terminal."""
     pick(cell, wire, End.B)
     panel, book = cell.station.panel, cell.station.book

@@ -126,6 +126,21 @@ class LocateGoal:
 
 
 @dataclass(frozen=True)
+class CheckGoal:
+    """See whether an end of a wire sits in a terminal; any wire of the panel, fed or not."""
+
+    cable_id: str
+    end: End
+    component_id: str
+    terminal_id: str
+
+    def check(self, panel: Panel, book: Book) -> None:
+        """Raise when a name is unknown."""
+        panel.wire(self.cable_id)
+        panel.component(self.component_id).terminal(self.terminal_id)
+
+
+@dataclass(frozen=True)
 class DetectGoal:
     """Find a wire and its loose ends."""
 

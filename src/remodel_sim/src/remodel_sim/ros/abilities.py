@@ -8,6 +8,7 @@ from typing import Any
 
 from remodel_msgs import msg as messages
 
+from remodel_sim.abilities.check_connection import check_connection
 from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.abilities.extract_cable import extract_cable
 from remodel_sim.abilities.fix_cable import fix_cable
@@ -52,6 +53,13 @@ ABILITIES = (
         "LocateGearboxComponent",
         lambda m: goals.LocateGoal(m.component_id, m.terminal_id),
         locate_gearbox_component,
+    ),
+    Ability(
+        "CheckConnection",
+        lambda m: goals.CheckGoal(
+            m.cable_id, goals.parse_end(m.cable_end), m.component_id, m.terminal_id
+        ),
+        check_connection,
     ),
     Ability("DetectCable", lambda m: goals.DetectGoal(m.cable_id), detect_cable),
     Ability(
