@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-sim bench-vision evaluate-abilities clean
+.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-sim bench-vision bench-learning evaluate-abilities chaos campaign clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -49,6 +49,9 @@ lint: .venv/.ready ## Style, types of the pure cores, and XML
 bench-engine: build build/bench-venv/.ready ## Measure the engine, with peers; figures in out/bench/engine.jsonl
 	@$(SOURCED) benchmarks/engine/run.py --py-trees build/bench-venv/bin/python
 
+chaos: build ## Kill processes of running orders at random moments (BENCH="--kills 200")
+	@$(SOURCED) benchmarks/supervision/chaos.py $(BENCH)
+
 bench-planner: build build/bench-venv/.ready ## Measure the planner beside GTPyhop and Fast Downward, against its targets
 	@$(SOURCED) benchmarks/planner/witness.py --python build/bench-venv/bin/python
 	@$(SOURCED) benchmarks/planner/panels.py --gtpyhop build/bench-venv/bin/python $(BENCH)
@@ -60,8 +63,9 @@ bench-sim: build build/bench-venv/.ready ## Measure the simulated wire against t
 	@$(SOURCED) benchmarks/sim/plots.py out/bench
 	@$(SOURCED) benchmarks/sim/run.py --mujoco build/bench-venv/bin/python
 
-bench-vision: build ## Measure the detection of cables on rendered scenes, against its targets (BENCH=--scenes 50)
+bench-vision: build ## Measure detecting cables and locating components on rendered scenes (BENCH="--scenes 50")
 	@$(SOURCED) benchmarks/vision/run.py $(BENCH)
+	@$(SOURCED) benchmarks/vision/locate.py $(BENCH)
 
 evaluate-abilities: build ## Measure the abilities over seeds, against their targets (BENCH="--seeds 0-99 --jobs 2")
 	@$(SOURCED) benchmarks/sim/evaluate_abilities.py $(BENCH)

@@ -10,9 +10,9 @@ from panels import wire
 from row import Row
 
 from remodel_sim.core.cable import Piece, chain
+from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.cable import Cable
 from remodel_sim.physics.panel_scene import add_plate_surface
-from remodel_sim.physics.plant import PARKED
 from remodel_sim.physics.robot import Robot
 from remodel_sim.physics.world import World
 
@@ -37,7 +37,7 @@ def real_time_factor(rate_hz: float) -> float:
     """Return simulated time over the CPU time of the one thread that computes it."""
     world = World(rate_hz)
     add_plate_surface(world)
-    Robot(world, PARKED)
+    Robot(world, read_cell().robots[0].home)
     specimen = wire("W", ("X", "1"), ("Y", "1"), LENGTH_M, diameter=0.004)
     cell = LENGTH_M / CELLS
     model = chain(specimen, [Piece(cell, cell)] * CELLS, world.time_step)

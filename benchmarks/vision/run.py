@@ -1,5 +1,4 @@
 #!/usr/bin/env python3
-# ruff: noqa: T201 - a benchmark prints
 """Measure the detection of cables on rendered scenes, against its targets.
 
 A pixel is 1 mm on the table. Prints a table and writes lines of JSON to out/bench/vision.jsonl.
@@ -11,22 +10,20 @@ from __future__ import annotations
 
 import argparse
 import itertools
-import json
 import math
 import multiprocessing
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from row import Row, start, tell
 from scenes import Kind, make_scene
 from scoring import Score, score
 
 from remodel_sim.core.vision.cables import detect_cables
 
-OUT = Path(__file__).parents[2] / "out" / "bench" / "vision.jsonl"
 COUNTS = (1, 2, 3, 4, 5)
 # What is made worse, one at a time, and by how much.
 SWEEP: dict[str, dict[str, float]] = {
@@ -44,26 +41,6 @@ SWEEP: dict[str, dict[str, float]] = {
     "lit from one side": {"falloff": 1.0},
 }
 CLUTTER = (2, 5)
-
-
-@dataclass(frozen=True)
-class Row:
-    """A figure, and what it is to be at least or at most; neither for a figure to know."""
-
-    what: str
-    value: float
-    unit: str = ""
-    at_least: float | None = None
-    at_most: float | None = None
-
-    @property
-    def verdict(self) -> str:
-        """Whether the target is met."""
-        if self.at_least is None and self.at_most is None:
-            return ""
-        low = self.at_least is None or self.value >= self.at_least
-        high = self.at_most is None or self.value <= self.at_most
-        return "met" if low and high else "MISSED"
 
 
 @dataclass(frozen=True)
@@ -148,15 +125,6 @@ def _time(work: Callable[[], object]) -> float:
     return time.perf_counter() - start
 
 
-def tell(row: Row) -> None:
-    """Print a line of the table and add a line to the file."""
-    target = f">= {row.at_least:g}" if row.at_least is not None else ""
-    target = f"<= {row.at_most:g}" if row.at_most is not None else target
-    print(f"{row.what:<62}{row.value:>9.3f} {row.unit:<3} {target:>9} {row.verdict}", flush=True)
-    with OUT.open("a", encoding="utf-8") as lines:
-        lines.write(json.dumps(asdict(row)) + "\n")
-
-
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -164,8 +132,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=5000, help="of the first scene")
     parser.add_argument("--processes", type=int, default=2)
     options = parser.parse_args()
-    OUT.parent.mkdir(parents=True, exist_ok=True)
-    OUT.unlink(missing_ok=True)
+    start()
     first, few = options.seed, max(5, options.scenes // 5)
     for row in times(first, 30):
         tell(row)

@@ -16,20 +16,23 @@ bool OneArmSearch::construct() {
   int least = std::numeric_limits<int>::max();
   std::vector<int> chosen;
   for (int tool : tools)
-    for (int surcharge : {0, p_.t.heavy_weight, 10 * p_.t.heavy_weight}) {
-      std::vector<int> order = greedy(tool, surcharge);
-      const int cost = cost_of(order.data());
-      if (cost < least) {
-        least = cost;
-        chosen.swap(order);
+    for (int surcharge : {0, p_.t.heavy_weight, 10 * p_.t.heavy_weight})
+      for (int by_rank = 0; by_rank <= !p_.rankings.empty(); ++by_rank) {
+        std::vector<int> order = greedy(tool, surcharge, by_rank);
+        const int cost = cost_of(order.data());
+        if (cost < least) {
+          least = cost;
+          chosen.swap(order);
+        }
       }
-    }
   return adopt(chosen.data(), nullptr);
 }
 
 // Always the cheapest wire that may come next; the first one, if possible, with a given tool.
-std::vector<int> OneArmSearch::greedy(int first_tool, int light_surcharge) const {
-  std::vector<int> order, ready, waiting(n_);
+std::vector<int> OneArmSearch::greedy(int first_tool, int light_surcharge, bool by_rank) const {
+  std::vector<int> order, ready, waiting(n_), delays(n_);
+  if (by_rank)
+    for (const Ranking& ranking : p_.rankings) ranking.add_delays(delays);
   order.reserve(n_);
   for (int wire = 0; wire < n_; ++wire) {
     waiting[wire] = static_cast<int>(p_.before[wire].size());
@@ -42,7 +45,7 @@ std::vector<int> OneArmSearch::greedy(int first_tool, int light_surcharge) const
     int least = std::numeric_limits<int>::max();
     for (std::size_t i = 0; i < ready.size(); ++i) {
       const int wire = ready[i];
-      int cost = arcs_.cost(last, wire);
+      int cost = arcs_.cost(last, wire) + delays[wire];
       if (!light && !p_.t.heavy[wire]) cost += light_surcharge;
       if (static_cast<int>(order.size()) == p_.t.openings && p_.t.tool[wire] != first_tool)
         cost += 1 << 24;
@@ -58,6 +61,8 @@ std::vector<int> OneArmSearch::greedy(int first_tool, int light_surcharge) const
     ready.pop_back();
     light = light || !p_.t.heavy[wire];
     order.push_back(wire);
+    if (by_rank)
+      for (const Ranking& ranking : p_.rankings) ranking.take_off_delays(wire, delays);
     for (int next : p_.after[wire])
       if (!--waiting[next]) ready.push_back(next);
   }
@@ -90,6 +95,9 @@ void OneArmSearch::reset(const std::vector<int>& sequence) {
     position_[sequence_[i]] = i;
     if (!p_.t.light_started && !p_.t.heavy[sequence_[i]]) first_light_ = i;
   }
+  ranked_.assign(p_.rankings.size(), std::vector<int>(n_ + 2, -1));
+  for (std::size_t k = 0; k < ranked_.size(); ++k)
+    for (int i = 1; i <= n_; ++i) ranked_[k][i] = p_.rankings[k].of(sequence_[i]);
   cost_ = cost_of(sequence_.data() + 1);
 }
 
@@ -106,6 +114,15 @@ int OneArmSearch::cost_of(const int* order) const {
     for (const Wish& wish : p_.wished_before[wire])
       if (!picked[wish.wire]) cost += wish.weight;
     last = wire;
+  }
+  for (const Ranking& ranking : p_.rankings) {
+    RankCounter picked_before(ranking.ranks());
+    for (int i = 0; i < n_; ++i) {
+      const int rank = ranking.of(order[i]);
+      if (rank < 0) continue;
+      cost += ranking.weight() * picked_before.above(rank);
+      picked_before.add(rank);
+    }
   }
   return cost + arcs_.cost(last, n_);
 }
@@ -180,6 +197,7 @@ int OneArmSearch::change(const Exchange& move) const {
   int loss = arcs_.cost(a, d) + arcs_.cost(e, b) + arcs_.cost(c, f) - arcs_.cost(a, b) -
              arcs_.cost(c, d) - arcs_.cost(e, f);
   if (p_.t.softs) loss += change_of_wishes(move);
+  if (p_.t.rankings) loss += change_of_rankings(move);
   if (first_light_ >= move.left)
     loss -= p_.t.heavy_weight * (first_light_after(move) - first_light_);
   return loss;
@@ -202,6 +220,23 @@ int OneArmSearch::change_of_wishes(const Exchange& move) const {
   return left_shorter ? loss : -loss;
 }
 
+int OneArmSearch::change_of_rankings(const Exchange& move) const {
+  const bool left_shorter = move.middle - move.left < move.right - move.middle;
+  const int from = left_shorter ? move.left : move.middle + 1;
+  const int to = left_shorter ? move.middle : move.right;
+  const int low = left_shorter ? move.middle + 1 : move.left;
+  const int high = left_shorter ? move.right : move.middle;
+  int loss = 0;
+  for (std::size_t k = 0; k < ranked_.size(); ++k) {
+    const int* ranks = ranked_[k].data();
+    int pairs = 0;
+    for (int i = from; i <= to; ++i)
+      if (ranks[i] >= 0) pairs += balance(ranks + low, high - low + 1, ranks[i]);
+    loss += p_.rankings[k].weight() * pairs;
+  }
+  return left_shorter ? loss : -loss;
+}
+
 // The first light wire's place after a move that does not lie behind it.
 int OneArmSearch::first_light_after(const Exchange& move) const {
   int place = move.left;
@@ -217,6 +252,9 @@ void OneArmSearch::make(const Exchange& move) {
   std::rotate(sequence_.begin() + move.left, sequence_.begin() + move.middle + 1,
               sequence_.begin() + move.right + 1);
   for (int i = move.left; i <= move.right; ++i) position_[sequence_[i]] = i;
+  for (std::vector<int>& ranks : ranked_)
+    std::rotate(ranks.begin() + move.left, ranks.begin() + move.middle + 1,
+                ranks.begin() + move.right + 1);
 }
 
 }  // namespace remodel

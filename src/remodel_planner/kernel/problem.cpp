@@ -28,6 +28,8 @@ Problem::Problem(const WiringTables& tables)
     wished_before[row[1]].push_back({row[0], row[2]});
     wished_after[row[0]].push_back({row[1], row[2]});
   }
+  for (int i = 0; i < t.rankings; ++i)
+    rankings.emplace_back(t.rank + static_cast<std::ptrdiff_t>(i) * t.wires, t.wires, t.rank_weight[i]);
   for (int wire = 0; wire < t.wires; ++wire)
     for (int end = 0; end < 2; ++end) ends_at[component(wire, end)].push_back({wire, end});
   if (t.arms > 1) find_shared_ducts();

@@ -9,6 +9,8 @@
 #include <cstdlib>
 #include <vector>
 
+#include "ranking.hpp"
+
 namespace remodel {
 
 enum Stage : std::int32_t { kStored, kHeld, kFirstIn, kHalf, kGiven, kRouted, kSecondIn };
@@ -25,7 +27,7 @@ extern "C" {
 
 // Must agree, field by field, with WiringTables in edge/search_kernel.py.
 struct WiringTables {
-  std::int32_t wires, components, segments, arms, unders, pins, softs, openings;
+  std::int32_t wires, components, segments, arms, unders, pins, softs, rankings, openings;
   std::int32_t speed;                                                // [mm/tick]
   std::int32_t locate, change_tool, extract, hand_over;              // [tick]
   std::int32_t colour_weight, zone_weight, start_weight, tool_weight, heavy_weight, arm_weight;
@@ -52,6 +54,8 @@ struct WiringTables {
   const std::int32_t* under;             // (unders, 2) before, after
   const std::int32_t* pin;               // (pins, 4) before, its end, after, its end
   const std::int32_t* soft;              // (softs, 3) before, after, weight
+  const std::int32_t* rank;              // (rankings, wires) or -1
+  const std::int32_t* rank_weight;       // (rankings)
   const std::int32_t* opening;           // (openings) wires that come first, in this order
   const std::int32_t* located;           // (components) 0 or 1
   const std::int32_t* arm_position;      // (arms, 2) [mm]
@@ -104,6 +108,7 @@ class Problem {
   std::vector<std::vector<Wish>> wished_before;   // wires whose pick should come before
   std::vector<std::vector<Wish>> wished_after;    // wires whose pick should come after
   std::vector<std::vector<End>> ends_at;          // by component
+  std::vector<Ranking> rankings;
 
  private:
   void find_shared_ducts();

@@ -7,6 +7,27 @@ namespace {
 constexpr int kNever = std::numeric_limits<int>::max();
 }
 
+int broken_across_blocks(const Problem& p, const WireList& list) {
+  if (list.order.empty() || list.block[list.order.back()] == 0) return 0;
+  int cost = 0;
+  for (int i = 0; i < p.t.softs; ++i) {
+    const int* row = p.t.soft + 3 * i;
+    if (list.block[row[0]] > list.block[row[1]]) cost += row[2];
+  }
+  for (const Ranking& ranking : p.rankings) {
+    RankCounter before(ranking.ranks());
+    int pairs = 0;
+    for (std::size_t i = 0, from = 0; i < list.order.size(); ++i) {
+      const int wire = list.order[i];
+      for (; list.block[list.order[from]] < list.block[wire]; ++from)
+        if (ranking.of(list.order[from]) >= 0) before.add(ranking.of(list.order[from]));
+      if (ranking.of(wire) >= 0) pairs += before.above(ranking.of(wire));
+    }
+    cost += ranking.weight() * pairs;
+  }
+  return cost;
+}
+
 Simulator::Simulator(const Problem& problem)
     : p_(problem),
       wire_stamp_(problem.t.wires),
@@ -14,7 +35,8 @@ Simulator::Simulator(const Problem& problem)
       inserted_at_(2 * problem.t.wires),
       picked_(problem.t.wires),
       located_at_(problem.t.components),
-      located_stamp_(problem.t.components) {}
+      located_stamp_(problem.t.components),
+      picked_ranks_(problem.rankings.size()) {}
 
 Entry Simulator::start() const {
   Entry entry{};
@@ -37,6 +59,7 @@ bool Simulator::run(const WireList& list, int block, int from, int to, Entry& en
   entry_.carried = -1;
   cost_ = BlockCost{};
   handed_over_ = false;
+  for (std::vector<int>& ranks : picked_ranks_) ranks.clear();
   record_ = record;
   clock_ = clock;
   enqueue(list, from, to, entry.carried);
@@ -353,6 +376,14 @@ void Simulator::count_pick(int wire, int index) {
   picked_[wire] = 1;
   for (const Wish& wish : p_.wished_before[wire])
     if (list_->block[wish.wire] == block_ && !picked_[wish.wire]) cost_.penalty += wish.weight;
+  for (std::size_t k = 0; k < picked_ranks_.size(); ++k) {
+    const int rank = p_.rankings[k].of(wire);
+    if (rank < 0) continue;
+    std::vector<int>& picked = picked_ranks_[k];
+    const auto broken = std::count_if(picked.begin(), picked.end(), [rank](int r) { return r > rank; });
+    cost_.penalty += p_.rankings[k].weight() * static_cast<int>(broken);
+    picked.push_back(rank);
+  }
 }
 
 }  // namespace remodel

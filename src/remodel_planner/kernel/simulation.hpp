@@ -59,6 +59,9 @@ struct WireList {
   }
 };
 
+// What a list costs for wishes and ranks between wires of different blocks.
+int broken_across_blocks(const Problem& problem, const WireList& list);
+
 class Simulator {
  public:
   explicit Simulator(const Problem& problem);
@@ -117,6 +120,7 @@ class Simulator {
   // Times within this block, valid where the stamp is the number of this run.
   int run_ = 0;
   std::vector<int> wire_stamp_, routed_at_, inserted_at_, picked_, located_at_, located_stamp_;
+  std::vector<std::vector<int>> picked_ranks_;   // of this block, for each ranking
 };
 
 }  // namespace remodel

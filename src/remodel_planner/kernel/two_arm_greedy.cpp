@@ -19,9 +19,12 @@ struct Choice {
 
 class Builder {
  public:
-  Builder(const Problem& problem, int light_surcharge)
-      : p_(problem), light_surcharge_(light_surcharge), light_(problem.t.light_started),
-        waiting_(problem.t.wires), routed_(problem.t.wires) {
+  Builder(const Problem& problem, int light_surcharge, bool by_rank)
+      : p_(problem), light_surcharge_(light_surcharge), by_rank_(by_rank),
+        light_(problem.t.light_started), waiting_(problem.t.wires), routed_(problem.t.wires),
+        delays_(problem.t.wires) {
+    if (by_rank_)
+      for (const Ranking& ranking : p_.rankings) ranking.add_delays(delays_);
     for (int arm = 0; arm < 2; ++arm)
       arms_[arm] = {p_.start(arm), 0, p_.t.arm_tool[arm], p_.t.arm_colour[arm], p_.t.arm_zone[arm]};
     for (int wire = 0; wire < p_.t.wires; ++wire) {
@@ -108,7 +111,7 @@ class Builder {
 
   int penalty(int arm, int wire) const {
     const ArmClock& a = arms_[arm];
-    int cost = 0;
+    int cost = delays_[wire];
     if (a.colour >= 0)
       cost += p_.t.colour_weight * (a.colour != p_.t.colour[wire]) +
               p_.t.zone_weight * std::max(0, a.zone - p_.t.zone[wire]);
@@ -128,6 +131,8 @@ class Builder {
     plan_.modes.push_back(choice.mode);
     routed_[wire] = choice.routed;
     light_ = light_ || !p_.t.heavy[wire];
+    if (by_rank_)
+      for (const Ranking& ranking : p_.rankings) ranking.take_off_delays(wire, delays_);
     arms_[arm].colour = p_.t.colour[wire];
     arms_[arm].zone = p_.t.zone[wire];
     ArmClock& finisher = arms_[Mode::hands_over(choice.mode) ? 1 - arm : arm];
@@ -142,16 +147,17 @@ class Builder {
 
   const Problem& p_;
   const int light_surcharge_;
+  const bool by_rank_;
   bool light_;
   ArmClock arms_[2];
-  std::vector<int> ready_, waiting_, routed_;
+  std::vector<int> ready_, waiting_, routed_, delays_;
   ListPlan plan_;
 };
 
 }  // namespace
 
-ListPlan greedy_list(const Problem& problem, int light_surcharge) {
-  return Builder(problem, light_surcharge).build();
+ListPlan greedy_list(const Problem& problem, int light_surcharge, bool by_rank) {
+  return Builder(problem, light_surcharge, by_rank).build();
 }
 
 }  // namespace remodel

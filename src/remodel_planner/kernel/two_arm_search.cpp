@@ -16,16 +16,17 @@ TwoArmSearch::TwoArmSearch(const Problem& problem, std::uint64_t seed)
 bool TwoArmSearch::construct() {
   std::vector<int> order, modes;
   int least = std::numeric_limits<int>::max();
-  for (int surcharge : {0, 2 * p_.t.heavy_weight, 20 * p_.t.heavy_weight}) {
-    const ListPlan plan = greedy_list(p_, surcharge);
-    std::vector<int> by_wire(n_);
-    for (std::size_t i = 0; i < plan.order.size(); ++i) by_wire[plan.order[i]] = plan.modes[i];
-    if (adopt(plan.order.data(), by_wire.data()) && cost_ < least) {
-      least = cost_;
-      order = plan.order;
-      modes = by_wire;
+  for (int surcharge : {0, 2 * p_.t.heavy_weight, 20 * p_.t.heavy_weight})
+    for (int by_rank = 0; by_rank <= !p_.rankings.empty(); ++by_rank) {
+      const ListPlan plan = greedy_list(p_, surcharge, by_rank);
+      std::vector<int> by_wire(n_);
+      for (std::size_t i = 0; i < plan.order.size(); ++i) by_wire[plan.order[i]] = plan.modes[i];
+      if (adopt(plan.order.data(), by_wire.data()) && cost_ < least) {
+        least = cost_;
+        order = plan.order;
+        modes = by_wire;
+      }
     }
-  }
   return least < std::numeric_limits<int>::max() && adopt(order.data(), modes.data());
 }
 
@@ -63,7 +64,7 @@ bool TwoArmSearch::evaluate_all() {
   renumber(0, n_ - 1);
   replaced_.clear();
   cost_ = 0;
-  wishes_ = broken_wishes_across_blocks();
+  wishes_ = broken_across_blocks(p_, list_);
   if (!simulate_marked(0)) return false;
   cost_ += wishes_;
   return true;
@@ -113,15 +114,6 @@ bool TwoArmSearch::simulate_marked(int from) {
   }
   marked_to_ = -1;
   return true;
-}
-
-int TwoArmSearch::broken_wishes_across_blocks() const {
-  int cost = 0;
-  for (int i = 0; i < p_.t.softs; ++i) {
-    const int* row = p_.t.soft + 3 * i;
-    if (list_.block[row[0]] > list_.block[row[1]]) cost += row[2];
-  }
-  return cost;
 }
 
 // The block in which a component is needed, and thus located, first.
@@ -275,7 +267,7 @@ bool TwoArmSearch::try_move(const Move& move, double allowance) {
   renumber(move.left, move.right);
   replaced_.clear();
   if (mark_touched(part, low, high)) {
-    wishes_ = broken_wishes_across_blocks();
+    wishes_ = broken_across_blocks(p_, list_);
     cost_ += wishes_ - old_wishes;
   }
   if (simulate_marked(low) && cost_ - old_cost <= allowance) return true;

@@ -63,7 +63,6 @@ class TwoArmSearch final : public Search {
   void renumber(int left, int right);
   bool evaluate_all();
   bool simulate_marked(int from);
-  int broken_wishes_across_blocks() const;
   int first_block(int component) const;
   void mark(int block);
 

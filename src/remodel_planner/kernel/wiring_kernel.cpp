@@ -51,10 +51,7 @@ std::int32_t remodel_decode(const Problem* problem, const std::int32_t* order,
     cost[1] += part.penalty;
     from = to;
   }
-  for (int i = 0; i < problem->t.softs; ++i) {
-    const std::int32_t* row = problem->t.soft + 3 * i;
-    if (list.block[row[0]] > list.block[row[1]]) cost[1] += row[2];
-  }
+  cost[1] += remodel::broken_across_blocks(*problem, list);
   const int count = static_cast<int>(record.size());
   std::copy(record.begin(), record.begin() + std::min(count, capacity), actions);
   return count;

@@ -3,11 +3,15 @@
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
 import pytest
 from sqlalchemy import create_engine, text
+
+# What several tests share is imported by its name.
+sys.path.insert(0, str(Path(__file__).parent))
 
 PROGRAMS = Path("/usr/lib/postgresql")
 

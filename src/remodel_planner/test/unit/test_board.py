@@ -1,4 +1,4 @@
-"""Boards: cabinets with rows and ducts, formboards, drawings, and the planning problems of both."""
+"""Boards: cabinets with rows and ducts, formboards, and the drawings of both."""
 
 import math
 from collections import Counter
@@ -12,11 +12,9 @@ from remodel_planner.core.board.board import board_of, way_length
 from remodel_planner.core.board.cabinet import CabinetRules, laid_out
 from remodel_planner.core.board.drawing import draw_board
 from remodel_planner.core.board.duct_graph import DuctGraph
-from remodel_planner.core.board.formboard import flattened
+from remodel_planner.core.board.formboard import flattened, limbs
 from remodel_planner.core.imports.kbl import import_kbl
 from remodel_planner.core.imports.qet import import_qet
-from remodel_planner.core.order_problem import order_instance, order_problem
-from remodel_planner.core.planning.defects import require_sound
 from remodel_planner.core.production import (
     Component,
     Mount,
@@ -30,7 +28,6 @@ from remodel_planner.core.production import (
     Wire,
 )
 from remodel_planner.edge.catalogue_file import read_catalogue
-from remodel_planner.errors import OrderError
 
 CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
 EXAMPLES = Path("/usr/share/qelectrotech/examples")
@@ -144,11 +141,9 @@ def test_wires_that_lead_away_have_no_route_and_what_is_outside_no_place():
     assert [c.pose is None for c in laid.components] == [False, False, True]
 
 
-def test_an_order_whose_wires_all_lead_away_has_no_layout_and_no_problem():
+def test_an_order_whose_wires_all_lead_away_has_no_layout():
     away = order(("Q1:B1", "M1:T1"), field=("M1",))
     assert laid_out(away) is away
-    with pytest.raises(OrderError, match="no wire with both ends on the plate: all 1 lead away"):
-        order_problem(away)
 
 
 def test_points_off_the_ducts_and_ducts_apart_are_told():
@@ -176,6 +171,23 @@ def test_a_formboard_keeps_the_lengths_of_a_tree():
 def test_a_ring_of_segments_is_cut_open():
     ring = [Segment(str(i), "ABC"[i], "BCA"[i], 1.0) for i in range(3)]
     assert set(flattened("ABC", ring)) == set("ABC")
+
+
+def test_every_segment_of_a_tree_is_in_one_limb_and_the_trunk_is_the_longest_way():
+    segments = [
+        *(Segment("1", "A", "B", 0.4), Segment("2", "B", "C", 0.3), Segment("3", "B", "D", 0.2)),
+        *(Segment("4", "D", "E", 0.1), Segment("5", "D", "F", 0.05), Segment("6", "X", "Y", 0.5)),
+    ]
+    found = limbs("ABCDEFXYZ", segments)
+    steps = sorted(tuple(sorted(pair)) for limb in found for pair in pairwise(limb.nodes))
+    assert steps == sorted((segment.start, segment.end) for segment in segments)
+    assert {limb.nodes[0] + limb.nodes[-1] for limb in found if limb.parent is None} <= {
+        *("AC", "CA", "AE", "EA", "XY", "YX")
+    }
+    for limb in found:
+        if limb.parent is not None:
+            assert limb.nodes[0] in found[limb.parent].nodes
+            assert limb.level == found[limb.parent].level + 1
 
 
 def test_a_harness_lies_on_a_formboard_with_its_clips():
@@ -216,50 +228,3 @@ def test_a_drawing_shows_every_device_and_every_wire(order_of):
         x, y = map(float, pair.split(","))
         assert 0 <= x <= width
         assert 0 <= y <= height
-
-
-@pytest.mark.parametrize("arms", [1, 2])
-@pytest.mark.parametrize("name", NAMES)
-def test_every_project_is_a_sound_planning_problem(name, arms):
-    problem = order_problem(project(name), arms)
-    require_sound(problem)
-    assert len(problem.wires) == len(project(name).in_cabinet().wires)
-    assert len(problem.arms) == arms
-    terminals = [terminal.position_mm for terminal in problem.terminals]
-    assert min(x for x, _ in terminals) >= 0
-    assert min(y for _, y in terminals) >= 0
-
-
-def test_a_harness_is_a_sound_planning_problem():
-    problem = order_problem(loom())
-    require_sound(problem)
-    by_name = {wire.name: wire for wire in problem.wires}
-    assert by_name["11"].segments == ("S1", "S2")
-    assert by_name["11"].handover is not None
-
-
-def test_ticks_tools_and_zones_follow_from_lengths_sections_and_places():
-    instance = order_instance(order(("Q1:B1", "Q2:T1"), ("Q1:B2", "Q2:T2")), arms=1)
-    first = instance["wires"][0]
-    assert (first["tool"], first["heavy"], first["insert"]) == ("G2", True, 50)
-    assert first["route"] == math.ceil(instance_length(instance, first) / 10) + 5 * 4
-    assert instance["arms"][0]["reach"][0] < 0
-    assert "prefer_arm" not in first
-
-
-def instance_length(instance, row):
-    """Return the way [mm] around the left side: up to both ducts, and along both and between."""
-    spots = {terminal["id"]: (terminal["x"], terminal["y"]) for terminal in instance["terminals"]}
-    (ax, ay), (bx, by) = spots[row["a"]], spots[row["b"]]
-    return ax + bx + RULES.row_pitch * 1000 + 2 * (RULES.row_pitch * 1000 - abs(ay - by)) / 2
-
-
-def test_terminals_whose_names_read_the_same_stay_apart():
-    refs = (TerminalRef("A:1", "2"), TerminalRef("A", "1:2"))
-    components = tuple(
-        Component(ref.component, "", (Terminal(ref.terminal, Side.TOP),)) for ref in refs
-    )
-    wires = (Wire("W1", *refs, "", 7.0, "test"),)
-    instance = order_instance(Order("test", "", "", components, wires))
-    assert [terminal["id"] for terminal in instance["terminals"]] == ["A:1:2", "A:1:2#2"]
-    assert (instance["wires"][0]["tool"], instance["wires"][0]["colour"]) == ("G3", "none")

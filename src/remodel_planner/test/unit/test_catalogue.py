@@ -41,6 +41,11 @@ def test_without_a_pattern_an_element_is_mounted_on_the_plate():
         (data(placement=[{"pattern": "*", "place": "moon"}]), "'moon' is not a valid Place"),
         (data(wires={1.5: {"diameter": 0.003}}), "wires: KeyError"),
         (data(wires={"thick": {}}), "could not convert string to float"),
+        (data(terminals=[]), "terminals: .*no rule with part '\\*' for role device"),
+        (
+            data(terminals=[{"role": "device", "part": "*", "force_limit": 0, "clearance": 0}]),
+            "terminals: .*force_limit 0, clearance 0: the one must be above 0",
+        ),
         (data(default_section="wide"), "colours and defaults: ValueError"),
     ],
 )

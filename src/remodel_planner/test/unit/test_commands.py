@@ -6,10 +6,22 @@ from pathlib import Path
 
 import pytest
 
-from remodel_planner.commands import check, draw, explain, import_design, layout, plan, run_order
+from remodel_planner.commands import (
+    charts,
+    check,
+    draw,
+    explain,
+    export,
+    import_design,
+    layout,
+    plan,
+    run_order,
+    tasks,
+)
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.errors import OrderError
 
+DESIGNS = Path(__file__).parent / "designs"
 DESIGN = Path("/usr/share/qelectrotech/examples/tableau_domestique.qet")
 
 
@@ -86,14 +98,13 @@ def test_a_file_that_is_larger_than_any_design_is_refused(tmp_path, database, ca
     assert f"{file}: is larger than 0 MB" in refused_import(file, database, capsys)
 
 
-def test_an_order_is_drawn_with_its_planning_problem(tmp_path, database, capsys):
+def test_the_board_of_an_order_is_drawn(tmp_path, database, capsys):
     import_design.main([str(DESIGN), "--order", "house", "--database", database])
-    drawing, instance = tmp_path / "house.svg", tmp_path / "house.json"
+    drawing = tmp_path / "house.svg"
     arguments = ["house", "--output", str(drawing), "--database", database]
-    assert layout.main([*arguments, "--instance", str(instance)]) == 0
+    assert layout.main(arguments) == 0
     assert "58 wires" in capsys.readouterr().out
     assert drawing.read_text().startswith("<svg")
-    assert len(json.loads(instance.read_text())["wires"]) == 58
     assert layout.main(["hosue", *arguments[1:]]) == 1
     assert "layout: the database has no order hosue; it has: house" in capsys.readouterr().err
 
@@ -118,6 +129,43 @@ def test_an_order_is_planned_checked_explained_and_drawn(tmp_path, database, cap
     wishes.write_text("format: remodel-preferences-1\nprefer: [{pick: W77777, before: W1}]\n")
     assert plan.main([*stored, "--output", made, "--preferences", str(wishes)]) == 1
     assert f"{wishes}: " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["loom.kbl", "harness.yml", "eplan.csv"])
+def test_every_imported_order_is_worked_with_by_every_command(name, tmp_path, database, capsys):
+    stored = ["--order", "mine", "--database", database]
+    assert import_design.main([str(DESIGNS / name), *stored]) == 0
+    made, folder = str(tmp_path / "plan.json"), tmp_path / "out"
+    for arms in ("1", "2"):
+        options = [*stored, "--arms", arms]
+        assert plan.main([*options, "--output", made, "--time-limit", "0.05"]) == 0
+        assert check.main([made, *options]) == 0
+        assert explain.main([made, *options]) == 0
+        assert draw.main([made, *options, "--output", str(tmp_path / "plan.svg")]) == 0
+        assert tasks.main(options) == 0
+        assert charts.main([*options, made, "--output", str(folder)]) == 0
+        numeric = ["--format", "planbench", "--output", str(folder)]
+        assert export.main([*options, made, *numeric]) == 0
+        capsys.readouterr()
+        assert check.main([str(folder / "problem.json"), str(folder / "plan.json")]) == 0
+        assert json.loads(capsys.readouterr().out)["valid"]
+        refused = 0 if arms == "1" else 3
+        assert export.main([*options, "--format", "pddl", "--output", str(folder)]) == refused
+    written = list(folder.glob("*.xml"))
+    assert len(written) == len(json.loads((folder / "problem.json").read_text())["wires"])
+
+
+def test_the_use_case_of_an_order_is_chosen_and_refused_by_name(tmp_path, database, capsys):
+    stored = ["--order", "mine", "--database", database]
+    import_design.main([str(DESIGNS / "loom.kbl"), *stored])
+    assert tasks.main([*stored, "--use-case", "cabinet"]) == 0
+    assert "Insert a" in capsys.readouterr().out
+    assert tasks.main([*stored, "--use-case", "medical_hoses"]) == 1
+    assert "tasks: order mine: use case medical_hoses takes no" in capsys.readouterr().err
+    assert tasks.main([*stored, "--use-case", "hosen"]) == 1
+    assert "no use case hosen; there are automotive_formboard, " in capsys.readouterr().err
+    assert tasks.main([str(DESIGNS / "loom.kbl"), "--use-case", "cabinet"]) == 1
+    assert "--use-case is for --order NAME" in capsys.readouterr().err
 
 
 def test_a_missing_file_is_named(tmp_path, database, capsys):

@@ -8,10 +8,11 @@ from alembic.script import ScriptDirectory
 from sqlalchemy import create_engine, inspect, text
 
 from remodel_planner.core.production import Component, Side, Terminal, TerminalRef, Wire
-from remodel_planner.core.run import Execution
+from remodel_planner.core.supervision.events import RunBegun
 from remodel_planner.edge import database_versions
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.production_models import Base
+from remodel_planner.edge.run_log import RunLog
 from remodel_planner.errors import OrderError
 
 # What databases were before they had versions.
@@ -106,17 +107,14 @@ def test_an_unversioned_database_keeps_its_orders_and_records(url):
     )
     assert (order.title, order.source, order.notes) == ("A house", "house.qet", ("a guess",))
     states = execute(url, "SELECT w.name, t.state FROM tasks t JOIN wires w ON w.id = t.wire_id")
-    assert sorted(states) == [("W1", "placed"), ("W2", "open")]
+    assert sorted(states) == [("W1", "done"), ("W2", "open")]
     assert execute(
         url,
         "SELECT w.name, e.attempt, r.ability FROM ability_records r"
         " JOIN executions e ON e.id = r.execution_id JOIN tasks t ON t.id = e.task_id"
         " JOIN wires w ON w.id = t.wire_id",
     ) == [("W1", 2, "InsertCable")]
-    database.add_execution(
-        database.start_run(order),
-        Execution("W2", "Place Wire W2", 1, "finished", True, 1.0, 2.0, ()),
-    )
+    RunLog(database).begin(RunBegun("house", "switchgear", "cell", ("W1", "W2")))
     database.close()
     assert execute(url, "SELECT max(id) FROM runs") == [(41,)]
 
@@ -124,7 +122,7 @@ def test_an_unversioned_database_keeps_its_orders_and_records(url):
 def test_a_database_of_a_newer_program_is_refused_and_left_alone(url):
     open_and_close(url)
     execute(url, "UPDATE alembic_version SET version_num = '0999'")
-    with pytest.raises(OrderError, match=r"is of version 0999; .* knows versions 0001, 0002, 0003"):
+    with pytest.raises(OrderError, match=r"is of version 0999; .* versions 0001, 0002, 0003, 0004"):
         ProductionDatabase(url)
     assert execute(url, "SELECT version_num FROM alembic_version") == [("0999",)]
 

@@ -34,7 +34,10 @@ COSTS = {
 
 
 def problem(wires, seed):
-    return problem_from(random_panel(wires, seed, 1))
+    data = random_panel(wires, seed, 1)
+    names = [wire["id"] for wire in data["wires"]]
+    data["soft_order"] = [{"groups": [names[::2], names[1::2]], "weight": 4}]
+    return problem_from(data)
 
 
 def test_domain_and_problem_parse():

@@ -12,18 +12,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from remodel_planner.core.board.board import board_of
+from remodel_planner.core.board_order import board_order
 from remodel_planner.core.imports.formats import DesignFormat, format_of, import_design
 from remodel_planner.core.imports.kbl_routes import ordered_route
 from remodel_planner.core.imports.wire_list_mapping import mapping_from
-from remodel_planner.core.order_problem import order_problem
-from remodel_planner.core.planning.defects import require_sound
 from remodel_planner.core.production import Segment, TerminalRef
+from remodel_planner.core.use_case.preparation import prepare
 from remodel_planner.edge.catalogue_file import read_catalogue
 from remodel_planner.edge.production_database import ProductionDatabase
+from remodel_planner.edge.use_case_files import find_use_case
 from remodel_planner.errors import DesignError
 
 CONFIG = Path(__file__).parents[2] / "config"
 CATALOGUE = read_catalogue(CONFIG / "catalogue.yaml")
+CABINET = find_use_case("cabinet")
 MAPPINGS = tuple(mapping_from(f.read_text()) for f in sorted((CONFIG / "wire_lists").iterdir()))
 DESIGNS = Path(__file__).parent / "designs"
 QET = Path("/usr/share/qelectrotech/examples/schema_indus.qet")
@@ -72,7 +74,7 @@ def test_a_list_loses_no_line_and_keeps_every_name(rows):
     assert imported.account.connections == len(rows)
     names = {" ".join(component.split()) for row in rows for component, _ in row[:2]}
     assert {component.name for component in imported.order.components} <= names
-    require_sound(order_problem(imported.order))
+    prepare(board_order(board_of(imported.order), CABINET, 2), CABINET)
 
 
 @fixed

@@ -1,5 +1,6 @@
 """Every plan is valid by the checker, and the kernel agrees with the plain reference."""
 
+import json
 import random
 
 import numpy as np
@@ -10,7 +11,7 @@ from hypothesis import strategies as st
 from remodel_planner.core.planning.checker import check
 from remodel_planner.core.planning.decoder import decode
 from remodel_planner.core.planning.defects import require_sound
-from remodel_planner.core.planning.instance import problem_from
+from remodel_planner.core.planning.instance import problem_data, problem_from
 from remodel_planner.core.planning.modes import Mode
 from remodel_planner.core.planning.plan_form import plan_data, plan_from
 from remodel_planner.core.planning.problem import ActionKind, Plan
@@ -33,14 +34,23 @@ def kernel():
     return Kernel()
 
 
+def random_ranking(wires, rng):
+    """Return a wish for an order of some groups of the wires; some wires may have no rank."""
+    groups = [[] for _ in range(rng.randrange(1, 8))]
+    for wire in wires:
+        rng.choice([[], *groups]).append(wire["id"])
+    return {"groups": groups, "weight": rng.randrange(1, 60)}
+
+
 def panel(wires, seed, arms):
-    """Return a random problem; with odd seeds, each wire has durations of its own."""
+    """Return a random problem; with odd seeds, each wire has durations of its own, and ranks."""
     data = random_panel(wires, seed, arms)
     if seed % 2:
         rng = random.Random(seed)
         for wire in data["wires"]:
             inserts = [rng.randrange(90), rng.randrange(90)]
             wire["handling"] = {"pick": rng.randrange(50), "insert": inserts, "fix": 7}
+        data["soft_order"] = [random_ranking(data["wires"], rng) for _ in range(rng.randrange(3))]
     problem = problem_from(data)
     require_sound(problem)
     return problem
@@ -187,3 +197,13 @@ def test_plan_of_nothing_is_empty(kernel):
     planned = AnytimePlanner(kernel, tables).improved(Limits(0.01)).planned
     assert planned.plan == Plan(tables.problem.name, ())
     assert planned.cost == 0
+
+
+@PANELS
+@given(sizes, seeds, arm_counts)
+def test_a_problem_comes_back_equal_from_its_document(wires, seed, arms):
+    kernel = Kernel()
+    problem = panel(wires, seed, arms)
+    planned = AnytimePlanner(kernel, tables_of(problem)).first()
+    for found in (problem, residual(planned, seed)):
+        assert problem_from(json.loads(json.dumps(problem_data(found)))) == found

@@ -117,11 +117,38 @@ def test_wires_are_put_in_the_order_of_a_value(problem):
     """
     bound = preferred(problem, text).problem
     zone = {name: problem.wire[name].zone for name in ("w0", "w1", "w2")}
-    added = {(w.before, w.after) for w in bound.wishes if w.reason == "right first"}
+    (ranking,) = bound.rankings
+    assert (ranking.weight, ranking.reason) == (2, "right first")
+    added = {(w.before, w.after) for w in ranking.wishes()}
     assert added == {(a, b) for a in zone for b in zone if zone[a] > zone[b]}
     thick = {w.name for w in problem.wires if w.heavy}
     under = {(u.before, u.after) for u in bound.unders if u.reason == "thick first"}
     assert under == {(a, b) for a in thick for b in problem.wire if b not in thick}
+
+
+def test_a_ranking_costs_what_a_wish_for_each_of_its_pairs_costs(problem):
+    text = """
+        prefer:
+          - {name: left first, pick: all, in_order_of: zone, from: least, weight: 7}
+          - {name: by name of colour, pick: all, in_order_of: colour, from: greatest, weight: 3}
+    """
+    ranked = preferred(problem, text).problem
+    pairs = tuple(wish for ranking in ranked.rankings for wish in ranking.wishes())
+    assert len(pairs) == sum(ranking.pairs for ranking in ranked.rankings)
+    listed = replace(ranked, rankings=(), wishes=(*ranked.wishes, *pairs))
+    for found in (planned(problem), planned(ranked)):
+        costs = [check(p, found.plan).cost for p in (ranked, listed)]
+        assert costs[0] == costs[1]
+        broken = [broken_wishes(p, found.plan) for p in (ranked, listed)]
+        assert {(b.wish, b.places) for b in broken[0]} == {(b.wish, b.places) for b in broken[1]}
+    assert check(ranked, planned(ranked).plan).cost < check(ranked, planned(problem).plan).cost
+
+
+def test_wishes_that_outweigh_what_costs_can_count_are_refused(problem):
+    text = "prefer: [{name: left, pick: all, in_order_of: zone, from: least, weight: 100000}]"
+    many = problem_from(random_panel(400, 1, 1))
+    with pytest.raises(InstanceError, match=r"wishes: all broken.*left has \d+ pairs of 100000"):
+        require_sound(preferred(many, text).problem)
 
 
 def test_wires_are_chosen_by_characteristics_and_bounds(problem):

@@ -7,7 +7,6 @@ from hypothesis import given
 from remodel_planner.core.recovery.decide import decide
 from remodel_planner.core.recovery.failure import Failure, Spent
 from remodel_planner.core.recovery.fault import Change, Do, Response
-from remodel_planner.core.recovery.history import Recovery
 from remodel_planner.core.recovery.policy import Limits, Policy, policy_from
 from remodel_planner.edge.fault_file import read_faults
 from remodel_planner.errors import UseCaseError
@@ -29,7 +28,8 @@ def answers(name, policy=PLAIN, possible=ATTENDED, spent=LITTLE, **parameters):
     """Return what is done about the same failure again and again, up to something lasting."""
     decisions = []
     while not decisions or not decisions[-1].do.is_lasting:
-        decisions.append(decide(failure(name, **parameters), decisions, spent, policy, possible))
+        earlier = [(name, decision.do) for decision in decisions]
+        decisions.append(decide(failure(name, **parameters), earlier, spent, policy, possible))
     return [decision.do for decision in decisions]
 
 
@@ -61,7 +61,7 @@ def test_responses_come_in_order():
 
 def test_each_fault_is_counted_by_itself():
     first = decide(failure("slipped"), [], LITTLE, Policy())
-    second = decide(failure("grasp_missed"), [first], LITTLE, Policy())
+    second = decide(failure("grasp_missed"), [("slipped", first.do)], LITTLE, Policy())
     assert second.because == "answer 1 of 2 to grasp_missed"
 
 
@@ -116,7 +116,8 @@ def test_no_task_is_tried_for_ever(names, possible, attempts):
     decisions = []
     for count, name in enumerate(names, 1):
         spent = Spent(count, count * 10.0, count, count * 10.0)
-        decisions.append(decide(failure(name), decisions, spent, policy, possible))
+        earlier = [(before.failure.fault.name, before.do) for before in decisions]
+        decisions.append(decide(failure(name), earlier, spent, policy, possible))
         assert decisions[-1].because
         if decisions[-1].do.is_lasting:
             break
@@ -127,7 +128,7 @@ def test_no_task_is_tried_for_ever(names, possible, attempts):
 
 def test_an_answer_to_no_fault_is_refused():
     with pytest.raises(UseCaseError, match=r"recovery\.responses\.slip: there is no such fault"):
-        Recovery(FAULTS, Policy({"slip": (Response(Do.STOP),)}))
+        Policy({"slip": (Response(Do.STOP),)}).require_known(FAULTS)
 
 
 def test_a_use_case_states_its_policy():

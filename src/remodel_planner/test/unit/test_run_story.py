@@ -1,89 +1,173 @@
-"""A recorded run is told cause by cause."""
-
-from datetime import datetime
+"""A recorded run is told cause by cause, and plays back to itself."""
 
 import pytest
+from house import HOUSE
 
-from remodel_planner.commands import explain
-from remodel_planner.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
+from remodel_planner.commands import explain, replay
 from remodel_planner.core.recovery.fault import Do
-from remodel_planner.core.recovery.history import Recovery
-from remodel_planner.core.recovery.policy import Policy
-from remodel_planner.core.run import Execution, Operation
-from remodel_planner.core.run_story import RunRecord, tell
+from remodel_planner.core.run import Operation
+from remodel_planner.core.supervision.events import (
+    Answer,
+    Answered,
+    Asked,
+    AsLeft,
+    Command,
+    Commanded,
+    Decided,
+    Ending,
+    Interrupted,
+    OperationEnded,
+    Part,
+    Planned,
+    RunBegun,
+    RunEnded,
+    Settled,
+    TaskBegun,
+    TaskElsewhere,
+    TaskEnded,
+)
+from remodel_planner.core.supervision.state import state_after
 from remodel_planner.edge.fault_file import read_faults
 from remodel_planner.edge.production_database import ProductionDatabase
+from remodel_planner.edge.run_log import RunLog
 
-ORDER = Order(
-    "house",
-    "",
-    "house.qet",
-    (
-        Component("Q1", "", (Terminal("B1", Side.BOTTOM), Terminal("B2", Side.BOTTOM))),
-        Component("Q2", "", (Terminal("T1", Side.TOP), Terminal("T2", Side.TOP))),
-    ),
-    (
-        Wire("W1", TerminalRef("Q1", "B1"), TerminalRef("Q2", "T1"), "BU", 1.5, "line 1"),
-        Wire("W2", TerminalRef("Q1", "B2"), TerminalRef("Q2", "T2"), "BU", 1.5, "line 2"),
-    ),
-)
 FAULTS = read_faults()
+CHART = """<statemachine name="Place Wire" initial="Insert">
+  <datamodel><outcome name="finished"/><outcome name="failed"/></datamodel>
+  <state id="Insert" type="InsertCableState">
+    <transition event="inserted" target="finished"/>
+    <transition event="failed" target="failed"/>
+  </state>
+</statemachine>"""
 
 
-def execution(wire, attempt, outcome, *codes):
-    operations = tuple(
-        Operation("/Connect a/Insert", "InsertCable", "failed", code, "stuck at 4 mm", 5.0, 1.0)
-        for code in codes
-    )
-    placed = outcome == "finished"
-    return Execution(wire, f"Place Wire {wire}", attempt, outcome, placed, 1.0, 9.5, operations)
+def begun(task, attempt, part=Part.WHOLE):
+    return TaskBegun(task, attempt, part, f"Place Wire {task}", CHART, 1.0)
+
+
+def operation(outcome, code):
+    said = "stuck at 4 mm" if code else "done"
+    return Operation("/Insert", "InsertCable", outcome, code, said, 5.0, 1.0)
+
+
+STORY = (
+    Planned(("W1", "W2"), "the run begins"),
+    begun("W1", 1),
+    OperationEnded("W1", operation("failed", 301)),
+    TaskEnded("W1", "failed", 9.5, False, ("/Insert",)),
+    Decided(
+        "W1",
+        "insertion_jammed",
+        301,
+        "InsertCable",
+        "/Insert",
+        "stuck at 4 mm",
+        Do.ASK_OPERATOR,
+        (),
+        "tried: nothing else fits",
+        "policy",
+        9.5,
+    ),
+    Asked(1, "W1", "W1 failed", (Answer.RETRY, Answer.SKIP)),
+    Answered(1, Answer.RETRY, "ann"),
+    Settled("W1", ("a",), 3),
+    begun("W1", 2, Part.REST),
+    Interrupted("the engine is gone"),
+    begun("W1", 2, Part.CLEAR),
+    OperationEnded("W1", operation("failed", 204)),
+    TaskEnded("W1", "failed", 9.6, False),
+    Settled("W1", ("a", "b"), 0),
+    Commanded(Command.PAUSE, "", "ann"),
+    Commanded(Command.RESUME, "", "ann"),
+    TaskElsewhere("W2", "other", AsLeft.SET_ASIDE),
+    RunEnded(Ending.INCOMPLETE, "set aside: W2"),
+)
 
 
 @pytest.fixture
 def url(tmp_path):
-    url = f"sqlite:///{tmp_path}/production.sqlite"
-    database = ProductionDatabase(url)
-    database.add_order(ORDER)
-    run = database.start_run(ORDER)
-    recovery = Recovery(FAULTS, Policy())
-    jammed = execution("W1", 1, "failed", 301)
-    decision = recovery.decide(jammed, {Do.NEW_PART, Do.SET_ASIDE})
-    database.add_execution(run, jammed, decision)
-    database.add_execution(run, execution("W1", 2, "finished", 300))
-    lost = execution("W2", 1, "aborted")
-    database.add_execution(run, lost, recovery.decide(lost, {Do.SET_ASIDE}))
-    database.close()
-    return url
+    return f"sqlite:///{tmp_path}/production.sqlite"
 
 
-def test_a_run_is_told_cause_by_cause(url, capsys):
+@pytest.fixture
+def keep(url):
+    """Return a function that keeps a run of some events."""
+
+    def keep(*events):
+        database = ProductionDatabase(url)
+        database.add_order(HOUSE)
+        first = RunBegun("house", "switchgear", "cell", ("W1", "W2"))
+        log, state = RunLog(database), state_after([first])
+        run = log.begin(first)
+        for event in events:
+            state = log.append(run, event, state)
+        database.close()
+
+    return keep
+
+
+def test_a_run_is_told_cause_by_cause(keep, url, capsys):
+    keep(*STORY)
     assert explain.main(["1", "--database", url]) == 0
     head, *lines = capsys.readouterr().out.splitlines()
-    assert head.startswith("run 1 of order house, begun ")
-    assert head.endswith(" UTC: 2 wires, 3 attempts")
+    assert head.startswith("run 1 of order house in cell cell, begun ")
+    assert head.endswith(" UTC: 2 tasks, 3 behaviors")
     assert lines == [
-        "W1, attempt 1: Place Wire W1 ended failed after 8.5 s and 1 operation; "
-        "the wire is not placed",
-        "    /Connect a/Insert: InsertCable, error 301: stuck at 4 mm",
+        "planned, since the run begins: W1 W2",
+        "W1, attempt 1: Place Wire W1 ended failed after 8.5 s and 1 operation",
+        "    /Insert: InsertCable, error 301: stuck at 4 mm",
         "    it was insertion_jammed. " + FAULTS["insertion_jammed"].symptoms,
-        "    so: new part, since answer 1 of 1 to insertion_jammed",
-        "W1, attempt 2: Place Wire W1 ended finished after 8.5 s and 1 operation; "
-        "the wire is placed",
-        "    /Connect a/Insert: InsertCable, error 300: stuck at 4 mm",
-        "    the behavior itself put it right",
-        "W2, attempt 1: Place Wire W2 ended aborted after 8.5 s and 0 operations; "
-        "the wire is not placed",
-        "    it was result_contradictory. " + FAULTS["result_contradictory"].symptoms,
-        "    so: set aside, since tried: nothing else fits; no operator to ask",
-        "1 of 2 wires placed; not placed: W2",
+        "    so: ask operator, since tried: nothing else fits",
+        "question 1: W1 failed (retry, skip)",
+        "ann answered retry to question 1",
+        "W1: looked what is done of it: end a connected; 3 steps left",
+        "W1, attempt 2: Place Wire W1 ended interrupted after 0.0 s and 0 operations",
+        "interrupted: the engine is gone",
+        "W1, attempt 2: Place Wire W1 ended failed after 8.6 s and 1 operation",
+        "    /Insert: InsertCable, error 204: stuck at 4 mm",
+        "W1: looked what is done of it: end a and end b connected; it is done",
+        "ann asked for: pause",
+        "ann asked for: resume",
+        "W2: cell other has left it set aside",
+        "ended incomplete: set aside: W2",
+        "1 of 2 tasks done; not done: W2",
     ]
 
 
-def test_a_run_that_is_not_there_is_told_with_those_there_are(url, capsys):
-    assert explain.main(["7", "--database", url]) == 3
-    assert "there is no run 7; there are 1" in capsys.readouterr().err
+def test_a_run_plays_back_to_itself(keep, url, capsys):
+    keep(*STORY)
+    assert replay.main(["1", "--database", url]) == 0
+    *lines, last = capsys.readouterr().out.splitlines()
+    assert len(lines) == len(STORY) + 1
+    assert last == "19 events, 3 behaviors, 0 differences"
 
 
-def test_a_run_in_which_nothing_was_done_is_told():
-    run = RunRecord(2, "house", datetime(2026, 1, 2, 3, 4, 5), ())
-    assert list(tell(run, FAULTS))[-1] == "0 of 0 wires placed; all are placed"
+@pytest.mark.parametrize(
+    ("position", "event", "differs"),
+    [
+        (1, begun("W2", 1), "event 2, TaskBegun: next was Execute(task='W1'"),
+        (2, OperationEnded("W2", operation("failed", 301)), "W2 was not under way"),
+        (3, TaskEnded("W1", "failed", 9.5, False, ("/Other",)), "the engine entered []"),
+        (3, TaskEnded("W1", "finished", 9.5, True), "the chart leads to failed"),
+        (6, Answered(1, Answer.STOP, "ann"), "has no such answer"),
+    ],
+)
+def test_a_record_that_was_tampered_with_differs(keep, url, capsys, position, event, differs):
+    story = list(STORY[: position + 1])
+    story[position] = event
+    keep(*story)
+    assert replay.main(["1", "--quiet", "--database", url]) == 1
+    assert differs in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("command", [explain, replay])
+def test_a_run_that_is_not_there_is_told_with_those_there_are(command, keep, url, capsys):
+    keep()
+    assert command.main(["7", "--database", url]) == 3
+    assert "there is no record of run 7; there are 1" in capsys.readouterr().err
+
+
+def test_a_run_in_which_nothing_was_done_is_told(keep, url, capsys):
+    keep()
+    assert explain.main(["1", "--database", url]) == 0
+    assert capsys.readouterr().out.endswith("0 of 2 tasks done; not done: W1 W2\n")

@@ -1,6 +1,7 @@
 """Planned tasks become charts that the synthesizer accepts, with the recovery of their use case."""
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -8,12 +9,14 @@ import yaml
 
 from flexbe_synthesizer.core.check import check_chart
 from flexbe_synthesizer.core.codec import parse_chart, write_chart
+from flexbe_synthesizer.core.names import behavior_file, is_name
 from flexbe_synthesizer.core.signature import chart_behavior
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from remodel_planner.core.planning.problem import End
 from remodel_planner.core.use_case.planned_tasks import planned_tasks
 from remodel_planner.core.use_case.preparation import prepare
-from remodel_planner.core.use_case.task_chart import content_mark
+from remodel_planner.core.use_case.task_chart import behavior_name, content_mark, task_chart
+from remodel_planner.core.use_case.wiring_problem import decompose_order
 from remodel_planner.core.use_case.work_order import order_from
 from remodel_planner.edge.chart_folder import keep_chart
 from remodel_planner.edge.order_planner import plan_problem
@@ -151,11 +154,91 @@ def test_a_folder_that_cannot_be_written_is_refused(tmp_path, cabinet):
 
 def test_a_value_that_the_task_lacks_is_named():
     text = (PACKAGE / "examples" / "cabinet.yaml").read_text().replace("carry_path", "path_carried")
+    task = tasks_of(text)["W1"]
     with pytest.raises(
         UseCaseError, match=r"task W\d: carry refers to \$carry_path, which it does"
     ):
-        tasks_of(text)
+        _ = task.chart
 
 
 def test_the_first_end_asked_for_is_kept(cabinet):
     assert {task.decomposition.first for task in cabinet.values()} == {End.A}
+
+
+def test_any_name_of_a_wire_names_a_chart_of_its_own():
+    use_case = find_use_case("cabinet")
+    wires = ("W1", "24", "24#2", "24+2", "-X1 1", "-X1.1", "Größe", "Gr_e", "class", "=A1/+B 2")
+    names = [behavior_name(use_case, wire) for wire in wires]
+    assert names[:2] == ["Wire W1", "Wire 24"]
+    assert all(map(is_name, names))
+    assert len(set(map(behavior_file, names))) == len(wires)
+
+
+def limited(limit):
+    """Return an order of one wire whose first terminal bears little."""
+    data = yaml.safe_load((PACKAGE / "examples" / "automotive_harness.yaml").read_text())
+    data["components"] = [{"id": component["id"]} for component in data["components"]]
+    data["tasks"][0]["characteristics"]["seal"] = False
+    first = data["tasks"][0]["a"]
+    terminal = next(t for t in data["terminals"] if t["id"] == first)
+    terminal |= {"force_limit_n": limit, "clearance_m": 0.002, "approach": [0, 0, -1]}
+    return data
+
+
+def test_no_chart_pushes_harder_than_the_terminal_bears():
+    data = limited(9)
+    chart = tasks_of(yaml.safe_dump(data))[data["tasks"][0]["id"]].chart
+    forces = {
+        node.id: dict((param.name, param.value) for param in node.params).get("force_limit")
+        for node in chart.nodes
+        if node.type == "InsertCableState"
+    }
+    assert forces["Insert a"] == 9
+    assert forces["Insert b"] > 9
+
+
+def test_an_action_that_cannot_be_told_a_force_is_not_used_where_it_is_too_strong():
+    use_case = find_use_case("automotive_formboard")
+    order = order_from(limited(9))
+    deaf = {
+        name: replace(action, params=tuple(p for p in action.params if p[1] != "$force_n"))
+        for name, action in use_case.actions.items()
+    }
+    with pytest.raises(InstanceError, match="push_in pushes with 40 N, over 9 N that the terminal"):
+        prepare(order, replace(use_case, actions=deaf))
+
+
+def test_actions_may_refer_to_the_access_of_a_terminal():
+    use_case = find_use_case("automotive_formboard")
+    asked = (("approach", "$approach"), ("clearance", "$clearance_m"))
+    actions = {
+        name: replace(action, params=(*action.params, *asked)) if "push" in name else action
+        for name, action in use_case.actions.items()
+    }
+    order = order_from(limited(9))
+    decomposition = decompose_order(order, use_case)[0].alone
+    component_of = {terminal.name: terminal.component for terminal in order.terminals}
+    asking = replace(use_case, actions=actions)
+    steps = tuple(replace(s, action=actions[s.action.name]) for s in decomposition.steps)
+    first_only = replace(decomposition, steps=steps[:4])
+    chart = task_chart(asking, first_only, component_of, ("left",))
+    params = {p.name: p.value for p in next(n for n in chart.nodes if n.id == "Insert a").params}
+    assert (params["approach"], params["clearance"]) == ((0.0, 0.0, -1.0), 0.002)
+    with pytest.raises(UseCaseError, match=r"push_in refers to \$approach, which it does not have"):
+        task_chart(asking, replace(decomposition, steps=steps), component_of, ("left",))
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "message"),
+    [
+        ("force_limit_n", 0, "force_limit_n: expected a number above 0, found 0"),
+        ("clearance_m", "wide", "clearance_m: expected a number above 0, found 'wide'"),
+        ("approach", [0, 0, 2], "approach: expected three numbers, of a vector of length 1"),
+        ("approach", [1, 0], "approach: expected three numbers"),
+    ],
+)
+def test_an_access_that_cannot_be_is_refused_by_place(key, value, message):
+    data = limited(9)
+    data["terminals"][0][key] = value
+    with pytest.raises(InstanceError, match=rf"terminals\[0\]\.{message}"):
+        order_from(data)

@@ -1,179 +1,401 @@
-"""A task that fails is tried again with a new wire, and not for ever."""
+"""The supervisor does what comes next, keeps it, waits for what is lost, and goes on."""
 
 import os
-import sqlite3
+import threading
 from pathlib import Path
 
 import pytest
+from house import HOUSE
 from sensor_msgs.msg import Image
 
 from remodel_planner.core.cell_order import USE_CASE, cell_order
+from remodel_planner.core.learning.learned_expectations import LearnedExpectations
 from remodel_planner.core.panel_layout import PanelRules, lay_out
-from remodel_planner.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
-from remodel_planner.core.recovery.fault import Do, Response
-from remodel_planner.core.recovery.history import Recovery
-from remodel_planner.core.recovery.policy import Policy
-from remodel_planner.core.use_case.planned_tasks import planned_tasks
-from remodel_planner.core.use_case.preparation import prepare
+from remodel_planner.core.recovery.fault import Do
+from remodel_planner.core.run import Operation
+from remodel_planner.core.supervision.attempts import attempts_of
+from remodel_planner.core.supervision.events import (
+    Answer,
+    Answered,
+    Blocked,
+    Command,
+    Commanded,
+    Decided,
+    Ending,
+    Interrupted,
+    OperationEnded,
+    Part,
+    Planned,
+    RunBegun,
+    Settled,
+    TaskBegun,
+    TaskElsewhere,
+)
+from remodel_planner.core.supervision.state import Stage, state_after
 from remodel_planner.core.use_case.task_chart import content_mark
 from remodel_planner.edge.catalogue_file import read_catalogue
 from remodel_planner.edge.fault_file import read_faults
-from remodel_planner.edge.order_planner import plan_problem
 from remodel_planner.edge.production_database import ProductionDatabase
+from remodel_planner.edge.run_log import RunLog
+from remodel_planner.edge.task_leases import TaskLeases
 from remodel_planner.edge.use_case_files import find_use_case
-from remodel_planner.errors import CellError
+from remodel_planner.edge.work_planner import WorkPlanner
+from remodel_planner.errors import CellError, LostError
 from remodel_planner.ros import use_case_supervisor
-from remodel_planner.ros.task_supervisor import TaskRun
+from remodel_planner.ros.inspection import UnseenError
+from remodel_planner.ros.panel_message import panel_message
+from remodel_planner.ros.use_case_supervisor import Peers, UseCaseSupervisor, Work
 
 CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
-ORDER = Order(
-    "house",
-    "",
-    "house.qet",
-    (
-        Component("Q1", "", (Terminal("B1", Side.BOTTOM), Terminal("B2", Side.BOTTOM))),
-        Component("Q2", "", (Terminal("T1", Side.TOP), Terminal("T2", Side.TOP))),
-    ),
-    (
-        Wire("W1", TerminalRef("Q1", "B1"), TerminalRef("Q2", "T1"), "BU", 1.5, "line 1"),
-        Wire("W2", TerminalRef("Q1", "B2"), TerminalRef("Q2", "T2"), "BU", 1.5, "line 2"),
-    ),
-)
-LAYOUT = lay_out(ORDER, CATALOGUE, PanelRules())
-
-PREPARED = prepare(cell_order(LAYOUT), find_use_case(USE_CASE))
-TASKS = tuple(planned_tasks(PREPARED, plan_problem(PREPARED.preferred.problem, 0.0).plan))
-
-
-PLAIN = Policy()
-
-
-def answering(*responses):
-    """Return a policy that answers so to tasks that fail without a reason."""
-    return Policy({"result_contradictory": responses})
+LAYOUT = lay_out(HOUSE, CATALOGUE, PanelRules())
+JAM, LOST = 301, 4
 
 
 class FakeCell:
     """A cell in which the wires lie that were fed."""
 
     def __init__(self):
-        self.fed = []
+        self.fed, self.loaded, self.trouble = [], [], None
 
-    def load(self, panel):
-        self.panel = panel
+    def wait(self, limit_s):
+        pass
+
+    def load(self, panel, *, keep):
+        self.loaded.append(keep)
 
     def feed(self, wire, channel):
-        if len(self.fed) == FakeTasks.stuck_after:
-            raise CellError("cannot feed: the gripper holds a wire")
-        self.fed.append(wire)
+        if self.trouble:
+            raise self.trouble
+        self.fed.append((wire, channel))
 
     def placed(self, wire):
-        return FakeTasks.ended[-1] == "finished"
+        return True
 
     def picture(self, camera):
         return Image()
 
 
 class FakeSynthesizer:
-    asked = ()
+    def __init__(self):
+        self.asked = []
+
+    def wait(self, limit_s):
+        pass
 
     def synthesize(self, chart_file, behavior):
         assert Path(chart_file).is_file()
-        FakeSynthesizer.asked += (behavior,)
+        self.asked.append(behavior)
 
 
 class FakeTasks:
-    """Ends the tasks that are run as it was told, in turn."""
+    """Ends behaviors as it is told, in turn: an outcome, an error code, a loss, or a call."""
 
-    outcomes, ended, stuck_after = (), [], -1
+    def __init__(self):
+        self.endings, self.ran, self.paused, self.stopped = [], [], [], 0
+        self.back = True
+        self.abilities = type("Abilities", (), {"latest": None})
 
-    def run(self, behavior):
-        FakeTasks.ended.append(FakeTasks.outcomes[len(FakeTasks.ended)])
-        return TaskRun(FakeTasks.ended[-1], 1.0, 2.0, (), ())
+    def recording(self, *, settling):
+        return threading.Lock()
+
+    def wait(self, limit_s):
+        if not self.back:
+            raise LostError("the engine does not come back")
+
+    def run(self, behavior, keep, is_to_stop):
+        self.ran.append(behavior)
+        ending = self.endings.pop(0) if self.endings else "finished"
+        if behavior.endswith(" Clear"):
+            return "failed"
+        if callable(ending):
+            ending()
+            return "preempted" if is_to_stop() else "finished"
+        if isinstance(ending, Exception):
+            raise ending
+        if isinstance(ending, int):
+            keep(
+                Operation("/Connect a/InsertCable", "InsertCable", "failed", ending, "no", 2.0, 1.0)
+            )
+            return "failed"
+        return ending
+
+    def stop_all(self):
+        self.stopped += 1
+
+    def pause(self, paused):
+        self.paused.append(paused)
+
+    def sights(self):
+        return ()
+
+    def path(self):
+        return ("/Find wire",)
+
+    state_path = ""
+
+
+class FakeInspection:
+    """Sees the ends that it is told are connected."""
+
+    def __init__(self):
+        self.connected, self.trouble = set(), None
+
+    def wait(self, limit_s):
+        pass
+
+    def is_connected(self, wire, end, component, terminal):
+        if self.trouble:
+            raise self.trouble
+        return (wire, end) in self.connected
+
+
+class Bench:
+    """A supervisor of the order, with everything beside it faked but the database."""
+
+    def __init__(self, url, folder, attended=False, **options):
+        self.database = ProductionDatabase(url)
+        self.log = RunLog(self.database)
+        use_case = find_use_case(USE_CASE)
+        learned = LearnedExpectations(use_case.expectations)
+        self.peers = Peers(FakeCell(), FakeSynthesizer(), FakeTasks(), FakeInspection())
+        self.leases = TaskLeases(self.database, "house", "cell", 30.0)
+        self.work = Work(
+            WorkPlanner(cell_order(LAYOUT), use_case, learned, 0.0),
+            read_faults(),
+            panel_message(LAYOUT, PanelRules()),
+            keep_panel=False,
+            channels={cut.wire.name: cut.channel for cut in LAYOUT.wires},
+            leases=self.leases,
+            charts=folder / "charts",
+            attended=attended,
+            patience_s=0.1,
+            **options,
+        )
+        begun = RunBegun("house", USE_CASE, "cell", ("W1", "W2"))
+        self.number = self.log.begin(begun)
+        self.take_up()
+
+    def take_up(self):
+        """Have a new supervisor take the run up."""
+        state = state_after(kept.event for kept in self.log.events(self.number))
+        self.supervisor = UseCaseSupervisor(
+            self.number, state, self.log, self.work, self.peers, lambda *_: (), lambda: None
+        )
+
+    def run(self, *endings):
+        """Let behaviors end so, and return the run's state when it has ended."""
+        self.peers.tasks.endings = list(endings)
+        return self.supervisor.supervise()
+
+    def events(self, *kinds):
+        return [k.event for k in self.log.events(self.number) if isinstance(k.event, kinds)]
+
+    @property
+    def ran(self):
+        return [name.removeprefix("Place Wire ") for name in self.peers.tasks.ran]
 
 
 @pytest.fixture
-def run(tmp_path, monkeypatch):
-    """Return a function: it runs the order, its tasks ending as told, and returns the runs."""
-    monkeypatch.setattr(use_case_supervisor, "Cell", FakeCell)
-    monkeypatch.setattr(use_case_supervisor, "BehaviorSynthesizer", FakeSynthesizer)
-    monkeypatch.setattr(use_case_supervisor, "TaskSupervisor", FakeTasks)
-    database = ProductionDatabase(f"sqlite:///{tmp_path}/production.sqlite")
-    database.add_order(ORDER)
-
-    def replan(names):
-        return [task for task in TASKS if task.name in names]
-
-    def run(*outcomes, stuck_after=-1, policy=PLAIN):
-        FakeSynthesizer.asked = ()
-        FakeTasks.outcomes, FakeTasks.ended, FakeTasks.stuck_after = outcomes, [], stuck_after
-        recovery = Recovery(read_faults(), policy)
-        supervisor = use_case_supervisor.UseCaseSupervisor(database, tmp_path, recovery, replan)
-        started = database.start_run(ORDER)
-        for wire_run in supervisor.run(started, LAYOUT, PanelRules(), TASKS):
-            execution = wire_run.execution
-            yield execution.wire, execution.attempt, execution.placed, wire_run.last
-
-    yield run
+def url(tmp_path, monkeypatch):
+    monkeypatch.setattr(use_case_supervisor.rospy, "get_time", lambda: 1.0)
+    monkeypatch.setattr(use_case_supervisor.rospy, "is_shutdown", lambda: False)
+    url = f"sqlite:///{tmp_path}/production.sqlite"
+    database = ProductionDatabase(url)
+    database.add_order(HOUSE)
     database.close()
+    return url
 
 
-def test_a_failed_task_takes_a_new_wire(run):
-    first, second, third = run("failed", "finished", "finished")
-    assert first[1:] == (1, False, False)
-    assert second == (first[0], 2, True, True)
-    assert third[0] != first[0]
-    assert third[1:] == (1, True, True)
+@pytest.fixture
+def bench(url, tmp_path):
+    bench = Bench(url, tmp_path)
+    yield bench
+    bench.database.close()
 
 
-def test_a_wire_that_cannot_be_placed_is_given_up_and_the_next_one_goes_on(run):
-    runs = list(run("failed", "failed", "failed", "finished"))
-    assert [attempt for _, attempt, _, _ in runs] == [1, 2, 3, 1]
-    assert [last for *_, last in runs] == [False, False, True, True]
+def test_an_order_is_done_task_by_task(bench):
+    state = bench.run()
+    assert state.ended.ending is Ending.COMPLETE
+    first, second = bench.events(Planned)[0].tasks
+    assert bench.ran == [first, second]
+    assert [wire for wire, _ in bench.peers.cell.fed] == [first, second]
+    assert bench.peers.cell.loaded == [False]
+    assert [name.removeprefix("Place Wire ") for name in bench.peers.synthesizer.asked] == bench.ran
+    attempts = attempts_of(bench.events(object))
+    assert [attempt.path for attempt in attempts] == [("/Find wire",)] * 2
 
 
-def test_what_its_policy_puts_off_is_done_when_the_rest_is(run):
-    policy = answering(Response(Do.REPLAN), Response(Do.SET_ASIDE))
-    first, second, third = run("failed", "finished", "finished", policy=policy)
-    assert (first[0], first[3]) == (third[0], False)
-    assert second[1:] == (1, True, True)
-    assert third[1:] == (2, True, True)
+def test_each_event_is_kept_before_what_follows_begins(bench):
+    def look():
+        begun = bench.events(TaskBegun)
+        assert [event.task for event in begun] == bench.ran, "kept before the goal is sent"
+        assert "<statemachine" in begun[-1].chart
+
+    assert bench.run(look, look).ended.ending is Ending.COMPLETE
 
 
-def test_nothing_is_put_off_behind_nothing(run):
-    policy = answering(Response(Do.REPLAN, times=9), Response(Do.SET_ASIDE))
-    runs = list(run("finished", "failed", policy=policy))
-    assert [last for *_, last in runs] == [True, True]
+def test_a_jam_is_tried_again_then_with_a_new_wire(bench):
+    state = bench.run(JAM, JAM)
+    first = bench.events(Planned)[0].tasks[0]
+    decided = [(event.task, event.do) for event in bench.events(Decided)]
+    assert decided == [(first, Do.RETRY), (first, Do.NEW_PART)]
+    assert [wire for wire, _ in bench.peers.cell.fed].count(first) == 2
+    assert state.ended.ending is Ending.COMPLETE
 
 
-def test_its_policy_may_stop_the_run(run):
-    runs = list(run("failed", policy=answering(Response(Do.STOP))))
-    assert len(runs) == 1
+def test_what_is_connected_is_not_connected_again(bench):
+    first = bench.work.planner.plan(["W1", "W2"])[0]
+    bench.peers.inspection.connected = {(first, "a")}
+    bench.run(JAM)
+    assert bench.ran[:2] == [first, f"{first} Rest"]
+    chart = next(e.chart for e in bench.events(TaskBegun) if e.part is Part.REST)
+    assert 'id="Connect b"' in chart
+    assert 'id="Connect a"' not in chart
+    assert 'id="Pick b"' in chart
 
 
-def test_a_behavior_that_somebody_stops_ends_the_run(run):
-    (only,) = run("preempted", "finished")
-    assert only[1:] == (1, False, True)
+def test_a_run_goes_on_when_what_was_lost_comes_back(bench):
+    state = bench.run(LostError("the engine is gone"))
+    first = bench.events(Planned)[0].tasks[0]
+    assert bench.ran[:3] == [first, f"{first} Clear", first]
+    assert [event.because for event in bench.events(Interrupted)] == ["the engine is gone"]
+    assert bench.peers.tasks.stopped >= 1
+    assert state.ended.ending is Ending.COMPLETE
+    assert bench.peers.cell.loaded == [False, True], "what is placed stays"
 
 
-def test_decisions_are_kept_with_their_reasons(run, tmp_path):
-    list(run("failed", "finished", "finished"))
-    kept = sqlite3.connect(tmp_path / "production.sqlite").execute("SELECT * FROM decisions")
-    (row,) = kept.fetchall()
-    assert row[2:] == (
-        "result_contradictory",
-        5,
-        "the behavior ended failed",
-        "new_part",
-        "answer 1 of 2 to result_contradictory",
-    )
+def test_a_run_stops_when_what_was_lost_stays_away(bench):
+    bench.peers.tasks.back = False
+    state = bench.run(LostError("the engine is gone"))
+    assert state.ended.ending is Ending.STOPPED
+    assert state.ended.because == "the engine does not come back"
 
 
-def test_a_cell_that_refuses_ends_the_run_after_what_was_done(run):
-    runs = run("failed", stuck_after=1)
-    assert next(runs)[1:] == (1, False, False)
-    with pytest.raises(CellError, match="the gripper holds a wire"):
-        next(runs)
+def test_a_new_supervisor_goes_on_where_the_old_one_died(bench):
+    class KilledError(Exception):
+        pass
+
+    with pytest.raises(KilledError):
+        bench.run("finished", KilledError())
+    first, second = bench.events(Planned)[0].tasks
+    bench.peers.inspection.connected = {(second, "a"), (second, "b")}
+    bench.take_up()
+    state = bench.run()
+    assert state.ended.ending is Ending.COMPLETE
+    assert bench.ran == [first, second, f"{second} Clear"], "it was done: looking tells"
+    assert [event.left for event in bench.events(Settled)] == [0]
+    assert state.interruptions == 1
+
+
+def test_what_cannot_be_seen_is_set_aside_when_nobody_is_there_to_ask(bench):
+    bench.peers.inspection.trouble = UnseenError(101, "the arm is in front of it")
+    state = bench.run(JAM)
+    first = bench.events(Planned)[0].tasks[0]
+    assert {event.unseen for event in bench.events(Settled)} == {"the arm is in front of it"}
+    assert state.tasks[first].stage in (Stage.DONE, Stage.SET_ASIDE)
+    assert state.ended is not None
+
+
+def test_a_cell_that_refuses_blocks_the_run(bench):
+    bench.peers.cell.trouble = CellError("cannot feed: the gripper holds a wire")
+    state = bench.run()
+    assert state.ended.because == "cannot feed: the gripper holds a wire"
+    assert bench.ran == []
+    assert len(bench.events(Blocked)) == 1
+
+
+def test_an_operator_pauses_skips_and_stops(bench):
+    def pause_and_skip():
+        bench.supervisor.command(Commanded(Command.PAUSE, "", "ann"))
+        bench.supervisor.command(Commanded(Command.RESUME, "", "ann"))
+        bench.supervisor.command(Commanded(Command.SKIP, bench.supervisor.state.current, "ann"))
+
+    def stop():
+        bench.supervisor.command(Commanded(Command.STOP, "", "ann"))
+
+    state = bench.run(pause_and_skip, stop)
+    assert bench.peers.tasks.paused == [True, False]
+    assert bench.events(Decided)[0].by == "ann"
+    assert (state.ended.ending, state.ended.because) == (Ending.STOPPED, "ann stopped it")
+    with pytest.raises(CellError, match="the run has ended"):
+        stop()
+
+
+def test_commands_that_make_no_sense_are_refused(bench):
+    def refused():
+        for command, task, text in (
+            (Command.SKIP, "W9", "there is no task 'W9'; there are W1, W2"),
+            (Command.RETRY, "W1", "only what is set aside is tried again"),
+        ):
+            with pytest.raises(CellError, match=text):
+                bench.supervisor.command(Commanded(command, task, "ann"))
+        with pytest.raises(CellError, match="question 1 is not open; open is none"):
+            bench.supervisor.answer(Answered(1, Answer.RETRY, "ann"))
+
+    assert bench.run(refused).ended.ending is Ending.COMPLETE
+    assert bench.events(Commanded) == []
+
+
+def test_an_operator_is_asked_when_there_is_one(url, tmp_path):
+    bench = Bench(url, tmp_path, attended=True)
+    asked = threading.Event()
+
+    def answer():
+        while not asked.wait(0.01):
+            question = bench.supervisor.state.question
+            if question is not None:
+                with pytest.raises(CellError, match="question 9 is not open"):
+                    bench.supervisor.answer(Answered(9, Answer.REPLAN, "ann"))
+                bench.supervisor.answer(Answered(question.number, Answer.MARK_DONE, "ann"))
+                asked.set()
+
+    thread = threading.Thread(target=answer, daemon=True)
+    thread.start()
+    first = bench.work.planner.plan(["W1", "W2"])[0]
+    state = bench.run("finished", *[JAM] * 12)
+    thread.join(20.0)
+    assert asked.is_set()
+    assert state.tasks[first].first_pass
+    assert state.ended.ending is Ending.COMPLETE
+    bench.database.close()
+
+
+def test_another_cells_task_is_left_to_it_and_taken_over_when_it_dies(bench, url):
+    other = TaskLeases(ProductionDatabase(url), "house", "other", 1.0)
+    other.claim("W1")
+    bench.peers.inspection.connected = {("W1", "a")}
+    state = bench.run()
+    assert state.ended.ending is Ending.COMPLETE
+    assert [event.cell for event in bench.events(TaskElsewhere)] == ["other"]
+    assert bench.ran == ["W2", "W1 Rest"]
+
+
+def test_a_task_that_another_cell_has_taken_over_is_stopped(bench, url):
+    bench.leases.lease_s = 0.05
+    taken = []
+
+    def be_slow():
+        other = TaskLeases(ProductionDatabase(url), "house", "other", 600.0)
+        name = bench.supervisor.state.current
+        bench.leases.lease_s = 30.0
+        with other._database.transaction() as session:
+            other._row(session, name).cell = "other"
+        while not bench.supervisor._lost_lease:
+            threading.Event().wait(0.01)
+        taken.append(name)
+        bench.supervisor.command(Commanded(Command.STOP, "", "ann"))
+
+    bench.run(be_slow)
+    assert [event.task for event in bench.events(TaskElsewhere)] == taken
+
+
+def test_the_time_of_a_run_may_be_limited(url, tmp_path, monkeypatch):
+    bench = Bench(url, tmp_path, timeout_s=5.0)
+    clock = iter(range(0, 100, 2))
+    monkeypatch.setattr(use_case_supervisor.rospy, "get_time", lambda: float(next(clock)))
+    state = bench.run()
+    assert state.ended.because == "its time of 5 s has passed"
+    bench.database.close()
 
 
 MANIFEST = """<?xml version="1.0"?>
@@ -184,15 +406,24 @@ PACKAGE = """<package format="3"><name>made</name><version>0.0.0</version>
 <export><flexbe_behaviors/></export></package>"""
 
 
-def test_a_behavior_that_exists_with_the_same_content_is_not_made_again(run, tmp_path, monkeypatch):
-    first, second = TASKS
+def test_a_behavior_that_exists_with_the_same_content_is_not_made_again(
+    bench, tmp_path, monkeypatch
+):
+    first, second = bench.work.planner.plan(["W1", "W2"])
+    charts = {name: bench.work.planner.task(name).chart for name in (first, second)}
     manifests = tmp_path / "made" / "manifest"
     manifests.mkdir(parents=True)
     (tmp_path / "made" / "package.xml").write_text(PACKAGE)
     (manifests / "broken.xml").write_text("<behavior")
-    for task, mark in ((first, content_mark(first.chart)), (second, "Content 0000.")):
-        text = MANIFEST.format(name=task.chart.name, mark=mark)
-        (manifests / f"{task.name}.xml").write_text(text)
+    for name, mark in ((first, content_mark(charts[first])), (second, "Content 0000.")):
+        text = MANIFEST.format(name=charts[name].name, mark=mark)
+        (manifests / f"{name}.xml").write_text(text)
     monkeypatch.setenv("ROS_PACKAGE_PATH", f"{tmp_path}:{os.environ['ROS_PACKAGE_PATH']}")
-    assert len(list(run("finished", "finished"))) == 2
-    assert FakeSynthesizer.asked == (second.chart.name,)
+    bench.run()
+    assert bench.peers.synthesizer.asked == [charts[second].name]
+
+
+def test_what_operations_did_is_kept(bench):
+    bench.run(JAM)
+    (kept,) = bench.events(OperationEnded)
+    assert (kept.operation.ability, kept.operation.error_code) == ("InsertCable", JAM)

@@ -158,3 +158,24 @@ def test_a_mapping_needs_columns():
 def test_an_encoding_that_is_not_known_is_refused():
     with pytest.raises(DesignError, match="encoding klingon: not known"):
         read("From,To\n", mapping_from(MINE.replace("cp1252", "klingon")))
+
+
+LIMITED = "From;To;From force limit N;To force limit N\nK1:1;X1:1;25,5;\nK1:1;X1:2;25.5;{}\n"
+
+
+def test_force_limits_of_terminals_are_read_where_a_list_has_them():
+    order = read(LIMITED.format("12")).order
+    limits = {
+        f"{component.name}:{terminal.name}": terminal.insertion_force_limit_n
+        for component in order.components
+        for terminal in component.terminals
+    }
+    assert limits == {"K1:1.1": 25.5, "K1:1.2": 25.5, "X1:1": None, "X1:2": 12.0}
+
+
+def test_force_limits_that_cannot_be_are_refused_with_their_line():
+    with pytest.raises(DesignError, match=r"line 3: force limit of X1:2: '-3' found; a number of"):
+        read(LIMITED.format("-3"))
+    twice = LIMITED.format("7") + "K1:1;X1:3;9;"
+    with pytest.raises(DesignError, match=r"line 4: force limit of K1:1: 9 N found, and 25\.5 N"):
+        read(twice)

@@ -1,4 +1,4 @@
-"""A cell without ROS: the plant, and the station that the abilities use."""
+"""A cell without ROS: the plant, and the stations that the abilities use."""
 
 from __future__ import annotations
 
@@ -6,12 +6,15 @@ from typing import TypeVar
 
 import numpy as np
 
-from remodel_sim.abilities.runner import run
+from remodel_sim.abilities.runner import occupy, run
 from remodel_sim.abilities.station import OnLook, Station, Steps
-from remodel_sim.core.book import EndState, Feed
+from remodel_sim.core.book import Book, EndState, Feed
+from remodel_sim.core.cell_design import CellDesign
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.panel import End, Panel
+from remodel_sim.core.traffic import Traffic
+from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.plant import Plant
 
 T = TypeVar("T")
@@ -25,28 +28,58 @@ class Cell:
 
     Attributes:
         plant: the physical side.
-        station: what abilities see of it.
+        stations: what abilities see of it, for each robot by its name.
     """
 
     def __init__(
         self,
         panel: Panel,
         *,
+        design: CellDesign | None = None,
         seed: int = 0,
         rate_hz: float = 240.0,
         gui: bool = False,
         solid_parked: bool = False,
         on_look: OnLook | None = None,
     ) -> None:
-        """Build the cell, see Plant; raises PanelError."""
-        self.plant = Plant(panel, seed=seed, rate_hz=rate_hz, gui=gui, solid_parked=solid_parked)
+        """Build a cell, one Panda unless a design is given, see Plant; raises PanelError."""
+        self.plant = Plant(
+            design or read_cell(),
+            panel,
+            seed=seed,
+            rate_hz=rate_hz,
+            gui=gui,
+            solid_parked=solid_parked,
+        )
         self._on_look = on_look
-        self.station = Station(self.plant, on_look)
+        self.stations = self._man()
+
+    def _man(self) -> dict[str, Station]:
+        """Return new stations for the robots of a freshly built plant."""
+        first = self.plant.design.robots[0]
+        book, traffic = Book(first.name, first.arm), Traffic()
+        crew: dict[str, Station] = {}
+        for robot in self.plant.design.robots:
+            own = book if robot is first else book.beside(robot.name, robot.arm)
+            crew[robot.name] = Station(self.plant, robot, own, crew, traffic, self._on_look)
+        return crew
+
+    @property
+    def station(self) -> Station:
+        """The first robot's."""
+        return next(iter(self.stations.values()))
+
+    def station_of(self, robot: str) -> Station:
+        """Return a robot's station; raises UNKNOWN_NAME."""
+        if robot not in self.stations:
+            there_are = ", ".join(self.stations)
+            raise AbilityError(Code.UNKNOWN_NAME, f"no robot {robot!r}; there are: {there_are}")
+        return self.stations[robot]
 
     def load(self, panel: Panel) -> None:
         """Build another panel; raises PanelError and changes nothing when it breaks the rules."""
         self.plant.load(panel)
-        self.station = Station(self.plant, self._on_look)
+        self.stations = self._man()
 
     def reset(self) -> None:
         """Build the same panel anew; every wire is taken away."""
@@ -55,27 +88,31 @@ class Cell:
     def feed(self, wire_id: str, channel_id: str) -> None:
         """Lay a wire into a channel.
 
-        Raises AbilityError when a name is unknown or the hand holds a wire.
+        Raises AbilityError when a name is unknown or a hand holds a wire.
         """
-        book = self.station.book
         wire = self.plant.panel.wire(wire_id)
         self.plant.panel.channel(channel_id)
-        if book.grip is not None and book.feed is not None:
-            raise AbilityError(
-                Code.OTHER_CABLE_HELD,
-                f"the gripper holds end {book.grip.end.value} of {book.feed.wire_id!r}; place it "
-                "first",
-            )
-        laying = self.plant.feed(wire_id, channel_id, self.station.commanded)
-        self.station.arm_restarted()
+        for station in self.stations.values():
+            book = station.book
+            if book.grip is not None and book.feed is not None:
+                raise AbilityError(
+                    Code.OTHER_CABLE_HELD,
+                    f"{station.name} holds end {book.grip.end.value} of {book.feed.wire_id!r}; "
+                    "place it first",
+                )
+        tools = {name: station.commanded for name, station in self.stations.items()}
+        laying = self.plant.feed(wire_id, channel_id, tools)
         straight = np.array([0.0, laying.direction * wire.length])
         expected = {End.A: laying.tip_a, End.B: laying.tip_a + straight}
-        book.start_wire(Feed(wire_id, channel_id, laying.direction), expected)
+        for station in self.stations.values():
+            station.arm_restarted()
+            station.book.start_wire(Feed(wire_id, channel_id, laying.direction), expected)
 
-    def run(self, steps: Steps[T]) -> T:
-        """Run an ability to its end; raises what it raises."""
+    def run(self, steps: Steps[T], *robots: str) -> T:
+        """Run an ability of some robots, the first by default; raises what it raises."""
+        stations = [self.stations[robot] for robot in robots] or [self.station]
         try:
-            return run(self.plant, self.station, steps)
+            return run(self.plant, self.station, occupy(stations, steps))
         finally:
             self.settle()
 
@@ -89,9 +126,10 @@ class Cell:
         steps = round(SETTLE_S / self.plant.world.time_step)
         for _ in range(steps):
             self.plant.step()
-        book = self.station.book
-        placed = book.ends and all(state is EndState.FIXED for state in book.ends.values())
-        if placed and book.grip is None:
+        books = [station.book for station in self.stations.values()]
+        ends = books[0].ends
+        placed = ends and all(state is EndState.FIXED for state in ends.values())
+        if placed and all(book.grip is None for book in books):
             self.plant.park()
         return steps * self.plant.world.time_step
 

@@ -16,7 +16,7 @@ from remodel_sim.physics.cable import Cable
 from remodel_sim.physics.clamps import close_clamp
 from remodel_sim.physics.clips import add_clip
 from remodel_sim.physics.panel_scene import add_plate_surface
-from remodel_sim.physics.robot import PAD_FRICTION, Robot
+from remodel_sim.physics.robot import HAND_30_N, Robot
 from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
 
@@ -72,7 +72,7 @@ def grip_pull_out(grip_force, friction=0.5, rate_hz=240.0):
     robot.drive_fingers(0.0)
     for _ in range(round(1.5 * rate_hz)):
         world.step()
-    both_sides = 2 * PAD_FRICTION * friction
+    both_sides = 2 * HAND_30_N.pad_friction * friction
     along = np.array([0.0, 1.0, 0.0])
     expected = both_sides * grip_force
     held = pull_out(world, cable, End.B, along, expected)

@@ -71,11 +71,11 @@ def test_a_bumped_camera_shows_the_plate_from_elsewhere_than_it_says(cell):
 
 
 def test_less_light_darkens_the_pictures_until_the_panel_is_built_anew(cell):
-    usual = cell.plant.look_wrist().rgb.mean()
+    usual = cell.station.look_wrist().rgb.mean()
     cell.plant.disturb("light_changed", "", [0.5])
-    assert cell.plant.look_wrist().rgb.mean() == pytest.approx(usual / 2, rel=0.1)
+    assert cell.station.look_wrist().rgb.mean() == pytest.approx(usual / 2, rel=0.1)
     cell.reset()
-    assert cell.plant.look_wrist().rgb.mean() == pytest.approx(usual, rel=0.1)
+    assert cell.station.look_wrist().rgb.mean() == pytest.approx(usual, rel=0.1)
 
 
 def test_a_bent_tip_points_aside(cell):

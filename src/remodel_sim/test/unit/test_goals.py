@@ -63,7 +63,7 @@ def pose_with(position=(0.5, 0.0, 0.03), quaternion=(0.0, 0.0, 0.0, 1.0)):
             Code.INVALID_GOAL,
             "tilted",
         ),
-        (lambda: insertion(robot_name="robot_2"), Code.UNKNOWN_NAME, "there is: robot_1"),
+        (lambda: insertion(robot_name=" "), Code.INVALID_GOAL, "robot_name is empty"),
         (lambda: goals.RouteGoal("robot_1", "W1", ()), Code.INVALID_GOAL, "path is empty"),
         (lambda: goals.PickGoal("robot_1", "W1", End.A, 0.5), Code.INVALID_GOAL, "grasp_distance"),
         (
@@ -118,6 +118,36 @@ def test_an_occupied_terminal_names_its_occupant():
     with pytest.raises(AbilityError, match="end b of 'W7'") as caught:
         insertion().check(panel(), book)
     assert caught.value.code is Code.TERMINAL_OCCUPIED
+
+
+def beside(y, yaw=math.pi):
+    x, own, z = SOCKET.position
+    return Pose.level(x, own + y, z, yaw)
+
+
+@pytest.mark.parametrize(
+    ("socket", "code", "words"),
+    [
+        (beside(0.018), Code.INVALID_GOAL, "at the mouth of 'X1/2', 18 mm from where 'X1/1' is on"),
+        (beside(0.012), Code.INVALID_GOAL, "at the mouth of 'X1/2'"),
+        (beside(-0.012), Code.COMPONENT_DISPLACED, "12 mm and 0 deg from where 'X1/1' is on"),
+        (beside(0.0, 2.9), Code.COMPONENT_DISPLACED, "0 mm and 14 deg"),
+    ],
+)
+def test_a_mouth_is_of_its_own_terminal(socket, code, words):
+    with pytest.raises(AbilityError, match=words) as caught:
+        insertion(socket=socket).check(panel(), fed_book())
+    assert caught.value.code is code
+
+
+def test_a_mouth_is_compared_with_the_last_look():
+    book = fed_book()
+    moved = np.array([0.0, 0.018, 0.0])
+    drawn = WORLD_FROM_PANEL @ panel().component("X1").panel_from_component
+    book.seen["X1"] = Pose(drawn.position + moved, drawn.quaternion)
+    insertion(socket=beside(0.018)).check(panel(), book)
+    with pytest.raises(AbilityError, match="18 mm and 0 deg from where 'X1/1' was last seen"):
+        insertion().check(panel(), book)
 
 
 def test_an_end_in_a_terminal_is_extracted_first():

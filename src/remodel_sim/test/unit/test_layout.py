@@ -8,6 +8,7 @@ from panels import component, panel, wire
 from remodel_sim.core.errors import PanelError
 from remodel_sim.core.layout import find_problems
 from remodel_sim.core.panel import Clip, Duct
+from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.plant import Plant
 from remodel_sim.ros.conversions import read_panel
@@ -85,7 +86,7 @@ def test_each_broken_rule_is_named(broken, words):
 
 
 def test_all_problems_are_reported_at_once_and_nothing_is_built():
-    plant = Plant(panel(), seed=0, rate_hz=240)
+    plant = Plant(read_cell(), panel(), seed=0, rate_hz=240)
     bodies = plant.world.bullet.getNumBodies()
     broken = changed(with_wire(colour="XX", length=9.0), size=(2.0, 0.7, 0.003))
     with pytest.raises(PanelError) as caught:

@@ -15,7 +15,8 @@ from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import DetectGoal
 from remodel_sim.core.panel import End
-from remodel_sim.core.vision.labels import find_labels, locate_component
+from remodel_sim.core.vision.label_pose import Look, locate_component
+from remodel_sim.core.vision.labels import find_labels
 from remodel_sim.core.vision.tracing import at_distance, trace
 from remodel_sim.core.vision.wire_ends import find_ends, trace_from
 from remodel_sim.core.wire_colours import WIRE_RGB
@@ -29,9 +30,9 @@ def test_every_label_is_found_from_above_to_half_a_millimetre(cell):
             part.id, *random.uniform(-0.006, 0.006, 2), random.uniform(-0.1, 0.1)
         )
     picture = cell.plant.look_overhead()
-    labels = find_labels(picture)
+    labels = find_labels(picture, cell.plant.panel.components)
     for part in cell.plant.panel.components:
-        seen = locate_component(part, labels[part.marker_id], picture.view)
+        seen = locate_component(part, [Look(picture, labels[part.marker_id])])
         true = cell.plant.world_from_component(part.id)
         pose = seen.world_from_component
         assert np.linalg.norm(pose.position - true.position) < 0.0005

@@ -33,9 +33,10 @@ def main(arguments: list[str] | None = None) -> int:
         if not verdict.valid:
             print("\n".join(("the plan is not valid:", *verdict.violations)))
             return 1
-        for task in planned_tasks(prepared, plan):
-            file, written = keep_chart(task.chart, options.output)
-            print(f"{task.name}: {file} {'written' if written else 'unchanged'}")
+        charts = [(task.name, task.chart) for task in planned_tasks(prepared, plan)]
+        for name, chart in charts:
+            file, written = keep_chart(chart, options.output)
+            print(f"{name}: {file} {'written' if written else 'unchanged'}")
     except PlannerError as error:
         print(f"charts: {error}", file=sys.stderr)
         return 3

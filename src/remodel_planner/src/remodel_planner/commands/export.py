@@ -3,49 +3,55 @@
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from pathlib import Path
 
 from remodel_planner.commands.problem_files import add_problem_options, read_plan, read_problem
 from remodel_planner.core.planning import hddl, pddl
 from remodel_planner.core.planning.checker import check
+from remodel_planner.core.planning.instance import problem_data
+from remodel_planner.core.planning.plan_form import plan_data
+from remodel_planner.core.planning.problem import Plan, Problem
 from remodel_planner.core.planning.symbolic import steps_of, symbols_of
 from remodel_planner.edge.text_file import write_text
 from remodel_planner.errors import PlannerError
 
-_FORMATS = {"pddl": pddl, "hddl": hddl}
+_SYMBOLIC = {"pddl": pddl, "hddl": hddl}
+_NUMERIC = "planbench"
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Write the files, name them, and return the exit code."""
     parser = argparse.ArgumentParser(
         prog="export",
-        description="Write a problem of one arm as PDDL with action costs or as HDDL: "
-        "domain.FORMAT and problem.FORMAT, and plan.txt if a plan is given. Costs of plans are "
-        "equal, to the unit.",
+        description="Write a problem, and a plan of it if one is given. As PDDL with action costs "
+        "or as HDDL, a problem of one arm: domain.FORMAT, problem.FORMAT, plan.txt; costs of plans "
+        "are equal, to the unit. As planbench, any problem in the form of docs/planning.md: "
+        "problem.json, plan.json.",
         epilog="Exit code: 0 written, 1 the plan is not valid, 2 wrong usage, 3 a file is "
         "malformed or cannot be written, or the problem cannot be told in the format.",
     )
     add_problem_options(parser)
     parser.add_argument("plan", type=Path, nargs="?", help="plan of that problem")
-    parser.add_argument("--format", choices=sorted(_FORMATS), required=True)
+    parser.add_argument("--format", choices=[*sorted(_SYMBOLIC), _NUMERIC], required=True)
     parser.add_argument("--output", type=Path, default=Path(), help="folder (default: this one)")
     options = parser.parse_args(arguments)
+    if options.order is not None and options.plan is None:
+        # Beside --order the one file is the plan; argparse takes it for the first one wanted.
+        options.instance, options.plan = None, options.instance
     try:
         problem = read_problem(options).problem
-        symbols = symbols_of(problem)
-        form = _FORMATS[options.format]
-        texts = {
-            f"domain.{options.format}": form.domain_text(),
-            f"problem.{options.format}": form.problem_text(symbols),
-        }
-        if options.plan is not None:
-            plan = read_plan(options.plan)
-            verdict = check(problem, plan)
-            if not verdict.valid:
-                print("\n".join(("the plan is not valid:", *verdict.violations)))
-                return 1
-            texts["plan.txt"] = pddl.plan_text(steps_of(problem, plan, symbols), verdict.cost)
+        plan = read_plan(options.plan) if options.plan is not None else None
+        verdict = check(problem, plan) if plan is not None else None
+        if verdict is not None and not verdict.valid:
+            print("\n".join(("the plan is not valid:", *verdict.violations)))
+            return 1
+        texts = (
+            _documents(problem, plan)
+            if options.format == _NUMERIC
+            else _symbolic(problem, plan, options.format, verdict.cost if verdict else 0)
+        )
         for name, text in texts.items():
             write_text(options.output / name, text)
             print(options.output / name)
@@ -53,3 +59,19 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"export: {error}", file=sys.stderr)
         return 3
     return 0
+
+
+def _symbolic(problem: Problem, plan: Plan | None, name: str, cost: int) -> dict[str, str]:
+    symbols = symbols_of(problem)
+    form = _SYMBOLIC[name]
+    texts = {f"domain.{name}": form.domain_text(), f"problem.{name}": form.problem_text(symbols)}
+    if plan is not None:
+        texts["plan.txt"] = pddl.plan_text(steps_of(problem, plan, symbols), cost)
+    return texts
+
+
+def _documents(problem: Problem, plan: Plan | None) -> dict[str, str]:
+    texts = {"problem.json": json.dumps(problem_data(problem))}
+    if plan is not None:
+        texts["plan.json"] = json.dumps(plan_data(plan))
+    return texts

@@ -9,12 +9,12 @@ from collections import Counter
 from pathlib import Path
 
 from remodel_planner.commands.database_option import add_database_option
+from remodel_planner.commands.design_orders import add_design_options, design_order
 from remodel_planner.core.board.cabinet import laid_out
 from remodel_planner.core.imports.account import Imported
 from remodel_planner.core.imports.formats import DesignFormat, format_of, import_design
-from remodel_planner.core.order_problem import order_problem
-from remodel_planner.core.planning.preferences import Preferred, apply_preferences
 from remodel_planner.core.production import Order
+from remodel_planner.core.use_case.preparation import prepare
 from remodel_planner.edge.ability_files import read_abilities
 from remodel_planner.edge.catalogue_file import read_catalogue
 from remodel_planner.edge.design_files import read_design, read_mappings
@@ -48,13 +48,14 @@ def main(arguments: list[str] | None = None) -> int:
         "--preferences", type=Path, metavar="FILE", help="YAML of what a user prefers and requires"
     )
     parser.add_argument("--verbose", action="store_true", help="list every guess and omission")
+    add_design_options(parser)
     add_database_option(parser)
     options = parser.parse_args(arguments)
     name = options.order or re.sub(r"\W+", "_", options.file.stem)
     try:
         imported = _read(options, name)
         order = laid_out(imported.order)
-        preferences = _preferences(options.preferences, order)
+        preferences = _preferences(options, order)
         database = ProductionDatabase(options.database)
         try:
             database.add_order(order, preferences, read_abilities())
@@ -81,13 +82,15 @@ def _read(options: argparse.Namespace, name: str) -> Imported:
         raise DesignError(f"{file}: {error}") from error
 
 
-def _preferences(file: Path | None, order: Order) -> object:
+def _preferences(options: argparse.Namespace, order: Order) -> object:
     """Return the document of the preferences in a file, which fit the order; None for no file."""
+    file: Path | None = options.preferences
     if file is None:
         return None
     with blamed(file):
         document = read_yaml(file)
-        apply_preferences(Preferred(order_problem(order)), document)
+    work, use_case = design_order(order, options)
+    prepare(work, use_case, [(str(file), document)])
     return document
 
 

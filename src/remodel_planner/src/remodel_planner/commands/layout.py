@@ -9,15 +9,13 @@ from pathlib import Path
 from remodel_planner.commands.database_option import add_database_option
 from remodel_planner.core.board.board import board_of
 from remodel_planner.core.board.drawing import draw_board
-from remodel_planner.core.order_problem import order_instance
-from remodel_planner.edge.json_file import write_json
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.text_file import write_text
 from remodel_planner.errors import PlannerError
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Write the drawing, and the planning problem if it is asked for; return the exit code."""
+    """Write the drawing, and return the exit code."""
     parser = argparse.ArgumentParser(
         prog="layout",
         description="Draw the board of an order: components, ducts or bundles, clips and wires.",
@@ -25,12 +23,6 @@ def main(arguments: list[str] | None = None) -> int:
     )
     parser.add_argument("order", help="name of the order in the production database")
     parser.add_argument("--output", type=Path, required=True, help="file of the drawing (SVG)")
-    parser.add_argument(
-        "--instance", type=Path, metavar="FILE", help="file of the planning problem (planbench-1)"
-    )
-    parser.add_argument(
-        "--arms", type=int, choices=(1, 2), default=2, help="of the planning problem (default 2)"
-    )
     add_database_option(parser)
     options = parser.parse_args(arguments)
     try:
@@ -41,8 +33,6 @@ def main(arguments: list[str] | None = None) -> int:
             database.close()
         board = board_of(order)
         write_text(options.output, draw_board(board))
-        if options.instance is not None:
-            write_json(options.instance, order_instance(order, options.arms))
     except PlannerError as error:
         print(f"layout: {error}", file=sys.stderr)
         return 1

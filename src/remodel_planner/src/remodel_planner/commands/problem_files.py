@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from remodel_planner.commands.database_option import add_database_option
-from remodel_planner.core.order_problem import order_problem
+from remodel_planner.commands.design_orders import add_design_options, design_order
 from remodel_planner.core.planning.defects import require_sound
 from remodel_planner.core.planning.instance import problem_from
 from remodel_planner.core.planning.plan_form import plan_from
 from remodel_planner.core.planning.preferences import Preferred, apply_preferences
 from remodel_planner.core.planning.problem import Plan, Problem
-from remodel_planner.core.production import Order
 from remodel_planner.core.use_case.preparation import Prepared, prepare
 from remodel_planner.core.use_case.work_order import is_order, order_from
 from remodel_planner.edge.json_file import read_json
@@ -49,9 +48,7 @@ def add_problem_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--order", metavar="NAME", help="order of the production database, in place of a file"
     )
-    parser.add_argument(
-        "--arms", type=int, choices=(1, 2), default=2, help="that place an order (default 2)"
-    )
+    add_design_options(parser)
     add_database_option(parser)
     parser.add_argument(
         "--preferences",
@@ -79,17 +76,12 @@ def read_problem(options: argparse.Namespace) -> ProblemFiles:
     """
     if (options.instance is None) == (options.order is None):
         raise InstanceError("give either the file of a problem or order, or --order NAME")
+    if options.order is None and options.use_case is not None:
+        raise InstanceError("--use-case is for --order NAME: the file of an order names its own")
     documents = [(str(file), read_document(file)) for file in options.preferences]
     situations = frozenset(options.situations)
     if options.order is not None:
-        stored, preferences = _stored_order(options)
-        if preferences is not None:
-            documents.insert(0, (f"preferences of order {stored.name}", preferences))
-        with blamed(f"order {stored.name}"):
-            problem = order_problem(stored, options.arms)
-        files = ProblemFiles(
-            _preferred(f"order {stored.name}", problem, documents, situations), None
-        )
+        files = _read_stored(options, documents, situations)
     else:
         files = _read_file(options.instance, documents, situations)
     unknown = sorted(situations - files.preferred.situations)
@@ -108,10 +100,33 @@ def read_order(options: argparse.Namespace) -> Prepared:
     prepared = read_problem(options).prepared
     if prepared is None:
         raise InstanceError(
-            f"{options.instance or f'order {options.order}'}: states a problem, and no tasks to "
-            "decompose: give the file of an order (remodel-order-1, docs/use-cases.md)"
+            f"{options.instance}: states a problem, and no tasks to decompose: give the file of an "
+            "order (remodel-order-1, docs/use-cases.md), or --order NAME"
         )
     return prepared
+
+
+def _read_stored(
+    options: argparse.Namespace,
+    documents: list[tuple[str, object]],
+    situations: frozenset[str],
+) -> ProblemFiles:
+    """Return the problem that an order of the production database makes."""
+    # SQLAlchemy takes longer to load than most problems to plan, and files do not need it.
+    from remodel_planner.edge.production_database import ProductionDatabase
+
+    database = ProductionDatabase(options.database)
+    try:
+        stored = database.order(options.order)
+        preferences = database.preferences(options.order)
+    finally:
+        database.close()
+    if preferences is not None:
+        documents = [(f"preferences of order {stored.name}", preferences), *documents]
+    with blamed(f"order {stored.name}"):
+        order, use_case = design_order(stored, options)
+        prepared = prepare(order, use_case, documents, situations)
+    return ProblemFiles(prepared.preferred, prepared)
 
 
 def _read_file(
@@ -155,18 +170,6 @@ def read_document(file: Path) -> object:
     """
     with blamed(file):
         return read_yaml(file) if file.suffix in _YAML else read_json(file)
-
-
-def _stored_order(options: argparse.Namespace) -> tuple[Order, object]:
-    """Return an order of the production database, and the preferences that came with it."""
-    # SQLAlchemy takes longer to load than most problems to plan, and files do not need it.
-    from remodel_planner.edge.production_database import ProductionDatabase
-
-    database = ProductionDatabase(options.database)
-    try:
-        return database.order(options.order), database.preferences(options.order)
-    finally:
-        database.close()
 
 
 def read_plan(file: Path) -> Plan:

@@ -3,30 +3,18 @@
 from __future__ import annotations
 
 import base64
-import re
-from collections.abc import Mapping
 from pathlib import Path
 
 from flexbe_synthesizer.core.codec import parse_chart
 from flexbe_synthesizer.core.draw import chart_to_dot
-from flexbe_synthesizer.core.model import Chart
 from flexbe_synthesizer.edge.graphviz import dot_picture
 from remodel_planner.core.production import Wire
 from remodel_planner.core.run import Operation
 from remodel_planner.core.run_report import Drawing, Picture, WireStory
 from remodel_planner.core.supervision.attempts import Attempt
+from remodel_planner.core.supervision.picture_name import seen_by
 from remodel_planner.core.trace import Trace, trace
-from remodel_planner.edge.package_files import behavior_charts
-
-# As ros/pictures.py names them.
-_PICTURE = re.compile(r".*_(?P<stamp>[\d.]+)_(?P<camera>[a-z]+)\.jpg")
-
-
-def nested_charts() -> Mapping[str, Chart]:
-    """Return the charts that tasks nest, by name."""
-    path = behavior_charts() / "place_connector.xml"
-    chart = parse_chart(path.read_text(encoding="utf-8"), str(path))
-    return {chart.name: chart}
+from remodel_planner.edge.nested_charts import nested_charts
 
 
 class Storyteller:
@@ -55,12 +43,10 @@ class Storyteller:
         return tuple(Picture("The cell at the end", self._uri(name)) for name in last)
 
     def _picture(self, name: str, operations: tuple[Operation, ...]) -> Picture:
-        found = _PICTURE.fullmatch(name)
-        if found is None or found["camera"] == "scene":
+        camera, stamp_s = seen_by(name)
+        if camera == "scene":
             return Picture("The panel afterwards", self._uri(name))
-        return Picture(
-            _caption(float(found["stamp"]), found["camera"], operations), self._uri(name)
-        )
+        return Picture(_caption(stamp_s, camera, operations), self._uri(name))
 
     def _uri(self, name: str) -> str:
         jpeg = (self._pictures / name).read_bytes()

@@ -15,6 +15,7 @@ from remodel_planner.errors import PlannerError
 from remodel_planner.ros.behavior_synthesizer import BehaviorSynthesizer
 from remodel_planner.ros.cell import Cell
 from remodel_planner.ros.inspection import Inspection
+from remodel_planner.ros.record_server import RecordServer
 from remodel_planner.ros.run_server import RunServer
 from remodel_planner.ros.task_supervisor import TaskSupervisor
 from remodel_planner.ros.use_case_supervisor import Peers
@@ -76,8 +77,11 @@ def main(arguments: list[str] | None = None) -> int:
         options.search,
     )
     peers = Peers(Cell(), BehaviorSynthesizer(), TaskSupervisor(), Inspection())
-    server = RunServer(database, maker, peers, options.cell, output / "runs")
+    servers = (
+        RecordServer(database, output / "runs"),
+        RunServer(database, maker, peers, options.cell, output / "runs"),
+    )
     rospy.spin()
-    del server
+    del servers
     database.close()
     return 0

@@ -11,6 +11,7 @@ from enum import Enum
 from fnmatch import fnmatchcase
 from typing import Any
 
+from remodel_planner.core.production import Role
 from remodel_planner.errors import CatalogueError
 
 
@@ -49,6 +50,23 @@ class WireType:
 
 
 @dataclass(frozen=True)
+class TerminalRule:
+    """How wire ends go into the terminals of some components.
+
+    Attributes:
+        role: of the components.
+        part: pattern of their part numbers.
+        force_limit_n: [N] that an insertion must not exceed.
+        clearance_m: [m] around a mouth that belongs to it.
+    """
+
+    role: Role
+    part: str
+    force_limit_n: float
+    clearance_m: float
+
+
+@dataclass(frozen=True)
 class Catalogue:
     """Rules and tables for what a design file leaves unsaid."""
 
@@ -59,6 +77,7 @@ class Catalogue:
     default_colour: str
     default_section: float
     wires: Mapping[float, WireType]
+    terminals: tuple[TerminalRule, ...]
 
     def place(self, path: str, link_type: str) -> Place:
         """Return where an element belongs, by its path in the collection and its link type."""
@@ -68,6 +87,14 @@ class Catalogue:
             if fnmatchcase(path, pattern):
                 return place
         return Place.PLATE
+
+    def terminal_rule(self, role: Role, part_number: str) -> TerminalRule:
+        """Return the first rule that fits a component; the last one of each role fits all."""
+        return next(
+            rule
+            for rule in self.terminals
+            if rule.role is role and fnmatchcase(part_number, rule.part)
+        )
 
     def wire_type(self, section_mm2: float) -> WireType:
         """Return the properties of a wire of that section.
@@ -105,6 +132,11 @@ def catalogue_from(parsed: object) -> Catalogue:
             )
             for section, row in data["wires"].items()
         }
+        where = "terminals"
+        terminals = tuple(_terminal_rule(row) for row in data["terminals"])
+        for role in Role:
+            if not any(rule.role is role and rule.part == "*" for rule in terminals):
+                raise ValueError(f"no rule with part '*' for role {role.value}")
         where = "colours and defaults"
         return Catalogue(
             placement,
@@ -114,9 +146,23 @@ def catalogue_from(parsed: object) -> Catalogue:
             str(data["default_colour"]),
             float(data["default_section"]),
             wires,
+            terminals,
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise CatalogueError(f"catalogue: {where}: {error!r}") from error
+
+
+def _terminal_rule(row: Mapping[str, Any]) -> TerminalRule:
+    """Return a rule whose values a terminal can have; ValueError if they cannot be."""
+    rule = TerminalRule(
+        Role(row["role"]), str(row["part"]), float(row["force_limit"]), float(row["clearance"])
+    )
+    if not (rule.force_limit_n > 0 and rule.clearance_m >= 0):
+        raise ValueError(
+            f"force_limit {rule.force_limit_n:g}, clearance {rule.clearance_m:g}: the one must be "
+            "above 0, the other at least 0"
+        )
+    return rule
 
 
 def _mapping(parsed: object) -> Mapping[str, Any]:

@@ -14,7 +14,7 @@ cabinet, the vehicle's or the formboard's for a harness), those of terminals in 
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
@@ -250,8 +250,12 @@ class Order:
 
     def clips_of(self, wire: Wire) -> tuple[Clip, ...]:
         """Return the clips along a wire's route, from its end a to its end b."""
+        return self.clips_along(self.way_of(wire))
+
+    def clips_along(self, way: Sequence[tuple[Segment, bool]]) -> tuple[Clip, ...]:
+        """Return the clips along segments, of each whether it is passed from start to end."""
         passed: list[Clip] = []
-        for index, (segment, is_forward) in enumerate(self.way_of(wire)):
+        for index, (segment, is_forward) in enumerate(way):
             first, last = (segment.start, segment.end)[:: 1 if is_forward else -1]
             if not index:
                 passed += self._clips_at.get(first, ())

@@ -106,7 +106,7 @@ def add_order_rows(session: Session, order: Order) -> OrderRow:
     session.bulk_insert_mappings(
         TaskRow,
         [
-            {"order_id": row.id, "wire_id": wires[wire.name], "state": "open"}
+            {"order_id": row.id, "wire_id": wires[wire.name], "state": "open", "cell": ""}
             for wire in order.in_cabinet().wires
         ],
     )

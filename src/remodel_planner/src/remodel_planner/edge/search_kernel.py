@@ -19,7 +19,8 @@ from remodel_planner.edge.kernel_library import declare, load_library
 from remodel_planner.errors import InstanceError
 
 _SCALARS = (
-    *("wires", "components", "segments", "arms", "unders", "pins", "softs", "openings", "speed"),
+    *("wires", "components", "segments", "arms", "unders", "pins", "softs", "rankings"),
+    *("openings", "speed"),
     *("locate", "change_tool", "extract", "hand_over"),
     *("colour_weight", "zone_weight", "start_weight", "tool_weight", "heavy_weight", "arm_weight"),
     "light_started",
@@ -38,7 +39,8 @@ _ARRAYS = (
         "stage",
         "jammed",
     ),
-    *("segment_start", "segment", "under", "pin", "soft", "opening", "located"),
+    *("segment_start", "segment", "under", "pin", "soft", "rank", "rank_weight"),
+    *("opening", "located"),
     *("arm_position", "arm_station", "arm_tool", "arm_colour", "arm_zone"),
 )
 _Pointer = POINTER(c_int32)

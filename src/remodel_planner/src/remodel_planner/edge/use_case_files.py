@@ -6,13 +6,13 @@ import os
 from pathlib import Path
 
 import jsonschema
-import yaml
 
+from remodel_planner.core.use_case.designs import DesignKind
 from remodel_planner.core.use_case.model import UseCase
 from remodel_planner.core.use_case.reading import use_case_from
 from remodel_planner.edge.json_file import read_json
 from remodel_planner.edge.package_files import use_case_folder, use_case_schema
-from remodel_planner.edge.text_file import read_text
+from remodel_planner.edge.yaml_file import read_yaml
 from remodel_planner.errors import InstanceError, UseCaseError
 
 # Folders with use cases of the user's own, before those of the package; separated as PATH is.
@@ -25,8 +25,7 @@ def find_use_case(name: str) -> UseCase:
     Raises:
         UseCaseError: if there is none, or its file is malformed.
     """
-    folders = [Path(part) for part in os.environ.get(VARIABLE, "").split(os.pathsep) if part]
-    files = [file for folder in [*folders, use_case_folder()] for file in folder.glob("*.yaml")]
+    files = _files()
     for file in files:
         if file.stem == name:
             return read_use_case(file)
@@ -36,18 +35,34 @@ def find_use_case(name: str) -> UseCase:
     )
 
 
+def default_use_case(kind: DesignKind) -> UseCase:
+    """Return the use case by which designs of a kind are done; the user's own come first.
+
+    Raises:
+        UseCaseError: if there is none, or the file of one is malformed.
+    """
+    for file in _files():
+        data = _parsed(file)
+        designs = data.get("designs") if isinstance(data, dict) else None
+        if isinstance(designs, dict) and designs.get("default_for") == kind.value:
+            return read_use_case(file)
+    raise UseCaseError(
+        f"no use case says `designs: {{default_for: {kind.value}}}`: name one by --use-case"
+    )
+
+
+def _files() -> list[Path]:
+    folders = [Path(part) for part in os.environ.get(VARIABLE, "").split(os.pathsep) if part]
+    return [f for folder in [*folders, use_case_folder()] for f in sorted(folder.glob("*.yaml"))]
+
+
 def read_use_case(file: Path) -> UseCase:
     """Return the use case in a file, which bears its name.
 
     Raises:
         UseCaseError: naming the file, and what is wrong where.
     """
-    try:
-        data = yaml.safe_load(read_text(file))
-    except InstanceError as error:
-        raise UseCaseError(f"{file}: {error}") from error
-    except yaml.YAMLError as error:
-        raise UseCaseError(f"{file}: is no YAML: {' '.join(str(error).split())}") from error
+    data = _parsed(file)
     schema = jsonschema.Draft202012Validator(read_json(use_case_schema()))
     findings = [_told(error) for error in sorted(schema.iter_errors(data), key=_place)]
     if not findings and data["name"] != file.stem:
@@ -57,6 +72,13 @@ def read_use_case(file: Path) -> UseCase:
     try:
         return use_case_from(data)
     except UseCaseError as error:
+        raise UseCaseError(f"{file}: {error}") from error
+
+
+def _parsed(file: Path) -> object:
+    try:
+        return read_yaml(file)
+    except InstanceError as error:
         raise UseCaseError(f"{file}: {error}") from error
 
 

@@ -61,6 +61,8 @@ class WorkPlanner:
         search_s = self._search_s if len(tasks) > 1 else 0.0
         planned = plan_problem(prepared.preferred.problem, search_s)
         found = {task.name: task for task in planned_tasks(prepared, planned.plan)}
+        for name in found.keys() - self._tasks.keys():
+            _ = found[name].chart  # what its use case asks for in vain is told before it begins
         self._prepared = prepared
         self._tasks |= found
         return tuple(found)

@@ -238,8 +238,9 @@ class RunServer:
             self._changed.clear()
             active = self._active
             if active is not None:
-                self._publish(active)
-                _feed_back(active)
+                with contextlib.suppress(rospy.ROSException):  # at shutdown topics are closed
+                    self._publish(active)
+                    _feed_back(active)
                 time.sleep(_TELL_EVERY_S / 4)
 
     def _publish(self, active: _Active) -> None:

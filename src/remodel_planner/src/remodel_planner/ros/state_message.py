@@ -75,7 +75,7 @@ def levels(supervisor: UseCaseSupervisor) -> list[LevelState]:
     since = rospy.Time.from_sec(task.began_s)
     doing = supervisor.doing_now
     found.append(LevelState(LevelState.TASK, task.name, f"attempt {task.attempts}", since))
-    found.append(LevelState(LevelState.BEHAVIOR, task.behavior, supervisor.state_left, since))
+    found.append(LevelState(LevelState.BEHAVIOR, task.behavior, supervisor.state_path, since))
     if doing is None:
         return [*found, LevelState(level=LevelState.ACTION)]
     text = f"{doing.text} ({doing.percent:.0f} %)"

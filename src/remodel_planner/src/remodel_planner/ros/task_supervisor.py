@@ -52,7 +52,12 @@ class Sight:
 
 
 class TaskSupervisor:
-    """Runs behaviors, one at a time."""
+    """Runs behaviors, one at a time.
+
+    Attributes:
+        abilities: what they do.
+        state_path: of the state in which the engine is; empty if it says none.
+    """
 
     def __init__(self) -> None:
         """Offer to keep records, and listen to the engine and to what abilities publish."""
@@ -63,6 +68,7 @@ class TaskSupervisor:
         self._path: list[str] = []
         self._heard_s = 0.0
         self._code = BEStatus.READY
+        self.state_path = ""
         self.abilities = AbilityFeedback()
         self._server = ActionServer(ACTION, BehaviorExecutionAction, "be_action_server")
         self._pause = rospy.Publisher("flexbe/command/pause", Bool, queue_size=10)
@@ -70,7 +76,7 @@ class TaskSupervisor:
         self._engine = Peer("the engine", "flexbe/heartbeat", Empty, self._on_heartbeat)
         self._runner = Peer("the engine's action server", f"{ACTION}/feedback")
         rospy.Subscriber("flexbe/status", BEStatus, self._on_status)
-        rospy.Subscriber("flexbe/debug/current_state", String, self._on_left)
+        rospy.Subscriber("flexbe/behavior_update", String, self._on_entered, tcp_nodelay=True)
         for camera in CAMERAS:
             topic = f"cell/{camera}/detections"
             rospy.Subscriber(topic, Image, self._on_image, callback_args=camera)
@@ -149,13 +155,8 @@ class TaskSupervisor:
         """Have the engine hold before its next state, or go on."""
         self._pause.publish(Bool(paused))
 
-    @property
-    def state_left(self) -> str:
-        """The path of the state that was left last, with its outcome; empty if none was."""
-        return self._path[-1] if self._path else ""
-
     def path(self) -> tuple[str, ...]:
-        """Return the states that were left in the behavior that was run last, with outcomes."""
+        """Return the paths of the states that the behavior has entered that was run last."""
         return tuple(self._path)
 
     def sights(self) -> tuple[Sight, ...]:
@@ -190,8 +191,10 @@ class TaskSupervisor:
     def _on_status(self, status: BEStatus) -> None:
         self._code = status.code
 
-    def _on_left(self, left: String) -> None:
-        self._path.append(left.data)
+    def _on_entered(self, entered: String) -> None:
+        self.state_path = entered.data
+        if entered.data:
+            self._path.append(entered.data)
 
     def _on_record(self, request: KeepRecord) -> KeepRecordResponse:
         with self._lock:

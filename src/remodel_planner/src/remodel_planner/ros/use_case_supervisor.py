@@ -160,10 +160,11 @@ class UseCaseSupervisor:
         self._lock = threading.RLock()
         self._changed = threading.Event()
         self._lost_lease = False
-        self._loaded = False
         self._begun_s = 0.0
         # A run whose order of tasks is decided was taken up by a supervisor before.
         self._began_before = not state.to_plan
+        self._loaded = False
+        self._keep_panel = work.keep_panel or self._began_before
 
     @property
     def doing_now(self) -> Doing | None:
@@ -171,9 +172,9 @@ class UseCaseSupervisor:
         return self._peers.tasks.abilities.latest
 
     @property
-    def state_left(self) -> str:
-        """The path of the state that was left last, with its outcome; empty if none was."""
-        return self._peers.tasks.state_left
+    def state_path(self) -> str:
+        """The path of the state in which the engine is; empty if it says none."""
+        return self._peers.tasks.state_path
 
     def supervise(self) -> RunState:
         """Do what comes next until the run has ended, and return how it ended.
@@ -383,8 +384,8 @@ class UseCaseSupervisor:
 
     def _load_panel(self) -> None:
         if self.work.panel is not None and not self._loaded:
-            self._peers.cell.load(self.work.panel, keep=self.work.keep_panel)
-        self._loaded = True
+            self._peers.cell.load(self.work.panel, keep=self._keep_panel)
+        self._loaded = self._keep_panel = True
 
     def _recover(self, because: str) -> None:
         """Wait for what was lost, and stop what runs; what it was doing is in doubt."""

@@ -125,7 +125,11 @@ def _grasp_at_mouth(station: Station, end: End, socket: Pose, inside: float) -> 
     distance = inside + OUTSIDE_M
     place = tool_before(socket, Grip(end, distance, 0.0, 0.0, then.tool), inside)
     flip = choose_flip(
-        (place.x, place.y), socket.yaw, (then.tool.x, then.tool.y), then.tool.yaw + then.flip
+        station.arm,
+        (place.x, place.y),
+        socket.yaw,
+        (then.tool.x, then.tool.y),
+        then.tool.yaw + then.flip,
     )
     tool = ToolPose(place.x, place.y, place.z, socket.yaw - flip)
     yield from clear_hand(station)

@@ -16,7 +16,7 @@ from remodel_sim.abilities.motions import (
     wait,
 )
 from remodel_sim.abilities.station import Station, Steps
-from remodel_sim.core.arm import ToolPose
+from remodel_sim.core.arm import Arm, ToolPose
 from remodel_sim.core.book import Grip
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
@@ -59,7 +59,7 @@ def pick_end(
     seen = yield from look_at_end(station, end, distance)
     station.report(f"grasping end {end.value}", first + 0.6 * (last - first))
     _check_room(station, seen)
-    tool, flip = _grasp_pose(seen, distance, socket)
+    tool, flip = _grasp_pose(station.arm, seen, distance, socket)
     yield from move_to(station, tool.at(z=station.commanded.z), FREE_SPEED)
     station.drive_fingers(HAND_OPEN_M)
     yield from move_to(station, tool.at(z=APPROACH_Z), FREE_SPEED)
@@ -88,11 +88,13 @@ def _check_room(station: Station, seen: GraspSighting) -> None:
         )
 
 
-def _grasp_pose(seen: GraspSighting, distance: float, socket: Pose) -> tuple[ToolPose, float]:
+def _grasp_pose(
+    arm: Arm, seen: GraspSighting, distance: float, socket: Pose
+) -> tuple[ToolPose, float]:
     x, y, z = (float(v) for v in seen.point)
     into = unit_x(socket)
     then = socket.position - into * distance
-    flip = choose_flip((x, y), seen.tip_yaw, (float(then[0]), float(then[1])), socket.yaw)
+    flip = choose_flip(arm, (x, y), seen.tip_yaw, (float(then[0]), float(then[1])), socket.yaw)
     return ToolPose(x, y, max(z, PAD_BELOW_TOOL_M + FLOOR_CLEARANCE_M), seen.tip_yaw - flip), flip
 
 

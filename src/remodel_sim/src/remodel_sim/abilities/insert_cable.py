@@ -17,7 +17,8 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.goals import InsertGoal
 from remodel_sim.core.layout import STANDOFF_M
-from remodel_sim.core.panel import unit_x
+from remodel_sim.core.mouths import mouth_of
+from remodel_sim.core.panel import Terminal, unit_x
 
 # The tip goes to the mouth faster than into the bore [m/s]: what stops it there must not hurt it.
 APPROACH_MOUTH_SPEED = 0.04
@@ -59,11 +60,13 @@ class Push:
     """How a push went.
 
     Attributes:
-        depth: of the tip beyond the mouth at its end, by the arm [m].
+        tip: where it brought the tip, by the arm, (3,) [m], world frame.
+        depth: of the tip beyond the mouth [m].
         peak_force: [N].
         stopped: whether the force limit stopped it.
     """
 
+    tip: Array
     depth: float
     peak_force: float
     stopped: bool
@@ -82,8 +85,10 @@ def insert_cable(station: Station, goal: InsertGoal) -> Steps[CableInserted]:
     terminal = station.panel.component(goal.component_id).terminal(goal.terminal_id)
     push = yield from _push(station, goal.socket, terminal.depth, goal.force_limit)
     check_grip(station)
-    _judge(push, terminal.depth, goal)
-    station.book.seat(goal.end, (goal.component_id, goal.terminal_id))
+    key = (goal.component_id, goal.terminal_id)
+    _judge_bore(push, mouth_of(key, station.panel, station.book.seen), terminal, goal)
+    _judge_depth(push, terminal.depth, goal)
+    station.book.seat(goal.end, key)
     message = (
         f"end {goal.end.value} of {goal.cable_id} seated in "
         f"{goal.component_id}/{goal.terminal_id}, "
@@ -131,8 +136,8 @@ def _push(station: Station, socket: Pose, depth: float, limit: float) -> Steps[P
     at = station.tool
     station.drive(tool_before(socket, grip, ahead - RELAX_M))
     yield from wait(station, 0.1)
-    tip = np.array([at.x, at.y]) + into[:2] * grip.distance
-    return Push(float((tip - socket.position[:2]) @ into[:2]), peak, stopped)
+    tip = at.position + into * grip.distance + np.array([0.0, 0.0, grip.height])
+    return Push(tip, float((tip - socket.position) @ into), peak, stopped)
 
 
 def axial(force: Array, into: Array) -> float:
@@ -140,7 +145,22 @@ def axial(force: Array, into: Array) -> float:
     return float(force @ into)
 
 
-def _judge(push: Push, bottom: float, goal: InsertGoal) -> None:
+def _judge_bore(push: Push, mouth: Pose, terminal: Terminal, goal: InsertGoal) -> None:
+    """Raise when the arm brought the tip beside the mouth, where that was last seen."""
+    aside = float(np.linalg.norm(mouth.inverse().apply(push.tip)[1:]))
+    reach = terminal.bore / 2 + terminal.chamfer
+    if aside > reach:
+        raise AbilityError(
+            Code.INSERTION_MISALIGNED,
+            f"the tip is {aside * 1e3:.1f} mm beside the axis of "
+            f"'{goal.component_id}/{goal.terminal_id}', whose mouth takes {reach * 1e3:.1f} mm, at "
+            f"{push.peak_force:.1f} N; extract, locate again, insert again",
+            depth=push.depth,
+            peak_force=push.peak_force,
+        )
+
+
+def _judge_depth(push: Push, bottom: float, goal: InsertGoal) -> None:
     where = f"'{goal.component_id}/{goal.terminal_id}'"
     depth, readings = push.depth * 1e3, {"depth": push.depth, "peak_force": push.peak_force}
     if not push.stopped or push.depth > bottom + BEYOND_BOTTOM_M:

@@ -14,18 +14,19 @@ from remodel_sim.core.camera import Picture
 from remodel_sim.core.codes import Code
 from remodel_sim.core.component_shape import label_corners
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose, wrap_angle
+from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import LocateGoal
 from remodel_sim.core.layout import WORLD_FROM_PANEL
 from remodel_sim.core.panel import Component
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
-from remodel_sim.core.vision.labels import ComponentSighting, find_labels, locate_component
+from remodel_sim.core.vision.label_pose import ComponentSighting, Look, locate_component
+from remodel_sim.core.vision.labels import find_labels, search_label
 
 # Further than this from its place on the panel, something is wrong with the panel or the component.
 DISPLACED_M = 0.030
 DISPLACED_RAD = math.radians(15.0)
-# The label's corners seen and those of the pose found may differ so much.
-RESIDUAL_M = 0.001
+# One look does not tell reliably whether a component stands upright.
+LOOKS = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,27 +49,32 @@ class ComponentLocated:
 def locate_gearbox_component(station: Station, goal: LocateGoal) -> Steps[ComponentLocated]:
     """Look from above when the hand is empty, then from the hand.
 
-    The answer is what the last look saw.
+    The answer is what the hand's camera saw from two places, or from the only one that it reaches.
     """
     component = station.panel.component(goal.component_id)
     coarse = WORLD_FROM_PANEL @ component.panel_from_component
     yield from disengage(station)
+    code = Code.COMPONENT_OCCLUDED
     if station.book.grip is None:
         station.report("looking from above", 0.05)
         yield from park(station)
         picture = station.look_overhead()
         yield
-        coarse = _find(station, "overhead", picture, component, goal).world_from_component
+        above = _see(station, "overhead", picture, component, goal, coarse, [])
+        if above is None:
+            code = Code.COMPONENT_NOT_FOUND
+        else:
+            coarse = above.world_from_component
     station.report("looking from the hand", 0.4)
-    label, goes_to = coarse.apply(label_corners(component)), None
-    if goal.terminal_id:
-        goes_to = (coarse @ component.terminal(goal.terminal_id).component_from_socket).yaw
-    for tool in label_views(station, label, goes_to):
-        picture = yield from go_and_see(station, tool)
-        if component.marker_id in find_labels(picture):
-            break
-    sighting = _find(station, "wrist", picture, component, goal)
+    sighting = yield from _look_from_hand(station, component, goal, coarse)
+    if sighting is None:
+        raise AbilityError(
+            code,
+            f"label {component.marker_id} of {component.id!r} is not seen, or not well, near "
+            f"{coarse.position[0] * 1e3:.0f}, {coarse.position[1] * 1e3:.0f} mm",
+        )
     pose = sighting.world_from_component
+    station.book.seen[component.id] = pose
     socket = None
     if goal.terminal_id:
         socket = pose @ component.terminal(goal.terminal_id).component_from_socket
@@ -80,25 +86,55 @@ def locate_gearbox_component(station: Station, goal: LocateGoal) -> Steps[Compon
     return ComponentLocated(message, pose, socket, sighting.residual)
 
 
-def _find(
-    station: Station, camera: str, picture: Picture, component: Component, goal: LocateGoal
-) -> ComponentSighting:
-    labels = find_labels(picture)
+def _look_from_hand(
+    station: Station, component: Component, goal: LocateGoal, coarse: Pose
+) -> Steps[ComponentSighting | None]:
+    """Look with the wrist camera; return what was seen, None when the label was not."""
+    label, goes_to = coarse.apply(label_corners(component)), None
+    if goal.terminal_id:
+        goes_to = (coarse @ component.terminal(goal.terminal_id).component_from_socket).yaw
+    sighting: ComponentSighting | None = None
+    looks: list[Look] = []
+    for tool in label_views(station, label, goes_to):
+        picture = yield from go_and_see(station, tool)
+        seen = _see(station, "wrist", picture, component, goal, coarse, looks)
+        sighting = seen or sighting
+        if len(looks) == LOOKS:
+            break
+    return sighting
+
+
+def _see(
+    station: Station,
+    camera: str,
+    picture: Picture,
+    component: Component,
+    goal: LocateGoal,
+    near: Pose,
+    looks: list[Look],
+) -> ComponentSighting | None:
+    """Return what a picture and earlier looks tell of a component; None when it is not seen well.
+
+    A picture that shows the label well is added to the looks.
+    """
     drawing = Drawing(picture.rgb, picture.view)
-    if component.marker_id not in labels:
-        drawing.title(f"{component.id} (label {component.marker_id}) not seen")
-        station.show(camera, picture, drawing.image)
-        code = Code.COMPONENT_NOT_FOUND if camera == "overhead" else Code.COMPONENT_OCCLUDED
-        seen = ", ".join(str(marker) for marker in sorted(labels)) or "none"
-        raise AbilityError(
-            code,
-            f"the {camera} camera does not see label {component.marker_id} of {component.id!r}; "
-            f"labels seen: {seen}",
-        )
-    sighting = locate_component(component, labels[component.marker_id], picture.view)
-    _draw(drawing, component, sighting, goal)
+    sighting = None
+    corners = find_labels(picture, station.panel.components).get(component.marker_id)
+    if corners is None:
+        corners = search_label(picture, component, near)
+    if corners is not None:
+        looks.append(Look(picture, corners))
+        sighting = locate_component(component, looks)
+    if sighting is not None and not sighting.clear:
+        looks.pop()
+        sighting = None
+    if sighting is None:
+        drawing.title(f"{component.id} (label {component.marker_id}) not seen well")
+    else:
+        _draw(drawing, component, sighting, goal)
     station.show(camera, picture, drawing.image)
-    _check(station, component, sighting)
+    if sighting is not None:
+        _check_place(component, sighting)
     return sighting
 
 
@@ -122,18 +158,13 @@ def _draw(
         drawing.note(f"{component.id}/{terminal.id}", view.project(start)[0], ORANGE)
 
 
-def _check(station: Station, component: Component, sighting: ComponentSighting) -> None:
-    if sighting.residual > RESIDUAL_M:
-        raise AbilityError(
-            Code.COMPONENT_OCCLUDED,
-            f"the label of {component.id!r} is seen askew: its corners fit to "
-            f"{sighting.residual * 1e3:.1f} mm, "
-            f"allowed: {RESIDUAL_M * 1e3:.1f} mm",
-        )
+def _check_place(component: Component, sighting: ComponentSighting) -> None:
+    """Raise COMPONENT_DISPLACED when a component is far from where the panel has it."""
     nominal = WORLD_FROM_PANEL @ component.panel_from_component
     pose = sighting.world_from_component
-    away = float(np.linalg.norm(pose.position[:2] - nominal.position[:2]))
-    turned = abs(wrap_angle(pose.yaw - nominal.yaw))
+    away = float(np.linalg.norm(pose.position - nominal.position))
+    cosine = (np.trace(nominal.rotation.T @ pose.rotation) - 1) / 2
+    turned = math.acos(float(np.clip(cosine, -1, 1)))
     if away > DISPLACED_M or turned > DISPLACED_RAD:
         raise AbilityError(
             Code.COMPONENT_DISPLACED,

@@ -20,7 +20,7 @@ from remodel_sim.abilities.motions import (
     wait,
 )
 from remodel_sim.abilities.station import Station, Steps
-from remodel_sim.core.arm import TOOL_M, ToolPose, canonical_yaw, reaches
+from remodel_sim.core.arm import TOOL_M, Arm, ToolPose
 from remodel_sim.core.book import EndState, TipSighting
 from remodel_sim.core.camera import Picture, View
 from remodel_sim.core.codes import Code
@@ -176,9 +176,10 @@ def _look_close(station: Station, end: End, distance: float) -> Steps[GraspSight
 def _views_around(station: Station, point: Array, yaw: float) -> list[ToolPose]:
     """Return tool poses that bring the wrist camera over a point (2,) [m], and beside it."""
     tools = [
-        camera_above(point + aside, yaw, station.commanded.yaw) for aside in ((0.0, 0.0), *ASIDE_M)
+        camera_above(station.arm, point + aside, yaw, station.commanded.yaw)
+        for aside in ((0.0, 0.0), *ASIDE_M)
     ]
-    return [tools[0], *(tool for tool in tools[1:] if reaches(tool))]
+    return [tools[0], *(tool for tool in tools[1:] if station.arm.reaches(tool))]
 
 
 def _look_for(
@@ -226,21 +227,22 @@ def mark_end(drawing: Drawing, sighting: EndSighting, text: str) -> None:
     drawing.note(text, ferrule.centre + reach, BLUE)
 
 
-def camera_above(point: Array, yaw: float, near_yaw: float) -> ToolPose:
+def camera_above(arm: Arm, point: Array, yaw: float, near_yaw: float) -> ToolPose:
     """Return the tool pose that brings the wrist camera over a point (2,) [m].
 
     Args:
+        arm: that carries it.
         point: to be seen in the middle of the picture, world frame.
         yaw: direction of the hand's x axis that is wished for [rad]; turned by pi, or square to
             it, if need be.
         near_yaw: of the hand now [rad].
     """
     for turn in (0.0, math.pi / 2):
-        near = nearest_hand_yaw(float(point[0]), float(point[1]), yaw + turn, near_yaw)
+        near = nearest_hand_yaw(arm, float(point[0]), float(point[1]), yaw + turn, near_yaw)
         for candidate in (near, near + math.pi):
             x, y = point - _camera_offset(candidate)
             tool = ToolPose(float(x), float(y), LOOK_Z, candidate)
-            if reaches(tool):
+            if arm.reaches(tool):
                 return tool
     x, y = point - _camera_offset(yaw)
     return ToolPose(float(x), float(y), LOOK_Z, yaw)
@@ -315,9 +317,9 @@ def _held_looks(station: Station, label: Array, turns: Array) -> list[ToolPose]:
     for turn in turns:
         for dx in np.arange(-0.06, 0.061, 0.02):
             for dy in np.arange(-0.16, 0.161, 0.02):
-                yaw = canonical_yaw(now.x + dx, now.y + dy, now.yaw + turn)
+                yaw = station.arm.canonical_yaw(now.x + dx, now.y + dy, now.yaw + turn)
                 tool = ToolPose(now.x + dx, now.y + dy, TRAVEL_Z, now.yaw + turn)
-                if yaw is None or abs(yaw - tool.yaw) > 1e-6 or not reaches(tool):
+                if yaw is None or abs(yaw - tool.yaw) > 1e-6 or not station.arm.reaches(tool):
                     continue
                 if _view_from(tool, view).sees(label, BORDER_PX):
                     looks.append((math.hypot(dx, dy) + 0.08 * abs(turn), tool))

@@ -7,12 +7,11 @@ import math
 import numpy as np
 
 from remodel_sim.abilities.station import Station, Steps
-from remodel_sim.core.arm import ToolPose, canonical_yaw, joints_for, tool_of
+from remodel_sim.core.arm import Arm, ToolPose
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import wrap_angle
+from remodel_sim.core.geometry import Array, wrap_angle
 from remodel_sim.core.motion import PEAK_OVER_MEAN, Line
-from remodel_sim.physics.plant import PARKED
 
 FREE_SPEED = 0.60  # [m/s], hand empty and high
 CARRY_SPEED = 0.30  # with a wire in the hand
@@ -23,6 +22,11 @@ TRAVEL_Z = 0.10
 # Low enough that a carried wire stays between the rows.
 CARRY_Z = 0.028
 HAND_OPEN_M = 0.012
+# A path through joint space is checked this far apart [rad].
+CHECK_STEP_RAD = 0.1
+# Another robot is waited for so long, and looked after so often [s].
+PATIENCE_S = 60.0
+WAIT_S = 0.1
 TRACKING_TOLERANCE_M = 0.003
 # The servo lags by up to 8 mm at full speed; more means that something is in the way.
 MAX_LAG_M = 0.015
@@ -33,14 +37,16 @@ def move_to(station: Station, target: ToolPose, speed: float) -> Steps[None]:
 
     Raises UNREACHABLE before it starts, MOTION_FAULT when it does not arrive.
     """
-    line = Line(_canonical(station.commanded), _canonical(target), speed)
-    line.check_reach()
+    line = Line(_canonical(station, station.commanded), _canonical(station, target), speed)
+    postures = line.postures(station.arm)
+    yield from clear_way(station, postures)
     for tick in range(1, math.ceil(line.duration / station.tick_s) + 1):
-        station.drive(line.at(tick * station.tick_s))
+        station.follow(line.at(tick * station.tick_s))
         yield
         _check_lag(station)
-    station.drive(line.end)
+    station.follow(line.end)
     yield
+    station.stand()
     check_tracking(station)
 
 
@@ -68,14 +74,17 @@ def check_tracking(station: Station) -> None:
 
 def swing_to(station: Station, target: ToolPose) -> Steps[None]:
     """Move the empty hand, high up, through joint space; raises UNREACHABLE before it starts."""
-    start, end = joints_for(station.commanded), joints_for(target)
+    start, end = station.arm.joints_for(station.commanded), station.arm.joints_for(target)
     farthest = float(np.abs(end - start).max())
+    parts = math.ceil(farthest / CHECK_STEP_RAD) + 1
+    yield from clear_way(station, np.linspace(start, end, parts + 1))
     ticks = math.ceil(PEAK_OVER_MEAN * farthest / JOINT_SPEED / station.tick_s)
     for tick in range(1, ticks + 1):
         t = tick / ticks
         station.drive_joints(start + t**3 * (10 - 15 * t + 6 * t * t) * (end - start))
         yield
-    station.commanded = tool_of(end)
+    station.commanded = station.arm.tool_of(end)
+    station.stand()
 
 
 def wait(station: Station, seconds: float) -> Steps[None]:
@@ -98,12 +107,71 @@ def clear_hand(station: Station) -> Steps[None]:
     yield from rise(station)
 
 
+def clear_way(station: Station, postures: Array) -> Steps[None]:
+    """Wait until no other robot is in the way of a path, (n, 7) [rad], and claim its room.
+
+    A robot that does nothing and holds nothing is sent home.
+
+    Raises:
+        AbilityError: ROBOT_IN_THE_WAY when it holds something, or waits for this one, or does not
+            make way in time.
+    """
+    for _ in range(math.ceil(PATIENCE_S / WAIT_S)):
+        other = station.claim(postures)
+        if other is None:
+            station.wait_for(None)
+            return
+        _check_makes_way(station, other)
+        station.wait_for(other)
+        if other.busy:
+            yield from wait(station, WAIT_S)
+        else:
+            yield from send_home(other)
+    raise AbilityError(
+        Code.ROBOT_IN_THE_WAY,
+        f"{other.name} has been in the way of {station.name} for {PATIENCE_S:.0f} s: it does "
+        f"{other.progress.message!r}; wait for it or cancel it",
+    )
+
+
+def _check_makes_way(station: Station, other: Station) -> None:
+    if other.waits_for(station):
+        raise AbilityError(
+            Code.ROBOT_IN_THE_WAY,
+            f"{station.name} and {other.name} are in each other's way; {station.name} gives up: "
+            "try again when the other is done",
+        )
+    if not other.busy and (other.book.grip is not None or other.commanded == other.home):
+        raise AbilityError(
+            Code.ROBOT_IN_THE_WAY,
+            f"{other.name} stands at {other.commanded}, in the way of {station.name}; place what "
+            "it holds, or go another way",
+        )
+
+
+def send_home(other: Station) -> Steps[None]:
+    """Take the empty hand of a robot that does nothing home."""
+    other.begin()
+    other.report("making way", 0.0)
+    try:
+        yield from _go_home(other)
+    finally:
+        other.end()
+
+
 def park(station: Station) -> Steps[None]:
-    """Take the empty hand out of the overhead camera's picture."""
-    if station.commanded != PARKED:
+    """Take the empty hand out of the overhead camera's picture, and idle robots' as well."""
+    for other in station.peers:
+        if not other.busy and other.book.grip is None and other.commanded != other.home:
+            yield from send_home(other)
+    yield from _go_home(station)
+
+
+def _go_home(station: Station) -> Steps[None]:
+    if station.commanded != station.home:
         yield from clear_hand(station)
-        yield from swing_to(station, PARKED)
-        station.commanded = PARKED
+        yield from swing_to(station, station.home)
+        station.commanded = station.home
 
 
 def disengage(station: Station) -> Steps[None]:
@@ -124,7 +192,11 @@ CLEAR_OF_MOUTH_M = 0.008
 
 
 def choose_flip(
-    at: tuple[float, float], tip_yaw: float, then_at: tuple[float, float], then_tip_yaw: float
+    arm: Arm,
+    at: tuple[float, float],
+    tip_yaw: float,
+    then_at: tuple[float, float],
+    then_tip_yaw: float,
 ) -> float:
     """Return how to hold a wire, tip along the hand's x axis (0) or against it (pi).
 
@@ -138,12 +210,11 @@ def choose_flip(
     turn = wrap_angle(then_tip_yaw - tip_yaw)
     best: tuple[float, float] | None = None
     for flip in (0.0, math.pi):
-        first = canonical_yaw(*at, tip_yaw - flip)
-        second = canonical_yaw(*then_at, then_tip_yaw - flip)
+        first = arm.canonical_yaw(*at, tip_yaw - flip)
+        second = arm.canonical_yaw(*then_at, then_tip_yaw - flip)
         if first is None or second is None or abs(second - first - turn) > 0.5:
             continue
-        q7 = [math.atan2(at[1], at[0]) + math.pi / 4 - first]
-        q7.append(math.atan2(then_at[1], then_at[0]) + math.pi / 4 - second)
+        q7 = [arm.last_joint(*at, first), arm.last_joint(*then_at, second)]
         cost = max(abs(q) for q in q7)
         if best is None or cost < best[0]:
             best = cost, flip
@@ -157,13 +228,13 @@ def choose_flip(
     return best[1]
 
 
-def nearest_hand_yaw(x: float, y: float, yaw: float, near: float) -> float:
+def nearest_hand_yaw(arm: Arm, x: float, y: float, yaw: float, near: float) -> float:
     """Return `yaw`, or that turned by pi, whichever joint 7 reaches with less turning."""
-    options = [canonical_yaw(x, y, yaw + turn) for turn in (0.0, math.pi)]
+    options = [arm.canonical_yaw(x, y, yaw + turn) for turn in (0.0, math.pi)]
     reachable = [option for option in options if option is not None]
     return min(reachable, key=lambda option: abs(option - near), default=yaw)
 
 
-def _canonical(tool: ToolPose) -> ToolPose:
-    yaw = canonical_yaw(tool.x, tool.y, tool.yaw)
+def _canonical(station: Station, tool: ToolPose) -> ToolPose:
+    yaw = station.arm.canonical_yaw(tool.x, tool.y, tool.yaw)
     return tool if yaw is None else ToolPose(tool.x, tool.y, tool.z, yaw)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TypeVar
 
-from remodel_sim.abilities.station import Progress, Station, Steps
+from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.physics.plant import Plant
 
 T = TypeVar("T")
@@ -16,9 +17,19 @@ def advance(plant: Plant, station: Station) -> None:
         plant.step()
 
 
+def occupy(stations: Sequence[Station], steps: Steps[T]) -> Steps[T]:
+    """Do an ability's steps, its robots busy until it ends."""
+    for station in stations:
+        station.begin()
+    try:
+        return (yield from steps)
+    finally:
+        for station in stations:
+            station.end()
+
+
 def run(plant: Plant, station: Station, steps: Steps[T]) -> T:
-    """Run an ability to its end and return its result; raises what it raises."""
-    station.progress = Progress()
+    """Run steps to their end and return their result; raises what they raise."""
     while True:
         try:
             next(steps)

@@ -5,19 +5,25 @@ The arm, its sensors, the cameras, the clamps' drives, the panel's drawing and t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
-from remodel_sim.core.arm import ToolPose, joints_for, tool_of
+from remodel_sim.core.arm import ToolPose
+from remodel_sim.core.arm_volume import volume_of
 from remodel_sim.core.book import Book
 from remodel_sim.core.camera import Picture, View
+from remodel_sim.core.cell_design import RobotDesign
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.panel import Panel, Wire
-from remodel_sim.physics.plant import PARKED, Plant
+from remodel_sim.core.traffic import Traffic
+from remodel_sim.physics.plant import Plant
+from remodel_sim.physics.robot import Robot
 
 # Commands to the arm and checks of its sensors [1/s].
 TICK_HZ = 120.0
@@ -53,9 +59,16 @@ class Progress:
 
 
 class Station:
-    """The abilities' only access to the plant; nothing here tells where things really are.
+    """The abilities' only access to the plant, for one robot of the cell.
+
+    Nothing here tells where things really are.
 
     Attributes:
+        name: of the robot.
+        busy: whether the robot does something.
+        crew: the stations of all robots of the cell, by name.
+        arm: its kinematics.
+        home: where the empty hand waits, out of the overhead camera's picture.
         book: what the cell knows of its own doing.
         progress: of the ability that runs.
         tick_s: time between two commands to the arm [s].
@@ -63,17 +76,73 @@ class Station:
             the hand always points down, so its weight reads the same everywhere.
     """
 
-    def __init__(self, plant: Plant, on_look: OnLook | None = None) -> None:
-        """Take over a freshly built plant."""
+    def __init__(
+        self,
+        plant: Plant,
+        design: RobotDesign,
+        book: Book,
+        crew: Mapping[str, Station],
+        traffic: Traffic,
+        on_look: OnLook | None = None,
+    ) -> None:
+        """Take over a robot of a freshly built plant."""
         self._plant = plant
+        self._camera = design.camera.name
         self._on_look = on_look
-        self.book = Book()
+        self.name, self.arm, self.home = design.name, design.arm, design.home
+        self.book = book
+        self.busy = False
+        self.crew = crew
+        self._traffic = traffic
         self.progress = Progress()
         self.steps_per_tick = max(1, round(1.0 / (TICK_HZ * plant.world.time_step)))
         self.tick_s = self.steps_per_tick * plant.world.time_step
-        self.commanded = PARKED
+        self.commanded = self.home
+        self.stand()
         self.free_force = self.force
-        self.fingers_open_to = plant.robot.finger_gap / 2
+        self.fingers_open_to = self._robot.finger_gap / 2
+
+    @property
+    def _robot(self) -> Robot:
+        """The arm and its sensors; the plant builds them anew for every wire."""
+        return self._plant.robots[self.name]
+
+    @property
+    def peers(self) -> list[Station]:
+        """The cell's other robots."""
+        return [station for name, station in self.crew.items() if name != self.name]
+
+    def begin(self) -> None:
+        """Note that the robot begins to do something."""
+        self.busy, self.progress = True, Progress()
+
+    def end(self) -> None:
+        """Note that the robot has stopped; it needs no more room than it takes up."""
+        self.busy = False
+        self.wait_for(None)
+        self.stand()
+
+    def claim(self, postures: Array) -> Station | None:
+        """Ask for the room of a path, (n, 7) [rad]; return who is in the way, if anybody is."""
+        if len(self.crew) == 1:
+            return None
+        other = self._traffic.claim(self.name, volume_of(self.arm, postures))
+        return None if other is None else self.crew[other]
+
+    def stand(self) -> None:
+        """Give up all room but that of the arm where it was sent last."""
+        here = volume_of(self.arm, self.arm.joints_for(self.commanded))
+        self._traffic.stand(self.name, here)
+
+    def wait_for(self, other: Station | None) -> None:
+        """Note whom the robot waits for."""
+        self._traffic.waits_for.pop(self.name, None)
+        if other is not None:
+            self._traffic.waits_for[self.name] = other.name
+
+    def waits_for(self, other: Station) -> bool:
+        """Return whether the robot waits for another one."""
+        return self._traffic.waits_for.get(self.name) == other.name
 
     @property
     def panel(self) -> Panel:
@@ -89,44 +158,56 @@ class Station:
 
     def arm_restarted(self) -> None:
         """Note that the arm stands where it was sent, its fingers open."""
-        self.fingers_open_to = self._plant.robot.finger_gap / 2
+        self.fingers_open_to = self._robot.finger_gap / 2
 
     def report(self, message: str, share: float) -> None:
         """Tell what is being done and how far it is, 0 to 1."""
         self.progress = Progress(message, max(self.progress.share, share))
 
     def drive(self, tool: ToolPose) -> None:
-        """Command the tool pose; raises UNREACHABLE."""
-        self._plant.robot.drive(joints_for(tool))
+        """Command a tool pose by feel; raises UNREACHABLE, or ROBOT_IN_THE_WAY and stops."""
+        if len(self.crew) > 1:
+            here = volume_of(self.arm, self.arm.joints_for(tool))
+            other = self._traffic.in_the_way(self.name, here)
+            if other is not None:
+                raise AbilityError(
+                    Code.ROBOT_IN_THE_WAY,
+                    f"{other} is in the way of {self.name}, which stands at {self.commanded}",
+                )
+        self.follow(tool)
+
+    def follow(self, tool: ToolPose) -> None:
+        """Command a tool pose on a path whose room is claimed; raises UNREACHABLE."""
+        self._robot.drive(self.arm.joints_for(tool))
         self.commanded = tool
 
     def drive_joints(self, joints: Array) -> None:
         """Command the arm's joints, (7,) [rad]; joints 3 and 5 stay at zero."""
-        self._plant.robot.drive(joints)
-        self.commanded = tool_of(joints)
+        self._robot.drive(joints)
+        self.commanded = self.arm.tool_of(joints)
 
     def drive_fingers(self, opening: float) -> None:
         """Send each finger to a distance from the middle [m].
 
         Closing, they stop on what they grip.
         """
-        self._plant.robot.drive_fingers(opening)
+        self._robot.drive_fingers(opening)
         self.fingers_open_to = opening
 
     @property
     def tool(self) -> ToolPose:
         """The measured tool pose."""
-        return self._plant.robot.tool
+        return self._robot.tool
 
     @property
     def finger_gap(self) -> float:
         """The measured distance between the pads [m]."""
-        return self._plant.robot.finger_gap
+        return self._robot.finger_gap
 
     @property
     def finger_load(self) -> float:
         """The measured closing force of the weaker finger [N]."""
-        return self._plant.robot.finger_load
+        return self._robot.finger_load
 
     @property
     def force(self) -> Array:
@@ -134,13 +215,13 @@ class Station:
 
         Holds the hand's weight.
         """
-        robot = self._plant.robot
+        robot = self._robot
         return robot.world_from_hand.rotation @ robot.wrist_force
 
     @property
     def wrist_view(self) -> View:
         """Where the wrist camera is, by the arm's own measure."""
-        return self._plant.wrist_view
+        return self._plant.wrist_view(self.name)
 
     def look_overhead(self) -> Picture:
         """Take a colour and depth picture of the whole plate."""
@@ -148,7 +229,7 @@ class Station:
 
     def look_wrist(self) -> Picture:
         """Take a colour picture from the hand."""
-        return self._looked("wrist", self._plant.look_wrist())
+        return self._looked(self._camera, self._plant.look_wrist(self.name))
 
     def _looked(self, camera: str, picture: Picture) -> Picture:
         if self._on_look is not None:
@@ -156,9 +237,10 @@ class Station:
         return picture
 
     def show(self, camera: str, picture: Picture, drawing: Image) -> None:
-        """Show what was found in a picture."""
+        """Show what was found in a picture of a camera, "overhead" or "wrist": this robot's."""
         if self._on_look is not None:
-            self._on_look(camera, picture, drawing)
+            name = self._camera if camera == "wrist" else camera
+            self._on_look(name, picture, drawing)
 
     def move_fork(self, x: float, y: float) -> None:
         """Bring the feeder's fork up around a wire, world frame [m].

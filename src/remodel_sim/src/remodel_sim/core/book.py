@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 
-from remodel_sim.core.arm import ToolPose
+from remodel_sim.core.arm import PANDA_AT_ORIGIN, Arm, ToolPose
 from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.core.mouths import TerminalKey
 from remodel_sim.core.panel import End
-
-TerminalKey = tuple[str, str]
 
 
 class EndState(Enum):
@@ -69,9 +68,13 @@ class Grip:
 
 @dataclass
 class Book:
-    """The running record of one panel.
+    """The running record of one panel, as one robot of the cell keeps it.
+
+    The robots of a cell share what the containers hold: those are changed, never replaced.
 
     Attributes:
+        robot: whose hand it is about.
+        arm: that robot's.
         feed: the live wire; None before the first.
         grip: None while the hand is empty.
         engaged: the mouth (world frame) into which the held end has been pushed at least a little.
@@ -81,8 +84,11 @@ class Book:
         picked_at: where each end was last grasped: there it can be laid down again.
         occupied: which wire end each terminal holds, over all wires.
         fed: every wire fed so far, in order.
+        seen: frames of components in the world, as they were last located.
     """
 
+    robot: str = "robot_1"
+    arm: Arm = PANDA_AT_ORIGIN
     feed: Feed | None = None
     grip: Grip | None = None
     engaged: Pose | None = None
@@ -92,15 +98,22 @@ class Book:
     picked_at: dict[End, Grip] = field(default_factory=dict)
     occupied: dict[TerminalKey, tuple[str, End]] = field(default_factory=dict)
     fed: list[str] = field(default_factory=list)
+    seen: dict[str, Pose] = field(default_factory=dict)
+
+    def beside(self, robot: str, arm: Arm) -> Book:
+        """Return the book of another robot of the same cell, its hand empty."""
+        return replace(self, robot=robot, arm=arm, grip=None, engaged=None)
 
     def start_wire(self, feed: Feed, expected: dict[End, Array]) -> None:
         """Note that a wire lies in its channel, both ends loose."""
         self.feed = feed
-        self.expected = dict(expected)
-        self.picked_at = {}
-        self.ends = {End.A: EndState.LOOSE, End.B: EndState.LOOSE}
-        self.tips = {}
-        self.occupied = {k: v for k, v in self.occupied.items() if v[0] != feed.wire_id}
+        self.expected.clear()
+        self.expected.update(expected)
+        self.picked_at.clear()
+        self.ends.update({End.A: EndState.LOOSE, End.B: EndState.LOOSE})
+        self.tips.clear()
+        for key in [k for k, v in self.occupied.items() if v[0] == feed.wire_id]:
+            del self.occupied[key]
         if feed.wire_id not in self.fed:
             self.fed.append(feed.wire_id)
 
@@ -117,7 +130,8 @@ class Book:
         """Note that an end of the live wire is out of its terminal."""
         self.ends[end] = EndState.LOOSE
         mine = (self._live(), end)
-        self.occupied = {k: v for k, v in self.occupied.items() if v != mine}
+        for key in [k for k, v in self.occupied.items() if v == mine]:
+            del self.occupied[key]
 
     def _live(self) -> str:
         if self.feed is None:

@@ -45,3 +45,4 @@ class Code(IntEnum):
     UNREACHABLE = 401
     TERMINAL_OCCUPIED = 402
     WIRE_NOT_FED = 403
+    ROBOT_IN_THE_WAY = 404

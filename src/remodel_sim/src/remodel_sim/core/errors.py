@@ -42,3 +42,17 @@ class PanelError(CellError):
         lines = "\n".join(f"  - {problem}" for problem in problems)
         super().__init__(f"panel {name!r} cannot be built ({len(problems)} problems):\n{lines}")
         self.problems = problems
+
+
+class CellFileError(CellError):
+    """A cell's file cannot be read or makes no sense.
+
+    Attributes:
+        problems: every problem found: its place in the file, what was found, what is allowed.
+    """
+
+    def __init__(self, file: str, problems: tuple[str, ...]) -> None:
+        """List every problem at once."""
+        lines = "\n".join(f"  - {problem}" for problem in problems)
+        super().__init__(f"cell {file}: {len(problems)} problems:\n{lines}")
+        self.problems = problems

@@ -15,20 +15,33 @@ from remodel_sim.core.geometry import Array
 from remodel_sim.core.layout import FEED_LIMIT_Y_M, WORLD_FROM_PANEL, feed_direction
 from remodel_sim.core.panel import Channel, Panel, Wire
 
-# Tip a lies this far beyond its terminal: then turning it into the bore hardly drags the rest.
-OVERLAP_M = 0.055
-# Placing end a draws end b back by some 80 mm; fingers that grasp it then stay clear of the fork.
-FORK_BEHIND_TIP_M = 0.190
-# Around an end that is laid down again, it comes up so far behind the grasp.
+# Around an end that is laid down again, the fork comes up so far behind the grasp.
 FORK_BEHIND_GRASP_M = 0.045
-FORK_LENGTH_M = 0.040
-# As high as the hand leaves it when it carries a wire over: a wire that is lifted at its other end
-# must not climb out.
-FORK_HEIGHT_M = 0.018
-FORK_POST_M = 0.004
-FORK_CLEARANCE_M = 0.003
 # A wire that bows further off the line does not pass the fork.
 MAX_BOW_M = 0.012
+
+
+@dataclass(frozen=True)
+class Feeder:
+    """How a cell's feeder lays wires; lengths in metres.
+
+    Attributes:
+        overlap: tip a lies so far beyond its terminal: then turning it into the bore hardly drags
+            the rest.
+        fork_behind_tip: placing end a draws end b back by some 80 mm; fingers that grasp it then
+            stay clear of the fork.
+        fork_length, fork_height, fork_post: of the fork along the wire, up, and of a post across.
+            It is as high as the hand leaves it when it carries a wire over: a wire that is lifted
+            at its other end must not climb out.
+        fork_clearance: between the wire and a post.
+    """
+
+    overlap: float
+    fork_behind_tip: float
+    fork_length: float
+    fork_height: float
+    fork_post: float
+    fork_clearance: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +62,12 @@ class Laying:
 
 
 def plan_laying(
-    panel: Panel, wire: Wire, channel: Channel, joints: int, noise: np.random.Generator
+    feeder: Feeder,
+    panel: Panel,
+    wire: Wire,
+    channel: Channel,
+    joints: int,
+    noise: np.random.Generator,
 ) -> Laying:
     """Choose where a wire of `joints` + 1 links lies."""
     mouth_a = WORLD_FROM_PANEL.apply(
@@ -59,12 +77,12 @@ def plan_laying(
         panel.panel_from_socket(wire.b_component, wire.b_terminal).position
     )
     direction = feed_direction(float(mouth_a[1]), float(mouth_b[1]))
-    start = float(mouth_a[1]) - direction * OVERLAP_M
+    start = float(mouth_a[1]) - direction * feeder.overlap
     beyond = direction * start + wire.length - FEED_LIMIT_Y_M
     start -= direction * max(0.0, beyond)
     curvature = _random_bow(joints, wire, noise)
     along, aside = _shape(curvature, wire.length)
-    fork_along = float(np.interp(wire.length - FORK_BEHIND_TIP_M, along, along))
+    fork_along = float(np.interp(wire.length - feeder.fork_behind_tip, along, along))
     fork_aside = float(np.interp(fork_along, along, aside))
     centre_x = float(WORLD_FROM_PANEL.apply(np.array([channel.x, 0.0, 0.0]))[0])
     # `aside` is to the left of the wire's own direction, which is -x when it runs towards +y.

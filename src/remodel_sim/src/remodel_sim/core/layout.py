@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import fields, is_dataclass
 from itertools import pairwise
 
-from remodel_sim.core.arm import ToolPose, reaches
+from remodel_sim.core.arm import PANDA_AT_ORIGIN, Arm, ToolPose
 from remodel_sim.core.geometry import Pose, wrap_angle
 from remodel_sim.core.panel import (
     Channel,
@@ -74,10 +74,10 @@ FEED_REACH_M = 0.52
 MARKER_IDS = 250
 
 
-def find_problems(panel: Panel) -> tuple[str, ...]:
+def find_problems(panel: Panel, arms: Sequence[Arm] = (PANDA_AT_ORIGIN,)) -> tuple[str, ...]:
     """Return every way in which a panel breaks the rules, one sentence each.
 
-    None: it can be built.
+    None: it can be built. Each terminal must be within reach of one of the arms.
     """
     unreal = tuple(_not_finite(panel, "panel"))
     if unreal:
@@ -86,7 +86,7 @@ def find_problems(panel: Panel) -> tuple[str, ...]:
         *_plate(panel),
         *_names(panel),
         *(p for channel in panel.channels for p in _channel(channel)),
-        *(p for component in panel.components for p in _component(component, panel)),
+        *(p for component in panel.components for p in _component(component, panel, arms)),
         *(p for clip in panel.clips for p in _clip(clip, panel)),
         *(p for duct in panel.ducts for p in _duct(duct, panel)),
         *_overlaps(panel),
@@ -172,7 +172,7 @@ def _on_plate(
         yield f"{name} reaches beyond the plate"
 
 
-def _component(component: Component, panel: Panel) -> Iterator[str]:
+def _component(component: Component, panel: Panel, arms: Sequence[Arm]) -> Iterator[str]:
     name = f"component {component.id!r}"
     depth, width, height = component.size
     yield from _within(f"{name}: height", height, COMPONENT_HEIGHT_M)
@@ -183,7 +183,7 @@ def _component(component: Component, panel: Panel) -> Iterator[str]:
     room = min(depth, width) / (1 + 2 * MARKER_MARGIN)
     yield from _within(f"{name}: marker_size", component.marker_size, (MARKER_MIN_M, room))
     for terminal in component.terminals:
-        yield from _terminal(terminal, component, panel)
+        yield from _terminal(terminal, component, panel, arms)
     for side in (0.0, math.pi):
         row = sorted(
             (t for t in component.terminals if abs(wrap_angle(t.insertion_yaw - side)) < 0.01),
@@ -212,7 +212,9 @@ def _mouth_half(terminal: Terminal) -> float:
     return terminal.bore / 2 + terminal.chamfer
 
 
-def _terminal(terminal: Terminal, component: Component, panel: Panel) -> Iterator[str]:
+def _terminal(
+    terminal: Terminal, component: Component, panel: Panel, arms: Sequence[Arm]
+) -> Iterator[str]:
     name = f"terminal '{component.id}/{terminal.id}'"
     x, y, z = terminal.mouth
     yaw = wrap_angle(terminal.insertion_yaw)
@@ -231,10 +233,10 @@ def _terminal(terminal: Terminal, component: Component, panel: Panel) -> Iterato
     if not panel.channels:
         return
     socket = component.panel_from_component @ terminal.component_from_socket
-    yield from _reach(name, socket, panel)
+    yield from _reach(name, socket, panel, arms)
 
 
-def _reach(name: str, panel_from_socket: Pose, panel: Panel) -> Iterator[str]:
+def _reach(name: str, panel_from_socket: Pose, panel: Panel, arms: Sequence[Arm]) -> Iterator[str]:
     mouth, into = panel_from_socket.position, unit_x(panel_from_socket)
     channel = panel.channel_in_front_of(mouth)
     edge = channel.x + math.copysign(channel.width / 2, into[0])
@@ -249,8 +251,9 @@ def _reach(name: str, panel_from_socket: Pose, panel: Panel) -> Iterator[str]:
     yield from _within(f"{name}: |y| on the panel", abs(mouth[1]), (0.0, TERMINAL_MAX_Y_M))
     tool = WORLD_FROM_PANEL.apply(mouth - into * (GRASP_DISTANCE_M + STANDOFF_M))
     yaws = (panel_from_socket.yaw, panel_from_socket.yaw + math.pi)
-    if not any(reaches(ToolPose(tool[0], tool[1], tool[2], yaw)) for yaw in yaws):
-        yield f"{name}: the arm does not reach it"
+    poses = [ToolPose(tool[0], tool[1], tool[2], yaw) for yaw in yaws]
+    if not any(arm.reaches(pose) for arm in arms for pose in poses):
+        yield f"{name}: no arm reaches it"
 
 
 def _overlaps(panel: Panel) -> Iterator[str]:

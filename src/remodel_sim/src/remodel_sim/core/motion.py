@@ -5,7 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from remodel_sim.core.arm import ToolPose, joints_for
+import numpy as np
+
+from remodel_sim.core.arm import Arm, ToolPose
+from remodel_sim.core.geometry import Array
 
 # A minimum-jerk motion peaks at 15/8 of its mean speed.
 PEAK_OVER_MEAN = 15.0 / 8.0
@@ -57,9 +60,11 @@ class Line:
             a.yaw + share * (b.yaw - a.yaw),
         )
 
-    def check_reach(self) -> None:
-        """Raise UNREACHABLE if a posture on the way does not exist."""
+    def postures(self, arm: Arm) -> Array:
+        """Return the arm's postures along the way, (n, 7) [rad].
+
+        Raises UNREACHABLE if one does not exist.
+        """
         turn = abs(self.end.yaw - self.start.yaw)
         parts = max(1, math.ceil(max(self.distance / CHECK_STEP_M, turn / CHECK_STEP_RAD)))
-        for i in range(parts + 1):
-            joints_for(self._between(i / parts))
+        return np.array([arm.joints_for(self._between(i / parts)) for i in range(parts + 1)])

@@ -9,14 +9,7 @@ import numpy as np
 
 from remodel_sim.core.cable import discretise
 from remodel_sim.core.component_shape import Box
-from remodel_sim.core.feeding import (
-    FORK_CLEARANCE_M,
-    FORK_HEIGHT_M,
-    FORK_LENGTH_M,
-    FORK_POST_M,
-    Laying,
-    plan_laying,
-)
+from remodel_sim.core.feeding import Feeder, Laying, plan_laying
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.panel import Channel, Panel, Wire
 from remodel_sim.physics.cable import Cable
@@ -39,6 +32,7 @@ POINTS_PER_LINK = 10
 
 def lay(
     world: World,
+    feeder: Feeder,
     panel: Panel,
     wire: Wire,
     channel: Channel,
@@ -50,8 +44,8 @@ def lay(
     Return the wire, where it lies, and the fork's body.
     """
     model = discretise(wire, world.time_step)
-    laying = plan_laying(panel, wire, channel, len(model.lengths) - 1, noise)
-    fork = _make_fork(world, wire, laying)
+    laying = plan_laying(feeder, panel, wire, channel, len(model.lengths) - 1, noise)
+    fork = _make_fork(world, feeder, wire, laying)
     cable = Cable(world, model, wire.colour)
     yaw = laying.direction * math.pi / 2
     cable.lay(np.array([*laying.tip_a, 0.0]), yaw, laying.curvature)
@@ -94,12 +88,10 @@ def _settle(world: World, cable: Cable) -> None:
         before = now
 
 
-def _make_fork(world: World, wire: Wire, laying: Laying) -> int:
-    inner = wire.radius + FORK_CLEARANCE_M
-    size = (FORK_POST_M, FORK_LENGTH_M, FORK_HEIGHT_M)
-    posts = [
-        Box((side * (inner + FORK_POST_M / 2), 0, FORK_HEIGHT_M / 2), size, FORK_RGB)
-        for side in (-1, 1)
-    ]
+def _make_fork(world: World, feeder: Feeder, wire: Wire, laying: Laying) -> int:
+    inner = wire.radius + feeder.fork_clearance
+    post, height = feeder.fork_post, feeder.fork_height
+    size = (post, feeder.fork_length, height)
+    posts = [Box((side * (inner + post / 2), 0, height / 2), size, FORK_RGB) for side in (-1, 1)]
     pose = Pose.level(float(laying.fork[0]), float(laying.fork[1]), 0.0)
     return add_static(world.bullet, posts, pose)

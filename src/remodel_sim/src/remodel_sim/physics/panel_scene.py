@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from remodel_sim.core.cell_design import Table
 from remodel_sim.core.component_shape import Box, component_boxes
 from remodel_sim.core.fixtures import duct_boxes
 from remodel_sim.core.geometry import Pose
@@ -22,13 +23,13 @@ LIP_HEIGHT_M = 0.012
 LIP_THICKNESS_M = 0.002
 LIP_RGB = (0.62, 0.64, 0.63)
 TABLE_RGB = (0.36, 0.31, 0.27)
-TABLE_SIZE = (1.1, 1.5, 0.04)
+TABLE_THICKNESS_M = 0.04
 
 
 class PanelScene:
     """The bodies of one panel; components can be moved as somebody would who bumps into them."""
 
-    def __init__(self, world: World, panel: Panel, poses: dict[str, Pose]) -> None:
+    def __init__(self, world: World, table: Table, panel: Panel, poses: dict[str, Pose]) -> None:
         """Build table, plate, lanes and components.
 
         `poses` has each component's frame in the world.
@@ -36,9 +37,9 @@ class PanelScene:
         self._bullet = world.bullet
         self._components: dict[str, int] = {}
         thickness = panel.size[2]
-        table_z = -thickness - TABLE_SIZE[2] / 2
-        table = Box((0.4, 0, table_z), TABLE_SIZE, TABLE_RGB, solid=False)
-        self._static([table], Pose.level(0, 0, 0))
+        middle = (table.x, table.y, -thickness - TABLE_THICKNESS_M / 2)
+        size = (table.length, table.width, TABLE_THICKNESS_M)
+        self._static([Box(middle, size, TABLE_RGB, solid=False)], Pose.level(0, 0, 0))
         plate = Box((0, 0, -thickness / 2), panel.size, PLATE_RGB, solid=False)
         add_plate_surface(world, [plate])
         for channel in panel.channels:

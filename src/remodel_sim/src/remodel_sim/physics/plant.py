@@ -6,14 +6,15 @@ Everything that has mass, light or force. Abilities reach it only through the st
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.cable import discretise
-from remodel_sim.core.camera import Lens, Picture, View, looking_at, looking_down
+from remodel_sim.core.camera import Picture, View
+from remodel_sim.core.cell_design import CellDesign, WristCamera
 from remodel_sim.core.component_shape import Box
 from remodel_sim.core.errors import FaultError, PanelError
 from remodel_sim.core.faults import Disturbances, Stray, check_fault
@@ -31,13 +32,6 @@ from remodel_sim.physics.robot import Robot
 from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.world import World
 
-# Out of the overhead camera's picture.
-PARKED = ToolPose(0.02, -0.46, 0.35, -math.pi / 2)
-OVERHEAD_LENS = Lens(1280, 960, math.radians(36.0))
-OVERHEAD = View(OVERHEAD_LENS, looking_down(0.50, 0.0, 1.10, 0.0))
-WRIST_LENS = Lens(640, 480, math.radians(52.0))
-SCENE_LENS = Lens(1280, 960, math.radians(36.0))
-SCENE = View(SCENE_LENS, looking_at(np.array([1.28, -0.72, 0.80]), np.array([0.43, 0.0, 0.04])))
 # A piece of cable that somebody left, and how far above the plate it falls from.
 STRAY_LENGTH_M = 0.12
 STRAY_DROP_M = 0.02
@@ -73,13 +67,16 @@ class Plant:
     """The world of one cell. Everything random comes from the seed and the order of what is asked.
 
     Attributes:
-        panel: what was built; components may since have been moved.
+        design: of the cell.
+        panel: what was built, with the cell's own fixtures; components may since have been moved.
+        robots: by name.
         live: the wire that was fed last, until it is parked.
         parked: the wires that have been parked.
     """
 
     def __init__(
         self,
+        design: CellDesign,
         panel: Panel,
         *,
         seed: int,
@@ -91,6 +88,7 @@ class Plant:
 
         `solid_parked`: whether live wires touch parked ones.
         """
+        self.design = design
         self.seed = seed
         self._solid_parked = solid_parked
         self.world = World(rate_hz, gui=gui)
@@ -101,33 +99,42 @@ class Plant:
 
         Raises PanelError and changes nothing when it breaks the rules.
         """
-        problems = find_problems(panel)
+        design = self.design
+        complete = replace(
+            panel, clips=(*panel.clips, *design.clips), ducts=(*panel.ducts, *design.ducts)
+        )
+        problems = find_problems(complete, design.arms)
         if problems:
             raise PanelError(panel.name, problems)
-        self.panel = panel
+        self.panel = complete
         self.live: LiveWire | None = None
         self.parked: dict[str, ParkedWire] = {}
         self._noise = np.random.default_rng(self.seed)
         self._poses = {c.id: WORLD_FROM_PANEL @ c.panel_from_component for c in panel.components}
         self._blocked: set[tuple[str, str]] = set()
         self._disturbances = Disturbances()
-        self._build(PARKED)
+        self._build({robot.name: robot.home for robot in design.robots})
 
-    def _build(self, tool: ToolPose) -> None:
+    def _build(self, tools: Mapping[str, ToolPose]) -> None:
         """Build the world from what the plant knows, without a live wire.
+
+        `tools` has where each robot stands.
 
         It is done for every wire: Bullet keeps traces of removed bodies, and a run would depend on
             where they lay in
         memory.
         """
         self.world.clear()
-        self._scene = PanelScene(self.world, self.panel, self._poses)
+        self._scene = PanelScene(self.world, self.design.table, self.panel, self._poses)
         self._plugs: dict[tuple[str, str], int] = {}
         for component_id, terminal_id in sorted(self._blocked):
             self._add_plug(component_id, terminal_id)
         for wire_id, parked in self.parked.items():
             self._add_parked(self.panel.wire(wire_id), parked)
-        self.robot = Robot(self.world, tool)
+        self.robots = {
+            robot.name: Robot(self.world, tools[robot.name], robot.arm, robot.gripper)
+            for robot in self.design.robots
+        }
         self._weaken_hand()
         for stray in self._disturbances.strays:
             self._add_stray(stray)
@@ -140,21 +147,23 @@ class Plant:
         """Leave PyBullet."""
         self.world.close()
 
-    def feed(self, wire_id: str, channel_id: str, tool: ToolPose) -> Laying:
+    def feed(self, wire_id: str, channel_id: str, tools: Mapping[str, ToolPose]) -> Laying:
         """Lay a wire into a channel.
 
         The wire before is parked, or taken away when it is the same one.
 
-        The arm starts from `tool`, where it was sent last, with open fingers.
+        Each robot starts from where it was sent last, `tools`, with open fingers.
         """
         wire, channel = self.panel.wire(wire_id), self.panel.channel(channel_id)
         if self.live is not None and self.live.wire.id == wire_id:
             self.live = None
         self._keep_shape()
         self.parked.pop(wire_id, None)
-        self._build(tool)
+        self._build(tools)
         lying = [other.nodes for other in self.parked.values()] if self._solid_parked else []
-        cable, laying, self._fork = lay(self.world, self.panel, wire, channel, lying, self._noise)
+        cable, laying, self._fork = lay(
+            self.world, self.design.feeder, self.panel, wire, channel, lying, self._noise
+        )
         self.live = LiveWire(wire, cable, {})
         return laying
 
@@ -252,7 +261,8 @@ class Plant:
         self._weaken_hand()
 
     def _weaken_hand(self) -> None:
-        self.robot.weaken(self._disturbances.friction, self._disturbances.grip)
+        for robot in self.robots.values():
+            robot.weaken(self._disturbances.friction, self._disturbances.grip)
 
     def _bump_camera(self, camera: str, values: Sequence[float]) -> None:
         *shift, turn = values
@@ -302,11 +312,14 @@ class Plant:
 
     def look_overhead(self) -> Picture:
         """Take a colour and depth picture of the whole plate."""
-        return self._look("overhead", OVERHEAD, depth=True)
+        return self._look("overhead", self.design.overhead, depth=True)
 
-    def look_wrist(self) -> Picture:
-        """Take a colour picture from the hand."""
-        return self._look("wrist", self.wrist_view, depth=False)
+    def look_wrist(self, robot: str) -> Picture:
+        """Take a colour picture from a robot's hand."""
+        return self._look(self._camera(robot).name, self.wrist_view(robot), depth=False)
+
+    def _camera(self, robot: str) -> WristCamera:
+        return next(design.camera for design in self.design.robots if design.name == robot)
 
     def _look(self, camera: str, believed: View, *, depth: bool) -> Picture:
         shift = self._disturbances.shifts.get(camera)
@@ -320,12 +333,16 @@ class Plant:
             seen_from=seen_from,
         )
 
+    def wrist_view(self, robot: str) -> View:
+        """Return where a robot's wrist camera is."""
+        return View(self._camera(robot).lens, self.robots[robot].world_from_camera)
+
     @property
-    def wrist_view(self) -> View:
-        """Where the wrist camera is."""
-        return View(WRIST_LENS, self.robot.world_from_camera)
+    def views(self) -> dict[str, View]:
+        """Where all cameras are, by name: overhead, scene, and the wrists'."""
+        wrists = {robot.camera.name: self.wrist_view(robot.name) for robot in self.design.robots}
+        return {"overhead": self.design.overhead, "scene": self.design.scene, **wrists}
 
     def photograph(self, camera: str) -> Picture:
-        """Take a clean picture for people: "overhead", "wrist" or "scene"."""
-        views = {"overhead": OVERHEAD, "wrist": self.wrist_view, "scene": SCENE}
-        return cameras.photograph(self.world, views[camera])
+        """Take a clean picture for people."""
+        return cameras.photograph(self.world, self.views[camera])

@@ -7,19 +7,18 @@ from pathlib import Path
 
 import numpy as np
 
-from remodel_sim.core.arm import ToolPose, joints_for, tool_of
+from remodel_sim.core.arm import PANDA_AT_ORIGIN, Arm, ToolPose
+from remodel_sim.core.cell_design import Gripper
 from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.physics.robot_description import CAMERA_MOUNT, robot_description
+from remodel_sim.physics.robot_description import (
+    CAMERA_MOUNT,
+    FINGERS,
+    HAND,
+    robot_description,
+)
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
 
 ARM_JOINTS = list(range(7))
-WRIST_JOINT = 8  # fixed joint between flange and hand: where the force sensor sits
-HAND_LINK = 8
-FINGER_JOINTS = [9, 10]
-JOINT_NAMES = [f"panda_joint{i}" for i in range(1, 8)] + [
-    "panda_finger_joint1",
-    "panda_finger_joint2",
-]
 ARM_TORQUE = 200.0  # [N m] stiff servo: the arm follows to 0.05 mm
 ARM_GAIN = 0.3
 # The fingers close slowly and stop as soon as their motors feel the grip force; then they keep that
@@ -29,12 +28,12 @@ FINGER_SPEED = 0.10  # [m/s] while nothing is near
 FINGER_TOUCH_SPEED = 0.012  # [m/s] while a wire may be between the pads
 TOUCH_GAP = 0.008  # [m] between the pads: the thickest wire and some
 FINGER_MOTOR_FORCE = 150.0  # [N]
-GRIP_FORCE = 30.0  # [N] per finger at which closing stops; the Panda hand holds 70 N
 # The corrections [m/(N s)]: some 20 mm/s for each millimetre that the pads are pressed in; and how
 # far they may go in all [m], far less than a wire's thickness.
 GRIP_GAIN = 1e-4
 GRIP_CORRECTION_M = 0.0003
-PAD_FRICTION = 1.0
+# The hand of cells that say nothing else: closing stops at 30 N per finger; the Panda's holds 70 N.
+HAND_30_N = Gripper(grip_force=30.0, pad_friction=1.0)
 # A rubber pad touches over a patch; its radius of some 4 mm resists turning about the contact
 # normal [m].
 PAD_SPINNING_FRICTION = 0.004
@@ -46,35 +45,57 @@ FORCE_TIME_CONSTANT = 0.008
 
 
 class Robot:
-    """A Panda on its base at the world's origin, pointing its tool down.
+    """An arm on its base with a hand, pointing its tool down.
 
     Attributes:
+        arm: its kinematics.
         body: PyBullet's number of it.
         grip_force: per finger at which closing stops [N].
+        joint_names: of the arm's seven joints and of the two fingers, as its maker calls them.
     """
 
-    def __init__(self, world: World, start: ToolPose) -> None:
+    def __init__(
+        self,
+        world: World,
+        start: ToolPose,
+        arm: Arm = PANDA_AT_ORIGIN,
+        gripper: Gripper = HAND_30_N,
+    ) -> None:
         """Load the arm in a posture, fingers open."""
         self._bullet = world.bullet
         self._time_step = world.time_step
+        self.arm = arm
+        self._gripper = gripper
+        base = arm.world_from_base
         with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "panda.urdf"
-            path.write_text(robot_description())
-            self.body = self._bullet.loadURDF(str(path), useFixedBase=True)
-        self.grip_force = GRIP_FORCE
+            path = Path(folder) / "arm.urdf"
+            path.write_text(robot_description(arm.model))
+            self.body = self._bullet.loadURDF(
+                str(path), base.position.tolist(), base.quaternion.tolist(), useFixedBase=True
+            )
+        infos = [
+            self._bullet.getJointInfo(self.body, i)
+            for i in range(self._bullet.getNumJoints(self.body))
+        ]
+        links = {info[12].decode(): info[0] for info in infos}
+        # The fixed joint between flange and hand, where the force sensor sits, and the hand's link.
+        self._wrist = links[HAND]
+        self._fingers = [links[finger] for finger in FINGERS]
+        self.joint_names = [infos[i][1].decode() for i in ARM_JOINTS + self._fingers]
+        self.grip_force = gripper.grip_force
         self._force = np.zeros(3)
         self._opening = self._target = MAX_OPENING
         self._grips = False
         self._correction = 0.0
-        joints = joints_for(start)
+        joints = arm.joints_for(start)
         for joint, angle in zip(ARM_JOINTS, joints, strict=True):
             self._bullet.resetJointState(self.body, joint, angle)
-        for finger in FINGER_JOINTS:
+        for finger in self._fingers:
             self._bullet.resetJointState(self.body, finger, MAX_OPENING)
             self._bullet.changeDynamics(
                 self.body,
                 finger,
-                lateralFriction=PAD_FRICTION,
+                lateralFriction=gripper.pad_friction,
                 spinningFriction=PAD_SPINNING_FRICTION,
                 restitution=0,
                 contactStiffness=CONTACT_STIFFNESS,
@@ -83,7 +104,7 @@ class Robot:
             )
         for link in range(-1, self._bullet.getNumJoints(self.body)):
             self._bullet.setCollisionFilterGroupMask(self.body, link, COLLISION_GROUP, -1)
-        self._bullet.enableJointForceTorqueSensor(self.body, WRIST_JOINT, 1)
+        self._bullet.enableJointForceTorqueSensor(self.body, self._wrist, 1)
         self.drive(joints)
         self._drive_fingers()
         world.add_before_step(self._sense)
@@ -102,9 +123,10 @@ class Robot:
 
     def weaken(self, friction: float, grip: float) -> None:
         """Leave a share of the pads' friction and of the grip force."""
-        self.grip_force = grip * GRIP_FORCE
-        for finger in FINGER_JOINTS:
-            self._bullet.changeDynamics(self.body, finger, lateralFriction=friction * PAD_FRICTION)
+        self.grip_force = grip * self._gripper.grip_force
+        pads = friction * self._gripper.pad_friction
+        for finger in self._fingers:
+            self._bullet.changeDynamics(self.body, finger, lateralFriction=pads)
 
     def drive_fingers(self, opening: float) -> None:
         """Send each finger to a distance from the middle [m].
@@ -137,7 +159,7 @@ class Robot:
     def _drive_fingers(self) -> None:
         self._bullet.setJointMotorControlArray(
             self.body,
-            FINGER_JOINTS,
+            self._fingers,
             self._bullet.POSITION_CONTROL,
             targetPositions=[self._opening + self._correction] * 2,
             forces=[FINGER_MOTOR_FORCE] * 2,
@@ -151,11 +173,11 @@ class Robot:
         return min(self._finger_loads())
 
     def _finger_loads(self) -> list[float]:
-        return [-s[3] for s in self._bullet.getJointStates(self.body, FINGER_JOINTS)]
+        return [-s[3] for s in self._bullet.getJointStates(self.body, self._fingers)]
 
     def _sense(self) -> None:
         self._move_fingers()
-        reading = np.array(self._bullet.getJointState(self.body, WRIST_JOINT)[2][:3])
+        reading = np.array(self._bullet.getJointState(self.body, self._wrist)[2][:3])
         share = min(1.0, self._time_step / FORCE_TIME_CONSTANT)
         self._force += share * (reading - self._force)
 
@@ -171,24 +193,24 @@ class Robot:
 
     @property
     def joint_state(self) -> tuple[list[float], list[float]]:
-        """Measured positions and velocities of all nine joints, in the order of JOINT_NAMES."""
-        states = self._bullet.getJointStates(self.body, ARM_JOINTS + FINGER_JOINTS)
+        """Measured positions and velocities of all nine joints, in the order of `joint_names`."""
+        states = self._bullet.getJointStates(self.body, ARM_JOINTS + self._fingers)
         return [s[0] for s in states], [s[1] for s in states]
 
     @property
     def finger_gap(self) -> float:
         """Measured distance between the pads [m]."""
-        return sum(s[0] for s in self._bullet.getJointStates(self.body, FINGER_JOINTS))
+        return sum(s[0] for s in self._bullet.getJointStates(self.body, self._fingers))
 
     @property
     def tool(self) -> ToolPose:
         """The measured tool pose, by forward kinematics of the measured joints."""
-        return tool_of(self.joints)
+        return self.arm.tool_of(self.joints)
 
     @property
     def world_from_hand(self) -> Pose:
         """The hand frame as measured."""
-        state = self._bullet.getLinkState(self.body, HAND_LINK, computeForwardKinematics=True)
+        state = self._bullet.getLinkState(self.body, self._wrist, computeForwardKinematics=True)
         return Pose(np.array(state[4]), np.array(state[5]))
 
     @property

@@ -1,16 +1,18 @@
-"""The arm's description.
+"""Descriptions of the arms.
 
-Pybullet_data's Franka Panda with the cell's own fingers and wrist camera.
+Pybullet_data's Franka Panda or KUKA iiwa, either with the Panda's hand, and on it the cell's own
+fingers and a wrist camera.
 """
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 import pybullet_data
 
-from remodel_sim.core.arm import TOOL_M
+from remodel_sim.core.arm import FRANKA_PANDA, KUKA_IIWA, TOOL_M, ArmModel
 
 FINGER_ROOT_M = 0.0584  # hand frame to finger frame, as in the original
 PAD_BELOW_TOOL_M = 0.003  # the pads reach this far below the tool centre: half the thickest wire
@@ -22,16 +24,48 @@ STEM_THICKNESS_M = 0.008
 CAMERA_MOUNT = (0.0, 0.118, 0.045)
 
 
-def robot_description() -> str:
-    """Return the URDF as text, with absolute mesh paths."""
-    folder = Path(pybullet_data.getDataPath()) / "franka_panda"
-    text = (folder / "panda.urdf").read_text().replace("package://meshes", f"{folder}/meshes")
-    root = ElementTree.fromstring(text)
+HAND = "panda_hand"
+FINGERS = ("panda_leftfinger", "panda_rightfinger")
+BASE_LINKS = {FRANKA_PANDA.name: "panda_link0", KUKA_IIWA.name: "lbr_iiwa_link_0"}
+# The iiwa's flange is this far beyond the frame of its last link [m], which is turned by half a
+# turn; the hand is turned back to the yaw that the arm's model has for joint 7 at zero [rad].
+IIWA_FLANGE_M = 0.045
+IIWA_HAND_TURN = math.pi - KUKA_IIWA.yaw_zero
+
+
+def robot_description(model: ArmModel) -> str:
+    """Return the URDF of an arm with its hand as text, with absolute mesh paths."""
+    data = Path(pybullet_data.getDataPath())
+    root = _read(data / "franka_panda/panda.urdf", "package://meshes")
+    if model == KUKA_IIWA:
+        root = _with_hand_of(_read(data / "kuka_iiwa/model.urdf", "meshes"), root)
     links = {link.get("name"): link for link in root.iter("link")}
-    for name, side in (("panda_leftfinger", 1), ("panda_rightfinger", -1)):
+    for name, side in zip(FINGERS, (1, -1), strict=True):
         _replace_finger(links[name], side)
-    _add_camera(links["panda_hand"])
+    _add_camera(links[HAND])
     return ElementTree.tostring(root, encoding="unicode")
+
+
+def _read(file: Path, meshes: str) -> ElementTree.Element:
+    """Read a description; `meshes` begins its mesh paths, for the folder of that name beside it."""
+    text = file.read_text().replace(f'filename="{meshes}', f'filename="{file.parent}/meshes')
+    return ElementTree.fromstring(text)
+
+
+def _with_hand_of(iiwa: ElementTree.Element, panda: ElementTree.Element) -> ElementTree.Element:
+    """Bolt the Panda's hand to the iiwa's flange."""
+    parts = (HAND, *FINGERS)
+    iiwa.extend(link for link in panda.iter("link") if link.get("name") in parts)
+    for joint in panda.iter("joint"):
+        child, parent, origin = (joint.find(tag) for tag in ("child", "parent", "origin"))
+        if child is None or parent is None or child.get("link") not in parts:
+            continue
+        if child.get("link") == HAND and origin is not None:
+            parent.set("link", "lbr_iiwa_link_7")
+            origin.set("xyz", f"0 0 {IIWA_FLANGE_M}")
+            origin.set("rpy", f"0 0 {IIWA_HAND_TURN:.8f}")
+        iiwa.append(joint)
+    return iiwa
 
 
 def _replace_finger(link: ElementTree.Element, side: int) -> None:

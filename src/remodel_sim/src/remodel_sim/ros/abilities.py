@@ -16,7 +16,7 @@ from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_compon
 from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.abilities.place_cable import place_cable
 from remodel_sim.abilities.route_wire import route_wire
-from remodel_sim.abilities.station import Station, Steps
+from remodel_sim.abilities.station import Steps
 from remodel_sim.core import goals
 from remodel_sim.ros.conversions import pose_from
 
@@ -28,12 +28,12 @@ class Ability:
     Attributes:
         name: of the action, such as "InsertCable".
         parse: makes the goal of a goal message; raises AbilityError.
-        perform: the steps that do it.
+        perform: the steps that do it, by the robots' stations and the goal.
     """
 
     name: str
     parse: Callable[[Any], Any]
-    perform: Callable[[Station, Any], Steps[Any]]
+    perform: Callable[..., Steps[Any]]
 
     @property
     def topic(self) -> str:

@@ -10,6 +10,7 @@ from actionlib import ServerGoalHandle
 from actionlib_msgs.msg import GoalStatus
 from genpy import Message
 
+from remodel_sim.abilities.station import Station
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import Goal, require, require_number
@@ -18,10 +19,12 @@ from remodel_sim.ros.job import Job, common_result
 from remodel_sim.ros.owner import Owner
 
 MAX_TIMEOUT_S = 3600.0
+# The fields of goals that name a robot.
+ROBOT_FIELDS = ("robot_name", "robot_1_name", "robot_2_name")
 
 
 class AbilityServer:
-    """Takes goals for one ability; the robot does one goal at a time, over all abilities."""
+    """Takes goals for one ability; a robot does one goal at a time, over all abilities."""
 
     def __init__(self, ability: Ability, owner: Owner) -> None:
         """Start to listen."""
@@ -41,13 +44,9 @@ class AbilityServer:
         if handle.get_goal_status().status == GoalStatus.RECALLING:
             handle.set_canceled(self._refusal(message, Code.PREEMPTED, "cancelled before it began"))
             return
-        station = self._owner.cell.station
         try:
-            if self._owner.job is not None:
-                raise AbilityError(
-                    Code.BUSY, f"the robot is doing {self._owner.job}; wait for it or cancel it"
-                )
-            goal = self._checked(message)
+            stations = self._stations(message)
+            goal = self._checked(message, stations[0])
         except AbilityError as error:
             self._refuse(handle, error.code, str(error))
             return
@@ -56,14 +55,43 @@ class AbilityServer:
             self._refuse(handle, Code.INTERNAL, f"{type(error).__name__}: {error}")
             return
         handle.set_accepted()
-        self._owner.job = Job(self._ability, goal, handle, station, self._owner.clock.now_s)
+        self._owner.jobs.append(Job(self._ability, goal, handle, stations, self._owner.clock.now_s))
 
-    def _checked(self, message: Message) -> Goal:
+    def _stations(self, message: Message) -> list[Station]:
+        """Return the robots that a goal names, or the one that is free for it when it names none.
+
+        Raises UNKNOWN_NAME, or BUSY when one of them does another goal.
+        """
+        cell = self._owner.cell
+        fields = [field for field in ROBOT_FIELDS if field in message.__slots__]
+        if fields:
+            stations = [cell.station_of(getattr(message, field)) for field in fields]
+        else:
+            stations = [self._free_station()]
+        for station in stations:
+            job = self._owner.job_of(station.name)
+            if job is not None:
+                text = f"{station.name} is doing {job}; wait for it or cancel it"
+                raise AbilityError(Code.BUSY, text)
+            if station.busy:
+                raise AbilityError(
+                    Code.BUSY, f"{station.name} is making way for another robot; try again"
+                )
+        return stations
+
+    def _free_station(self) -> Station:
+        """Return a robot for a look: one that does nothing, rather with an empty hand."""
+
+        def rank(station: Station) -> tuple[bool, bool]:
+            return station.busy, station.book.grip is not None
+
+        return min(self._owner.cell.stations.values(), key=rank)
+
+    def _checked(self, message: Message, station: Station) -> Goal:
         """Return the goal of a message; raises AbilityError when it cannot be taken."""
         require(bool(message.id.strip()), "id is empty; it must name the goal")
         require_number("timeout", message.timeout, 0.1, MAX_TIMEOUT_S, "s")
         goal = self._ability.parse(message)
-        station = self._owner.cell.station
         goal.check(station.panel, station.book)
         return goal
 
@@ -81,6 +109,6 @@ class AbilityServer:
         return result
 
     def _cancel(self, handle: ServerGoalHandle) -> None:
-        job = self._owner.job
-        if job is not None and job.handle == handle:
-            job.cancel()
+        for job in tuple(self._owner.jobs):
+            if job.handle == handle:
+                job.cancel()

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import time
 import traceback
+from collections.abc import Sequence
 
 import rospy
 from actionlib import ServerGoalHandle
 from genpy import Message
 
-from remodel_sim.abilities.station import Found, Progress, Station
+from remodel_sim.abilities.runner import occupy
+from remodel_sim.abilities.station import Found, Station
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import Goal
@@ -20,21 +22,30 @@ FEEDBACK_PERIOD_S = 0.1  # of wall time
 
 
 class Job:
-    """An accepted goal, its steps and its end; all in the owner's thread but `cancel`."""
+    """An accepted goal, its steps and its end; all in the owner's thread but `cancel`.
+
+    Attributes:
+        robots: that do it; the first one's progress is told.
+    """
 
     def __init__(
-        self, ability: Ability, goal: Goal, handle: ServerGoalHandle, station: Station, now_s: float
+        self,
+        ability: Ability,
+        goal: Goal,
+        handle: ServerGoalHandle,
+        stations: Sequence[Station],
+        now_s: float,
     ) -> None:
-        """Begin a goal that has been accepted."""
+        """Begin a goal that has been accepted, with the robots that it needs."""
+        self.robots = tuple(station.name for station in stations)
         self._ability = ability
         self._message = handle.get_goal()
         self._handle = handle
-        self._station = station
         self._started_s = now_s
         self._cancelled = False
         self._told = 0.0
-        station.progress = Progress()
-        self._steps = ability.perform(station, goal)
+        self._stations = stations
+        self._steps = occupy(stations, ability.perform(*stations, goal))
 
     def __str__(self) -> str:
         """Name the ability and its goal."""
@@ -50,7 +61,7 @@ class Job:
         self._cancelled = True
 
     def stop(self) -> None:
-        """Leave the steps where they are; the arm stays where it was sent."""
+        """Leave the steps where they are; the arms stay where they were sent."""
         self._steps.close()
 
     def step(self, now_s: float) -> bool:
@@ -62,7 +73,9 @@ class Job:
             )
             return True
         if elapsed > self._message.timeout:
-            text = f"not done within {self._message.timeout:g} s: {self._station.progress.message}"
+            text = (
+                f"not done within {self._message.timeout:g} s: {self._stations[0].progress.message}"
+            )
             self._end(Code.TIMEOUT, text, elapsed)
             return True
         try:
@@ -85,7 +98,7 @@ class Job:
         if wall - self._told < FEEDBACK_PERIOD_S:
             return
         self._told = wall
-        progress = self._station.progress
+        progress = self._stations[0].progress
         feedback = self._ability.message("Feedback")(
             self._message.id, progress.message, elapsed, 100.0 * progress.share
         )

@@ -13,6 +13,7 @@ from remodel_sim.cell import Cell
 from remodel_sim.core.errors import CellError
 from remodel_sim.core.panel import End
 from remodel_sim.core.wire_materials import WireMaterials
+from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.ros.abilities import ABILITIES
 from remodel_sim.ros.ability_server import AbilityServer
@@ -52,14 +53,16 @@ def _build(materials: WireMaterials) -> Owner:
     if not RATES_HZ[0] <= rate_hz <= RATES_HZ[1]:
         raise ValueError(f"rate_hz is {rate_hz}; allowed: {RATES_HZ[0]} to {RATES_HZ[1]}")
     panel = read_panel(Path(rospy.get_param("~panel")), materials)
+    design = read_cell(str(rospy.get_param("~cell", "one_panda")))
     clock = SimClock()
     cell = Cell(
         panel,
+        design=design,
         seed=int(rospy.get_param("~seed", 0)),
         rate_hz=rate_hz,
         gui=bool(rospy.get_param("~gui", False)),
         solid_parked=bool(rospy.get_param("~solid_parked", False)),
-        on_look=Pictures(clock),
+        on_look=Pictures(design, clock),
     )
     wire_id = str(rospy.get_param("~feed", ""))
     if wire_id:

@@ -1,11 +1,13 @@
 """The one thread that owns the plant.
 
-It runs the ability, answers requests between its ticks, and keeps time.
+It runs the abilities, answers requests between their ticks, and keeps time.
 
 PyBullet is not thread-safe, and it holds Python's lock while it steps or renders. So rospy's
-threads only leave requests here. While an ability runs, simulated time runs as fast as the machine
-allows. Between goals the settled scene is frozen: time goes on at the wall's pace and nothing is
-stepped, so that results depend on the seed and the goals alone, not on how long a client thinks.
+threads only leave requests here. The abilities of two robots take turns: each does one step, then
+the world advances by one tick for both. While an ability runs, simulated time runs as fast as the
+machine allows. Between goals the settled scene is frozen: time goes on at the wall's pace and
+nothing is stepped, so that results depend on the seed and the goals alone, not on how long a client
+thinks.
 """
 
 from __future__ import annotations
@@ -38,10 +40,14 @@ class Owner:
         """Take a cell over; the publishers are called after every tick."""
         self.cell = cell
         self.clock = clock
-        self.job: Job | None = None
+        self.jobs: list[Job] = []
         self._publishers = publishers
         # Not a SimpleQueue: its get() waits for ever once a signal has come during a timeout.
         self._requests: queue.Queue[Callable[[], None]] = queue.Queue()
+
+    def job_of(self, robot: str) -> Job | None:
+        """Return what a robot is doing."""
+        return next((job for job in self.jobs if robot in job.robots), None)
 
     def post(self, action: Callable[[], None]) -> None:
         """Have an action done between two ticks; from any thread, returns at once."""
@@ -61,18 +67,18 @@ class Owner:
         """Run until ROS shuts down."""
         while not rospy.is_shutdown():
             self._serve()
-            if self.job is None:
-                self.clock.follow_wall()
+            if self.jobs:
+                self._tick()
             else:
-                self._tick(self.job)
+                self.clock.follow_wall()
             for publish in self._publishers:
                 publish()
-        if self.job is not None:
-            self.job.stop()
+        for job in self.jobs:
+            job.stop()
 
     def _serve(self) -> None:
         try:
-            wait = IDLE_S if self.job is None else None
+            wait = None if self.jobs else IDLE_S
             action = self._requests.get(block=wait is not None, timeout=wait)
             while True:
                 action()
@@ -80,9 +86,11 @@ class Owner:
         except queue.Empty:
             return
 
-    def _tick(self, job: Job) -> None:
-        if job.step(self.clock.now_s):
-            self.job = None
+    def _tick(self) -> None:
+        for job in tuple(self.jobs):
+            if job.step(self.clock.now_s):
+                self.jobs.remove(job)
+        if not self.jobs:
             self.clock.advance(self.cell.settle())
             return
         advance(self.cell.plant, self.cell.station)

@@ -9,28 +9,26 @@ from sensor_msgs.msg import CameraInfo, Image, JointState
 from tf2_ros import StaticTransformBroadcaster, TransformBroadcaster
 
 from remodel_sim.core.camera import Picture
+from remodel_sim.core.cell_design import CellDesign, RobotDesign
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.layout import WORLD_FROM_PANEL
-from remodel_sim.physics.plant import OVERHEAD, Plant
-from remodel_sim.physics.robot import JOINT_NAMES
-from remodel_sim.physics.robot_description import CAMERA_MOUNT
+from remodel_sim.physics.plant import Plant
+from remodel_sim.physics.robot_description import BASE_LINKS, CAMERA_MOUNT, HAND
 from remodel_sim.ros.conversions import PANEL, WORLD, camera_info, image
 from remodel_sim.ros.sim_clock import SimClock
 
 # Joint states, forces and frames are told this often [s of simulated time].
 STATE_PERIOD_S = 0.04
-HAND = "panda_hand"
-OPTICAL_FRAMES = {"overhead": "overhead_optical", "wrist": "wrist_optical"}
 
 
 class Pictures:
     """Publishes every look, and latched what was found in it."""
 
-    def __init__(self, clock: SimClock) -> None:
-        """Advertise the topics of both cameras."""
+    def __init__(self, design: CellDesign, clock: SimClock) -> None:
+        """Advertise the topics of the cameras that abilities use."""
         self._clock = clock
         self._raw, self._info, self._found = {}, {}, {}
-        for camera in OPTICAL_FRAMES:
+        for camera in ("overhead", *(robot.camera.name for robot in design.robots)):
             topic = f"cell/{camera}"
             self._raw[camera] = rospy.Publisher(f"{topic}/image_raw", Image, queue_size=2)
             self._info[camera] = rospy.Publisher(f"{topic}/camera_info", CameraInfo, queue_size=2)
@@ -40,7 +38,7 @@ class Pictures:
 
     def __call__(self, camera: str, picture: Picture, drawing: np.ndarray | None) -> None:
         """Publish a look, or what was found in it."""
-        frame, stamp = OPTICAL_FRAMES[camera], self._clock.now
+        frame, stamp = optical_frame(camera), self._clock.now
         if drawing is not None:
             self._found[camera].publish(image(drawing, frame, stamp))
             return
@@ -48,8 +46,13 @@ class Pictures:
         self._info[camera].publish(camera_info(picture.view, frame, stamp))
 
 
+def optical_frame(camera: str) -> str:
+    """Return the name of a camera's optical frame."""
+    return f"{camera}_optical"
+
+
 class RobotState:
-    """Publishes joint states, the force at the wrist, and frames."""
+    """Publishes joint states, the forces at the wrists, and frames."""
 
     def __init__(self, plant: Plant, clock: SimClock) -> None:
         """Tell the frames that never move, once."""
@@ -57,20 +60,22 @@ class RobotState:
         self._clock = clock
         self._told_s = 0.0
         self._joints = rospy.Publisher("/joint_states", JointState, queue_size=5)
-        self._wrench = rospy.Publisher("cell/wrist/wrench", WrenchStamped, queue_size=5)
+        self._wrenches = {
+            robot.name: rospy.Publisher(
+                f"cell/{robot.camera.name}/wrench", WrenchStamped, queue_size=5
+            )
+            for robot in plant.design.robots
+        }
         self._moving = TransformBroadcaster()
         self._fixed = StaticTransformBroadcaster()
-        lens = Pose(np.array(CAMERA_MOUNT), np.array([0.0, 0.0, 0.0, 1.0]))
-        self._fixed.sendTransform(
-            [
-                _transform(WORLD, PANEL, WORLD_FROM_PANEL, clock.now),
-                _transform(WORLD, "panda_link0", Pose.level(0, 0, 0), clock.now),
-                _transform(
-                    WORLD, OPTICAL_FRAMES["overhead"], OVERHEAD.world_from_camera, clock.now
-                ),
-                _transform(HAND, OPTICAL_FRAMES["wrist"], lens, clock.now),
-            ]
-        )
+        overhead = plant.design.overhead.world_from_camera
+        fixed = [
+            _transform(WORLD, PANEL, WORLD_FROM_PANEL, clock.now),
+            _transform(WORLD, optical_frame("overhead"), overhead, clock.now),
+        ]
+        for robot in plant.design.robots:
+            fixed += _fixed_frames(robot, clock.now)
+        self._fixed.sendTransform(fixed)
 
     def __call__(self) -> None:
         """Publish when it is time."""
@@ -79,15 +84,30 @@ class RobotState:
         self._told_s = self._clock.now_s
         message = JointState()
         message.header.stamp = self._clock.now
-        message.name = JOINT_NAMES
-        message.position, message.velocity = self._plant.robot.joint_state
+        for design in self._plant.design.robots:
+            robot, hand = self._plant.robots[design.name], design.prefix + HAND
+            positions, velocities = robot.joint_state
+            message.name += [design.prefix + name for name in robot.joint_names]
+            message.position += positions
+            message.velocity += velocities
+            wrench = WrenchStamped()
+            wrench.header.frame_id, wrench.header.stamp = hand, self._clock.now
+            wrench.wrench.force = Vector3(*robot.wrist_force)
+            self._wrenches[design.name].publish(wrench)
+            self._moving.sendTransform(
+                _transform(WORLD, hand, robot.world_from_hand, self._clock.now)
+            )
         self._joints.publish(message)
-        wrench = WrenchStamped()
-        wrench.header.frame_id, wrench.header.stamp = HAND, self._clock.now
-        wrench.wrench.force = Vector3(*self._plant.robot.wrist_force)
-        self._wrench.publish(wrench)
-        hand = self._plant.robot.world_from_hand
-        self._moving.sendTransform(_transform(WORLD, HAND, hand, self._clock.now))
+
+
+def _fixed_frames(robot: RobotDesign, stamp: rospy.Time) -> list[TransformStamped]:
+    """Return the frames of a robot that never move: its base, and the camera on its hand."""
+    lens = Pose(np.array(CAMERA_MOUNT), np.array([0.0, 0.0, 0.0, 1.0]))
+    base = robot.prefix + BASE_LINKS[robot.arm.model.name]
+    return [
+        _transform(WORLD, base, robot.arm.world_from_base, stamp),
+        _transform(robot.prefix + HAND, optical_frame(robot.camera.name), lens, stamp),
+    ]
 
 
 def _transform(parent: str, child: str, pose: Pose, stamp: rospy.Time) -> TransformStamped:

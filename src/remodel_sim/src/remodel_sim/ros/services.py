@@ -17,7 +17,6 @@ from remodel_sim.ros.owner import Owner
 
 # The longest request is building a large panel.
 TIMEOUT_S = 60.0
-CAMERAS = ("overhead", "wrist", "scene")
 
 
 class Services:
@@ -81,8 +80,9 @@ class Services:
 
     def _take_picture(self, request: srv.TakePictureRequest) -> srv.TakePictureResponse:
         response = srv.TakePictureResponse()
-        if request.camera not in CAMERAS:
-            response.message = f"no camera {request.camera!r}; there are: {', '.join(CAMERAS)}"
+        cameras = self._owner.cell.plant.design.camera_names
+        if request.camera not in cameras:
+            response.message = f"no camera {request.camera!r}; there are: {', '.join(cameras)}"
             return response
 
         def take() -> None:
@@ -100,7 +100,8 @@ class Services:
         return True, text
 
     def _require_idle(self) -> None:
-        if self._owner.job is not None:
+        if self._owner.jobs:
+            job = self._owner.jobs[0]
             raise AbilityError(
-                Code.BUSY, f"the robot is doing {self._owner.job}; wait for it or cancel it"
+                Code.BUSY, f"{job.robots[0]} is doing {job}; wait for it or cancel it"
             )

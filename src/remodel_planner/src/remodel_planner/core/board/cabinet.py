@@ -222,7 +222,9 @@ class _Cabinet:
                 dx = (index - (len(members) - 1) / 2) * self._rules.terminal_pitch
                 mouth = Pose((round(dx, 6), up * self._rules.height / 2, 0.0))
                 terminals[terminal.name] = replace(
-                    terminal, pose=terminal.pose or mouth, approach=(0.0, -float(up), 0.0)
+                    terminal,
+                    pose=terminal.pose or mouth,
+                    approach=terminal.approach or (0.0, -float(up), 0.0),
                 )
         return replace(
             component,

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 from remodel_planner.core.production import Segment
@@ -32,6 +33,59 @@ def flattened(nodes: Sequence[str], segments: Sequence[Segment]) -> dict[str, Po
         places.update({name: (x, y - low + top) for name, (x, y) in part.items()})
         top = max(places[name][1] for name in part) + _BETWEEN_PARTS_M
     return places
+
+
+@dataclass(frozen=True)
+class Limb:
+    """A trunk, or a branch from where it leaves its parent to its end.
+
+    Attributes:
+        nodes: along it.
+        level: 0 for a trunk; of a branch, one more than its parent's.
+        parent: number of the limb that it leaves; None for a trunk.
+    """
+
+    nodes: tuple[str, ...]
+    level: int
+    parent: int | None
+
+
+def limbs(nodes: Sequence[str], segments: Sequence[Segment]) -> tuple[Limb, ...]:
+    """Return the trunk and the branches of each connected part, parents first.
+
+    A segment that closes a ring belongs to none.
+    """
+    found: list[Limb] = []
+    for tree in _trees(nodes, segments):
+        trunk = _trunk(tree)
+        if len(trunk) < 2:
+            continue
+        depth = _depths(tree, trunk[0])
+        taken = set(trunk)
+        number = len(found)
+        found.append(Limb(tuple(trunk), 0, None))
+        while number < len(found):
+            parent = found[number]
+            for node in parent.nodes:
+                for other, _ in tree[node]:
+                    if other in taken:
+                        continue
+                    way = _straight_on(tree, node, other, depth)
+                    taken.update(way)
+                    found.append(Limb((node, *way), parent.level + 1, number))
+            number += 1
+    return tuple(found)
+
+
+def _straight_on(tree: _Tree, before: str, node: str, depth: dict[str, float]) -> list[str]:
+    """Return the nodes of a branch from its first one on, along the part that reaches farthest."""
+    way = [node]
+    while True:
+        following = [other for other, _ in tree[way[-1]] if other != before]
+        if not following:
+            return way
+        before = way[-1]
+        way.append(max(following, key=lambda name: depth[name]))
 
 
 def _trees(nodes: Sequence[str], segments: Sequence[Segment]) -> list[_Tree]:
@@ -60,8 +114,7 @@ def _trees(nodes: Sequence[str], segments: Sequence[Segment]) -> list[_Tree]:
 
 
 def _spread(tree: _Tree) -> dict[str, Point]:
-    one_end = _farthest(tree, next(iter(tree)))[-1]
-    trunk = _farthest(tree, one_end)
+    trunk = _trunk(tree)
     places: dict[str, Point] = {trunk[0]: (0.0, 0.0)}
     for before, node in pairwise(trunk):
         places[node] = (places[before][0] + dict(tree[before])[node], 0.0)
@@ -84,6 +137,11 @@ def _spread(tree: _Tree) -> dict[str, Point]:
         for index, other in enumerate(following):
             stack.append((node, other, angle + turns[index % len(turns)]))
     return places
+
+
+def _trunk(tree: _Tree) -> list[str]:
+    """Return the longest way through a tree."""
+    return _farthest(tree, _farthest(tree, next(iter(tree)))[-1])
 
 
 def _farthest(tree: _Tree, start: str) -> list[str]:

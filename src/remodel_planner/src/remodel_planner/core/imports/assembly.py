@@ -35,6 +35,7 @@ class Device:
     Attributes:
         sides: of its points, as far as the design says them.
         kinds: of its points' terminals, as far as the design says them.
+        force_limits_n: [N] of insertions at its points, as far as the design says them.
         stays_bare: whether it is a component also if no wire goes to it.
     """
 
@@ -47,6 +48,7 @@ class Device:
     node: str = ""
     sides: Mapping[str, Side] = field(default_factory=dict)
     kinds: Mapping[str, str] = field(default_factory=dict)
+    force_limits_n: Mapping[str, float] = field(default_factory=dict)
     stays_bare: bool = False
 
 
@@ -180,6 +182,7 @@ def _component(device: Device, taken: list[tuple[str, str]]) -> Component:
             device.sides.get(point) or _guessed_side(point),
             point if point != name else "",
             device.kinds.get(point, ""),
+            insertion_force_limit_n=device.force_limits_n.get(point),
         )
         for point, name in taken
     )

@@ -10,6 +10,7 @@ from remodel_planner.core.catalogue import Catalogue
 from remodel_planner.core.imports.account import Imported
 from remodel_planner.core.imports.kbl import import_kbl
 from remodel_planner.core.imports.qet import import_qet
+from remodel_planner.core.imports.terminal_access import with_access
 from remodel_planner.core.imports.text_encoding import decode
 from remodel_planner.core.imports.wire_list import fits, import_wire_list
 from remodel_planner.core.imports.wire_list_mapping import WireListMapping
@@ -65,11 +66,22 @@ def import_design(
     catalogue: Catalogue,
     mappings: Sequence[WireListMapping],
 ) -> Imported:
-    """Read a design file.
+    """Read a design file, and fill in by the catalogue what it does not say of its terminals.
 
     Raises:
         DesignError: if it is refused, with the place, what was found, and what is needed.
     """
+    return with_access(_read(data, form, name, source, catalogue, mappings), catalogue)
+
+
+def _read(
+    data: bytes,
+    form: DesignFormat,
+    name: str,
+    source: str,
+    catalogue: Catalogue,
+    mappings: Sequence[WireListMapping],
+) -> Imported:
     if form is DesignFormat.QET:
         return import_qet(data, name, source, catalogue)
     if form is DesignFormat.KBL:

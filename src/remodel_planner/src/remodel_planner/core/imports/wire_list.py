@@ -200,6 +200,8 @@ class _Reader:
             return None
         self._device(a, row, Field.FROM_X, Field.FROM_Y)
         self._device(b, row, Field.TO_X, Field.TO_Y)
+        self._force_limit(a, row, Field.FROM_FORCE_LIMIT)
+        self._force_limit(b, row, Field.TO_FORCE_LIMIT)
         return Connection(
             a,
             b,
@@ -252,6 +254,27 @@ class _Reader:
             )
         self._devices[end.component] = replace(known, pose=pose)
         self._placed_at.setdefault(end.component, row.line)
+
+    def _force_limit(self, end: TerminalRef, row: _Row, field: Field) -> None:
+        """Note with which force an end may be pushed in, if the line says it."""
+        text = self._cell(row, field)
+        if not text:
+            return
+        limit_n = number(text)
+        if limit_n is None or limit_n <= 0:
+            raise DesignError(
+                f"line {row.line}: force limit of {end}: {text!r} found; a number of newtons above "
+                "0 is needed"
+            )
+        known = self._devices[end.component]
+        before = known.force_limits_n.get(end.terminal, limit_n)
+        if before != limit_n:
+            raise DesignError(
+                f"line {row.line}: force limit of {end}: {limit_n:g} N found, and {before:g} N in "
+                "another line: give it one"
+            )
+        limits = {**known.force_limits_n, end.terminal: limit_n}
+        self._devices[end.component] = replace(known, force_limits_n=limits)
 
     def _section(self, row: _Row, source: str) -> float:
         text = self._cell(row, Field.SECTION)

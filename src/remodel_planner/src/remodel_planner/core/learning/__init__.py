@@ -1,10 +1,13 @@
 """Learn from runs what abilities can do, and with which parameters they do it best.
 
-    belief.py            a probability of success, with its uncertainty
-    success_model.py     success by context: ability, terminal, gauge, ...; general contexts lend to
-                         special ones
-    duration_model.py    duration by context, in the same manner
-    parameter_choice.py  which value of a parameter to try next, within a guard rail
+    context.py               what a call's success may depend on: terminal, gauge, approach, view
+    belief.py                a probability of success, with its uncertainty
+    success_model.py         success by context; general contexts lend to special ones
+    duration_model.py        duration by context, in the same manner
+    learned_expectations.py  both, in place of what a use case states
+    bounds.py                which values of a parameter are safe
+    parameter_choice.py      which setting of parameters to try next, within a guard rail
+    learned_parameters.py    the same for all abilities, from recorded calls
 
 All models are folds over records in their order: the same records give the same model.
 """

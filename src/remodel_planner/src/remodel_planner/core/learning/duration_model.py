@@ -8,7 +8,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from remodel_planner.core.learning.success_model import LENT, MEMORY, Context
+from remodel_planner.core.learning.context import Context
+from remodel_planner.core.learning.success_model import LENT, MEMORY
 
 # [1] Spread of the logarithm of a duration of which nothing is known: a factor of about 1.5.
 _STATED_DEVIATION = 0.4

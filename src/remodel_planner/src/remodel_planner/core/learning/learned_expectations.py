@@ -6,12 +6,13 @@ Durations are learned as shares of the stated ones, which know of lengths and co
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from remodel_planner.core.condition import Features, Value
 from remodel_planner.core.learning.belief import Belief
+from remodel_planner.core.learning.context import context_of
 from remodel_planner.core.learning.duration_model import DurationModel
-from remodel_planner.core.learning.success_model import Context, SuccessModel
+from remodel_planner.core.learning.success_model import SuccessModel
 from remodel_planner.core.use_case.expectation import Expectation, FrozenExpectations
 
 # remodel_msgs/ErrorCode of calls that tell nothing about an ability: preempted, a goal that made
@@ -27,12 +28,19 @@ class Call:
         features: of the task that it was part of.
         error_code: remodel_msgs/ErrorCode, 0 for none.
         elapsed_s: [s] ROS time.
+        parameters: numbers of its goal, by name.
     """
 
     ability: str
     features: Mapping[str, Value]
     error_code: int
     elapsed_s: float
+    parameters: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def tells(self) -> bool:
+        """Whether it tells anything about the ability."""
+        return self.error_code not in TELL_NOTHING
 
 
 class LearnedExpectations:
@@ -49,10 +57,10 @@ class LearnedExpectations:
 
     def learn(self, call: Call) -> None:
         """Take in a call; those that tell nothing, or are of no stated ability, are left out."""
-        if call.ability not in self._stated.stated or call.error_code in TELL_NOTHING:
+        if call.ability not in self._stated.stated or not call.tells:
             return
         self.calls += 1
-        context = _context(call.ability, call.features)
+        context = context_of(call.ability, call.features)
         self._success.learn(context, call.error_code == 0)
         stated_s = self._stated.expect(call.ability, call.features).duration_s
         if stated_s > 0 and call.error_code == 0:
@@ -61,15 +69,23 @@ class LearnedExpectations:
     def expect(self, ability: str, features: Features) -> Expectation:
         """Return what is expected of a call of the ability for a task with these features."""
         stated = self._stated.expect(ability, features)
-        context = _context(ability, features)
+        context = context_of(ability, features)
         share = self._duration.belief(context, 1.0).mean_s
         return Expectation(stated.duration_s * share, self.belief(ability, features).mean)
 
     def belief(self, ability: str, features: Features) -> Belief:
         """Return what is believed about the success of an ability."""
         stated = self._stated.expect(ability, features)
-        return self._success.belief(_context(ability, features), stated.success)
+        return self._success.belief(context_of(ability, features), stated.success)
 
 
-def _context(ability: str, features: Features) -> Context:
-    return (ability, f"{float(features.get('section_mm2', 0.0)):g}")
+def parameters_from(texts: Iterable[str]) -> dict[str, float]:
+    """Return the numbers among a record's parameters, which it writes as "name=value"."""
+    numbers = {}
+    for text in texts:
+        name, _, value = text.partition("=")
+        try:
+            numbers[name] = float(value)
+        except ValueError:
+            continue
+    return numbers

@@ -1,102 +1,133 @@
-"""Which value of a parameter to try next: the best, as far as one can know, within a guard rail.
+"""Which setting of an ability's parameters to try next: the best one, within a guard rail.
 
-Thompson sampling (Thompson, Biometrika 25, 1933) over a few values within safe bounds, on beliefs
-that forget (Raj and Kalyani, arXiv:1707.09727), held back as a conservative bandit is (Wu et al.,
-ICML 2016): another value than the frozen one is tried only as long as all trials of others have
-not cost more successes than the guard rail allows, by a cautious account.
+Thompson sampling (Thompson, Biometrika 25, 1933) over a few safe settings, on beliefs that forget
+with every trial, whichever setting it tried (discounted Thompson sampling: Raj and Kalyani,
+arXiv:1707.09727), held back as a conservative bandit is (Wu et al., ICML 2016).
+
+The guard rail is an account of what trials of other settings than the frozen one have cost. Each is
+charged the success that the frozen setting would have had, at the upper end of what is believed
+about it, less the success that came. With every trial the debt falls by the share that learning may
+cost, never below zero: earlier gains are no credit. While the debt, with some allowance for luck,
+is too high, the frozen setting is used, which also tells how good it is now.
+
+What is believed about the frozen setting ages fast: untried for a while, it counts as nearly
+perfect again, and the account sends trials to it. When trials fail more often than was believed of
+their settings, something has changed, and it counts as nearly perfect at once.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from random import Random
+from typing import Generic, TypeVar
 
 from remodel_planner.core.learning.belief import Belief
-from remodel_planner.core.learning.success_model import Context, SuccessModel
+from remodel_planner.core.learning.context import Context
+from remodel_planner.core.learning.success_model import SuccessModel
 
-# [standard deviations] By which the successes of trials may have been luck.
-_CAUTION = 3.0
+S = TypeVar("S", bound=Hashable)
 
-# [1] Probability of success that nothing is known about; in the account, that of the frozen value.
-_UNKNOWN = 0.5
-_AT_BEST = 0.99
+# The constants below were chosen by simulating the drifts of test_learning.py.
+
+# [1] The debt at which the account stops, of the guard's slack: the rest covers what a change costs
+# until it shows.
+_DEBT_SHARE = 0.3
+
+# [1], [trials] What is assumed of a setting of which nothing is known, and the weight of that.
+_UNKNOWN, _UNKNOWN_WEIGHT = 0.5, 2.0
+
+# [1], [trials] The same of the frozen setting in the account, and how long it remembers trials.
+_AT_BEST, _AT_BEST_WEIGHT, _BASELINE_MEMORY = 0.99, 2.0, 40.0
+
+# [failures] More of them than was believed, and how many of them in a trial are no surprise
+# (Page's cumulative sum, Biometrika 41, 1954).
+_SURPRISE, _NO_SURPRISE = 2.0, 0.1
 
 
 @dataclass(frozen=True)
 class GuardRail:
-    """How many successes learning may cost, against the frozen value all along.
+    """How many successes learning may cost, against the frozen setting all along.
+
+    It holds for every stretch of trials, wherever it begins.
 
     Attributes:
-        share: of all trials so far.
+        share: of the trials of the stretch.
         slack: besides.
-        credit: what good choices may earn at most, to be spent on later trials.
     """
 
     share: float = 0.02
-    slack: float = 5.0
-    credit: float = 5.0
+    slack: float = 20.0
 
 
-_GUARD = GuardRail()
+DEFAULT_GUARD = GuardRail()
 
 
-class ParameterChoice:
-    """The values of one parameter, by context."""
+class ParameterChoice(Generic[S]):
+    """The settings of one ability's parameters, by context."""
 
-    def __init__(
-        self,
-        values: Sequence[float],
-        frozen: float,
-        guard: GuardRail = GuardRail(),
-    ) -> None:
+    def __init__(self, settings: Sequence[S], frozen: S, guard: GuardRail = DEFAULT_GUARD) -> None:
         """Begin with nothing learned.
 
         Args:
-            values: that are safe.
+            settings: that are safe.
             frozen: the one that is used without learning; one of them.
             guard: see GuardRail.
 
         Raises:
-            ValueError: if the frozen value is not among the safe ones.
+            ValueError: if the frozen setting is not among the safe ones.
         """
-        if frozen not in values:
-            raise ValueError(f"the frozen value {frozen:g} is not among the safe ones: {values}")
+        if frozen not in settings:
+            raise ValueError(f"the frozen {frozen} is not among the safe ones: {settings}")
         self.frozen = frozen
-        self._values = tuple(values)
         self._guard = guard
-        self._models = {value: SuccessModel() for value in values}
-        self._trials = 0
-        self._cost = 0.0
+        self._models = {setting: SuccessModel() for setting in settings}
+        self._baseline = SuccessModel(_BASELINE_MEMORY)
+        self._debt = 0.0
         self._variance = 0.0
+        self._surprise = 0.0
 
-    def choose(self, context: Context, random: Random) -> float:
-        """Return the value to try next."""
-        if self._cost_at_most() + 1.0 > self._guard.share * self._trials + self._guard.slack:
+    def choose(self, context: Context, random: Random) -> S:
+        """Return the setting to try next."""
+        next_one = 1.0 + math.sqrt(self._variance)
+        if self._debt + next_one > _DEBT_SHARE * self._guard.slack:
             return self.frozen
-        drawn = [(self._belief(v, context).sample(random), v) for v in self._values]
-        return max(drawn)[1]
+        drawn = {setting: self._belief(setting, context).sample(random) for setting in self._models}
+        return max(drawn, key=drawn.__getitem__)
 
-    def learn(self, context: Context, value: float, success: bool) -> None:
-        """Take in one trial; values that are not among the safe ones tell nothing."""
-        if value not in self._models:
+    def learn(self, context: Context, setting: S, success: bool) -> None:
+        """Take in one trial; settings that are not among the safe ones tell nothing."""
+        if setting not in self._models:
             return
-        self._trials += 1
-        if value != self.frozen:
-            expected = self._models[self.frozen].belief(context, _AT_BEST).interval()[1]
-            self._cost = max(self._cost + expected - float(success), -self._guard.credit)
-            chance = self._belief(value, context).mean
-            self._variance += chance * (1.0 - chance)
-        self._models[value].learn(context, success)
+        if setting == self.frozen:
+            self._baseline.learn(context, success)
+        else:
+            self._charge(context, setting, success)
+            self._baseline.age(context)
+        self._debt -= self._guard.share
+        if self._debt <= 0.0:
+            self._debt = self._variance = 0.0
+        for other, model in self._models.items():
+            if other == setting:
+                model.learn(context, success)
+            else:
+                model.age(context)
 
-    def beliefs(self, context: Context) -> dict[float, Belief]:
-        """Return what is believed about each value."""
-        return {value: self._belief(value, context) for value in self._values}
+    def beliefs(self, context: Context) -> dict[S, Belief]:
+        """Return what is believed about each setting."""
+        return {setting: self._belief(setting, context) for setting in self._models}
 
-    def _cost_at_most(self) -> float:
-        """Return what trials of other values have cost, and might have cost but for luck."""
-        return self._cost + _CAUTION * math.sqrt(self._variance)
+    def _charge(self, context: Context, setting: S, success: bool) -> None:
+        """Enter a trial of another setting than the frozen one into the account."""
+        chance = self._belief(setting, context).mean
+        frozen = self._baseline.belief(context, _AT_BEST, _AT_BEST_WEIGHT).interval()[1]
+        self._debt += frozen - float(success)
+        self._variance += chance * (1.0 - chance)
+        self._surprise = max(0.0, self._surprise + chance - float(success) - _NO_SURPRISE)
+        if self._surprise > _SURPRISE:
+            self._surprise = 0.0
+            self._baseline = SuccessModel(_BASELINE_MEMORY)
 
-    def _belief(self, value: float, context: Context) -> Belief:
-        return self._models[value].belief(context, _UNKNOWN)
+    def _belief(self, setting: S, context: Context) -> Belief:
+        return self._models[setting].belief(context, _UNKNOWN, _UNKNOWN_WEIGHT)

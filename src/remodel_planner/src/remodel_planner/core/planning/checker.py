@@ -6,6 +6,7 @@ search. Every rule of docs/planning.md is one check here.
 
 from __future__ import annotations
 
+from bisect import bisect
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
@@ -17,6 +18,7 @@ from remodel_planner.core.planning.problem import (
     Plan,
     Point,
     Problem,
+    Ranking,
     Stage,
     Wire,
 )
@@ -363,4 +365,27 @@ def _penalties(problem: Problem, judge: _Judge) -> dict[str, int]:
             continue
         if wish.before not in place or place[wish.before] > place[wish.after]:
             cost["soft"] += wish.weight
+    for ranking in problem.rankings:
+        cost["soft"] += ranking.weight * _against_ranks(ranking, place, earlier)
     return cost
+
+
+def _against_ranks(ranking: Ranking, place: dict[str, int], earlier: int) -> int:
+    """Count the pairs of which the wire of the later group is picked first.
+
+    Args:
+        ranking: of the wires.
+        place: of each wire among the picks.
+        earlier: picks from that place on are the plan's; pairs whose second wire was picked before
+            are settled.
+    """
+    never = len(place)
+    pairs = 0
+    before: list[int] = []
+    for group in ranking.groups:
+        for wire in group:
+            own = place.get(wire, -1)
+            if own >= earlier:
+                pairs += len(before) - bisect(before, own)
+        before = sorted((*before, *(place.get(wire, never) for wire in group)))
+    return pairs

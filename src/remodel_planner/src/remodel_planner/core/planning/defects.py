@@ -6,6 +6,7 @@ pass with findings is the last one.
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 
@@ -17,6 +18,8 @@ from remodel_planner.errors import InstanceError
 
 _MOST_ARMS = 2
 _MOST_SHOWN = 20
+# Costs are added up in 32 bits.
+_MOST_WEIGHT = 10**9
 
 
 def require_sound(problem: Problem) -> None:
@@ -38,6 +41,10 @@ def find_doubles(problem: Problem) -> Iterator[str]:
     """Find names that stand for two things, and a count of arms that is not planned for."""
     if not 1 <= len(problem.arms) <= _MOST_ARMS:
         yield f"arms: {len(problem.arms)} found; this planner plans for one or two"
+    for ranking in problem.rankings:
+        for double, count in Counter(itertools.chain(*ranking.groups)).items():
+            if count > 1:
+                yield f"ranking {ranking.reason}: wire {double} has {count} ranks"
     for what, names in (
         ("arm", [arm.name for arm in problem.arms]),
         ("component", problem.components),
@@ -87,6 +94,9 @@ def _unknown_wires(problem: Problem) -> Iterator[str]:
         for name in pair:
             if name not in problem.wire:
                 yield f"{what} {' before '.join(pair)}: no wire {name}"
+    for ranking in problem.rankings:
+        for name in sorted(ranking.rank.keys() - problem.wire.keys()):
+            yield f"ranking {ranking.reason}: no wire {name}"
 
 
 def find_shared_terminals(problem: Problem) -> Iterator[str]:
@@ -165,6 +175,20 @@ def _first_cycle(after: dict[str, list[str]]) -> list[str]:
     return []
 
 
+def find_overweight(problem: Problem) -> Iterator[str]:
+    """Find wishes whose weights together are more than the search can count."""
+    total = sum(wish.weight for wish in problem.wishes)
+    total += sum(ranking.weight * ranking.pairs for ranking in problem.rankings)
+    if total > _MOST_WEIGHT:
+        heaviest = max(problem.rankings, key=lambda r: r.weight * r.pairs, default=None)
+        what = (
+            f"; {heaviest.reason} has {heaviest.pairs} pairs of {heaviest.weight} each"
+            if heaviest
+            else ""
+        )
+        yield f"wishes: all broken, they would cost {total}, over {_MOST_WEIGHT}{what}: lower them"
+
+
 def find_unreachable(problem: Problem) -> Iterator[str]:
     """Find wires that no arm, and no pair of arms, can do."""
     for name, modes in possible_modes(problem).items():
@@ -199,5 +223,6 @@ _PASSES: tuple[Callable[[Problem], Iterator[str]], ...] = (
     find_shared_terminals,
     find_impossible_states,
     find_cycles,
+    find_overweight,
     find_unreachable,
 )

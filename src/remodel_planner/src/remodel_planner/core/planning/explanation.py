@@ -17,7 +17,7 @@ from remodel_planner.core.planning.checker import Verdict
 from remodel_planner.core.planning.modes import possible_modes
 from remodel_planner.core.planning.order import wire_order
 from remodel_planner.core.planning.preferences import Preferred
-from remodel_planner.core.planning.problem import ActionKind, Plan, Problem, Wish
+from remodel_planner.core.planning.problem import ActionKind, Plan, Problem, Ranking, Wish
 
 _TICKS_PER_S = 10
 # Of one preference, so many broken pairs are told one by one; of all exchanges, the nearest ones.
@@ -50,28 +50,36 @@ class BrokenWish:
 
     Attributes:
         places: of the two wires among the picks, from 1.
-        chain: wires that must be done one after the other and forbid the wish; or empty.
     """
 
     wish: Wish
     places: tuple[int, int]
-    chain: tuple[str, ...]
 
 
 def broken_wishes(problem: Problem, plan: Plan) -> tuple[BrokenWish, ...]:
     """Return the wishes that a valid plan breaks, the dearest first."""
     picks = [str(action.wire) for action in plan.actions if action.kind is ActionKind.PICK]
     place = {wire: i for i, wire in enumerate(picks, 1)}
-    after: dict[str, list[str]] = {}
-    for before, later in wire_order(problem):
-        after.setdefault(before, []).append(later)
+    ranked = (wish for ranking in problem.rankings for wish in _against_ranks(ranking, picks))
     broken = []
-    for wish in problem.wishes:
+    for wish in itertools.chain(problem.wishes, ranked):
         places = place.get(wish.before), place.get(wish.after)
         if places[0] is not None and places[1] is not None and places[0] > places[1]:
-            chain = _chain(after, wish.after, wish.before)
-            broken.append(BrokenWish(wish, (places[0], places[1]), chain))
+            broken.append(BrokenWish(wish, (places[0], places[1])))
     return tuple(sorted(broken, key=lambda item: -item.wish.weight))
+
+
+def _against_ranks(ranking: Ranking, picks: list[str]) -> Iterator[Wish]:
+    """Yield the wishes that the picks break, of each wire those of the nearest rank first."""
+    groups: dict[int, list[str]] = {}
+    for wire in picks:
+        rank = ranking.rank.get(wire)
+        if rank is None:
+            continue
+        for later in sorted(other for other in groups if other > rank):
+            for picked in reversed(groups[later]):
+                yield Wish(wire, picked, ranking.weight, ranking.reason)
+        groups.setdefault(rank, []).append(wire)
 
 
 def explain(preferred: Preferred, plan: Plan, verdict: Verdict, mender: Mender) -> Iterator[str]:
@@ -87,14 +95,24 @@ def explain(preferred: Preferred, plan: Plan, verdict: Verdict, mender: Mender) 
         if paid:
             yield f"  {paid}: {paid // weights[name]} {what}, {weights[name]} each"
     if verdict.penalties["soft"]:
-        yield f"  {verdict.penalties['soft']}: wishes broken, of {len(problem.wishes)}"
+        yield f"  {verdict.penalties['soft']}: wishes broken, of {_wished(problem)}"
     yield from _tell_order(problem, plan, mender)
     for reason, wires in _by_reason(preferred.detours).items():
         yield f"kept: `{reason}`: {', '.join(wires)} done in another way"
     yield from _tell_arms(preferred, plan, mender)
+    after: dict[str, list[str]] = {}
+    for before, later in wire_order(problem):
+        after.setdefault(before, []).append(later)
     by_reason = sorted(broken_wishes(problem, plan), key=lambda item: item.wish.reason)
     for reason, group in itertools.groupby(by_reason, lambda item: item.wish.reason):
-        yield from _tell_group(reason, list(group), problem, mender)
+        yield from _tell_group(reason, list(group), problem, after, mender)
+
+
+def _wished(problem: Problem, reason: str | None = None) -> int:
+    """Return how many pairs of wires wishes are about; those of one reason, if it is given."""
+    return sum(reason in (None, wish.reason) for wish in problem.wishes) + sum(
+        ranking.pairs for ranking in problem.rankings if reason in (None, ranking.reason)
+    )
 
 
 def _tell_order(problem: Problem, plan: Plan, mender: Mender) -> Iterator[str]:
@@ -148,28 +166,33 @@ def _tell_arms(preferred: Preferred, plan: Plan, mender: Mender) -> Iterator[str
 
 
 def _tell_group(
-    reason: str, group: list[BrokenWish], problem: Problem, mender: Mender
+    reason: str,
+    group: list[BrokenWish],
+    problem: Problem,
+    after: dict[str, list[str]],
+    mender: Mender,
 ) -> Iterator[str]:
     """Tell the broken pairs of one preference; those of the design one by one."""
     told = group if not reason else group[:_TOLD]
     if len(told) < len(group):
-        pairs = sum(wish.reason == reason for wish in problem.wishes)
+        pairs = _wished(problem, reason)
         paid = sum(item.wish.weight for item in group)
         yield f"broken, costs {paid}: `{reason}`: {len(group)} of {pairs} pairs, such as"
     for item in told:
-        lines = _tell(item, mender)
+        lines = _tell(item, after, mender)
         yield from lines if told == group else (f"  {line}" for line in lines)
 
 
-def _tell(item: BrokenWish, mender: Mender) -> Iterator[str]:
+def _tell(item: BrokenWish, after: dict[str, list[str]], mender: Mender) -> Iterator[str]:
     wish = item.wish
     title = f"`{wish.reason}`: " if wish.reason else ""
     yield (
         f"broken, costs {wish.weight}: {title}{wish.before} should be picked before {wish.after}, "
         f"but they are numbers {item.places[0]} and {item.places[1]}"
     )
-    if item.chain:
-        yield f"    cannot be kept: {' must come before '.join(item.chain)}"
+    chain = _chain(after, wish.after, wish.before)
+    if chain:
+        yield f"    cannot be kept: {' must come before '.join(chain)}"
     else:
         mending = mender.picked_before(wish.before, wish.after)
         yield _judge(f"{wish.before} right before {wish.after}", mending)

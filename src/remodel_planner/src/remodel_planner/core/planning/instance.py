@@ -1,6 +1,9 @@
-"""Read a problem from the benchmark's JSON form, `planbench-1` (docs/planning.md)."""
+"""Problems in the benchmark's JSON form, `planbench-1` (docs/planning.md)."""
 
 from __future__ import annotations
+
+import math
+from typing import Any
 
 from remodel_planner.core.planning.fields import GREATEST, GREATEST_TIME, Fields
 from remodel_planner.core.planning.problem import (
@@ -13,6 +16,7 @@ from remodel_planner.core.planning.problem import (
     Handover,
     Pin,
     Problem,
+    Ranking,
     Stage,
     Terminal,
     Under,
@@ -20,6 +24,8 @@ from remodel_planner.core.planning.problem import (
     Wire,
     Wish,
 )
+
+Json = dict[str, Any]
 
 FORMAT = "planbench-1"
 
@@ -81,10 +87,22 @@ def problem_from(data: object) -> Problem:
             Wish(item.text("before"), item.text("after"), item.number("weight"))
             for item in fields.objects("soft_before")
         ),
+        rankings=tuple(
+            Ranking(_groups(item), item.number("weight"))
+            for item in (fields.objects("soft_order") if fields.has("soft_order") else ())
+        ),
         start_ticks=init.number("t0", greatest=GREATEST_TIME),
         located=frozenset(init.texts("located")),
         history=tuple(_picks(init)),
     )
+
+
+def _groups(item: Fields) -> tuple[tuple[str, ...], ...]:
+    groups = item.value("groups")
+    if not isinstance(groups, list):
+        raise item.fail("groups", "a list of lists of wires")
+    inner = Fields({str(i): group for i, group in enumerate(groups)}, item.place("groups"))
+    return tuple(inner.texts(str(i)) for i in range(len(groups)))
 
 
 def _wire_states(states: Fields) -> dict[str, Fields]:
@@ -181,3 +199,118 @@ def _picks(init: Fields) -> list[tuple[str, str]]:
         ):
             raise init.fail("history", "a list of [wire, arm]")
     return [(pick[0], pick[1]) for pick in picks]
+
+
+def problem_data(problem: Problem) -> Json:
+    """Return the document of a problem; reasons of order constraints and wishes are not told."""
+    times, weights = problem.durations, problem.weights
+    return {
+        "format": FORMAT,
+        "name": problem.name,
+        "speed": problem.speed_mm,
+        "durations": {
+            **{key: getattr(times, key) for key in ("pick", "locate", "fix", "extract")},
+            "tool": times.change_tool,
+            "handover": times.hand_over,
+        },
+        "weights": dict(vars(weights)),
+        "tools": list(problem.tools),
+        "arms": [
+            {"id": arm.name, "station": list(arm.station_mm), "reach": list(arm.reach_mm)}
+            for arm in problem.arms
+        ],
+        "components": [{"id": name} for name in problem.components],
+        "terminals": [
+            {"id": t.name, "comp": t.component, "x": t.position_mm[0], "y": t.position_mm[1]}
+            for t in problem.terminals
+        ],
+        "wires": [_wire_data(wire) for wire in problem.wires],
+        "precedence": [
+            *({"type": "under", "before": u.before, "after": u.after} for u in problem.unders),
+            *map(_pin_data, problem.pins),
+        ],
+        "soft_before": [
+            {"before": wish.before, "after": wish.after, "weight": wish.weight}
+            for wish in problem.wishes
+        ],
+        "soft_order": [
+            {"groups": [list(group) for group in ranking.groups], "weight": ranking.weight}
+            for ranking in problem.rankings
+        ],
+        "init": _init_data(problem),
+    }
+
+
+def _wire_data(wire: Wire) -> Json:
+    row: Json = {
+        "id": wire.name,
+        "a": wire.terminals[End.A],
+        "b": wire.terminals[End.B],
+        "colour": wire.colour,
+        "tool": wire.tool,
+        "heavy": wire.heavy,
+        "zone": wire.zone,
+        "slot": list(wire.slot_mm),
+        "segments": list(wire.segments),
+        "route": wire.route_ticks,
+        "insert": wire.insert_ticks,
+        "handover": _handover_data(wire.handover),
+        "prefer_arm": wire.preferred_arm,
+        "insert_force_n": None if wire.insert_force_n is None else math.ceil(wire.insert_force_n),
+        "characteristics": dict(wire.characteristics),
+    }
+    if wire.handling is not None:
+        row["handling"] = {
+            "pick": wire.handling.pick_ticks,
+            "insert": list(wire.handling.insert_ticks),
+            "fix": wire.handling.fix_ticks,
+        }
+    if wire.detours:
+        row["detours"] = [
+            {
+                "segments": list(detour.segments),
+                "route": detour.route_ticks,
+                "handover": _handover_data(detour.handover),
+            }
+            for detour in wire.detours
+        ]
+    return row
+
+
+def _handover_data(handover: Handover | None) -> Json | None:
+    if handover is None:
+        return None
+    route_a, route_b = handover.route_ticks
+    return {"pos": list(handover.position_mm), "route_a": route_a, "route_b": route_b}
+
+
+def _pin_data(pin: Pin) -> Json:
+    return {
+        "type": "pin",
+        "before": pin.before,
+        "before_end": pin.before_end.letter,
+        "after": pin.after,
+        "after_end": pin.after_end.letter,
+    }
+
+
+def _init_data(problem: Problem) -> Json:
+    words = {stage: word for word, stage in _STAGES.items()}
+    return {
+        "t0": problem.start_ticks,
+        "located": sorted(problem.located),
+        "history": [list(pick) for pick in problem.history],
+        "arms": {
+            arm.name: {"pos": list(arm.position_mm), "tool": arm.tool, "holding": arm.holding}
+            for arm in problem.arms
+        },
+        "wires": {
+            wire.name: {
+                "stage": words[wire.stage],
+                "first": None if wire.first is None else wire.first.letter,
+                "jam": None if wire.jammed is None else wire.jammed.letter,
+            }
+            for wire in problem.wires
+            if wire.stage is not Stage.STORED or wire.first is not None
+        },
+    }

@@ -19,9 +19,10 @@ The grammar, in YAML (docs/planning.md has an example):
     WIRES, NAME: choices.py
 
 A preference holds between all wires of the one choice and all of the other, without the pairs of a
-wire with itself; one of an order, between all wires whose values differ. What has a `while` counts
-in that situation only; without it, always. A choice that no wire meets is refused, unless the entry
-says `if_any: true`.
+wire with itself; one of an order, between all wires whose values differ: a soft one becomes a
+Ranking, whose pairs nobody lists, a hard one binds each value's wires to those of the next value.
+What has a `while` counts in that situation only; without it, always. A choice that no wire meets is
+refused, unless the entry says `if_any: true`.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ from dataclasses import dataclass, field, replace
 
 from remodel_planner.core.planning.choices import choose, feature, features_of
 from remodel_planner.core.planning.fields import Fields
-from remodel_planner.core.planning.problem import Arm, Problem, Under, Wire, Wish
+from remodel_planner.core.planning.problem import Arm, Problem, Ranking, Under, Wire, Wish
 from remodel_planner.errors import InstanceError
 
 FORMAT = "remodel-preferences-1"
@@ -117,11 +118,12 @@ def _prefer(preferred: Preferred, item: Fields) -> Preferred:
         return replace(preferred, problem=replace(problem, wires=tuple(wires)), arm_reasons=reasons)
     if item.has("in_order_of"):
         item.only("name", "if_any", "pick", "in_order_of", "from", "weight")
-        groups = _groups(problem, item, "pick")
-        pairs = [pair for two in itertools.combinations(groups, 2) for pair in _between(*two)]
-    else:
-        item.only("name", "if_any", "pick", "before", "weight")
-        pairs = list(_between(choose(problem, item, "pick"), choose(problem, item, "before")))
+        groups = tuple(tuple(w.name for w in group) for group in _groups(problem, item, "pick"))
+        ranking = Ranking(groups, item.number("weight", least=1), name)
+        rankings = (*problem.rankings, ranking) if len(groups) > 1 else problem.rankings
+        return replace(preferred, problem=replace(problem, rankings=rankings))
+    item.only("name", "if_any", "pick", "before", "weight")
+    pairs = _between(choose(problem, item, "pick"), choose(problem, item, "before"))
     weight = item.number("weight", least=1)
     wishes = tuple(Wish(before, after, weight, name) for before, after in pairs)
     return replace(preferred, problem=replace(problem, wishes=problem.wishes + wishes))

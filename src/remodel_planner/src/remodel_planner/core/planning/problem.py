@@ -8,9 +8,11 @@ free for each action is told in docs/planning.md.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum, IntEnum
 from functools import cached_property
+from itertools import combinations, product
 
 Point = tuple[int, int]
 Characteristic = str | float | bool
@@ -182,6 +184,40 @@ class Wish:
 
 
 @dataclass(frozen=True)
+class Ranking:
+    """Wires that should be picked group by group: each pair picked otherwise costs the weight.
+
+    It says what a wish for each pair of wires of different groups would say, which is too many of
+    them with hundreds of wires. Nobody lists the pairs: those that an order breaks are counted.
+
+    Attributes:
+        groups: names of wires; those of the first group should come first.
+        reason: the user's name for it; empty for one of the design's.
+    """
+
+    groups: tuple[tuple[str, ...], ...]
+    weight: int
+    reason: str = ""
+
+    @cached_property
+    def rank(self) -> dict[str, int]:
+        """The number of each wire's group."""
+        return {wire: i for i, group in enumerate(self.groups) for wire in group}
+
+    @property
+    def pairs(self) -> int:
+        """How many pairs of wires of different groups there are."""
+        sizes = [len(group) for group in self.groups]
+        return (sum(sizes) ** 2 - sum(size**2 for size in sizes)) // 2
+
+    def wishes(self) -> Iterator[Wish]:
+        """Yield the wishes for which it stands."""
+        for first, second in combinations(self.groups, 2):
+            for before, after in product(first, second):
+                yield Wish(before, after, self.weight, self.reason)
+
+
+@dataclass(frozen=True)
 class Durations:
     """Times of the actions that do not depend on the wire [ticks]."""
 
@@ -237,6 +273,7 @@ class Problem:
     unders: tuple[Under, ...] = ()
     pins: tuple[Pin, ...] = ()
     wishes: tuple[Wish, ...] = ()
+    rankings: tuple[Ranking, ...] = ()
     start_ticks: int = 0
     located: frozenset[str] = frozenset()
     history: tuple[tuple[str, str], ...] = ()

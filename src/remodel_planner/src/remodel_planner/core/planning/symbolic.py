@@ -15,6 +15,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 from remodel_planner.core.planning.problem import (
     Action,
@@ -121,7 +122,8 @@ class _Writer:
         self._arm = problem.arms[0]
         stored = {wire.name for wire in wires}
         self._last = problem.wire[problem.history[-1][0]] if problem.history else None
-        self.wishes = [w for w in problem.wishes if w.before in stored and w.after in stored]
+        wishes = chain(problem.wishes, *(ranking.wishes() for ranking in problem.rankings))
+        self.wishes = [w for w in wishes if w.before in stored and w.after in stored]
 
     def facts(self) -> Iterator[Ground]:
         p, wire_name = self._p, {w.name: self._names["wire", w.name] for w in self._wires}

@@ -41,10 +41,15 @@ def tables_of(problem: Problem) -> Tables:
     opening = opening_of(problem)
     wires = [wire for wire in problem.wires if wire.stage is not Stage.FIXED]
     number = {wire.name: i for i, wire in enumerate(wires)}
-    wishes, lost_penalty = _open_wishes(problem, number)
+    picked = {wire for wire, _ in problem.history}
+    stored = {wire.name for wire in problem.wires if wire.stage is Stage.STORED} - picked
+    wishes, lost_by_wish = _open_wishes(problem, number, picked, stored)
+    ranks, lost_by_rank = _open_ranks(problem, number, picked, stored)
     relations = _relations(problem, number)
     relations["soft"] = _array(wishes, 3)
     arrays = {**_wire_arrays(problem, wires, opening), **_arm_arrays(problem), **relations}
+    arrays["rank"] = _array(ranks)
+    arrays["rank_weight"] = _array(ranking.weight for ranking in problem.rankings)
     arrays["opening"] = _array(number[name] for name in opening.wires)
     arrays["located"] = _array([name in problem.located for name in problem.components])
     durations = problem.durations
@@ -57,6 +62,7 @@ def tables_of(problem: Problem) -> Tables:
         "unders": len(arrays["under"]),
         "pins": len(arrays["pin"]),
         "softs": len(wishes),
+        "rankings": len(problem.rankings),
         "openings": len(opening.wires),
         "speed": problem.speed_mm,
         "locate": durations.locate,
@@ -66,7 +72,9 @@ def tables_of(problem: Problem) -> Tables:
         **{f"{name}_weight": weight for name, weight in vars(problem.weights).items()},
         "light_started": int(light),
     }
-    return Tables(problem, tuple(number), scalars, arrays, opening.modes, lost_penalty)
+    return Tables(
+        problem, tuple(number), scalars, arrays, opening.modes, lost_by_wish + lost_by_rank
+    )
 
 
 def _array(rows: Iterable[object], width: int = 1) -> Integers:
@@ -141,10 +149,17 @@ def _relations(problem: Problem, number: dict[str, int]) -> dict[str, Integers]:
     return {"under": _array(unders, 2), "pin": _array(pins, 4)}
 
 
-def _open_wishes(problem: Problem, number: dict[str, int]) -> tuple[list[tuple[int, ...]], int]:
-    """Return the wishes that the plan decides, and the weight of those broken whatever it does."""
-    picked = {wire for wire, _ in problem.history}
-    stored = {wire.name for wire in problem.wires if wire.stage is Stage.STORED} - picked
+def _open_wishes(
+    problem: Problem, number: dict[str, int], picked: set[str], stored: set[str]
+) -> tuple[list[tuple[int, ...]], int]:
+    """Return the wishes that the plan decides, and the weight of those broken whatever it does.
+
+    Args:
+        problem: with its wishes.
+        number: of the unfinished wires.
+        picked: wires picked before the plan.
+        stored: those that the plan picks.
+    """
     wishes: list[tuple[int, ...]] = []
     lost = 0
     for wish in problem.wishes:
@@ -155,6 +170,24 @@ def _open_wishes(problem: Problem, number: dict[str, int]) -> tuple[list[tuple[i
         else:
             lost += wish.weight
     return wishes, lost
+
+
+def _open_ranks(
+    problem: Problem, number: dict[str, int], picked: set[str], stored: set[str]
+) -> tuple[list[list[int]], int]:
+    """Return the same of rankings: of each, the ranks by wire.
+
+    -1 stands for wires that the plan does not pick: their place among the picks is settled.
+    """
+    ranks = []
+    lost = 0
+    for ranking in problem.rankings:
+        by_wire = [ranking.rank.get(name, -1) if name in stored else -1 for name in number]
+        ranks.append(by_wire)
+        # Wires that are never picked come after all that are.
+        never = [r for name, r in ranking.rank.items() if name not in stored | picked]
+        lost += ranking.weight * sum(rank > r for r in never for rank in by_wire)
+    return ranks, lost
 
 
 def _numbering(names: Iterable[str]) -> dict[str, int]:

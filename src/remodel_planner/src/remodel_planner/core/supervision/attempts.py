@@ -26,7 +26,7 @@ class Attempt:
     Attributes:
         part: of the task that it did.
         chart: of the behavior, XML.
-        path: the states that were taken, each "/path > outcome", as the engine told them.
+        path: of the states that were entered, as the engine told them.
         pictures: names of files in the run's folder.
         because: of the interruption; empty if it ended.
         decision: what was done about its failure; None if nothing was.

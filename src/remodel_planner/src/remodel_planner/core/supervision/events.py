@@ -114,7 +114,7 @@ class TaskEnded:
     Attributes:
         placed: whether the cell's ground truth finds the wire placed: a score, nothing follows
             from it.
-        path: the states that were taken, each "/path > outcome", as the engine told them.
+        path: of the states that were entered, as the engine told them.
         pictures: names of files in the run's folder.
     """
 

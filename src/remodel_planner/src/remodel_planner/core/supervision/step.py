@@ -93,8 +93,8 @@ _PAUSED = "paused by an operator"
 def next_step(state: RunState) -> Step | None:
     """Return what comes next; None if the run has ended.
 
-    What a task under way has done must not be in the dark: a supervisor that finds one RUNNING
-    records first that it was interrupted.
+    A supervisor that takes a run up keeps first that it was interrupted, so that a behavior which
+    it knows nothing about does not count as running.
     """
     if state.ended is not None:
         return None
@@ -120,6 +120,8 @@ def next_step(state: RunState) -> Step | None:
 def _about(state: RunState, name: str) -> Step:
     task = state.tasks[name]
     match task.stage:
+        case Stage.RUNNING:
+            return Wait(f"the behavior of {name} runs")
         case Stage.FAILED:
             return Decide(name)
         case Stage.ASKING if state.question is None:
@@ -130,6 +132,4 @@ def _about(state: RunState, name: str) -> Step:
         return Wait(_PAUSED)
     if task.stage is Stage.DOUBTFUL:
         return Settle(name)
-    if task.stage is Stage.READY:
-        return Execute(name, task.part)
-    raise ValueError(f"task {name} is under way, and {task.stage.value}")
+    return Execute(name, task.part)

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from remodel_planner.core.planning.problem import End
 from remodel_planner.core.use_case.expectation import Expectation
 from remodel_planner.core.use_case.model import Action, Macro
-from remodel_planner.core.use_case.work_order import Clip, Task, Way
+from remodel_planner.core.use_case.plain_name import plain_name
+from remodel_planner.core.use_case.work_order import Access, Clip, Task, Way
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,7 @@ class Step:
         way: the part of the task's way on which it is done.
         methods: the chosen method of each task above it, from the macro operation down.
         expected: of all its attempts.
+        access: to the terminal that it is about.
     """
 
     macro: Macro
@@ -64,12 +66,19 @@ class Step:
     way: Way
     methods: tuple[tuple[str, str], ...]
     expected: Expectation
+    access: Access
+
+    @property
+    def force_n(self) -> float:
+        """The force [N] with which it pushes at most, as far as the terminal bears it."""
+        limit = self.access.force_limit_n
+        return self.action.force_n if limit is None else min(limit, self.action.force_n)
 
     @property
     def title(self) -> str:
         """Its name in the task, unique in its task but for actions done twice to one end."""
         title = self.action.title.replace("{end}", self.end.letter if self.end is not None else "")
-        return f"{title} {self.clip.name}" if self.clip else title.strip()
+        return f"{title} {plain_name(self.clip.name)}" if self.clip else title.strip()
 
 
 @dataclass(frozen=True)
@@ -122,5 +131,5 @@ class Decomposition:
 
     @property
     def force_n(self) -> float:
-        """The greatest force [N] with which an action pushes."""
-        return max((step.action.force_n for step in self.steps), default=0.0)
+        """The greatest force [N] with which a step pushes."""
+        return max((step.force_n for step in self.steps), default=0.0)

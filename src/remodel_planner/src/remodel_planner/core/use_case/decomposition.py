@@ -22,7 +22,7 @@ from remodel_planner.core.planning.problem import End
 from remodel_planner.core.use_case.decomposed import Decomposition, Limits, Rejected, Step
 from remodel_planner.core.use_case.expectation import NOTHING, Expectation, Expectations
 from remodel_planner.core.use_case.model import Action, Macro, Method, Scope, Subtask, UseCase
-from remodel_planner.core.use_case.work_order import Clip, Task, Way
+from remodel_planner.core.use_case.work_order import Access, Clip, Task, Way
 from remodel_planner.errors import InstanceError
 
 
@@ -69,6 +69,7 @@ class Decomposer:
         components: dict[str, dict[str, Value]],
         component_of: dict[str, str],
         expectations: Expectations | None = None,
+        access: dict[str, Access] | None = None,
     ) -> None:
         """Take what tasks refer to.
 
@@ -77,7 +78,9 @@ class Decomposer:
             components: their characteristics, by name.
             component_of: by the name of a terminal.
             expectations: of abilities; None: those that the use case states.
+            access: to terminals, by name; nothing is known of others.
         """
+        self._access = access or {}
         self._use_case = use_case
         self._components = components
         self._component_of = component_of
@@ -119,6 +122,10 @@ class Decomposer:
         for ability in action.abilities:
             once = once.then(self._expectations.expect(ability, features))
         return once
+
+    def access(self, task: Task, end: End | None) -> Access:
+        """Return the access to the terminal of a task's end, as far as it is known."""
+        return Access() if end is None else self._access.get(task.terminals[end], Access())
 
     def subject(self, task: Task, fact: str, end: End | None) -> str:
         """Return what a fact is about: the task, or the component at the end."""
@@ -253,13 +260,16 @@ class _Run:
                 looked = self._act(replace(head, subtask=look, macro=macro), state)
                 return [after for s in looked for after in self._act(head, s)]
         features = self._d.features(self._task, head.way, head.end)
-        why = self._forbidden(action, features, state)
+        expected = self._d.expected(action, features)
+        access = self._d.access(self._task, head.end)
+        step = Step(
+            head.macro, action, head.end, head.clip, head.way, head.methods, expected, access
+        )
+        why = self._forbidden(step, features, state)
         if why:
             for task, method in head.methods[-1:]:
                 self._reject(task, method, why)
             return []
-        expected = self._d.expected(action, features)
-        step = Step(head.macro, action, head.end, head.clip, head.way, head.methods, expected)
         known = {pair for pair in state.known if pair[0] not in action.forgets}
         known |= {(f, self._d.subject(self._task, f, head.end)) for f, _ in action.reveals}
         failure_s = self._d.use_case.cell.failure_s * (1 - expected.success)
@@ -279,11 +289,17 @@ class _Run:
             return Macro.PICK if head.end is self._first else Macro.ROUTE
         return head.macro
 
-    def _forbidden(self, action: Action, features: Features, state: _State) -> str:
-        """Return why an action must not come next; empty if it may."""
+    def _forbidden(self, step: Step, features: Features, state: _State) -> str:
+        """Return why a step must not come next; empty if it may."""
+        action = step.action
         limit, name = self._limits.force_n.get(self._task.name, (math.inf, ""))
-        if action.force_n > limit:
-            return f"{action.name} pushes with {action.force_n:g} N, over {limit:g} N (`{name}`)"
+        if step.force_n > limit:
+            return f"{action.name} pushes with {step.force_n:g} N, over {limit:g} N (`{name}`)"
+        if step.force_n < action.force_n and not action.yields:
+            return (
+                f"{action.name} pushes with {action.force_n:g} N, over {step.force_n:g} N that "
+                f"the terminal bears"
+            )
         if action.tool and state.tool not in ("", action.tool):
             return f"{action.name} needs {action.tool} while {state.tool} has the hand full"
         for rule in self._d.use_case.rules:

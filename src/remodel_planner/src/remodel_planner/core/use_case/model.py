@@ -5,12 +5,17 @@ The grammar of the YAML is told in docs/use-cases.md; config/use_case.schema.jso
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 
 from remodel_planner.core.condition import Condition, Value, is_number
 from remodel_planner.core.recovery.policy import Policy
+from remodel_planner.core.use_case.designs import Designs
 from remodel_planner.core.use_case.expectation import FrozenExpectations
+
+# What actions refer to for the force with which they may push.
+FORCE = "force_n"
 
 
 class Macro(Enum):
@@ -51,6 +56,13 @@ class Characteristic:
         if not is_number(value) or not self.least <= float(value) <= self.most:
             return f"a number from {self.least:g} to {self.most:g}"
         return ""
+
+
+def declared(
+    said: Mapping[str, Value], characteristics: Mapping[str, Characteristic]
+) -> dict[str, Value]:
+    """Return what characteristics there are for, of what a design says; empty texts say nothing."""
+    return {name: value for name, value in said.items() if name in characteristics and value != ""}
 
 
 class Scope(Enum):
@@ -108,6 +120,11 @@ class Action:
     attempts: int
     recover: str
     on_failure: str
+
+    @property
+    def yields(self) -> bool:
+        """Whether it pushes with less where the terminal bears less: it is told so."""
+        return f"${FORCE}" in dict(self.params).values()
 
 
 @dataclass(frozen=True)
@@ -169,6 +186,7 @@ class UseCase:
         give_up: the action that empties the hand when a task is given up.
         preferences: weights, preferences and requirements, as in a preferences document.
         recovery: what is done about tasks that fail.
+        designs: how imported designs become its orders; None: they do not.
     """
 
     name: str
@@ -186,3 +204,4 @@ class UseCase:
     give_up: str
     preferences: dict[str, object]
     recovery: Policy
+    designs: Designs | None

@@ -12,6 +12,7 @@ from typing import Any
 
 from remodel_planner.core.condition import Condition, Test
 from remodel_planner.core.recovery.policy import policy_from
+from remodel_planner.core.use_case.designs import designs_from
 from remodel_planner.core.use_case.expectation import Frozen, FrozenExpectations
 from remodel_planner.core.use_case.model import (
     Action,
@@ -65,6 +66,7 @@ def use_case_from(data: Json) -> UseCase:
         give_up=data["give_up"],
         preferences=data.get("preferences", {}),
         recovery=policy_from(data.get("recovery", {})),
+        designs=designs_from(data.get("designs")),
     )
     findings = list(_unknown_names(use_case)) or [*_untold_facts(use_case), *_circles(use_case)]
     if findings:

@@ -10,7 +10,6 @@ state that has looked last to those that need it.
 from __future__ import annotations
 
 import hashlib
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -30,6 +29,7 @@ from flexbe_synthesizer.core.model import (
 from remodel_planner.core.planning.problem import End
 from remodel_planner.core.use_case.decomposed import Decomposition, Step
 from remodel_planner.core.use_case.model import Macro, UseCase
+from remodel_planner.core.use_case.plain_name import plain_name
 from remodel_planner.core.use_case.task_values import TaskValues
 from remodel_planner.core.use_case.work_order import Task
 from remodel_planner.errors import UseCaseError
@@ -47,7 +47,7 @@ _MARK = "Content"
 
 def behavior_name(use_case: UseCase, task: str) -> str:
     """Return the name of the behavior that does a task."""
-    return use_case.title.replace("{task}", task)
+    return use_case.title.replace("{task}", plain_name(task))
 
 
 def task_chart(
@@ -266,7 +266,7 @@ def _input_name(reference: str, key: str, step: Step) -> str:
     if reference in ("end", "component", "terminal") and step.end is not None:
         return f"{step.end.letter}_{reference}"
     if reference == "clip" and step.clip is not None:
-        return re.sub(r"\W", "_", f"clip_{step.clip.name}")
+        return f"clip_{plain_name(step.clip.name)}"
     return key if reference == "task" else reference
 
 

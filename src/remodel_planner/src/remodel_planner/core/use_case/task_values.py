@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from remodel_planner.core.planning.problem import End, Point
 from remodel_planner.core.use_case.decomposed import Step
+from remodel_planner.core.use_case.model import FORCE
 from remodel_planner.core.use_case.work_order import Task
 
 
@@ -40,6 +41,9 @@ class TaskValues:
             values["meeting_pose"] = poses([self.task.meeting_mm], self.height_m)[0]
         if step.end is not None:
             values |= self._of_end("", step.end)
+            values |= {FORCE: step.force_n} if step.action.force_n else {}
+            known = {"clearance_m": step.access.clearance_m, "approach": step.access.approach}
+            values |= {name: value for name, value in known.items() if value is not None}
         if step.clip is not None:
             values["clip"] = step.clip.name
         return {**values, **dict(self.task.values)}

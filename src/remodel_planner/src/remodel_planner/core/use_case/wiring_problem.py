@@ -87,7 +87,7 @@ def decomposer_of(
                 raise InstanceError(
                     f"task {task.name}, end {end.letter}: no terminal {task.terminals[end]}"
                 )
-    return Decomposer(use_case, order.components, component_of, expectations)
+    return Decomposer(use_case, order.components, component_of, expectations, order.access)
 
 
 def wiring_problem(order: WorkOrder, use_case: UseCase, plans: Sequence[TaskPlan]) -> Problem:

@@ -6,15 +6,19 @@ The form is told in docs/use-cases.md. Lengths are integers in mm, as in core/pl
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import pairwise
 
-from remodel_planner.core.condition import Value
+from remodel_planner.core.condition import Value, is_number
 from remodel_planner.core.planning.fields import Fields
 from remodel_planner.core.planning.instance import arm_from, characteristics_of, terminal_from
 from remodel_planner.core.planning.problem import Arm, End, Point, Terminal, Under, Wish
 
 FORMAT = "remodel-order-1"
+
+# Of the length of a direction, for what rounding leaves.
+_UNIT_TOLERANCE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -37,7 +41,7 @@ class Way:
     clips: tuple[Clip, ...] = ()
     segments: tuple[str, ...] = ()
 
-    @property
+    @cached_property
     def length_m(self) -> float:
         """Its length [m]."""
         return sum(math.dist(a, b) for a, b in pairwise(self.path_mm)) / 1e3
@@ -110,11 +114,27 @@ class Task:
 
 
 @dataclass(frozen=True)
+class Access:
+    """How an end goes into a terminal; what nobody says is None.
+
+    Attributes:
+        force_limit_n: [N] that an insertion must not exceed.
+        clearance_m: [m] around the mouth that belongs to it.
+        approach: unit vector along which an end goes in, in the component's frame.
+    """
+
+    force_limit_n: float | None = None
+    clearance_m: float | None = None
+    approach: tuple[float, float, float] | None = None
+
+
+@dataclass(frozen=True)
 class WorkOrder:
     """Tasks, and where they are to be done.
 
     Attributes:
         components: their characteristics, by name.
+        access: to terminals, by name.
     """
 
     name: str
@@ -125,6 +145,7 @@ class WorkOrder:
     tasks: tuple[Task, ...]
     unders: tuple[Under, ...] = ()
     wishes: tuple[Wish, ...] = ()
+    access: dict[str, Access] = field(default_factory=dict)
 
 
 def is_order(data: object) -> bool:
@@ -159,7 +180,34 @@ def order_from(data: object) -> WorkOrder:
             Wish(item.text("before"), item.text("after"), item.number("weight"))
             for item in (fields.objects("soft_before") if fields.has("soft_before") else ())
         ),
+        {item.text("id"): _access(item) for item in fields.objects("terminals")},
     )
+
+
+def _access(item: Fields) -> Access:
+    return Access(
+        _amount(item, "force_limit_n"),
+        _amount(item, "clearance_m"),
+        _direction(item) if item.has("approach") else None,
+    )
+
+
+def _amount(item: Fields, key: str) -> float | None:
+    if not item.has(key):
+        return None
+    value = item.value(key)
+    if not is_number(value) or not 0 < value < math.inf:
+        raise item.fail(key, "a number above 0")
+    return float(value)
+
+
+def _direction(item: Fields) -> tuple[float, float, float]:
+    value = item.value("approach")
+    is_vector = isinstance(value, list) and len(value) == 3 and all(map(is_number, value))
+    if not is_vector or abs(math.hypot(*value) - 1) > _UNIT_TOLERANCE:
+        raise item.fail("approach", "three numbers, of a vector of length 1")
+    x, y, z = map(float, value)
+    return x, y, z
 
 
 def _components(fields: Fields) -> dict[str, dict[str, Value]]:

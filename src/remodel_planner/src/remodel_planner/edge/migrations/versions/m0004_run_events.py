@@ -37,6 +37,10 @@ def upgrade() -> None:
         ("ability_records", _pairs("measurements", "of its result: name and value")),
     ):
         op.add_column(table, column)
+    if op.get_context().dialect.name == "postgresql":  # SQLite keeps no comments
+        op.alter_column("tasks", "state", comment="open, begun, done or set aside")
+    op.execute("UPDATE tasks SET state = 'done' WHERE state = 'placed'")
+    op.execute("UPDATE tasks SET state = 'set aside' WHERE state = 'failed'")
     op.add_column(
         "runs",
         sa.Column("ended", sa.Boolean, nullable=False, server_default=sa.true(), comment="or not"),

@@ -13,7 +13,7 @@ import numpy as np
 
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.vision.cables.model import Cable, Crossing
-from remodel_sim.core.vision.cables.pixels import Pixels
+from remodel_sim.core.vision.pixels import Pixels
 
 # Every so many points of a centreline are intersected.
 STRIDE = 4

@@ -25,11 +25,11 @@ from remodel_sim.core.vision.cables.evidence import Evidence, ramp, weigh
 from remodel_sim.core.vision.cables.foreground import Foreground, find_foreground
 from remodel_sim.core.vision.cables.joining import rough_cables
 from remodel_sim.core.vision.cables.model import Cable, Detection, End, Tip
-from remodel_sim.core.vision.cables.pixels import Pixels
 from remodel_sim.core.vision.cables.polyline import arc_lengths
 from remodel_sim.core.vision.cables.refining import Refined, refine
 from remodel_sim.core.vision.cables.robust import median_colour
 from remodel_sim.core.vision.cables.spline import fit
+from remodel_sim.core.vision.pixels import Pixels
 
 # The foreground is found in a picture of about so many columns; in the finer one where cables are
 # this thin in the first [px].

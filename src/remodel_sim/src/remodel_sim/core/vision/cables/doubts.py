@@ -10,7 +10,7 @@ import numpy as np
 
 from remodel_sim.core.vision.cables.foreground import Foreground
 from remodel_sim.core.vision.cables.model import Cable, End
-from remodel_sim.core.vision.cables.pixels import Pixels
+from remodel_sim.core.vision.pixels import Pixels
 
 NOTHING = "nothing in the picture looks like a cable"
 # A cable with less confidence is doubted.

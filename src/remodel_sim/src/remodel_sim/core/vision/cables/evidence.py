@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remodel_sim.core.vision.cables.pixels import Pixels
 from remodel_sim.core.vision.cables.polyline import arc_lengths
 from remodel_sim.core.vision.cables.refining import Refined
 from remodel_sim.core.vision.cables.ribs import length
 from remodel_sim.core.vision.cables.robust import median, median_colour
+from remodel_sim.core.vision.pixels import Pixels
 
 # From where a factor is 0 to where it is 1.
 CONTRAST_SPREADS = (2.5, 5.0)  # at the edges, in spreads of the table

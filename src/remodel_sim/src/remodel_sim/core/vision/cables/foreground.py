@@ -15,8 +15,8 @@ import cv2
 import numpy as np
 
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.vision.cables.pixels import Pixels
 from remodel_sim.core.vision.cables.robust import median
+from remodel_sim.core.vision.pixels import Pixels
 
 # The table is sampled at every fourth pixel, and its median taken over this many samples: a third
 # of a picture of 320 columns.

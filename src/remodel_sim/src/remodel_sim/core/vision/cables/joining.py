@@ -12,9 +12,9 @@ from remodel_sim.core.geometry import Array
 from remodel_sim.core.vision.cables.foreground import DEVIATIONS, Foreground
 from remodel_sim.core.vision.cables.network import Network
 from remodel_sim.core.vision.cables.pairing import ALONE, Arm, EndId, best_pairs, join_cost
-from remodel_sim.core.vision.cables.pixels import Pixels
 from remodel_sim.core.vision.cables.polyline import across_gap, arc_lengths
 from remodel_sim.core.vision.cables.skeleton import find_strands, thin
+from remodel_sim.core.vision.pixels import Pixels
 
 # More pieces of skeleton are noise or clutter: pairing them takes too long and means nothing.
 MAX_STRANDS = 400

@@ -10,10 +10,10 @@ from __future__ import annotations
 import numpy as np
 
 from remodel_sim.core.vision.cables.pairing import Arm, EndId, heading_at
-from remodel_sim.core.vision.cables.pixels import Pixels
 from remodel_sim.core.vision.cables.polyline import arc_lengths
 from remodel_sim.core.vision.cables.robust import median, median_colour
 from remodel_sim.core.vision.cables.skeleton import Strand
+from remodel_sim.core.vision.pixels import Pixels
 
 # A spur is shorter than this many times the foreground's reach at its root, and so much [px].
 SPUR = (1.3, 2.5)

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.vision.cables.pixels import Pixels
 from remodel_sim.core.vision.cables.polyline import normals, resample, smooth
 from remodel_sim.core.vision.cables.ribs import Ribs, find_edges
 from remodel_sim.core.vision.cables.robust import median
+from remodel_sim.core.vision.pixels import Pixels
 
 # In each round: how far from half a width edges may lie, and how far their distance from the width
 # [widths]. A mask may show little more than the lit half of a cable.

@@ -17,8 +17,8 @@ import numpy as np
 import numpy.typing as npt
 
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.vision.cables.pixels import Pixels
 from remodel_sim.core.vision.cables.robust import median_colour
+from remodel_sim.core.vision.pixels import Pixels
 
 # Samples of a rib, and how far it reaches [widths].
 SAMPLES = 41

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.vision.cables.pixels import Pixels
+from remodel_sim.core.vision.pixels import Pixels
 
 MAX_ROUNDS = 40
 # The neighbours north, north-east, ... north-west as (row, column), and as bits of a code.

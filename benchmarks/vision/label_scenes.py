@@ -1,0 +1,144 @@
+"""Components on a plate under conditions that make locating hard, as the cell's cameras see them.
+
+The cell's own panel, rendered with the cell's cameras; labels, sizes and poses are drawn by lot.
+What the cell does not have is added to the pictures: uneven light, highlights, blur.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from remodel_sim.core.camera import Picture, View, looking_down
+from remodel_sim.core.component_shape import LABEL_MARGIN_CELLS, component_boxes
+from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.core.layout import WORLD_FROM_PANEL
+from remodel_sim.core.panel import Component, Panel
+from remodel_sim.core.wire_colours import WIRE_RGB
+from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.physics.cameras import NOISE_LEVELS, take
+from remodel_sim.physics.panel_scene import PanelScene
+from remodel_sim.physics.parked_wire import draw_parked
+from remodel_sim.physics.plant import OVERHEAD, WRIST_LENS
+from remodel_sim.physics.static_body import add_static
+from remodel_sim.physics.world import World
+
+# Changes of pose: along the plate [m], about its normal [rad]; off it [m], and tilted [rad].
+SHIFT_M, TURN_RAD = 0.010, math.radians(8.0)
+LIFT_M, TILT_RAD = 0.004, math.radians(5.0)
+LABEL_M = (0.018, 0.030)
+LABELS = 250
+# The wrist camera's height when it looks at a label [m].
+LENS_Z = 0.204
+# Wires over labels: so many, so high above the plate [m].
+WIRES, WIRE_Z_M = 3, (0.050, 0.075)
+
+
+@dataclass(frozen=True)
+class Condition:
+    """What makes it hard.
+
+    Attributes:
+        askew: components are lifted and tilted too.
+        light: the least and the greatest share of the usual light.
+        uneven: how much the light changes over a picture, and highlights.
+        blur: the least and the greatest standard deviation [px], on top of the lens's own.
+        clutter: wires over labels, and labels that the panel lacks.
+    """
+
+    askew: bool = False
+    light: tuple[float, float] = (1.0, 1.0)
+    uneven: float = 0.0
+    blur: tuple[float, float] = (0.0, 0.0)
+    clutter: bool = False
+
+
+class LabelScene:
+    """A plate with components; cameras look at it.
+
+    Attributes:
+        components: with labels drawn by lot.
+        poses: where each component stands, by its id, world frame.
+    """
+
+    def __init__(self, world: World, panel: Panel, condition: Condition, seed: int) -> None:
+        """Build the scene of a seed in an empty world."""
+        self._random = np.random.default_rng([seed, 7])
+        self._world, self._condition = world, condition
+        markers = self._random.permutation(LABELS)
+        own = len(panel.components)
+        self.components = tuple(
+            replace(part, marker_id=int(marker), marker_size=self._random.uniform(*LABEL_M))
+            for part, marker in zip(panel.components, markers[:own], strict=True)
+        )
+        self.poses = {part.id: self._stands(part) for part in self.components}
+        world.clear()
+        bare = replace(panel, components=self.components, wires=())
+        PanelScene(world, read_cell().table, bare, self.poses)
+        if condition.clutter:
+            self._add_strangers(markers[own : 2 * own])
+            for _ in range(WIRES):
+                self._add_wire(panel)
+
+    def _stands(self, part: Component) -> Pose:
+        dx, dy, turn = self._random.uniform(-1, 1, 3) * (SHIFT_M, SHIFT_M, TURN_RAD)
+        moved = part.panel_from_component @ Pose.level(dx, dy, 0.0, turn)
+        if self._condition.askew:
+            way, angle = self._random.uniform(0, (2 * math.pi, TILT_RAD))
+            half = math.sin(angle / 2) * np.array([math.cos(way), math.sin(way), 0.0])
+            tilt = np.array([*half, math.cos(angle / 2)])
+            moved @= Pose(np.array([0.0, 0.0, self._random.uniform(0, LIFT_M)]), tilt)
+        return WORLD_FROM_PANEL @ moved
+
+    def _add_strangers(self, markers: npt.NDArray[np.int64]) -> None:
+        """Stand small components with other labels on the plate."""
+        for marker in markers:
+            x, y = self._random.uniform(-1, 1, 2) * (0.03, 0.25)
+            size = self._random.uniform(*LABEL_M)
+            wide = size * (1 + 2 * LABEL_MARGIN_CELLS / 6)
+            part = Component("", "", int(marker), size, (x, y, 0.0), (wide, wide, 0.02), ())
+            pose = WORLD_FROM_PANEL @ Pose.level(x, y, 0.0, self._random.uniform(-3, 3))
+            add_static(self._world.bullet, component_boxes(part), pose)
+
+    def _add_wire(self, panel: Panel) -> None:
+        """Hang a wire over a component's label, or past it."""
+        part = self.components[self._random.integers(len(self.components))]
+        aside = np.array([*self._random.uniform(-0.015, 0.015, 2), 0.0])
+        middle = self.poses[part.id].position + aside
+        way = self._random.uniform(0, math.pi)
+        along = np.linspace(-0.08, 0.08, 9)[:, None] * [math.cos(way), math.sin(way), 0.0]
+        nodes = middle + along + [0.0, 0.0, self._random.uniform(*WIRE_Z_M)]
+        colour = str(self._random.choice(sorted(WIRE_RGB)))
+        draw_parked(self._world, nodes, replace(panel.wires[0], colour=colour))
+
+    def look_overhead(self) -> Picture:
+        """Take a picture of the whole plate."""
+        return self._worse(take(self._world, OVERHEAD, self._random))
+
+    def look_wrist(self, place: Array) -> Picture:
+        """Take a picture from the hand over a place (2,) [m]; the hand is turned by chance."""
+        turn = self._random.uniform(-math.pi, math.pi)
+        view = View(WRIST_LENS, looking_down(float(place[0]), float(place[1]), LENS_Z, turn))
+        return self._worse(take(self._world, view, self._random))
+
+    def _worse(self, picture: Picture) -> Picture:
+        condition, random = self._condition, self._random
+        height, width = picture.rgb.shape[:2]
+        levels = picture.rgb.astype(np.float32) * random.uniform(*condition.light)
+        if condition.uneven:
+            x, y = np.meshgrid(np.linspace(-1, 1, width), np.linspace(-1, 1, height))
+            way = random.uniform(0, 2 * math.pi)
+            fade = 1 + condition.uneven * (x * math.cos(way) + y * math.sin(way))
+            spot = random.uniform(-1, 1, 2)
+            shine = np.exp(-((x - spot[0]) ** 2 + (y - spot[1]) ** 2) / 0.1)
+            levels = levels * fade[..., None] + 120 * condition.uneven * shine[..., None]
+        blur = random.uniform(*condition.blur)
+        if blur > 0:
+            levels = cv2.GaussianBlur(levels, (0, 0), blur)
+            levels += random.normal(0, NOISE_LEVELS, levels.shape)
+        rgb = np.clip(np.rint(levels), 0, 255).astype(np.uint8)
+        return Picture(rgb, None, picture.view)

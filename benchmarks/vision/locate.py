@@ -1,0 +1,150 @@
+#!/usr/bin/env python3
+"""Measure how well components are located by their labels, against the targets.
+
+Each component of a scene is looked at from above and then from the hand, as LocateGearboxComponent
+does, but without an arm. Adds to out/bench/vision.jsonl.
+
+Usage: locate.py [--scenes N] [--seed FIRST] [--processes N]
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import multiprocessing
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+from label_scenes import Condition, LabelScene
+from row import Row, tell
+
+from remodel_sim.core.camera import Picture
+from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.core.layout import WORLD_FROM_PANEL
+from remodel_sim.core.panel import Component
+from remodel_sim.core.vision.label_pose import Look, locate_component
+from remodel_sim.core.vision.labels import find_labels, search_label
+from remodel_sim.edge.wire_material_file import read_wire_materials
+from remodel_sim.physics.world import World
+from remodel_sim.ros.conversions import read_panel
+
+PANEL = Path(__file__).parents[2] / "src" / "remodel_sim" / "config" / "panel.yaml"
+# Places of the hand's camera beside the label [m], in the order in which they are tried.
+ASIDE_M = ((0.0, 0.0), (0.0, 0.07), (0.0, -0.07), (0.07, 0.0), (-0.07, 0.0))
+LOOKS = 2
+# An error above these is a wrong answer, not an inexact one: [mm], [deg].
+WRONG_MM, WRONG_DEG = 3.0, 3.0
+CONDITIONS = {
+    "upright": Condition(),
+    "askew": Condition(askew=True),
+    "light 40 to 160 %": Condition(askew=True, light=(0.4, 1.6)),
+    "uneven light": Condition(askew=True, uneven=0.4),
+    "blur 1 to 2 px": Condition(askew=True, blur=(1.0, 2.0)),
+    "clutter": Condition(askew=True, clutter=True),
+    "all at once": Condition(True, (0.4, 1.6), 0.4, (0.0, 2.0), True),
+}
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What came of one component.
+
+    Attributes:
+        above: whether it was seen from above.
+        looks: from the hand.
+        position: error of the first terminal's mouth [mm]; infinite when it was refused.
+        angle: error [deg]; likewise.
+    """
+
+    above: bool
+    looks: int
+    position: float = math.inf
+    angle: float = math.inf
+
+
+def locate(scene: LabelScene, component: Component) -> Answer:
+    """Look for a component, and compare the answer with the truth."""
+    nominal = WORLD_FROM_PANEL @ component.panel_from_component
+    corners = _label(scene, component, picture := scene.look_overhead(), nominal)
+    above = None if corners is None else locate_component(component, [Look(picture, corners)])
+    coarse = above.world_from_component if above is not None and above.clear else nominal
+    looks: list[Look] = []
+    found: Pose | None = None
+    for count, aside in enumerate(ASIDE_M, start=1):  # noqa: B007 - how many it took
+        picture = scene.look_wrist(coarse.position[:2] + aside)
+        if (corners := _label(scene, component, picture, coarse)) is None:
+            continue
+        looks.append(Look(picture, corners))
+        sighting = locate_component(component, looks)
+        if sighting.clear:
+            found = sighting.world_from_component
+        else:
+            looks.pop()
+        if len(looks) == LOOKS:
+            break
+    if found is None:
+        return Answer(coarse is not nominal, count)
+    return Answer(coarse is not nominal, count, *_errors(scene, component, found))
+
+
+def _label(scene: LabelScene, component: Component, picture: Picture, near: Pose) -> Array | None:
+    corners = find_labels(picture, scene.components).get(component.marker_id)
+    return search_label(picture, component, near) if corners is None else corners
+
+
+def _errors(scene: LabelScene, component: Component, found: Pose) -> tuple[float, float]:
+    """Return the errors of a terminal's mouth [mm] and of the direction [deg]."""
+    true = scene.poses[component.id]
+    mouth = np.array(component.terminals[0].mouth)
+    away = float(np.linalg.norm(found.apply(mouth) - true.apply(mouth)))
+    cosine = (np.trace(found.rotation.T @ true.rotation) - 1) / 2
+    return 1e3 * away, math.degrees(math.acos(float(np.clip(cosine, -1, 1))))
+
+
+def run(task: tuple[Condition, int]) -> list[Answer]:
+    """Locate all components of a scene."""
+    cv2.setNumThreads(1)
+    world = World(240.0)
+    try:
+        scene = LabelScene(world, read_panel(PANEL, read_wire_materials()), *task)
+        return [locate(scene, component) for component in scene.components]
+    finally:
+        world.close()
+
+
+def rows(name: str, answers: list[Answer]) -> Iterator[Row]:
+    """Yield the figures of a condition."""
+    positions = [a.position for a in answers if math.isfinite(a.position)]
+    angles = [a.angle for a in answers if math.isfinite(a.angle)]
+    wrong = [p > WRONG_MM or a > WRONG_DEG for p, a in zip(positions, angles, strict=True)]
+    group = f"locate, {name}"
+    yield Row(f"{group}: located", 100 * len(positions) / len(answers), "%")
+    yield Row(f"{group}: seen from above", 100 * sum(a.above for a in answers) / len(answers), "%")
+    yield Row(f"{group}: looks from the hand", float(np.mean([a.looks for a in answers])), "")
+    yield Row(f"{group}: position, median", float(np.median(positions)), "mm", at_most=0.5)
+    yield Row(f"{group}: position, p90", float(np.quantile(positions, 0.9)), "mm", at_most=1.0)
+    yield Row(f"{group}: angle, median", float(np.median(angles)), "deg", at_most=0.5)
+    yield Row(f"{group}: angle, p90", float(np.quantile(angles, 0.9)), "deg", at_most=1.0)
+    yield Row(f"{group}: wrong", 100 * sum(wrong) / len(answers), "%", at_most=1.0)
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--scenes", type=int, default=200, help="an eighth per condition")
+    parser.add_argument("--seed", type=int, default=5000, help="of the first scene")
+    parser.add_argument("--processes", type=int, default=2)
+    options = parser.parse_args()
+    seeds = range(options.seed, options.seed + max(3, options.scenes // 8))
+    with multiprocessing.get_context("spawn").Pool(options.processes) as pool:
+        for name, condition in CONDITIONS.items():
+            scenes = pool.map(run, [(condition, seed) for seed in seeds], chunksize=1)
+            for row in rows(name, [answer for scene in scenes for answer in scene]):
+                tell(row)
+
+
+if __name__ == "__main__":
+    main()

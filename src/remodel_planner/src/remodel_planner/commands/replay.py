@@ -1,0 +1,71 @@
+"""`rosrun remodel_planner replay RUN`: play a recorded run back, and compare."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from flexbe_synthesizer.core.codec import parse_chart
+from remodel_planner.commands.database_option import add_database_option
+from remodel_planner.core.supervision.attempts import attempts_of
+from remodel_planner.core.supervision.event_form import kind_of
+from remodel_planner.core.supervision.events import OperationEnded
+from remodel_planner.core.supervision.replay import path_difference, replayed
+from remodel_planner.core.supervision.step import next_step, said
+from remodel_planner.edge.nested_charts import nested_charts
+from remodel_planner.edge.run_log import KeptEvent, kept_run
+from remodel_planner.errors import PlannerError
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Print each event with what came next, and return the exit code."""
+    parser = argparse.ArgumentParser(
+        prog="replay",
+        description="Play a recorded run back: every event with the states that were entered and "
+        "what came next, and whether all of it follows from what was before.",
+        epilog="Exit code: 0 played back identically, 1 something differs, 2 wrong usage, 3 no "
+        "such run or database.",
+    )
+    parser.add_argument("run", type=int, metavar="RUN", help="number of the run")
+    parser.add_argument("--quiet", action="store_true", help="tell the differences only")
+    add_database_option(parser)
+    options = parser.parse_args(arguments)
+    try:
+        kept = kept_run(options.database, options.run)
+    except PlannerError as error:
+        print(f"replay: {error}", file=sys.stderr)
+        return 3
+    differences = _play(kept, quiet=options.quiet)
+    for difference in differences:
+        print(f"DIFFERS: {difference}")
+    behaviors = len(attempts_of(each.event for each in kept))
+    print(f"{len(kept)} events, {behaviors} behaviors, {len(differences)} differences")
+    return 1 if differences else 0
+
+
+def _play(kept: tuple[KeptEvent, ...], *, quiet: bool) -> list[str]:
+    """Print the run, and return what differs."""
+    differences = []
+    nested = nested_charts()
+    attempts = list(attempts_of(each.event for each in kept))
+    for number, (each, frame) in enumerate(
+        zip(kept, replayed([each.event for each in kept]), strict=True)
+    ):
+        since_s = (each.at - kept[0].at).total_seconds()
+        if frame.differs:
+            differences.append(f"event {number}, {kind_of(each.event)}: {frame.differs}")
+        if quiet:
+            continue
+        if isinstance(each.event, OperationEnded):
+            operation = each.event.operation
+            print(f"{since_s:9.3f}      {operation.state_path} > {operation.outcome}")
+            continue
+        step = next_step(frame.after)
+        then = f"  then {said(step)}" if step is not None else ""
+        print(f"{since_s:9.3f}  {kind_of(each.event)}{then}")
+    for attempt in attempts:
+        label = f"{attempt.execution.behavior}, attempt {attempt.execution.attempt}"
+        chart = parse_chart(attempt.chart, label)
+        if difference := path_difference(attempt, chart, nested):
+            differences.append(f"{label}: {difference}")
+    return differences

@@ -1,0 +1,76 @@
+"""Within which values a parameter may be chosen."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import product
+
+# name -> value, sorted by name; hashable.
+Setting = tuple[tuple[str, float], ...]
+
+# [settings] More cannot be told apart in the trials of an order.
+_MOST_SETTINGS = 30
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """What is safe for a parameter; its unit is the parameter's.
+
+    Attributes:
+        frozen: value that is used without learning.
+        low: least safe value.
+        high: greatest safe value.
+        count: how many values are tried; the frozen one is among them.
+    """
+
+    frozen: float
+    low: float
+    high: float
+    count: int = 5
+
+    def __post_init__(self) -> None:
+        """Refuse bounds that hold no choice.
+
+        Raises:
+            ValueError: if they are not in order, or there are fewer than two values.
+        """
+        if not -math.inf < self.low <= self.frozen <= self.high < math.inf or self.count < 2:
+            raise ValueError(
+                f"bounds must be low <= frozen <= high with a count of at least 2, found "
+                f"{self.low:g}, {self.frozen:g}, {self.high:g}, {self.count}"
+            )
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """The values that are tried, evenly spaced but for the frozen one."""
+        step = (self.high - self.low) / (self.count - 1)
+        even = [self.low + step * i for i in range(self.count)]
+        nearest = min(range(self.count), key=lambda i: abs(even[i] - self.frozen))
+        even[nearest] = self.frozen
+        return tuple(sorted(set(even)))
+
+
+def frozen_setting(bounds: Mapping[str, Bounds]) -> Setting:
+    """Return the setting that is used without learning."""
+    return tuple((name, bounds[name].frozen) for name in sorted(bounds))
+
+
+def settings(bounds: Mapping[str, Bounds]) -> tuple[Setting, ...]:
+    """Return all settings of some parameters together.
+
+    Raises:
+        ValueError: if there are too many to learn which is best.
+    """
+    names = sorted(bounds)
+    found = tuple(
+        tuple(zip(names, values, strict=True))
+        for values in product(*(bounds[name].values for name in names))
+    )
+    if len(found) > _MOST_SETTINGS:
+        raise ValueError(
+            f"{len(found)} settings of {', '.join(names)}; at most {_MOST_SETTINGS} can be told "
+            "apart: learn fewer parameters, or fewer values of each"
+        )
+    return found

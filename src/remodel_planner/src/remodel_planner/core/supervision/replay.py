@@ -1,0 +1,121 @@
+"""Play a recorded run back: each event must be what the state before it asked for.
+
+Of each behavior that ended by itself, the chart is followed by what its operations' states ended
+with; it must lead to the same outcome, over the states that the engine said it entered.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from flexbe_synthesizer.core.model import Chart
+from remodel_planner.core.supervision.attempts import INTERRUPTED, Attempt
+from remodel_planner.core.supervision.events import (
+    Answered,
+    Asked,
+    Blocked,
+    Commanded,
+    Decided,
+    Event,
+    Interrupted,
+    OperationEnded,
+    Planned,
+    RunBegun,
+    RunEnded,
+    Settled,
+    TaskBegun,
+    TaskElsewhere,
+    TaskEnded,
+    TaskReturned,
+)
+from remodel_planner.core.supervision.state import PREEMPTED, RunState, Stage, applied
+from remodel_planner.core.supervision.step import (
+    Ask,
+    Decide,
+    End,
+    Execute,
+    Plan,
+    Settle,
+    Step,
+    next_step,
+)
+from remodel_planner.core.trace import trace
+
+# What may happen at any time, whatever comes next.
+_ANY_TIME = (Interrupted, Commanded, Blocked, TaskElsewhere, TaskReturned)
+
+
+@dataclass(frozen=True)
+class Frame:
+    """An event in its place.
+
+    Attributes:
+        event: that happened.
+        after: the state after it.
+        differs: how it differs from what the state before it asked for; empty if it does not.
+    """
+
+    event: Event
+    after: RunState
+    differs: str
+
+
+def replayed(events: Sequence[Event]) -> Iterator[Frame]:
+    """Yield the events of a run with the states after them."""
+    state = RunState()
+    for event in events:
+        differs = _difference(event, state)
+        state = applied(event, state)
+        yield Frame(event, state, differs)
+
+
+def path_difference(attempt: Attempt, chart: Chart, nested: Mapping[str, Chart]) -> str:
+    """Return how a behavior's record contradicts its chart; empty if it does not.
+
+    Args:
+        attempt: the behavior.
+        chart: of the behavior.
+        nested: charts of the behaviors in it, by type.
+    """
+    execution = attempt.execution
+    if execution.outcome in (INTERRUPTED, PREEMPTED):
+        return ""
+    asked = [operation.state_path for operation in execution.operations]
+    entered = [path for path in attempt.path if path in set(asked)]
+    if attempt.path and entered != asked:
+        return f"the engine entered {entered}, operations are of {asked}"
+    outcome = trace(chart, execution.operations, nested).outcome
+    if outcome != execution.outcome:
+        return f"the chart leads to {outcome}, the behavior ended {execution.outcome}"
+    return ""
+
+
+def _difference(event: Event, state: RunState) -> str:
+    if isinstance(event, RunBegun):
+        return "" if state == RunState() else "a run begins once"
+    if isinstance(event, _ANY_TIME):
+        return ""
+    if isinstance(event, OperationEnded | TaskEnded):
+        task = state.tasks.get(event.task)
+        running = task is not None and task.stage is Stage.RUNNING
+        return "" if running else f"{event.task} was not under way"
+    if isinstance(event, Answered):
+        asked = state.question
+        fits = asked is not None and asked.number == event.number and event.choice in asked.choices
+        return "" if fits else f"question {event.number} was not open, or has no such answer"
+    step = next_step(state)
+    return "" if _fits(event, step) else f"next was {step}"
+
+
+def _fits(event: Event, step: Step | None) -> bool:
+    match event, step:
+        case Planned(), Plan():
+            return True
+        case TaskBegun(), Execute():
+            return (event.task, event.part) == (step.task, step.part)
+        case (Settled(), Settle()) | (Decided(), Decide()) | (Asked(), Ask()):
+            return event.task == step.task
+        case RunEnded(), End():
+            return event.ending is step.ending
+    return False

@@ -1,0 +1,366 @@
+"""A run follows from its events alone: what is known, what comes next, and that it ends."""
+
+import json
+from random import Random
+
+import hypothesis.strategies as st
+import pytest
+from hypothesis import given, settings
+
+from remodel_planner.core.recovery.fault import Do, Response
+from remodel_planner.core.recovery.policy import Limits, Policy
+from remodel_planner.core.run import Operation
+from remodel_planner.core.supervision.event_form import data_of, event_from, kind_of
+from remodel_planner.core.supervision.events import (
+    Answer,
+    Answered,
+    AsLeft,
+    Blocked,
+    Command,
+    Commanded,
+    Ending,
+    Interrupted,
+    OperationEnded,
+    Part,
+    Planned,
+    RunBegun,
+    RunEnded,
+    Settled,
+    TaskBegun,
+    TaskElsewhere,
+    TaskEnded,
+    TaskReturned,
+)
+from remodel_planner.core.supervision.judge import judged
+from remodel_planner.core.supervision.question import question_about
+from remodel_planner.core.supervision.state import INTERRUPTION_LIMIT, Stage, state_after
+from remodel_planner.core.supervision.step import (
+    Ask,
+    Decide,
+    End,
+    Execute,
+    Plan,
+    Settle,
+    Wait,
+    next_step,
+)
+from remodel_planner.edge.fault_file import read_faults
+from remodel_planner.errors import OrderError
+
+FAULTS = read_faults()
+POSSIBLE = frozenset(Do) - {Do.OTHER_METHOD, Do.RETRY_WITH}
+JAM, LOST = 301, 4
+
+
+class Run:
+    """A run as its events make it."""
+
+    def __init__(self, *tasks, policy=None, possible=POSSIBLE):
+        self.events = [RunBegun("house", "switchgear", "cell", tasks)]
+        self.state = state_after(self.events)
+        self.policy = policy or Policy()
+        self.possible = possible
+        self.now_s = 0.0
+
+    @property
+    def next(self):
+        return next_step(self.state)
+
+    def add(self, *events):
+        self.events += events
+        self.state = state_after(events, self.state)
+        return self.next
+
+    def plan(self):
+        return self.add(Planned(self.state.waiting, "because"))
+
+    def begin(self, task, part=Part.WHOLE):
+        attempt = self.state.tasks[task].attempts + (part is not Part.CLEAR)
+        begun = TaskBegun(task, attempt, part, f"Place Wire {task}", "<chart/>", self.now_s)
+        return self.add(begun)
+
+    def end(self, task, outcome="finished", code=0):
+        self.now_s += 1.0
+        if code:
+            self.add(OperationEnded(task, operation(code, self.now_s)))
+        return self.add(TaskEnded(task, outcome, self.now_s, outcome == "finished"))
+
+    def decide(self, task):
+        decided = judged(self.state, task, FAULTS, self.policy, self.possible, self.now_s)
+        self.add(decided)
+        return decided
+
+
+def operation(code, at_s=0.0):
+    return Operation("/Connect a/InsertCable", "InsertCable", "failed", code, "no", at_s, 1.0)
+
+
+def answering(*responses):
+    return Policy({"insertion_jammed": responses})
+
+
+@pytest.fixture
+def run():
+    run = Run("W1", "W2")
+    assert run.next == Plan("the run begins")
+    assert run.plan() == Execute("W1", Part.WHOLE)
+    return run
+
+
+def test_tasks_are_done_one_after_another(run):
+    run.begin("W1")
+    assert run.end("W1") == Execute("W2", Part.WHOLE)
+    run.begin("W2")
+    assert run.end("W2") == End(Ending.COMPLETE, "all tasks are done")
+    assert run.add(RunEnded(Ending.COMPLETE, "")) is None
+    assert all(task.first_pass for task in run.state.tasks.values())
+
+
+def test_what_was_interrupted_is_cleared_settled_and_only_what_is_left_done(run):
+    run.begin("W1")
+    assert run.add(Interrupted("killed")) == Execute("W1", Part.CLEAR)
+    run.begin("W1", Part.CLEAR)
+    assert run.end("W1", "failed", 204) == Settle("W1"), "nothing was in the hand"
+    assert run.add(Settled("W1", ("a",), 3)) == Execute("W1", Part.REST)
+    run.begin("W1", Part.REST)
+    assert run.end("W1") == Execute("W2", Part.WHOLE)
+    assert not run.state.tasks["W1"].first_pass
+
+
+def test_what_turns_out_to_be_done_is_not_done_again(run):
+    run.begin("W1")
+    run.add(Interrupted("killed"))
+    run.begin("W1", Part.CLEAR)
+    run.end("W1")
+    assert run.add(Settled("W1", ("a", "b"), 0)) == Execute("W2", Part.WHOLE)
+    assert run.state.tasks["W1"].stage is Stage.DONE
+
+
+def test_a_part_in_doubt_is_replaced(run):
+    run.begin("W1")
+    run.add(Interrupted("killed"))
+    run.begin("W1", Part.CLEAR)
+    run.end("W1")
+    assert run.add(Settled("W1", (), 5)) == Execute("W1", Part.WHOLE)
+
+
+def test_clearing_that_is_interrupted_is_done_again(run):
+    run.begin("W1")
+    run.add(Interrupted("killed"))
+    run.begin("W1", Part.CLEAR)
+    assert run.add(Interrupted("killed")) == Execute("W1", Part.CLEAR)
+    assert run.state.tasks["W1"].interruptions == 2
+
+
+def test_a_task_that_kills_its_processes_fails_at_last(run):
+    for _ in range(INTERRUPTION_LIMIT):
+        run.begin("W1")
+        assert run.add(Interrupted("crash")) == Execute("W1", Part.CLEAR)
+    run.begin("W1")
+    assert run.add(Interrupted("crash")) == Decide("W1")
+
+
+def test_an_interruption_between_tasks_changes_nothing(run):
+    run.begin("W1")
+    run.end("W1")
+    assert run.add(Interrupted("killed")) == Execute("W2", Part.WHOLE)
+
+
+@pytest.mark.parametrize("do", [Do.RETRY, Do.LOOK_AGAIN, Do.OTHER_METHOD])
+def test_before_a_task_is_tried_again_it_is_looked(run, do):
+    run.policy, run.possible = answering(Response(do)), frozenset(Do)
+    run.begin("W1")
+    assert run.end("W1", "failed", JAM) == Decide("W1")
+    assert run.decide("W1").do is do
+    assert run.next == Settle("W1")
+    assert run.add(Settled("W1", (), 5)) == Execute("W1", Part.AGAIN)
+
+
+def test_a_new_part_begins_anew(run):
+    run.policy = answering(Response(Do.NEW_PART), Response(Do.SET_ASIDE))
+    run.begin("W1")
+    run.end("W1", "failed", JAM)
+    run.decide("W1")
+    assert run.next == Execute("W1", Part.WHOLE)
+    run.begin("W1")
+    run.end("W1", "failed", JAM)
+    run.decide("W1")
+    assert run.next == Execute("W2", Part.WHOLE)
+    run.begin("W2")
+    assert run.end("W2") == End(Ending.INCOMPLETE, "set aside: W1")
+
+
+def test_a_server_that_was_lost_may_have_left_something_in_the_hand(run):
+    run.policy = Policy({"server_lost": (Response(Do.NEW_PART), Response(Do.SET_ASIDE))})
+    for after in (Execute("W1", Part.WHOLE), Execute("W2", Part.WHOLE)):
+        run.begin("W1")
+        run.end("W1", "failed", LOST)
+        run.decide("W1")
+        assert run.next == Execute("W1", Part.CLEAR)
+        run.begin("W1", Part.CLEAR)
+        assert run.end("W1", "failed", LOST) == after
+
+
+def test_what_is_put_off_is_done_when_the_rest_is(run):
+    run.policy = answering(Response(Do.REPLAN), Response(Do.SET_ASIDE))
+    run.begin("W1")
+    run.end("W1", "failed", JAM)
+    run.decide("W1")
+    assert isinstance(run.next, Plan)
+    assert run.add(Planned(("W2", "W1"), "a failure")) == Execute("W2", Part.WHOLE)
+    run.begin("W2")
+    assert run.end("W2") == Execute("W1", Part.WHOLE)
+
+
+def test_an_operator_is_asked_and_answers(run):
+    run.policy = answering(Response(Do.ASK_OPERATOR))
+    run.begin("W1")
+    run.end("W1", "failed", JAM)
+    run.decide("W1")
+    assert run.next == Ask("W1")
+    asked = question_about(run.state, "W1", FAULTS)
+    assert "W1 failed: no. That is insertion jammed" in asked.text
+    assert Answer.REPLAN in asked.choices
+    assert run.add(asked) == Wait("question 1 is to be answered")
+    assert run.add(Answered(1, Answer.FIXED, "ann")) == Settle("W1")
+    run.add(Settled("W1", ("a",), 2))
+    run.begin("W1", Part.REST)
+    run.end("W1", "failed", JAM)
+    run.decide("W1")
+    run.add(question_about(run.state, "W1", FAULTS))
+    assert run.add(Answered(2, Answer.MARK_DONE, "ann")) == Execute("W2", Part.WHOLE)
+    assert run.state.tasks["W1"].stage is Stage.DONE
+
+
+@pytest.mark.parametrize(
+    ("answer", "comes"),
+    [
+        (Answer.RETRY, Settle("W1")),
+        (Answer.SKIP, Execute("W2", Part.WHOLE)),
+        (Answer.REPLAN, Plan("W1: ann answered replan to question 1")),
+        (Answer.STOP, End(Ending.STOPPED, "W1: ann answered stop to question 1")),
+    ],
+)
+def test_each_answer_is_obeyed(run, answer, comes):
+    run.policy = answering(Response(Do.ASK_OPERATOR))
+    run.begin("W1")
+    run.end("W1", "failed", JAM)
+    run.decide("W1")
+    run.add(question_about(run.state, "W1", FAULTS))
+    assert run.add(Answered(1, answer, "ann")) == comes
+
+
+def test_an_operator_pauses_skips_tries_again_and_stops(run):
+    assert isinstance(run.add(Commanded(Command.PAUSE, "", "ann")), Wait)
+    assert run.add(Commanded(Command.RESUME, "", "ann")) == Execute("W1", Part.WHOLE)
+    assert run.add(Commanded(Command.SKIP, "W1", "ann")) == Execute("W2", Part.WHOLE)
+    run.begin("W2")
+    run.add(Commanded(Command.RETRY, "W1", "ann"))
+    assert run.end("W2") == Settle("W1")
+    run.add(Settled("W1", (), 5))
+    run.begin("W1")
+    run.add(Commanded(Command.SKIP, "W1", "ann"))
+    assert run.end("W1", "preempted") == Decide("W1")
+    decided = run.decide("W1")
+    assert (decided.do, decided.by, decided.because) == (Do.SET_ASIDE, "ann", "ann skipped it")
+    assert run.next == End(Ending.INCOMPLETE, "set aside: W1")
+    assert run.add(Commanded(Command.STOP, "", "ann")) == End(Ending.STOPPED, "ann stopped it")
+
+
+def test_a_behavior_that_somebody_stops_stops_the_run(run):
+    run.begin("W1")
+    assert run.end("W1", "preempted") == End(
+        Ending.STOPPED, "somebody stopped the behavior of task W1"
+    )
+
+
+def test_what_cannot_be_seen_is_not_guessed(run):
+    run.possible = POSSIBLE - {Do.ASK_OPERATOR}
+    run.begin("W1")
+    run.add(Interrupted("killed"))
+    run.begin("W1", Part.CLEAR)
+    run.end("W1")
+    while isinstance(run.next, Settle | Decide):
+        if isinstance(run.next, Settle):
+            run.add(Settled("W1", (), 1, 114, "the arm is in front of it"))
+        else:
+            run.decide("W1")
+    assert run.state.tasks["W1"].decisions[-1].text == "the arm is in front of it"
+    assert all(d.do is not Do.SET_ASIDE for d in run.state.tasks["W1"].decisions[:-1])
+
+
+def test_other_cells_tasks_are_left_to_them_and_taken_over(run):
+    assert run.add(TaskElsewhere("W1", "other", AsLeft.RUNNING)) == Execute("W2", Part.WHOLE)
+    run.begin("W2")
+    assert run.end("W2") == Wait("other cells have W1")
+    assert run.add(TaskReturned("W1", "other")) == Settle("W1")
+    assert run.add(TaskElsewhere("W1", "third", AsLeft.DONE)) == End(
+        Ending.COMPLETE, "all tasks are done"
+    )
+
+
+def test_what_cannot_go_on_ends(run):
+    assert run.add(Blocked("no panel")) == End(Ending.STOPPED, "no panel")
+
+
+@settings(deadline=None)
+@given(st.integers(0, 10_000))
+def test_every_run_ends_and_every_event_survives_the_database(seed):
+    """Random worlds: failures of all kinds, interruptions, commands and answers at any time."""
+    random = Random(seed)
+    limits = Limits(task_attempts=4, run_failures=20)
+    run = Run("W1", "W2", "W3", policy=Policy(limits=limits), possible=frozenset(Do))
+    codes = [0, 0, JAM, LOST, 200, 105, 8]
+    for _ in range(400):
+        step = run.next
+        if step is None:
+            break
+        if random.random() < 0.1:
+            run.add(Interrupted("killed"))
+            continue
+        if random.random() < 0.03:
+            kind = random.choice([Command.PAUSE, Command.RESUME])
+            run.add(Commanded(kind, "", "ann"))
+            continue
+        match step:
+            case Plan():
+                waiting = run.state.waiting
+                run.add(Planned(tuple(random.sample(waiting, len(waiting))), "x"))
+            case Execute():
+                run.begin(step.task, step.part)
+                if random.random() < 0.15:
+                    run.add(Interrupted("killed"))
+                    continue
+                code = random.choice(codes)
+                run.end(step.task, "failed" if code else "finished", code)
+            case Settle():
+                connected = random.choice([(), ("a",), ("a", "b")])
+                unseen = random.random() < 0.1
+                left = 5 - 2 * len(connected) if len(connected) < 2 else 0
+                run.add(Settled(step.task, connected, left, 114 * unseen, "dark" * unseen))
+            case Decide():
+                run.decide(step.task)
+            case Ask():
+                run.add(question_about(run.state, step.task, FAULTS))
+            case Wait() if run.state.question:
+                asked = run.state.question
+                run.add(Answered(asked.number, random.choice(asked.choices), "ann"))
+            case Wait():
+                run.add(Commanded(Command.RESUME, "", "ann"))
+            case End():
+                run.add(RunEnded(step.ending, step.because))
+    assert run.next is None, "it ends"
+    kept = [(kind_of(e), json.loads(json.dumps(data_of(e)))) for e in run.events]
+    assert [event_from(kind, data) for kind, data in kept] == run.events
+    done = [e.task for e in run.events if isinstance(e, TaskEnded) and e.outcome == "finished"]
+    assert state_after(run.events) == run.state
+    assert len(done) < 400
+
+
+def test_what_is_no_event_is_refused():
+    with pytest.raises(OrderError, match="there is no event 'Nonsense'"):
+        event_from("Nonsense", {})
+    with pytest.raises(OrderError, match="event Planned is malformed"):
+        event_from("Planned", {"tasks": ["W1"], "because": 3})
+    with pytest.raises(OrderError, match="unknown field more"):
+        event_from("Blocked", {"because": "x", "more": 1})

@@ -1,0 +1,156 @@
+"""Read a cell's file: config/cells/*.yaml, in the form of config/cells/cell.schema.json."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import rospkg
+import yaml
+
+from remodel_sim.core.arm import ARM_MODELS, Arm, ToolPose
+from remodel_sim.core.camera import Lens, View, looking_at, looking_down
+from remodel_sim.core.cell_design import (
+    CellDesign,
+    Gripper,
+    RobotDesign,
+    Table,
+    WristCamera,
+    find_design_problems,
+)
+from remodel_sim.core.errors import CellFileError
+from remodel_sim.core.feeding import Feeder
+from remodel_sim.core.panel import Clip, Duct
+
+
+def read_cell(cell: str = "one_panda") -> CellDesign:
+    """Read a cell: the name of one that the package has, or the path of a file of your own.
+
+    Raises:
+        CellFileError: with everything that is wrong, each with its place, what was found and what
+            is allowed.
+    """
+    folder = Path(rospkg.RosPack().get_path("remodel_sim")) / "config/cells"
+    file = Path(cell) if cell.endswith((".yaml", ".yml")) else folder / f"{cell}.yaml"
+    if not file.is_file():
+        there_are = ", ".join(sorted(path.stem for path in folder.glob("*.yaml")))
+        raise CellFileError(
+            cell, (f"no such cell or file; there are: {there_are}, or the path of a .yaml file",)
+        )
+    try:
+        parsed = yaml.safe_load(file.read_text())
+    except (OSError, yaml.YAMLError) as error:
+        raise CellFileError(str(file), (str(error),)) from error
+    problems = tuple(_find_problems(parsed, json.loads((folder / "cell.schema.json").read_text())))
+    if problems:
+        raise CellFileError(str(file), problems)
+    design = _design(parsed)
+    problems = find_design_problems(design)
+    if problems:
+        raise CellFileError(str(file), problems)
+    return design
+
+
+def _find_problems(parsed: object, schema: dict[str, Any]) -> Iterator[str]:
+    errors = jsonschema.Draft7Validator(schema).iter_errors(parsed)
+    for error in sorted(errors, key=lambda error: [str(part) for part in error.absolute_path]):
+        place = error.json_path.removeprefix("$").lstrip(".") or "the file"
+        yield f"{place}: {_explain(error)}"
+    yield from _not_finite(parsed, "")
+
+
+def _explain(error: jsonschema.ValidationError) -> str:
+    """Say what was found and what is allowed."""
+    found, rule = error.instance, error.validator_value
+    if error.validator == "required":
+        missing = ", ".join(name for name in rule if name not in found)
+        return f"found {', '.join(found) or 'nothing'}; missing: {missing}"
+    if error.validator == "additionalProperties":
+        allowed = error.schema["properties"]
+        unknown = ", ".join(str(name) for name in found if name not in allowed)
+        return f"found {unknown}; allowed: {', '.join(allowed)}"
+    allowed = {
+        "type": f"a value of type {rule}",
+        "enum": ", ".join(str(value) for value in rule) if isinstance(rule, list) else "",
+        "minimum": f"{rule} or more",
+        "maximum": f"{rule} or less",
+        "exclusiveMinimum": f"more than {rule}",
+        "minItems": f"{rule} entries or more",
+        "maxItems": f"{rule} entries or fewer",
+        "pattern": f"text that matches {rule}",
+    }
+    return f"found {found!r}; allowed: {allowed[error.validator]}"
+
+
+def _not_finite(value: object, place: str) -> Iterator[str]:
+    """Yield the numbers that the schema lets pass and that are none."""
+    if isinstance(value, float) and not math.isfinite(value):
+        yield f"{place}: found {value}; allowed: a finite number"
+    elif isinstance(value, dict):
+        for key, item in value.items():
+            yield from _not_finite(item, f"{place}.{key}".lstrip("."))
+    elif isinstance(value, list):
+        for i, item in enumerate(value):
+            yield from _not_finite(item, f"{place}[{i}]")
+
+
+def _design(parsed: dict[str, Any]) -> CellDesign:
+    overhead, scene = parsed["cameras"]["overhead"], parsed["cameras"]["scene"]
+    table, fork, fixtures = parsed["table"], parsed["feeder"]["fork"], parsed["fixtures"]
+    return CellDesign(
+        parsed["name"],
+        tuple(_robot(robot) for robot in parsed["robots"]),
+        View(
+            _lens(overhead),
+            looking_down(*_point(overhead["at"]), math.radians(overhead["up_yaw_deg"])),
+        ),
+        View(
+            _lens(scene),
+            looking_at(np.array(_point(scene["at"])), np.array(_point(scene["looks_at"]))),
+        ),
+        Table(*(float(table[key]) for key in ("x", "y", "length", "width"))),
+        Feeder(
+            float(parsed["feeder"]["overlap"]),
+            *(float(fork[key]) for key in ("behind_tip", "length", "height", "post", "clearance")),
+        ),
+        tuple(Clip(**{**clip, "pose": _flat_pose(clip["pose"])}) for clip in fixtures["clips"]),
+        tuple(Duct(**{**duct, "pose": _flat_pose(duct["pose"])}) for duct in fixtures["ducts"]),
+    )
+
+
+def _robot(parsed: dict[str, Any]) -> RobotDesign:
+    limits = parsed.get("limits", {"lower_deg": (), "upper_deg": ()})
+    lower, upper = (
+        tuple(math.radians(angle) for angle in limits[key]) for key in ("lower_deg", "upper_deg")
+    )
+    camera = parsed["camera"]
+    return RobotDesign(
+        parsed["name"],
+        Arm(ARM_MODELS[parsed["arm"]], _placed(parsed["base"]), lower, upper),
+        ToolPose(*_placed(parsed["home"])),
+        Gripper(float(parsed["gripper"]["grip_force"]), float(parsed["gripper"]["pad_friction"])),
+        WristCamera(camera["name"], _lens(camera)),
+        parsed["prefix"],
+    )
+
+
+def _lens(parsed: dict[str, Any]) -> Lens:
+    return Lens(parsed["width"], parsed["height"], math.radians(parsed["field_of_view_deg"]))
+
+
+def _point(parsed: dict[str, float]) -> tuple[float, float, float]:
+    return float(parsed["x"]), float(parsed["y"]), float(parsed["z"])
+
+
+def _placed(parsed: dict[str, float]) -> tuple[float, float, float, float]:
+    return *_point(parsed), math.radians(parsed["yaw_deg"])
+
+
+def _flat_pose(parsed: list[float]) -> tuple[float, float, float]:
+    x, y, yaw_deg = parsed
+    return float(x), float(y), math.radians(yaw_deg)

@@ -1,0 +1,123 @@
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+
+from remodel_sim.core.errors import CellFileError
+from remodel_sim.edge.cell_file import read_cell
+
+CELLS = Path(__file__).parents[2] / "config/cells"
+
+
+def parsed():
+    return yaml.safe_load((CELLS / "one_panda.yaml").read_text())
+
+
+def problems(tmp_path, change):
+    """Return what is wrong with the first cell once it has been changed."""
+    cell = parsed()
+    change(cell)
+    file = tmp_path / "mine.yaml"
+    file.write_text(yaml.safe_dump(cell))
+    with pytest.raises(CellFileError, match=r"mine\.yaml") as caught:
+        read_cell(str(file))
+    return caught.value.problems
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in CELLS.glob("*.yaml")))
+def test_every_cell_of_the_package_can_be_read(name):
+    assert read_cell(name).name == name
+
+
+def test_a_cell_of_ones_own_is_read_from_its_path(tmp_path):
+    file = tmp_path / "mine.yaml"
+    file.write_text(yaml.safe_dump({**parsed(), "name": "mine"}))
+    assert read_cell(str(file)).name == "mine"
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda c: c.pop("feeder"), "the file: found .*; missing: feeder"),
+        (
+            lambda c: c["robots"][0].update(arm="ur5"),
+            r"robots\[0\].arm: found 'ur5'; allowed: franka_panda, kuka_iiwa",
+        ),
+        (
+            lambda c: c["robots"][0]["base"].update(x="near"),
+            r"robots\[0\].base.x: found 'near'; allowed: a value of type number",
+        ),
+        (
+            lambda c: c["robots"][0]["base"].update(x=float("nan")),
+            r"robots\[0\].base.x: found nan; allowed: a finite number",
+        ),
+        (
+            lambda c: c["robots"][0]["gripper"].update(grip_force=500.0),
+            r"robots\[0\].gripper.grip_force: found 500.0; allowed: 70 or less",
+        ),
+        (
+            lambda c: c["robots"][0]["gripper"].update(grip_force=-1),
+            r"robots\[0\].gripper.grip_force: found -1; allowed: 10 or more",
+        ),
+        (
+            lambda c: c["cameras"].update(front={}),
+            "cameras: found front; allowed: overhead, scene",
+        ),
+        (lambda c: c.update(robots=[]), r"robots: found \[\]; allowed: 1 entries or more"),
+        (
+            lambda c: c.update(robots=c["robots"] * 3),
+            "robots: found .*; allowed: 2 entries or fewer",
+        ),
+        (lambda c: c.update(name="2 arms"), "name: found '2 arms'; allowed: text that matches"),
+        (
+            lambda c: c["fixtures"]["ducts"].append(
+                {"id": "D", "pose": [0, 0, 0], "length": 0, "width": 0.04, "height": 0.02}
+            ),
+            r"fixtures.ducts\[0\].length: found 0; allowed: more than 0",
+        ),
+        (
+            lambda c: c["robots"][0]["home"].update(x=2.0),
+            r"robots\[0\].home: no arm posture reaches x 2000",
+        ),
+        (
+            lambda c: c["robots"][0].update(
+                limits={"lower_deg": [-170] * 7, "upper_deg": [170] * 7}
+            ),
+            r"robots\[0\].limits: joint 1 has -2.9671 to 2.9671 rad; allowed within -2.8973",
+        ),
+        (
+            lambda c: c["robots"].append(c["robots"][0]),
+            "robots: 2 have name 'robot_1'; each needs its own",
+        ),
+        (
+            lambda c: c["robots"].append(c["robots"][0]),
+            "are 0.00 m apart; allowed: 0.50 m or more",
+        ),
+    ],
+)
+def test_what_is_wrong_is_told_with_its_place_what_was_found_and_what_is_allowed(
+    tmp_path, change, words
+):
+    found = problems(tmp_path, change)
+    assert any(re.search(words, problem) for problem in found), found
+
+
+def test_all_problems_are_told_at_once(tmp_path):
+    def change(cell):
+        cell["robots"][0]["arm"] = "ur5"
+        cell["feeder"]["overlap"] = 1.0
+
+    assert len(problems(tmp_path, change)) == 2
+
+
+def test_an_unknown_cell_names_those_there_are():
+    with pytest.raises(CellFileError, match=r"there are: .*one_panda"):
+        read_cell("three_pandas")
+
+
+def test_a_file_that_is_no_yaml_says_where(tmp_path):
+    file = tmp_path / "mine.yaml"
+    file.write_text("robots: [")
+    with pytest.raises(CellFileError, match="line 1"):
+        read_cell(str(file))

@@ -1,0 +1,121 @@
+"""The cells with a KUKA iiwa and with two Pandas, by physics, without ROS."""
+
+import place_wire
+import pytest
+from panels import panel
+
+from remodel_sim.abilities.fix_cable import fix_cable
+from remodel_sim.abilities.insert_cable import insert_cable
+from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
+from remodel_sim.abilities.motions import TRAVEL_Z, move_to
+from remodel_sim.abilities.pick_cable import pick_cable
+from remodel_sim.abilities.place_cable import place_cable
+from remodel_sim.abilities.runner import occupy, run
+from remodel_sim.abilities.together import together
+from remodel_sim.cell import Cell
+from remodel_sim.core import goals
+from remodel_sim.core.arm import ToolPose
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Pose
+from remodel_sim.core.panel import End
+from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.physics.truth import ground_truth
+
+
+def test_an_iiwa_places_a_whole_wire():
+    made = Cell(panel(), design=read_cell("one_iiwa"), seed=1)
+    place_wire.place(made, "W1")
+    (truth,) = ground_truth(made.plant, ["W1"])
+    assert truth.placed
+    made.close()
+
+
+@pytest.fixture
+def cell():
+    """Two Pandas, W1 fed."""
+    made = Cell(panel(), design=read_cell("two_pandas"), seed=1)
+    made.feed("W1", "A")
+    yield made
+    made.close()
+
+
+def do(cell, robot, ability, goal):
+    station = cell.stations[robot]
+    goal.check(station.panel, station.book)
+    return cell.run(ability(station, goal), robot)
+
+
+def gap(cell):
+    """Return how near the arms are to each other [m], at most 0.5."""
+    first, second = (robot.body for robot in cell.plant.robots.values())
+    points = cell.plant.world.bullet.getClosestPoints(first, second, 0.5)
+    return min((point[8] for point in points), default=0.5)
+
+
+def watched(cell, steps, gaps):
+    """Do steps and note how near the arms come to each other."""
+    try:
+        while True:
+            next(steps)
+            gaps.append(gap(cell))
+            yield
+    except StopIteration as done:
+        return done.value
+
+
+def test_two_arms_work_at_once_and_keep_apart(cell):
+    one, two = cell.stations.values()
+    locate = locate_gearbox_component(one, goals.LocateGoal("X2", "1"))
+    pick = pick_cable(two, goals.PickGoal("robot_2", "W1", End.B, 0.0))
+    began, gaps = cell.plant.world.steps, []
+    both = together(occupy([one], locate), occupy([two], pick))
+    located, _ = run(cell.plant, one, watched(cell, both, gaps))
+    took = cell.plant.world.steps - began
+    assert located.socket_pose is not None
+    assert two.book.grip is not None and one.book.grip is None
+    assert min(gaps) > 0.03, "what the claims keep free"
+    assert took * cell.plant.world.time_step < 20.0
+
+
+def test_a_wire_goes_from_one_arm_to_the_other_by_way_of_the_plate(cell):
+    do(cell, "robot_1", pick_cable, goals.PickGoal("robot_1", "W1", End.A, 0.0))
+    book, tool = cell.station.book, cell.station.commanded
+    lying = Pose.level(tool.x, tool.y, 0.0035, tool.yaw + book.grip.flip)
+    do(cell, "robot_1", place_cable, goals.PlaceGoal("robot_1", "W1", lying))
+    located = do(cell, "robot_2", locate_gearbox_component, goals.LocateGoal("X1", "1"))
+    socket = located.socket_pose
+    goal = goals.InsertGoal("robot_2", "W1", End.A, "X1", "1", socket, 8.0)
+    do(cell, "robot_2", insert_cable, goal)
+    do(cell, "robot_2", fix_cable, goals.FixGoal("robot_2", "W1", "X1", "1", 10.0))
+    (truth,) = ground_truth(cell.plant, ["W1"])
+    assert (truth.a.at, truth.a.fixed) == ("X1/1", True)
+
+
+def test_an_idle_empty_hand_makes_way_and_one_that_holds_a_wire_does_not(cell):
+    one, two = cell.stations.values()
+    cell.run(move_to(one, ToolPose(0.50, 0.20, 0.20, 0.0), 0.6), "robot_1")
+    there = ToolPose(0.50, 0.20, TRAVEL_Z, two.home.yaw)
+    cell.run(move_to(two, there, 0.6), "robot_2")
+    assert one.commanded == one.home
+    cell.run(move_to(two, two.home, 0.6), "robot_2")
+    do(cell, "robot_1", pick_cable, goals.PickGoal("robot_1", "W1", End.B, 0.0))
+    with pytest.raises(AbilityError, match=r"robot_1 stands at .* place what it holds") as caught:
+        cell.run(move_to(two, there, 0.6), "robot_2")
+    assert caught.value.code is Code.ROBOT_IN_THE_WAY
+    assert two.commanded == two.home, "nothing has moved"
+
+
+def test_two_arms_in_each_others_way_do_not_wait_for_ever(cell):
+    one, two = cell.stations.values()
+    low, high = ToolPose(0.50, -0.2, 0.2, 0.0), ToolPose(0.50, 0.2, 0.2, 3.0)
+    cell.run(move_to(one, low, 0.6), "robot_1")
+    cell.run(move_to(two, high, 0.6), "robot_2")
+    crossing = together(
+        occupy([one], move_to(one, ToolPose(0.50, 0.2, 0.2, 0.0), 0.6)),
+        occupy([two], move_to(two, ToolPose(0.50, -0.2, 0.2, 3.0), 0.6)),
+    )
+    with pytest.raises(AbilityError, match="in each other's way") as caught:
+        run(cell.plant, one, crossing)
+    assert caught.value.code is Code.ROBOT_IN_THE_WAY
+    assert not one.busy and not two.busy

@@ -1,0 +1,147 @@
+"""Labels in drawn and rendered pictures; benchmarks/vision measures them over many more."""
+
+import dataclasses
+import math
+
+import cv2
+import numpy as np
+import pytest
+from panels import component, panel
+
+from remodel_sim.core.camera import Lens, Picture, View, looking_down
+from remodel_sim.core.component_shape import marker_cells
+from remodel_sim.core.geometry import Pose
+from remodel_sim.core.vision.label_pose import Look, locate_component
+from remodel_sim.core.vision.labels import find_labels, search_label
+from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.physics.cameras import take
+from remodel_sim.physics.panel_scene import PanelScene
+from remodel_sim.physics.world import World
+
+LENS = Lens(640, 480, math.radians(52.0))
+HEIGHT = 0.204
+HOUSING, PLATE = 85, 200
+
+
+def drawn(*labels):
+    """A picture from above of dark housings, each with a label: (marker, column, row, turn)."""
+    grey = np.full((480, 640), PLATE, np.float32)
+    for marker, column, row, turn in labels:
+        cells = np.kron(np.pad(marker_cells(marker), 1, constant_values=255), np.ones((20, 20)))
+        tile = np.pad(cells, 60, constant_values=HOUSING).astype(np.float32)
+        scale = 11 / 20
+        move = cv2.getRotationMatrix2D((139.5, 139.5), turn, scale)
+        move[:, 2] += [column - 139.5, row - 139.5]
+        cover = cv2.warpAffine(np.ones_like(tile), move, (640, 480))
+        grey = grey * (1 - cover) + cv2.warpAffine(tile, move, (640, 480))
+    noise = np.random.default_rng(1).normal(0, 3, grey.shape)
+    rgb = np.repeat(np.clip(grey + noise, 0, 255).astype(np.uint8)[..., None], 3, axis=2)
+    view = View(LENS, looking_down(0.5, 0.0, HEIGHT, math.pi / 2))
+    return Picture(cv2.GaussianBlur(rgb, (0, 0), 0.6), None, view)
+
+
+@pytest.mark.parametrize("turn", [0, 10, 95, 181, -80])
+def test_a_label_is_found_not_the_outline_of_its_housing(turn):
+    (found,) = find_labels(drawn((3, 300, 240, turn)), panel().components).items()
+    marker, corners = found
+    assert marker == 3
+    np.testing.assert_allclose(corners.mean(axis=0), [300, 240], atol=0.3)
+    way = corners[1] - corners[0]
+    assert math.degrees(math.atan2(-way[1], way[0])) % 360 == pytest.approx(turn % 360, abs=1)
+
+
+def test_a_label_that_the_panel_lacks_is_none():
+    assert find_labels(drawn((158, 200, 240, 0), (115, 450, 240, 0)), panel().components) == {}
+
+
+def test_a_label_seen_twice_is_not_told():
+    assert find_labels(drawn((3, 150, 240, 0), (3, 450, 240, 0)), panel().components) == {}
+
+
+def test_a_label_of_another_size_is_a_stranger():
+    large = dataclasses.replace(component("X3", 3, 0.08, -0.12, -1), marker_size=0.034)
+    assert find_labels(drawn((3, 300, 240, 0)), [large]) == {}
+
+
+@pytest.fixture
+def looks():
+    """A function: a component's pose to looks at it from two places, and how it stands there."""
+    world = World(240.0)
+    part = component("X1", 1, 0.0, 0.0, 1)
+    noise = np.random.default_rng(4)
+    table = read_cell().table
+
+    def look(pose, blur=0.0):
+        world.clear()
+        PanelScene(world, table, panel(components=(part,), wires=()), {"X1": pose})
+        found = []
+        for aside in (0.0, 0.07):
+            view = View(LENS, looking_down(0.50, aside, HEIGHT, 0.3))
+            picture = take(world, view, noise)
+            if blur:
+                picture = Picture(cv2.GaussianBlur(picture.rgb, (0, 0), blur), None, view)
+            found.append(Look(picture, find_labels(picture, [part])[1]))
+        return found
+
+    yield part, look
+    world.close()
+
+
+def test_a_label_that_a_wire_crosses_is_found_where_it_is_expected(looks):
+    part, look = looks
+    true = Pose.level(0.503, -0.004, 0.0, 0.07)
+    first, _ = look(true)
+    covered = first.picture.rgb.copy()
+    start, end = np.rint(first.corners[[0, 2]] + [[-20, 10], [20, -5]]).astype(int).tolist()
+    cv2.line(covered, start, end, (170, 40, 40), 7)
+    picture = Picture(covered, None, first.picture.view)
+    assert find_labels(picture, [part]) == {}
+    near = Pose.level(0.50, 0.0, 0.0, 0.0)
+    seen = locate_component(part, [Look(picture, search_label(picture, part, near))])
+    assert error(seen.world_from_component, true)[0] < 0.0003
+    stranger = dataclasses.replace(part, marker_id=17)
+    assert search_label(picture, stranger, near) is None
+
+
+def error(seen, true):
+    turn = (np.trace(seen.rotation.T @ true.rotation) - 1) / 2
+    away = seen.apply(np.array([0.025, 0, 0.022])) - true.apply(np.array([0.025, 0, 0.022]))
+    return np.linalg.norm(away), math.degrees(math.acos(min(1.0, turn)))
+
+
+@pytest.mark.parametrize("blur", [0.0, 1.5])
+@pytest.mark.parametrize("count", [1, 2])
+def test_an_upright_component_is_located(looks, blur, count):
+    part, look = looks
+    true = Pose.level(0.503, -0.004, 0.0, 0.07)
+    seen = locate_component(part, look(true, blur)[:count])
+    away, turned = error(seen.world_from_component, true)
+    assert seen.upright
+    assert away < 0.0002
+    assert turned < 0.2
+
+
+def test_a_component_askew_is_located_from_two_places(looks):
+    part, look = looks
+    tilt = np.array([0.03, -0.02, 0.0, 1.0])
+    true = Pose.level(0.503, -0.004, 0.003, 0.07) @ Pose(np.zeros(3), tilt / np.linalg.norm(tilt))
+    seen = locate_component(part, look(true))
+    away, turned = error(seen.world_from_component, true)
+    assert not seen.upright
+    assert away < 0.0004
+    assert turned < 0.8
+
+
+def test_a_wire_over_the_label_does_not_move_it(looks):
+    part, look = looks
+    true = Pose.level(0.503, -0.004, 0.0, 0.07)
+    first, _ = look(true)
+    middle = first.corners.mean(axis=0)
+    covered = first.picture.rgb.copy()
+    start, end = np.rint(middle + np.array([[-60, -25], [60, -12]])).astype(int).tolist()
+    cv2.line(covered, start, end, (170, 40, 40), 9)
+    picture = Picture(covered, None, first.picture.view)
+    seen = locate_component(part, [Look(picture, first.corners)])
+    away, turned = error(seen.world_from_component, true)
+    assert away < 0.0003
+    assert turned < 0.4
