@@ -285,7 +285,9 @@ def _entry_words(entry: Entry) -> str:
         because = f", because {entry.because}" if entry.because else ""
         return f"The cell {decision_words(entry.text)}{because}."
     if entry.kind is Kind.OPERATOR:
-        return f"{entry.because or 'An operator'}: {entry.text}"
+        return f"{entry.because}: {entry.text}" if entry.because else entry.text
+    if entry.kind is Kind.RUN and entry.because:
+        return f"{entry.text}: {entry.because}"
     who = f"{entry.ability}: " if entry.ability else ""
     return f"{who}{entry.text}" or entry.kind.value
 
