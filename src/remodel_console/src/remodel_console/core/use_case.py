@@ -90,7 +90,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Level:
-    """What one of the four levels of supervision does, since a ROS time [s]."""
+    """What one of the four levels of supervision does, since a ROS time [s]; 0: not known."""
 
     level: str
     name: str

@@ -138,7 +138,9 @@ class OverviewPage(Page):
                         ui.label("nothing").classes("soft")
                         continue
                     ui.label(level.doing).classes("soft")
-                    ui.label(f"for {duration_words(now.told_s - level.since_s)}").classes("soft")
+                    if level.since_s:
+                        time_s = now.told_s - level.since_s
+                        ui.label(f"for {duration_words(time_s)}").classes("soft")
 
     def _show_failures(self, now: UseCase) -> None:
         self._failures.clear()

@@ -271,7 +271,8 @@ class ReplayPage(Page):
                 ui.label("Until here nothing had to be decided.").classes("soft")
             for entry in moment.reasons:
                 with ui.element("div").classes(f"failure {entry.kind.value}"):
-                    ui.label(f"{entry.task}, {self._record.offset_s(entry):.1f} s").classes("soft")
+                    when = f"{self._record.offset_s(entry):.1f} s"
+                    ui.label(f"{entry.task}, {when}" if entry.task else when).classes("soft")
                     ui.label(_entry_words(entry))
 
 
@@ -296,10 +297,10 @@ def _marks(record: Record) -> str:
     """Return the failures, decisions and answers as marks on the track of time."""
     if not record.entries or not record.length_s:
         return ""
+    reasons = (entry for entry in record.entries if entry.kind in REASONS)
     places = (
         (100 * record.offset_s(entry) / record.length_s, entry.kind.value)
-        for entry in record.entries
-        if entry.kind in REASONS
+        for entry in sorted(reasons, key=lambda entry: entry.kind is Kind.FAILURE)  # on top
     )
     return "".join(
         f'<i class="{kind}-mark" style="left:{place:.2f}%"></i>' for place, kind in places
