@@ -29,8 +29,8 @@ from remodel_console.web.run_head import RunHead
 from remodel_console.web.task_table import TaskTable
 
 _CAMERAS = (
-    ("overhead", "From above", "no picture yet: it takes one when the cell looks"),
-    ("wrist", "From the hand", "no picture yet: it takes one when the cell looks"),
+    ("overhead", "From above", "no picture yet; one comes when the cell looks"),
+    ("wrist", "From the hand", "no picture yet; one comes when the cell looks"),
     ("scene", "The cell", "no picture yet"),
 )
 _SHOWN_FAILURES = 20  # the latest; the record has all

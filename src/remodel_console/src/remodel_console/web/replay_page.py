@@ -70,14 +70,17 @@ class ReplayPage(Page):
             with ui.element("aside").classes("panel"):
                 self._build_panel()
         self._player = ui.timer(_FRAME_S, self._play_on, active=False)
-        background_tasks.create(self._list())
+        self._has_supervisor = False
 
     def more_notices(self, world: World) -> Iterable[Notice]:
         """Return whether the supervisor, who has the records, is away."""
         return supervisor_notice(world)
 
     def show(self, world: World) -> None:
-        """Show nothing else: a record does not change."""
+        """List the runs as soon as somebody can tell them; a record does not change."""
+        if world.has_supervisor and not self._has_supervisor:
+            background_tasks.create(self._list())
+        self._has_supervisor = world.has_supervisor
 
     def press(self, key: str, *, ctrl: bool) -> None:
         """Move in time."""
@@ -95,15 +98,16 @@ class ReplayPage(Page):
     async def _list(self) -> None:
         """List the runs; open the one that the address names."""
         recorder = self.console.recorder
-        self._runs.clear()
         try:
             if recorder is None:
                 raise CommandError("ROS is away; records cannot be asked for.")
             runs = await run.io_bound(recorder.runs)
         except CommandError as error:
+            self._runs.clear()
             with self._runs:
                 ui.label(str(error)).classes("ending bad")
             return
+        self._runs.clear()
         with self._runs:
             if not runs:
                 ui.label("No run is recorded yet.").classes("soft")
