@@ -41,12 +41,13 @@ def wait_until(holds: Callable[[], bool], limit_s: float, what: str) -> None:
 
 
 @contextlib.contextmanager
-def stack(launch: Path, output: Path, **arguments: object) -> Iterator[Stack]:
+def stack(launch: Path, output: Path, design: str = DESIGN, **arguments: object) -> Iterator[Stack]:
     """Launch nodes below a master of their own, with an order in a database, and end them.
 
     Args:
         launch: the launch file; it takes `output` and `database`.
         output: folder of everything; made.
+        design: file of the order.
         arguments: more of the launch file's.
     """
     (output / "charts").mkdir(parents=True)
@@ -60,7 +61,7 @@ def stack(launch: Path, output: Path, **arguments: object) -> Iterator[Stack]:
         "ROS_PACKAGE_PATH": f"{output}/remodel_order_behaviors:{os.environ['ROS_PACKAGE_PATH']}",
     }
     subprocess.run(
-        ["rosrun", "remodel_planner", "import", DESIGN, "--order", ORDER],
+        ["rosrun", "remodel_planner", "import", design, "--order", ORDER],
         check=True,
         stdout=subprocess.DEVNULL,
     )

@@ -8,6 +8,7 @@
 ###########################################################
 
 from flexbe_core import Behavior, Autonomy, OperatableStateMachine, ConcurrencyContainer, PriorityContainer, Logger
+from flexbe_states.decision_state import DecisionState
 from remodel_states.count_attempts_state import CountAttemptsState
 from remodel_states.extract_cable_state import ExtractCableState
 from remodel_states.fix_cable_state import FixCableState
@@ -26,7 +27,8 @@ Created on undated
 class PlaceConnectorSM(Behavior):
     '''
     Places one end of a wire in a terminal: Figure 3 of Deliverable 5.1. A failed insertion or fixing pulls the end
-    out and looks for the component again, at most three times.
+    out and looks for the component again, at most three times. What neither action nor behavior is to handle first
+    (remodel_msgs/config/faults.yaml) fails at once.
     '''
 
 
@@ -48,7 +50,7 @@ class PlaceConnectorSM(Behavior):
 
 
     def create(self):
-        # x:1230 y:40, x:1230 y:140
+        # x:1580 y:40, x:1580 y:140
         _state_machine = OperatableStateMachine(outcomes=['finished', 'failed'], input_keys=['cable_id', 'cable_end', 'component_id', 'terminal_id'], output_keys=['error_code', 'error_message'])
         _state_machine.userdata.cable_id = 'W1'
         _state_machine.userdata.cable_end = 'a'
@@ -71,28 +73,49 @@ class PlaceConnectorSM(Behavior):
                                         autonomy={'counted': Autonomy.Off, 'exhausted': Autonomy.Off},
                                         remapping={'attempt': 'locate_gearbox_component_attempts'})
 
-            # x:980 y:40
+            # x:1080 y:40
             OperatableStateMachine.add('FixCable',
                                         FixCableState(timeout_s=20.0),
-                                        transitions={'fixed': 'finished', 'failed': 'ExtractCable', 'command_error': 'failed'},
+                                        transitions={'fixed': 'finished', 'failed': 'FixCable_error', 'command_error': 'failed'},
                                         autonomy={'fixed': Autonomy.Off, 'failed': Autonomy.Off, 'command_error': Autonomy.Off},
                                         remapping={'cable_id': 'cable_id', 'component_id': 'component_id', 'terminal_id': 'terminal_id', 'error_code': 'error_code', 'error_message': 'error_message'})
+
+            # x:1330 y:40
+            OperatableStateMachine.add('FixCable_error',
+                                        DecisionState(outcomes=['failed 3-5', 'failed 7-8', 'failed 203-204', 'failed 307', 'failed 400-403', 'other'], conditions=lambda code: 'failed 3-5' if code in range(3, 6) else 'failed 7-8' if code in range(7, 9) else 'failed 203-204' if code in range(203, 205) else 'failed 307' if code in range(307, 308) else 'failed 400-403' if code in range(400, 404) else 'other'),
+                                        transitions={'failed 3-5': 'failed', 'failed 7-8': 'failed', 'failed 203-204': 'failed', 'failed 307': 'failed', 'failed 400-403': 'failed', 'other': 'ExtractCable'},
+                                        autonomy={'failed 3-5': Autonomy.Off, 'failed 7-8': Autonomy.Off, 'failed 203-204': Autonomy.Off, 'failed 307': Autonomy.Off, 'failed 400-403': Autonomy.Off, 'other': Autonomy.Off},
+                                        remapping={'input_value': 'error_code'})
 
             # x:730 y:40
             OperatableStateMachine.add('InsertCable',
                                         InsertCableState(timeout_s=60.0),
-                                        transitions={'inserted': 'FixCable', 'failed': 'ExtractCable', 'command_error': 'failed'},
+                                        transitions={'inserted': 'FixCable', 'failed': 'InsertCable_error', 'command_error': 'failed'},
                                         autonomy={'inserted': Autonomy.Off, 'failed': Autonomy.Off, 'command_error': Autonomy.Off},
                                         remapping={'cable_id': 'cable_id', 'cable_end': 'cable_end', 'component_id': 'component_id', 'terminal_id': 'terminal_id', 'socket_pose': 'locate_gearbox_component_socket_pose', 'depth': 'insert_cable_depth', 'error_code': 'error_code', 'error_message': 'error_message'})
+
+            # x:1080 y:140
+            OperatableStateMachine.add('InsertCable_error',
+                                        DecisionState(outcomes=['failed 3-5', 'failed 7-8', 'failed 110-111', 'failed 115', 'failed 203-204', 'failed 307', 'failed 400-403', 'other'], conditions=lambda code: 'failed 3-5' if code in range(3, 6) else 'failed 7-8' if code in range(7, 9) else 'failed 110-111' if code in range(110, 112) else 'failed 115' if code in range(115, 116) else 'failed 203-204' if code in range(203, 205) else 'failed 307' if code in range(307, 308) else 'failed 400-403' if code in range(400, 404) else 'other'),
+                                        transitions={'failed 3-5': 'failed', 'failed 7-8': 'failed', 'failed 110-111': 'failed', 'failed 115': 'failed', 'failed 203-204': 'failed', 'failed 307': 'failed', 'failed 400-403': 'failed', 'other': 'ExtractCable'},
+                                        autonomy={'failed 3-5': Autonomy.Off, 'failed 7-8': Autonomy.Off, 'failed 110-111': Autonomy.Off, 'failed 115': Autonomy.Off, 'failed 203-204': Autonomy.Off, 'failed 307': Autonomy.Off, 'failed 400-403': Autonomy.Off, 'other': Autonomy.Off},
+                                        remapping={'input_value': 'error_code'})
 
             # x:380 y:40
             OperatableStateMachine.add('LocateGearboxComponent',
                                         LocateGearboxComponentState(timeout_s=30.0),
-                                        transitions={'located': 'InsertCable', 'failed': 'LocateGearboxComponent_attempts', 'command_error': 'failed'},
+                                        transitions={'located': 'InsertCable', 'failed': 'LocateGearboxComponent_error', 'command_error': 'failed'},
                                         autonomy={'located': Autonomy.Off, 'failed': Autonomy.Off, 'command_error': Autonomy.Off},
                                         remapping={'component_id': 'component_id', 'terminal_id': 'terminal_id', 'component_pose': 'locate_gearbox_component_component_pose', 'socket_pose': 'locate_gearbox_component_socket_pose', 'error_code': 'error_code', 'error_message': 'error_message'})
 
-            # x:980 y:140
+            # x:730 y:140
+            OperatableStateMachine.add('LocateGearboxComponent_error',
+                                        DecisionState(outcomes=['failed 3-5', 'failed 7-8', 'failed 102-103', 'failed 400-403', 'other'], conditions=lambda code: 'failed 3-5' if code in range(3, 6) else 'failed 7-8' if code in range(7, 9) else 'failed 102-103' if code in range(102, 104) else 'failed 400-403' if code in range(400, 404) else 'other'),
+                                        transitions={'failed 3-5': 'failed', 'failed 7-8': 'failed', 'failed 102-103': 'failed', 'failed 400-403': 'failed', 'other': 'LocateGearboxComponent_attempts'},
+                                        autonomy={'failed 3-5': Autonomy.Off, 'failed 7-8': Autonomy.Off, 'failed 102-103': Autonomy.Off, 'failed 400-403': Autonomy.Off, 'other': Autonomy.Off},
+                                        remapping={'input_value': 'error_code'})
+
+            # x:1330 y:140
             OperatableStateMachine.add('ExtractCable',
                                         ExtractCableState(timeout_s=30.0),
                                         transitions={'extracted': 'LocateGearboxComponent_attempts', 'failed': 'failed', 'command_error': 'failed'},

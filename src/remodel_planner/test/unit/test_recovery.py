@@ -1,5 +1,7 @@
 """Failures are told apart, answered in order, and never for ever."""
 
+from dataclasses import replace
+
 import hypothesis.strategies as st
 import pytest
 from hypothesis import given
@@ -85,6 +87,10 @@ def test_a_parameter_changes_within_its_bound():
     assert (one.do, one.change) == (Do.RETRY_WITH, (("force_limit", 40.0),))
     other = decide(failure("insufficient_force", force_limit=40.0), [], LITTLE, Policy())
     assert other.do is Do.NEW_PART, "at its bound already"
+    bears = replace(failure("insufficient_force", force_limit=8.0), bounds=(("force_limit", 10.0),))
+    assert decide(bears, [], LITTLE, Policy()).change == (("force_limit", 10.0),)
+    weak = replace(bears, bounds=(("force_limit", 7.0),))
+    assert decide(weak, [], LITTLE, Policy()).do is Do.NEW_PART, "the terminal bears no more"
 
 
 def test_a_use_case_may_answer_otherwise():

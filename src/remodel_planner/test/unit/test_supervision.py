@@ -1,6 +1,7 @@
 """A run follows from its events alone: what is known, what comes next, and that it ends."""
 
 import json
+from dataclasses import replace
 from random import Random
 
 import hypothesis.strategies as st
@@ -49,7 +50,7 @@ from remodel_planner.errors import OrderError
 
 FAULTS = read_faults()
 POSSIBLE = frozenset(Do) - {Do.OTHER_METHOD, Do.RETRY_WITH}
-JAM, LOST = 301, 4
+JAM, LOST, NOTHING_HELD, NOT_SEATED = 301, 4, 202, 304
 
 
 class Run:
@@ -125,6 +126,33 @@ def test_what_was_interrupted_is_cleared_settled_and_only_what_is_left_done(run)
     run.begin("W1", Part.REST)
     assert run.end("W1") == Execute("W2", Part.WHOLE)
     assert not run.state.tasks["W1"].first_pass
+
+
+def test_an_empty_hand_at_the_end_is_not_the_cause_of_a_failure(run):
+    run.begin("W1")
+    run.add(OperationEnded("W1", operation(JAM)))
+    empty = replace(operation(NOTHING_HELD), state_path="/Lay down", ability="PlaceCable")
+    run.add(OperationEnded("W1", empty))
+    run.end("W1", "failed")
+    decided = run.decide("W1")
+    assert (decided.fault, decided.code, decided.ability) == (
+        "insertion_jammed",
+        JAM,
+        "InsertCable",
+    )
+
+
+def test_a_fixing_that_fails_is_tried_again_with_more_force_of_its_insertion(run):
+    run.possible = POSSIBLE | {Do.RETRY_WITH}
+    run.begin("W1")
+    pushed = replace(operation(0), outcome="inserted", parameters=(("force_limit", "8.0"),))
+    fixing = replace(operation(NOT_SEATED), state_path="/Connect a/FixCable", ability="FixCable")
+    other = replace(pushed, state_path="/Connect b/Other", parameters=(("force_limit", "3.0"),))
+    for each in (pushed, other, fixing):
+        run.add(OperationEnded("W1", each))
+    run.end("W1", "failed")
+    decided = run.decide("W1")
+    assert (decided.do, decided.change) == (Do.RETRY_WITH, (("force_limit", 13.0),))
 
 
 def test_what_turns_out_to_be_done_is_not_done_again(run):

@@ -6,19 +6,26 @@ from pathlib import Path
 
 import pytest
 import yaml
+from house import HOUSE
 
 from flexbe_synthesizer.core.check import check_chart
 from flexbe_synthesizer.core.codec import parse_chart, write_chart
 from flexbe_synthesizer.core.names import behavior_file, is_name
 from flexbe_synthesizer.core.signature import chart_behavior
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
+from remodel_planner.core.cell_order import cell_order
+from remodel_planner.core.panel_layout import PanelRules, lay_out
 from remodel_planner.core.planning.problem import End
+from remodel_planner.core.use_case.changed_parameters import Adjustable, with_parameters
+from remodel_planner.core.use_case.escalation import escalating
 from remodel_planner.core.use_case.planned_tasks import planned_tasks
 from remodel_planner.core.use_case.preparation import prepare
 from remodel_planner.core.use_case.task_chart import behavior_name, content_mark, task_chart
 from remodel_planner.core.use_case.wiring_problem import decompose_order
 from remodel_planner.core.use_case.work_order import order_from
+from remodel_planner.edge.catalogue_file import read_catalogue
 from remodel_planner.edge.chart_folder import keep_chart
+from remodel_planner.edge.fault_file import read_faults
 from remodel_planner.edge.order_planner import plan_problem
 from remodel_planner.edge.use_case_files import find_use_case
 from remodel_planner.errors import InstanceError, UseCaseError
@@ -30,6 +37,10 @@ EXAMPLES = [
 ]
 
 
+ESCALATED = read_faults().codes_above_behaviors
+SERVER_LOST, SERVER_HUNG, CONTRADICTORY = 4, 7, 8
+
+
 def tasks_of(text):
     order = order_from(yaml.safe_load(text))
     prepared = prepare(order, find_use_case(order.use_case))
@@ -37,10 +48,19 @@ def tasks_of(text):
     return {task.name: task for task in planned_tasks(prepared, planned.plan)}
 
 
+def house_tasks():
+    catalogue = read_catalogue(PACKAGE / "config" / "catalogue.yaml")
+    order = cell_order(lay_out(HOUSE, catalogue, PanelRules()))
+    prepared = prepare(order, find_use_case(order.use_case))
+    planned = plan_problem(prepared.preferred.problem, 0.0)
+    return {task.name: task for task in planned_tasks(prepared, planned.plan)}
+
+
 @pytest.fixture(scope="module")
 def library():
     packages, _ = find_packages(os.environ["ROS_PACKAGE_PATH"])
-    wanted = [p for p in packages if p.name in ("remodel_states", "remodel_behaviors")]
+    names = ("flexbe_states", "remodel_states", "remodel_behaviors")
+    wanted = [package for package in packages if package.name in names]
     return read_library(wanted)[0]
 
 
@@ -53,12 +73,17 @@ def test_the_synthesizer_accepts_the_charts_of_all_examples(file, library):
         text = write_chart(task.chart)
         chart = parse_chart(text, f"{task.name}.xml")
         assert chart == task.chart
-        assert check_chart(chart, library, known).problems == ()
+        for done in (chart, escalating(chart, ESCALATED)):
+            assert check_chart(done, library, known).problems == ()
 
 
 @pytest.fixture(scope="module")
 def cabinet():
     return tasks_of((PACKAGE / "examples" / "cabinet.yaml").read_text())
+
+
+def transitions_of(node):
+    return {t.event: t.target for t in node.transitions}
 
 
 def transitions(chart):
@@ -70,6 +95,48 @@ def test_what_fails_is_done_again_as_the_use_case_says(cabinet):
     assert nodes["Find wire"]["failed"] == "Find wire"
     assert nodes["Route b"]["failed"] == "Pick b"
     assert cabinet["W1"].chart.nodes[0].attempts == 3
+
+
+def test_what_a_supervisor_handles_first_is_not_tried_again(cabinet):
+    task = next(iter(cabinet.values()))
+    chart = escalating(task.chart, ESCALATED)
+    nodes = {node.id: node for node in chart.nodes}
+    look = next(node for node in chart.nodes if node.type == "DetectCableState")
+    routes = {code: r.target for r in look.on_error for code in range(r.first, r.last + 1)}
+    assert set(routes) == ESCALATED
+    assert set(routes.values()) == {transitions(chart)[look.id]["command_error"]}
+    give_up = nodes["Lay down"] if "Lay down" in nodes else chart.nodes[-1]
+    assert give_up.on_error == (), "both its failures lead to the same place"
+    assert content_mark(chart) != content_mark(task.chart)
+
+
+def test_changed_parameters_reach_into_nested_behaviors(library):
+    file = PACKAGE.parent / "remodel_behaviors" / "charts" / "place_connector.xml"
+    nested = parse_chart(file.read_text(), file.name)
+    adjustable = Adjustable({"InsertCable": {"force_limit"}}, {nested.name: nested})
+    task = house_tasks()["W1"].chart
+    path = "/Connect b/FixCable"
+    chart = with_parameters(task, path, {"force_limit": 13.0}, adjustable)
+    chart = with_parameters(chart, path, {"force_limit": 18.0}, adjustable)
+    text = write_chart(chart)
+    known = {"place_connector.xml": chart_behavior(nested, "remodel_behaviors")}
+    assert check_chart(parse_chart(text, "W1.xml"), library, known).problems == ()
+    inside = next(node for node in chart.nodes if node.id == "Connect b").body
+    forces = {node.id: [(p.name, p.value) for p in node.params] for node in inside.nodes}
+    assert forces["InsertCable"] == [("force_limit", 18.0)]
+    assert forces["FixCable"] == []
+    other = next(node for node in chart.nodes if node.id == "Connect a")
+    assert other in task.nodes
+
+
+def test_a_shipped_behavior_leaves_to_supervisors_what_they_handle_first():
+    file = PACKAGE.parent / "remodel_behaviors" / "charts" / "place_connector.xml"
+    for node in parse_chart(file.read_text(), file.name).nodes:
+        routed = {c for r in node.on_error for c in range(r.first, r.last + 1)}
+        again = transitions_of(node)["failed"] != "failed"
+        assert bool(routed) == again, node.id
+        assert {SERVER_LOST, SERVER_HUNG, CONTRADICTORY} <= routed or not again
+        assert routed <= ESCALATED
 
 
 def test_whatever_is_given_up_with_a_full_hand_ends_in_emptying_it(cabinet):

@@ -60,3 +60,20 @@ def test_a_run_that_was_stopped_has_no_outcome():
 
 def test_records_of_another_behavior_are_not_followed():
     assert follow(("/Elsewhere", "done")).outcome is None
+
+
+def test_a_failure_goes_where_its_code_leads():
+    chart = parse_chart(
+        """<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="Route" initial="Look">
+          <datamodel><outcome name="finished"/><outcome name="failed"/></datamodel>
+          <state id="Look" type="LookState" ext:on_error="7-8: failed">
+            <transition event="seen" target="finished"/>
+            <transition event="failed" target="Look"/>
+          </state>
+        </statemachine>""",
+        "route.xml",
+    )
+    records = [Operation("/Look", "", "failed", code, "", 0.0, 0.0) for code in (100, 8)]
+    run = trace(chart, tuple(records), {})
+    assert run.steps == (("Look", "failed"), ("Look", "failed 7-8"))
+    assert run.outcome == "failed"

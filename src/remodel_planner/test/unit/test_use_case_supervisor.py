@@ -243,6 +243,15 @@ def test_a_jam_is_tried_again_then_with_a_new_wire(bench):
     assert state.ended.ending is Ending.COMPLETE
 
 
+def test_a_task_whose_order_is_planned_anew_comes_later(bench):
+    state = bench.run(JAM, JAM, JAM)
+    before, after = (event.tasks for event in bench.events(Planned))
+    first, second = before
+    assert after == (second, first)
+    assert bench.ran == [first, first, first, second, first]
+    assert state.ended.ending is Ending.COMPLETE
+
+
 def test_what_is_connected_is_not_connected_again(bench):
     first = bench.work.planner.plan(["W1", "W2"])[0]
     bench.peers.inspection.connected = {(first, "a")}
@@ -261,7 +270,7 @@ def test_a_run_goes_on_when_what_was_lost_comes_back(bench):
     assert [event.because for event in bench.events(Interrupted)] == ["the engine is gone"]
     assert bench.peers.tasks.stopped >= 1
     assert state.ended.ending is Ending.COMPLETE
-    assert bench.peers.cell.loaded == [False, True], "what is placed stays"
+    assert bench.peers.cell.loaded == [False, True], "what is on the panel stays"
 
 
 def test_a_run_stops_when_what_was_lost_stays_away(bench):

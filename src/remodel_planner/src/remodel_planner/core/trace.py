@@ -10,7 +10,8 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from flexbe_synthesizer.core.model import Behavior, Chart
+from flexbe_synthesizer.core.error_routes import FAILED_EVENT, route_event
+from flexbe_synthesizer.core.model import Behavior, Chart, Container
 from remodel_planner.core.run import Operation
 
 
@@ -56,10 +57,12 @@ def _follow(
         node = nodes[current]
         visits[current] += 1
         event: str | None
+        operation = None
         if node.attempts is not None and visits[current] > node.attempts:
             event = "exhausted"
-        elif isinstance(node, Behavior):
-            child = _follow(charts[node.type], f"{path}/{node.id}", operations, charts)
+        elif isinstance(node, Behavior | Container):
+            inner = node.body if isinstance(node, Container) else charts[node.type]
+            child = _follow(inner, f"{path}/{node.id}", operations, charts)
             children.append(child)
             event = child.outcome
         else:
@@ -67,6 +70,11 @@ def _follow(
             ran = operation is not None and operation.state_path == f"{path}/{node.id}"
             event = operation.outcome if operation is not None and ran else None
         targets = {transition.event: transition.target for transition in node.transitions}
+        if event == FAILED_EVENT and operation is not None:
+            for route in node.on_error:
+                if route.first <= operation.error_code <= route.last:
+                    event = route_event(route)
+                    targets[event] = route.target
         if not event or event not in targets:
             return Trace(chart, path, tuple(steps), None, tuple(children))
         steps.append((current, event))

@@ -8,16 +8,19 @@ from dataclasses import replace
 from flexbe_synthesizer.core.model import Chart
 from remodel_planner.core.recovery.fault import Do
 from remodel_planner.core.supervision.events import Decided, Part
+from remodel_planner.core.use_case.changed_parameters import Adjustable, with_parameters
+from remodel_planner.core.use_case.escalation import escalating
 from remodel_planner.core.use_case.expectation import Expectations
 from remodel_planner.core.use_case.model import UseCase
 from remodel_planner.core.use_case.planned_tasks import (
     PlannedTask,
     done_otherwise,
     planned_tasks,
-    with_parameters,
 )
 from remodel_planner.core.use_case.preparation import Prepared, prepare
 from remodel_planner.core.use_case.work_order import WorkOrder
+from remodel_planner.edge.ability_files import read_abilities
+from remodel_planner.edge.nested_charts import nested_charts
 from remodel_planner.edge.order_planner import plan_problem
 
 
@@ -31,6 +34,7 @@ class WorkPlanner:
         expectations: Expectations,
         search_s: float,
         documents: Sequence[tuple[str, object]] = (),
+        escalated: Collection[int] = (),
     ) -> None:
         """Take the order.
 
@@ -40,12 +44,18 @@ class WorkPlanner:
             expectations: of abilities.
             search_s: [s] of wall time that a search for the best order gets.
             documents: preferences, parsed, with what to call them in errors.
+            escalated: error codes after which a behavior gives up at once, for its supervisor.
         """
         self.order = order
         self.use_case = use_case
         self._expectations = expectations
         self._search_s = search_s
         self._documents = documents
+        self._escalated = escalated
+        self._adjustable = Adjustable(
+            {each.name: {p.name for p in each.parameters} for each in read_abilities()},
+            nested_charts(),
+        )
         self._prepared: Prepared | None = None
         self._tasks: dict[str, PlannedTask] = {}
 
@@ -106,8 +116,10 @@ class WorkPlanner:
             return task.clear()
         chart = task.rest(connected) if part is Part.REST else task.chart
         for decision in decisions:
-            chart = with_parameters(chart, decision.ability, decision.change) or chart
-        return chart
+            if decision.change:
+                values, where = dict(decision.change), decision.state_path
+                chart = with_parameters(chart, where, values, self._adjustable)
+        return escalating(chart, self._escalated) if self._escalated else chart
 
     def _otherwise(self, task: PlannedTask, state_path: str) -> PlannedTask | None:
         assert self._prepared is not None, "a task is planned before it is asked for"

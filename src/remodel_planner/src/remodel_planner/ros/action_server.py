@@ -38,8 +38,11 @@ class ActionServer:
     @property
     def is_there(self) -> bool:
         """Whether the server is connected."""
-        # To actionlib zero means for ever; what has passed already, one look.
-        return self._client.wait_for_server(rospy.Duration(-1))
+        # To actionlib zero means for ever; what has passed already, one look. Simulated time that
+        # has not run for so long has no such past.
+        return rospy.get_rostime() >= rospy.Time(1) and self._client.wait_for_server(
+            rospy.Duration(-1)
+        )
 
     def wait(self, limit_s: float) -> None:
         """Wait until the server is there, up to a limit of wall time [s].
@@ -55,6 +58,35 @@ class ActionServer:
                     f"start {self._node}"
                 )
             time.sleep(_LOOK_S)
+
+    def ended(
+        self,
+        goal: Message,
+        limit_s: float,
+        on_feedback: Callable[[Message], None] | None = None,
+    ) -> Goal:
+        """Send a goal, and return it when it has ended.
+
+        Args:
+            goal: to send.
+            limit_s: [s] wall time that it gets.
+            on_feedback: called with each feedback.
+
+        Raises:
+            LostError: if the server is not there, goes away meanwhile, or takes longer; the goal
+                is cancelled.
+        """
+        self.wait(limit_s)
+        sent = self.send(goal, on_feedback)
+        end = time.monotonic() + limit_s
+        while not sent.wait(_LOOK_S):
+            if not self.is_there or time.monotonic() > end:
+                sent.cancel()
+                what = "has gone" if not self.is_there else f"took more than {limit_s:.0f} s"
+                raise LostError(f"action {rospy.resolve_name(self._name)}: {self._node} {what}")
+        if sent.lost:
+            raise LostError(f"action {rospy.resolve_name(self._name)}: the goal is forgotten")
+        return sent
 
     def cancel_all(self) -> None:
         """Ask the server to stop all goals, whoever sent them."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 import contextlib
 import threading
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import actionlib
@@ -44,7 +44,7 @@ from remodel_planner.edge.run_log import RunLog
 from remodel_planner.errors import CellError, PlannerError
 from remodel_planner.ros.pictures import keep_pictures
 from remodel_planner.ros.state_message import levels, state_message
-from remodel_planner.ros.use_case_supervisor import Peers, UseCaseSupervisor
+from remodel_planner.ros.use_case_supervisor import Peers, UseCaseSupervisor, Work
 from remodel_planner.ros.work import WorkMaker
 
 ACTION = "remodel/run_use_case"
@@ -139,25 +139,25 @@ class RunServer:
         tasks = tuple(task.name for task in work.planner.order.tasks)
         begun = RunBegun(goal.order, work.planner.use_case.name, self._cell, tasks)
         run = self._log.begin(begun, again=goal.again)
-        return self._made(run, goal.order, len(tasks), goal.timeout, state_after([begun]), handle)
+        if goal.again:
+            work = replace(work, keep_panel=False)
+        return self._made(run, work, state_after([begun]), handle)
 
     def _go_on(self, run: int) -> None:
         """Take up a run that was cut short."""
         state = state_after(kept.event for kept in self._log.events(run))
         rospy.loginfo("going on with run %d of order %s", run, state.order)
         with self._lock:
-            self._start(self._made(run, state.order, len(state.tasks), 0.0, state, None))
+            work = self._maker.work(state.order, len(state.tasks), 0.0)
+            self._start(self._made(run, work, state, None))
 
     def _made(
         self,
         run: int,
-        order: str,
-        tasks: int,
-        timeout_s: float,
+        work: Work,
         state: RunState,
         handle: actionlib.ServerGoalHandle | None,
     ) -> _Active:
-        work = self._maker.work(order, tasks, timeout_s)
         supervisor = UseCaseSupervisor(
             run,
             state,

@@ -164,7 +164,6 @@ class UseCaseSupervisor:
         # A run whose order of tasks is decided was taken up by a supervisor before.
         self._began_before = not state.to_plan
         self._loaded = False
-        self._keep_panel = work.keep_panel or self._began_before
 
     @property
     def doing_now(self) -> Doing | None:
@@ -232,7 +231,7 @@ class UseCaseSupervisor:
             return
         match step:
             case Plan():
-                self._append(Planned(self.work.planner.plan(self.state.waiting), step.because))
+                self._append(Planned(self._planned(), step.because))
             case Execute():
                 self._execute(step.task, step.part)
             case Settle():
@@ -245,6 +244,12 @@ class UseCaseSupervisor:
                 self._wait()
             case End():
                 self._append(RunEnded(step.ending, step.because))
+
+    def _planned(self) -> tuple[str, ...]:
+        """Return the waiting tasks in their best order; those that were begun before come last."""
+        tasks = self.state.tasks
+        order = self.work.planner.plan(self.state.waiting)
+        return tuple(sorted(order, key=lambda name: tasks[name].attempts > 0))
 
     def _execute(self, name: str, part: Part) -> None:
         if not self._has(name):
@@ -321,7 +326,8 @@ class UseCaseSupervisor:
         if planner.has_other_method(name, task.decisions, failure.state_path):
             possible.add(Do.OTHER_METHOD)
         policy = planner.use_case.recovery
-        self._append(judged(state, name, self.work.faults, policy, possible, now_s))
+        bounds = planner.task(name, task.decisions).bounds(failure.state_path)
+        self._append(judged(state, name, self.work.faults, policy, possible, now_s, bounds))
 
     def _ask(self, name: str) -> None:
         self._append(question_about(self.state, name, self.work.faults))
@@ -384,8 +390,9 @@ class UseCaseSupervisor:
 
     def _load_panel(self) -> None:
         if self.work.panel is not None and not self._loaded:
-            self._peers.cell.load(self.work.panel, keep=self._keep_panel)
-        self._loaded = self._keep_panel = True
+            begun = any(task.attempts for task in self.state.tasks.values())
+            self._peers.cell.load(self.work.panel, keep=self.work.keep_panel or begun)
+        self._loaded = True
 
     def _recover(self, because: str) -> None:
         """Wait for what was lost, and stop what runs; what it was doing is in doubt."""

@@ -15,9 +15,11 @@ from remodel_sim.abilities.insert_cable import insert_cable
 from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
 from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.abilities.place_cable import place_cable
+from remodel_sim.abilities.place_pin import place_pin
 from remodel_sim.abilities.route_wire import route_wire
 from remodel_sim.abilities.station import Steps
 from remodel_sim.core import goals
+from remodel_sim.core.pin_goal import PlacePinGoal
 from remodel_sim.ros.conversions import pose_from
 
 
@@ -96,6 +98,19 @@ ABILITIES = (
             pose_from("socket_pose", m.socket_pose),
         ),
         extract_cable,
+    ),
+    Ability(
+        "PlacePin",
+        lambda m: PlacePinGoal(
+            m.robot_1_name,
+            m.robot_2_name,
+            m.path_space,
+            m.connector_space,
+            m.centered,
+            m.rotate,
+            m.show_in_TF,
+        ),
+        place_pin,
     ),
     Ability(
         "RouteWire",

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from threading import Event
 from typing import Any
 
@@ -33,20 +34,18 @@ _VALUES = ("nth", "times", "at_least")
 class CellServices:
     """Answers the services below the namespace `cell`."""
 
-    def __init__(self, site: Site, faults: Sequence[dict[str, Any]]) -> None:
+    def __init__(self, site: Site, read_faults: Callable[[], Sequence[dict[str, Any]]]) -> None:
         """Advertise them all.
 
         Args:
             site: see Site.
-            faults: caused whenever a panel is loaded: arguments of FaultTable.fault.
-
-        Raises:
-            ValueError: if one of the faults cannot be caused.
+            read_faults: returns those to be caused, whenever a panel is loaded: arguments of
+                FaultTable.fault.
         """
         self._site = site
         self._lock = RobotLock(site.lock_path)
         self._table = FaultTable()
-        self._faults = tuple(self._table.fault(**row) for row in faults)
+        self._read_faults = read_faults
         for name, kind, answer in (
             ("load_panel", srv.LoadPanel, self._load_panel),
             ("feed_wire", srv.FeedWire, self._feed_wire),
@@ -60,12 +59,13 @@ class CellServices:
     def _load_panel(self, request: srv.LoadPanelRequest) -> srv.LoadPanelResponse:
         try:
             panel = panel_from(request.panel)
-        except ValueError as error:
+            faults = tuple(self._table.fault(**row) for row in self._read_faults())
+        except (ValueError, TypeError) as error:
             return srv.LoadPanelResponse(False, str(error))
         with self._site.file.change() as draft:
             if request.keep and draft.world.panel == panel:
                 return srv.LoadPanelResponse(True, f"panel {panel.name!r} is there")
-            draft.world, draft.faults, draft.goals = World(panel), self._faults, {}
+            draft.world, draft.faults, draft.goals = World(panel), faults, {}
             draft.entries.append(Entry(Deed.LOAD, self._site.cell, panel.name))
         return srv.LoadPanelResponse(True, f"panel {panel.name!r} built")
 
@@ -85,12 +85,12 @@ class CellServices:
         site = self._site
         number = sum(entry.deed is Deed.FEED for entry in site.file.ledger())
         course = Course.drawn(site.random("feed", number), site.duration_s)
-        Event().wait(course.effect_s)
+        time.sleep(course.effect_s)
         with site.file.change() as draft:
             draft.world = draft.world.feed(site.cell, wire, channel)
             draft.faults = when_fed(draft.faults, wire)
             draft.entries.append(Entry(Deed.FEED, site.cell, wire, terminal=channel))
-        Event().wait(course.end_s - course.effect_s)
+        time.sleep(course.end_s - course.effect_s)
 
     def _ground_truth(self, _: srv.GetGroundTruthRequest) -> srv.GetGroundTruthResponse:
         world = self._site.file.read().world

@@ -19,8 +19,9 @@ from remodel_states.testing.world import Place, Seat, World, WorldError, known
 
 ROBOTS = ("robot_1", "robot_2")
 
-# As in the simulated cell: [N] that a grip holds, [m] from the tip to a grasp.
-MAX_FORCE_N = 25.0
+# [N] that an arm pushes at most: more than the simulated cell's grip holds, so that stiffer cells'
+# charts can be run too; [m] from the tip to a grasp, as in the simulated cell.
+MAX_FORCE_N = 60.0
 GRASP_RANGE_M = (0.030, 0.080)
 
 # What is measured where nothing is: [m] an end is deep, [N] it took, [m] between the pads.
@@ -233,23 +234,6 @@ def _place_pin(world: World, _: str, __: Any) -> Effect:  # noqa: ANN401
     return Effect(world, "pin placed")
 
 
-OPERATIONS: Mapping[str, Operation] = MappingProxyType(
-    {
-        "CheckConnection": Operation(_check_connection, _look_at_connection),
-        "DetectCable": Operation(lambda *asked: _check_live(*asked), _detect),
-        "ExtractCable": Operation(_check_extract, _extract),
-        "FixCable": Operation(_check_fix, _fix),
-        "InsertCable": Operation(_check_insert, _insert),
-        "LocateGearboxComponent": Operation(_check_locate, _locate),
-        "PickCable": Operation(_check_pick, _pick),
-        "PlaceCable": Operation(_check_carry, _place),
-        "PlaceConnector": Operation(_check_connector, _mate),
-        "PlacePin": Operation(_check_pin, _place_pin),
-        "RouteWire": Operation(_check_carry, _route),
-    }
-)
-
-
 # --- what they share
 
 
@@ -324,3 +308,22 @@ def _disengaged(world: World, cell: str) -> World:
 
 def _let_go(world: World, cell: str) -> World:
     return world.with_hand(cell, held="")
+
+
+# --- all of them
+
+OPERATIONS: Mapping[str, Operation] = MappingProxyType(
+    {
+        "CheckConnection": Operation(_check_connection, _look_at_connection),
+        "DetectCable": Operation(_check_live, _detect),
+        "ExtractCable": Operation(_check_extract, _extract),
+        "FixCable": Operation(_check_fix, _fix),
+        "InsertCable": Operation(_check_insert, _insert),
+        "LocateGearboxComponent": Operation(_check_locate, _locate),
+        "PickCable": Operation(_check_pick, _pick),
+        "PlaceCable": Operation(_check_carry, _place),
+        "PlaceConnector": Operation(_check_connector, _mate),
+        "PlacePin": Operation(_check_pin, _place_pin),
+        "RouteWire": Operation(_check_carry, _route),
+    }
+)

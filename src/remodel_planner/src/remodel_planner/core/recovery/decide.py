@@ -100,13 +100,13 @@ def _counted(done: Sequence[Do]) -> list[str]:
 
 def _changed(response: Response, failure: Failure, done: int) -> tuple[tuple[str, float], ...]:
     """Return the new values of the parameters; without those at their bounds already."""
-    values = dict(failure.parameters)
+    values, bounds = dict(failure.parameters), dict(failure.bounds)
     changed = []
     for name, change in response.change:
         if name not in values:
             continue
         value = float(values[name])
-        new = min(value + change.by, change.bound)
-        if new != value:
+        new = min(value + change.by, change.bound, bounds.get(name, change.bound))
+        if new > value:
             changed.append((name, new))
     return tuple(changed)

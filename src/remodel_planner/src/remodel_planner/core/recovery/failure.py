@@ -19,7 +19,9 @@ class Failure:
         state_path: of the state that asked for it; empty without one.
         text: what the ability, or the engine, said.
         at_s: [s] ROS time.
-        parameters: of the operation's goal, name -> value, as text.
+        parameters: of the operation's goal and, where it has none of that name, of those before it
+            in the same step of the task: name -> value, as text.
+        bounds: parameter -> what it must not exceed here, whatever the policy allows.
         evidence: where to look it up: pictures and records, by name.
     """
 
@@ -31,6 +33,7 @@ class Failure:
     text: str
     at_s: float
     parameters: tuple[tuple[str, str], ...] = ()
+    bounds: tuple[tuple[str, float], ...] = ()
     evidence: tuple[str, ...] = ()
 
 

@@ -111,6 +111,17 @@ class FaultTable:
         """The names of all faults, in order."""
         return tuple(self._faults)
 
+    @property
+    def codes_above_behaviors(self) -> frozenset[int]:
+        """The error codes whose faults neither an action nor a behavior is to handle first."""
+        codes = {code for fault in self._faults.values() for code in fault.codes}
+        return frozenset(
+            code
+            for code in codes
+            if (fault := self.diagnose([code])) is not None
+            and fault.first_level in (Level.TASK, Level.USE_CASE)
+        )
+
     def of(self, code: int) -> Fault:
         """Return the fault that an error code tells of by itself.
 

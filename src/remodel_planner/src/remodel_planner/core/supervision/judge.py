@@ -2,42 +2,64 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from types import MappingProxyType
 
 from remodel_planner.core.recovery.decide import decide
 from remodel_planner.core.recovery.failure import Failure, Spent
 from remodel_planner.core.recovery.fault import Do, FaultTable
 from remodel_planner.core.recovery.policy import Policy
+from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.events import Decided
-from remodel_planner.core.supervision.state import UNTOLD, RunState, TaskProgress
+from remodel_planner.core.supervision.state import UNTOLD, RunState, TaskProgress, cause_of
 
 POLICY = "policy"
+NO_BOUNDS: Mapping[str, float] = MappingProxyType({})
 
 
-def failure_of(task: TaskProgress, faults: FaultTable, at_s: float) -> Failure:
+def failure_of(
+    task: TaskProgress,
+    faults: FaultTable,
+    at_s: float,
+    bounds: Mapping[str, float] = NO_BOUNDS,
+) -> Failure:
     """Return what a task failed with: the operation of its last attempt that failed last.
 
     Args:
         task: that failed.
         faults: that there are.
         at_s: [s] ROS time.
+        bounds: parameter -> what it must not exceed here.
     """
     fault = faults.diagnose(task.codes) or faults.of(UNTOLD)
-    failed = [operation for operation in task.operations if operation.error_code]
-    if task.unseen or not failed:
+    cause = cause_of(task.operations)
+    if task.unseen or cause is None:
         text = task.unseen or f"the behavior ended {task.outcome}"
         return Failure(task.name, fault, task.codes[-1], "", "", text, at_s)
-    last = failed[-1]
     return Failure(
         task.name,
         fault,
-        last.error_code,
-        last.ability,
-        last.state_path,
-        last.text,
+        cause.error_code,
+        cause.ability,
+        cause.state_path,
+        cause.text,
         at_s,
-        last.parameters,
+        _parameters(task, cause),
+        tuple(bounds.items()),
     )
+
+
+def _parameters(task: TaskProgress, cause: Operation) -> tuple[tuple[str, str], ...]:
+    """Return the parameters of the step that failed: a fixing fails by its insertion's force."""
+    values: dict[str, str] = {}
+    for operation in task.operations:
+        if _step_of(operation) == _step_of(cause):
+            values |= operation.parameters
+    return tuple({**values, **dict(cause.parameters)}.items())
+
+
+def _step_of(operation: Operation) -> str:
+    return operation.state_path.strip("/").split("/")[0]
 
 
 def judged(
@@ -47,6 +69,7 @@ def judged(
     policy: Policy,
     possible: Collection[Do],
     at_s: float,
+    bounds: Mapping[str, float] = NO_BOUNDS,
 ) -> Decided:
     """Return what is done about a task that failed.
 
@@ -57,9 +80,10 @@ def judged(
         policy: of the use case.
         possible: what can be done now.
         at_s: [s] ROS time.
+        bounds: parameter -> what it must not exceed here.
     """
     task = state.tasks[name]
-    failure = failure_of(task, faults, at_s)
+    failure = failure_of(task, faults, at_s, bounds)
     spent = Spent(task.attempts - task.interruptions, task.cell_s, state.failures, state.cell_s)
     earlier = [(decision.fault, decision.do) for decision in task.decisions]
     decision = decide(failure, earlier, spent, policy, possible)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from functools import singledispatch
@@ -162,6 +162,18 @@ def state_after(events: Iterable[Event], state: RunState | None = None) -> RunSt
     return state
 
 
+def cause_of(operations: Sequence[Operation]) -> Operation | None:
+    """Return the operation that a behavior failed with: the last that failed; None if none did.
+
+    A behavior that gives up empties the hand last. That the hand is empty by then is not the cause.
+    """
+    failed = [operation for operation in operations if operation.error_code]
+    gave_up = failed[1:] and failed[-1] is operations[-1]
+    if gave_up and failed[-1].error_code == _NOTHING_HELD:
+        failed.pop()
+    return failed[-1] if failed else None
+
+
 @singledispatch
 def applied(event: Event, state: RunState) -> RunState:
     """Return the state after an event."""
@@ -218,8 +230,9 @@ def _(event: TaskEnded, state: RunState) -> RunState:
         return state.having(replace(task, stage=Stage.DOUBTFUL, part=Part.WHOLE))
     if event.outcome == FINISHED:
         return _left(state, replace(task, stage=Stage.DONE), cell_s=cell_s)
-    last = [o.error_code for o in task.operations if o.error_code]
-    task = replace(task, stage=Stage.FAILED, codes=(*task.codes, last[-1] if last else UNTOLD))
+    cause = cause_of(task.operations)
+    code = cause.error_code if cause else UNTOLD
+    task = replace(task, stage=Stage.FAILED, codes=(*task.codes, code))
     stop = state.stop
     if event.outcome == PREEMPTED and not stop and task.name not in state.skipped:
         stop = f"somebody stopped the behavior of task {task.name}"
@@ -320,8 +333,9 @@ INTERRUPTION_LIMIT = 20
 # remodel_msgs/ErrorCode: TIMEOUT, SERVER_LOST, INTERNAL, BUSY, SERVER_HUNG, CONTRADICTORY_RESULT.
 _SERVER_TROUBLE = frozenset({1, 4, 5, 6, 7, 8})
 
-# remodel_msgs/ErrorCode: PREEMPTED; SERVER_LOST; INTERNAL, of a task that failed though no ability
-# told of an error.
+# remodel_msgs/ErrorCode: NOTHING_HELD; PREEMPTED; SERVER_LOST; INTERNAL, of a task that failed
+# though no ability told of an error.
+_NOTHING_HELD = 202
 _PREEMPTED_CODE = 2
 _LOST = 4
 UNTOLD = 5

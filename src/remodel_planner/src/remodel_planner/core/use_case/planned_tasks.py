@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from flexbe_synthesizer.core.model import Chart, State
+from flexbe_synthesizer.core.model import Chart
 from remodel_planner.core.planning.listing import listing_of
 from remodel_planner.core.planning.problem import Plan
 from remodel_planner.core.use_case.decomposed import Decomposition, Limits, Step
 from remodel_planner.core.use_case.model import Macro, UseCase
 from remodel_planner.core.use_case.preparation import Prepared
-from remodel_planner.core.use_case.task_chart import marked, task_chart
+from remodel_planner.core.use_case.task_chart import task_chart
 from remodel_planner.core.use_case.wiring_problem import decomposer_of
 from remodel_planner.errors import InstanceError
 
@@ -39,6 +39,16 @@ class PlannedTask:
     def chart(self) -> Chart:
         """The chart of the whole task."""
         return task_chart(self.use_case, self.decomposition, self.component_of, self.arms)
+
+    def bounds(self, state_path: str) -> dict[str, float]:
+        """Return what the terminal bears that a state is about, by the name of the parameter."""
+        title = state_path.strip("/").split("/")[0]
+        limits = [
+            step.access.force_limit_n
+            for step in self.decomposition.steps
+            if step.title == title and step.access.force_limit_n is not None
+        ]
+        return {"force_limit": min(limits)} if limits else {}
 
     def rest(self, connected: Collection[str]) -> Chart:
         """Return the chart of what is left when the ends with these letters are connected."""
@@ -112,23 +122,6 @@ def done_otherwise(prepared: Prepared, planned: PlannedTask, state_path: str) ->
     except InstanceError:
         return None
     return replace(planned, decomposition=other)
-
-
-def with_parameters(
-    chart: Chart, ability: str, values: Sequence[tuple[str, float]]
-) -> Chart | None:
-    """Return a chart whose states of an ability have other parameters; None if none has them."""
-    new = dict(values)
-    applied = 0
-    nodes = []
-    for node in chart.nodes:
-        if isinstance(node, State) and node.type == f"{ability}State":
-            applied += sum(param.name in new for param in node.params)
-            params = (replace(p, value=new.get(p.name, p.value)) for p in node.params)
-            nodes.append(replace(node, params=tuple(params)))
-        else:
-            nodes.append(node)
-    return marked(replace(chart, nodes=tuple(nodes))) if applied else None
 
 
 def _looks(before: Sequence[Step], left: Sequence[Step]) -> tuple[Step, ...]:

@@ -1,0 +1,80 @@
+"""Change the parameters of a task's states, for another try."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+
+from flexbe_synthesizer.core.model import (
+    AnyNode,
+    Behavior,
+    Chart,
+    Container,
+    ContainerKind,
+    Param,
+    State,
+)
+from remodel_planner.core.use_case.task_chart import marked
+
+
+@dataclass(frozen=True)
+class Adjustable:
+    """Whose parameters can be changed.
+
+    Attributes:
+        parameters: ability -> names of its goal's parameters.
+        nested: charts of the behaviors that tasks nest, by name.
+    """
+
+    parameters: Mapping[str, Collection[str]]
+    nested: Mapping[str, Chart]
+
+
+def with_parameters(
+    chart: Chart, state_path: str, values: Mapping[str, float], adjustable: Adjustable
+) -> Chart:
+    """Return a task's chart with other parameters of the node that has failed.
+
+    A behavior nested there becomes a container with the same states, under the same names.
+
+    Args:
+        chart: of the task.
+        state_path: of the state that failed.
+        values: parameter -> value.
+        adjustable: see Adjustable.
+    """
+    failed = state_path.strip("/").split("/")[0]
+    nodes = tuple(
+        _changed(node, values, adjustable) if node.id == failed else node for node in chart.nodes
+    )
+    return marked(replace(chart, nodes=nodes))
+
+
+def _changed(node: AnyNode, values: Mapping[str, float], adjustable: Adjustable) -> AnyNode:
+    if isinstance(node, State):
+        taken = adjustable.parameters.get(node.type.removesuffix("State"), ())
+        new = tuple(Param(name, value) for name, value in values.items() if name in taken)
+        kept = tuple(p for p in node.params if p.name not in {param.name for param in new})
+        return replace(node, params=(*kept, *new))
+    if isinstance(node, Behavior) and node.type in adjustable.nested:
+        inner = adjustable.nested[node.type]
+        body = replace(
+            inner,
+            name=node.id,
+            description="",
+            inputs=tuple(replace(each, default=None) for each in inner.inputs),
+            nodes=tuple(_changed(each, values, adjustable) for each in inner.nodes),
+        )
+        return Container(
+            node.id,
+            ContainerKind.SEQUENCE.value,
+            node.transitions,
+            attempts=node.attempts,
+            timeout_s=node.timeout_s,
+            on_error=node.on_error,
+            body=body,
+        )
+    if isinstance(node, Container):
+        inside = tuple(_changed(each, values, adjustable) for each in node.body.nodes)
+        return replace(node, body=replace(node.body, nodes=inside))
+    return node
