@@ -99,7 +99,7 @@ def _looks(station: Station, goal: CheckGoal) -> Iterator[Steps[tuple[str, Pictu
     drawn = WORLD_FROM_PANEL @ station.panel.panel_from_socket(goal.component_id, goal.terminal_id)
     for out, across in LENS_AT_M:
         lens = drawn.apply(np.array([-out, across, 0.0]))[:2]
-        tool = camera_above(station.arm, lens, station.commanded.yaw, station.commanded.yaw)
+        tool = camera_above(station, lens, station.commanded.yaw)
         if station.arm.reaches(tool):
             yield _from_hand(station, tool)
     yield _from_above(station)
