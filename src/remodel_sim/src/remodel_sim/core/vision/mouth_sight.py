@@ -182,7 +182,7 @@ def look_at_mouth(
     return _at_height(sight, strip, rows, near, world_from_socket, wire)
 
 
-def _sampled(image: npt.NDArray[np.generic], pixels: Array) -> Array:
+def _sampled(image: npt.NDArray[np.float32] | npt.NDArray[np.uint8], pixels: Array) -> Array:
     at = pixels.astype(np.float32)
     values = cv2.remap(image, at[None, :, 0], at[None, :, 1], cv2.INTER_LINEAR)[0]
     return np.asarray(values, np.float64)
