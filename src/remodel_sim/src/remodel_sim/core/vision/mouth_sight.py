@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
+from typing import Any
 
 import cv2
 import numpy as np
@@ -182,7 +183,7 @@ def look_at_mouth(
     return _at_height(sight, strip, rows, near, world_from_socket, wire)
 
 
-def _sampled(image: npt.NDArray[np.float32] | npt.NDArray[np.uint8], pixels: Array) -> Array:
+def _sampled(image: npt.NDArray[np.integer[Any] | np.floating[Any]], pixels: Array) -> Array:
     at = pixels.astype(np.float32)
     values = cv2.remap(image, at[None, :, 0], at[None, :, 1], cv2.INTER_LINEAR)[0]
     return np.asarray(values, np.float64)
