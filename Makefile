@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-sim bench-vision evaluate-abilities clean
+.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-sim bench-vision bench-learning bench-replan evaluate-abilities chaos campaign clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -49,9 +49,18 @@ lint: .venv/.ready ## Style, types of the pure cores, and XML
 bench-engine: build build/bench-venv/.ready ## Measure the engine, with peers; figures in out/bench/engine.jsonl
 	@$(SOURCED) benchmarks/engine/run.py --py-trees build/bench-venv/bin/python
 
+chaos: build ## Kill processes of running orders at random moments (BENCH="--kills 200")
+	@$(SOURCED) benchmarks/supervision/chaos.py $(BENCH)
+
+bench-replan: build ## Time from a failure to the first goal of the new plan, 300 tasks left
+	@$(SOURCED) benchmarks/supervision/replan.py $(BENCH)
+
 bench-planner: build build/bench-venv/.ready ## Measure the planner beside GTPyhop and Fast Downward, against its targets
 	@$(SOURCED) benchmarks/planner/witness.py --python build/bench-venv/bin/python
 	@$(SOURCED) benchmarks/planner/panels.py --gtpyhop build/bench-venv/bin/python $(BENCH)
+
+bench-learning: build ## First-pass yield with learned and with frozen parameters, and the guard rail; plot in out/bench/learning.png
+	@$(SOURCED) benchmarks/learning/first_pass_yield.py $(BENCH)
 
 bench-synthesis: build ## Time of the synthesis by size of the chart, beside that of lxml and the schema alone
 	@$(SOURCED) benchmarks/synthesis/sizes.py

@@ -16,7 +16,6 @@ import io
 import json
 import os
 import shutil
-import subprocess
 import sys
 import time
 import uuid
@@ -28,9 +27,9 @@ from typing import Any
 import rospy
 import yaml
 from fast_clock import FastClock
-from nodes import launched
 from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal
 from rospkg import RosPack
+from stack import ORDER, stack
 from table import told
 from tqdm import tqdm
 from trial import WIRES, Trial, drawn
@@ -46,8 +45,6 @@ from remodel_planner.edge.use_case_files import VARIABLE
 from remodel_planner.ros.action_server import ActionServer
 from remodel_states.testing.world_file import WorldFile
 
-DESIGN = "/usr/share/qelectrotech/examples/tableau_domestique.qet"
-ORDER = "campaign"
 HERE = Path(__file__).parent
 
 # How the policies are called; the first is that of the table of faults.
@@ -64,16 +61,17 @@ _SPEED = 10.0
 class Campaign:
     """Runs trials on one cell, one after another."""
 
-    def __init__(self, output: Path, tables: Tables) -> None:
+    def __init__(self, output: Path, database: str, tables: Tables) -> None:
         """Connect to the nodes that run.
 
         Args:
-            output: folder of database, world and use cases.
+            output: folder of world and use cases.
+            database: its URL.
             tables: see Tables.
         """
         self._output = output
         self._tables = tables
-        self._url = database_url(output)
+        self._url = database
         self._log = RunLog(ProductionDatabase(self._url))
         self._world = WorldFile(output / "world.sqlite")
         self._server = ActionServer("remodel/run_use_case", RunUseCaseAction, "the supervisor")
@@ -173,11 +171,6 @@ def printed(command: Any, words: list[str]) -> str:  # noqa: ANN401
     return text.getvalue()
 
 
-def database_url(output: Path) -> str:
-    """Return the URL of the campaign's database."""
-    return f"sqlite:///{output}/production.sqlite"
-
-
 def _yaml(file: Path) -> Any:  # noqa: ANN401
     return yaml.safe_load(file.read_text(encoding="utf-8"))
 
@@ -194,24 +187,17 @@ def main() -> int:
     options = parser.parse_args()
     output = options.output.resolve()
     shutil.rmtree(output, ignore_errors=True)
-    for folder in ("charts", "use_cases", "log"):
-        (output / folder).mkdir(parents=True)
-    imported = ["rosrun", "remodel_planner", "import", DESIGN, "--order", ORDER]
-    subprocess.run([*imported, "--database", database_url(output)], check=True)
     seeds = range(options.seed, options.seed + options.runs)
     plain = [Trial("", seed) for seed in range(options.seed - 5, options.seed)]
     trials = plain + [drawn(tables.faults[kind], seed) for kind in options.kinds for seed in seeds]
-    arguments = {
-        "output": str(output),
-        "database": database_url(output),
-        "world": str(output / "world.sqlite"),
-    }
     results: dict[str, list[tuple[Trial, Verdict]]] = {}
     os.environ[VARIABLE] = str(output / "use_cases")
-    with launched(HERE / "campaign.launch", arguments, output):
+    with stack(HERE / "campaign.launch", output, world=output / "world.sqlite") as nodes:
+        (output / "use_cases").mkdir()
+        nodes.wait_for("fake_cell", "picker", "use_case_supervisor", "behavior_action_server")
         rospy.init_node("campaign", disable_signals=True)
         FastClock(_SPEED)
-        campaign = Campaign(output, tables)
+        campaign = Campaign(output, nodes.database, tables)
         total = len(options.policies) * len(trials)
         with (output / "trials.jsonl").open("w") as lines, tqdm(total=total, unit="run") as bar:
             for policy in options.policies:

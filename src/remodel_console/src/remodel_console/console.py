@@ -8,7 +8,7 @@ from typing import Protocol
 from flexbe_synthesizer.core.model import Chart
 from remodel_console.core.access import Door
 from remodel_console.core.drawing import opened
-from remodel_console.core.order import Attach, Order, SetAutonomy, ShowStructure, Start
+from remodel_console.core.order import Attach, Order, SetAutonomy, ShowStructure, Start, Switch
 from remodel_console.core.record import Record, Summary
 from remodel_console.core.run_view import Event, Ordered, Phase
 from remodel_console.core.use_case import Choice
@@ -130,7 +130,7 @@ class Console:
         """
         if self.engine is None:
             raise CommandError("ROS is away; start it: roscore")
-        if isinstance(order, Start):
+        if isinstance(order, Start | Switch):
             self.live.take(Ordered(order.level, order.source_checksum))
         elif isinstance(order, Attach | SetAutonomy):
             self.live.take(Ordered(order.level))
@@ -160,6 +160,17 @@ class Console:
         if name and (chart is None or chart.name != name):
             raise CommandError(f"'{name}' runs, and {loaded} is loaded; load '{name}' first")
         self.order(Attach(level))
+
+    def newer_version(self) -> Switch | None:
+        """Return the way to the saved version of what this console watches over, if it differs."""
+        run = self.live.world.run
+        if not run.is_supervised or run.level is None:
+            return None
+        name = self.running_name()
+        found = next((one for one in self.catalogue.behaviors() if one.name == name), None)
+        if found is None or found.source_checksum == run.behavior_id:
+            return None
+        return Switch(name, found.behavior_id, found.source_checksum, run.level)
 
     def running_name(self) -> str:
         """Return the display name of what runs; empty if its version is not installed here."""

@@ -126,6 +126,31 @@ class ConsoleTest(BrowserTestCase):
         self.stop(self.page)
         expect(late.locator(".ending")).to_have_text("The last run was stopped.")
 
+    def test_what_runs_goes_on_in_the_version_that_was_saved_meanwhile(self):
+        self.load(self.page, "Patrol")
+        self.choose(self.page, "Autonomy", "Low")
+        self.press(self.page, "Start")
+        expect(self.page.get_by_role("button", name="Lock", exact=True)).to_be_visible()
+        self.page.keyboard.press("l")
+        expect(self.page.locator(".held")).to_contain_text("Locked:")
+        held = self.page.locator(".held").inner_text()
+        editor = self.open_page("/editor")
+        editor.locator(".canvas-stage g.node[data-path='North'] text").first.click()
+        field = editor.locator(".properties").get_by_label("wait_time", exact=True)
+        field.fill("0.33")
+        field.press("Enter")
+        expect(editor.locator(".tools")).to_contain_text("not saved yet")
+        self.press(editor, "Save")
+        expect(self.page.get_by_text("Another version of 'Patrol' is saved.")).to_be_visible()
+        self.press(self.page, "Switch to it")
+        expect(self.page.get_by_text("Another version of 'Patrol' is saved.")).to_have_count(0)
+        expect(self.page.locator(".held")).to_have_text(held)
+        self.press(self.page, "Unlock")
+        expect(self.page.locator(".held")).to_have_count(0)
+        expect(self.page.locator("g.node.active")).not_to_have_count(0)
+        self.stop(self.page)
+        self.assertIn("switch to the saved version of 'Patrol'", self.record.read_text())
+
     def test_an_outcome_is_forced(self):
         self.load(self.page, "Errand")
         self.choose(self.page, "Autonomy", "Low")
@@ -197,11 +222,16 @@ class ConsoleTest(BrowserTestCase):
         os.killpg(process.pid, signal.SIGINT)
         process.wait(LIMIT_S)
 
-    def test_ros_may_come_late_go_and_come_back(self):
+    def test_who_only_watches_sees_ros_come_late_go_and_come_back(self):
         port, master = free_port(), free_port()
         uri = {"ROS_MASTER_URI": f"http://127.0.0.1:{master}"}
-        self.start_console_at("late", port, **uri)
+        self.start_console_at("late", port, "--token", "lead", "--watch-token", "look", **uri)
         page = self.open_page(port=port)
+        expect(page.get_by_text("It asks for its token.")).to_be_visible()
+        page.get_by_label("Token").fill("look")
+        page.get_by_role("button", name="Enter").click()
+        expect(page.get_by_text("watching only")).to_be_visible()
+        page.get_by_role("link", name="Runtime control").click()
         notice = page.locator(".notice", has_text="ROS is away")
         expect(notice).to_be_visible()
         self.start_master(master)
@@ -212,26 +242,9 @@ class ConsoleTest(BrowserTestCase):
         expect(notice).to_have_count(0)
         self.start("second engine", "flexbe_onboard", "start_behavior", **uri)
         expect(page.locator(".state")).to_have_text("idle")
+        expect(page.get_by_role("combobox", name="Behavior")).to_be_disabled()
         for name in ("second engine", "late", "master"):
             self.end(name)
-
-    def test_who_only_watches_sees_all_and_can_do_nothing(self):
-        port = free_port()
-        options = ("--token", "lead", "--watch-token", "look", "__name:=guarded")
-        self.start_console_at("guarded", port, *options)
-        page = self.open_page(port=port)
-        expect(page.get_by_text("It asks for its token.")).to_be_visible()
-        page.get_by_label("Token").fill("look")
-        page.get_by_role("button", name="Enter").click()
-        expect(page.get_by_text("watching only")).to_be_visible()
-        page.get_by_role("link", name="Runtime control").click()
-        expect(page.get_by_role("combobox", name="Behavior")).to_be_disabled()
-        self.load(self.page, "Errand")
-        self.choose(self.page, "Autonomy", "Low")
-        self.press(self.page, "Start")
-        expect(page.get_by_role("button", name="Stop", exact=True)).to_be_disabled()
-        self.page.keyboard.press("c")
-        self.end("guarded")
 
     def test_a_tablet_in_the_dark_and_the_keys(self):
         page = self.open_page(width=1024, height=768)

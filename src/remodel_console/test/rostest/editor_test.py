@@ -143,6 +143,29 @@ class EditorTest(BrowserTestCase):
         page.keyboard.press("Control+z")
         expect(page.locator("g.node[data-path='Search/Look closer']").first).to_be_visible()
 
+    def test_values_and_what_ends_a_concurrency_container_are_set(self):
+        page = self.page
+        self.open("Errand")
+        page.get_by_label("Input 2: name").fill("count")
+        page.get_by_label("Input 2: any type").fill("int")
+        page.get_by_label("Input 2: must be given").fill("3")
+        page.get_by_label("Input 2: must be given").press("Enter")
+        expect(page.get_by_label("Input 3: name")).to_be_visible()
+        self.pick("Search/Look")
+        page.locator(".canvas-stage g.cluster[data-path='Search'] text").first.click()
+        self.choose(page, "Runs what is in it", "all at once")
+        page.get_by_role("combobox", name="Condition 1: all of").click()
+        for name in ("Look: done", "Look closer: done"):
+            page.get_by_role("option", name=name, exact=True).click()
+        page.keyboard.press("Escape")
+        expect(page.get_by_role("option")).to_have_count(0)
+        self.choose(page, "Condition 1: ends with", "found")
+        expect(page.get_by_role("combobox", name="Condition 2: ends with")).to_be_visible()
+        expect(page.locator(".problems")).to_contain_text("No errors.")
+        page.get_by_role("tab", name="XML").click()
+        expect(page.locator(".cm-content")).to_contain_text('<input name="count" type="int"')
+        expect(page.locator(".cm-content")).to_contain_text('<ext:condition outcome="found">')
+
     def test_deleting_and_renaming_keep_what_belongs_together(self):
         self.open("Patrol")
         self.pick("South")
@@ -166,6 +189,9 @@ class EditorTest(BrowserTestCase):
         self.take_picture(other, "editor-1024")
 
     def test_what_is_configured_counts_at_once_and_outlives_a_restart(self):
+        self.start(
+            "synthesizer", "flexbe_synthesizer", "synthesis_server", f"_output:={self.package}"
+        )
         self.open("Errand")
         self.press("Container")
         self.pick_container("Container")
@@ -186,6 +212,10 @@ class EditorTest(BrowserTestCase):
         page.get_by_label("More folders").blur()
         expect(page.get_by_text("Kept.", exact=True)).to_be_visible()
         self.take_picture(page, "configuration")
+        self.page.get_by_text("Use synthesis").click()
+        self.choose(self.page, "Goal", "patrol.xml")
+        self.press("Synthesize")
+        expect(self.page.locator("g.node[data-path='Container/North']").first).to_be_visible()
         self.kill("console")
         self.start_console()
         page = self.open_page("/configuration", width=1024, height=768)
@@ -196,17 +226,6 @@ class EditorTest(BrowserTestCase):
         record = self.record.read_text()
         self.assertIn("configure: synthesis_topic = 'flexbe/synthesize'", record)
         self.assertNotIn("secret", record)
-        self.start(
-            "synthesizer", "flexbe_synthesizer", "synthesis_server", f"_output:={self.package}"
-        )
-        self.page = self.open_page("/editor")
-        self.open("Errand")
-        self.press("Container")
-        self.pick_container("Container")
-        self.page.get_by_text("Use synthesis").click()
-        self.choose(self.page, "Goal", "patrol.xml")
-        self.press("Synthesize")
-        expect(self.page.locator("g.node[data-path='Container/North']").first).to_be_visible()
 
 
 if __name__ == "__main__":

@@ -5,8 +5,9 @@ from pathlib import Path
 import pytest
 
 from flexbe_synthesizer.core.codec import parse_chart
-from flexbe_synthesizer.core.model import Container
+from flexbe_synthesizer.core.model import Chart, Container, Outcome, State, Transition
 from remodel_console.core.drawing import drawn_path, drawn_paths, opened
+from remodel_console.core.folding import folded
 from remodel_console.core.run_view import RunView, Told, step
 from remodel_console.core.world import World, notices
 from remodel_console.edge.picture import picture
@@ -58,3 +59,22 @@ def test_what_is_away_is_told_with_how_to_have_it_back():
     assert [n.what for n in notices(world)] == ["The engine is away", "The cell is away"]
     world = World(step(RunView(), Told(20, 0)), has_master=True, has_cell=True)
     assert [n.remedy for n in notices(world)] == ["roslaunch flexbe_mirror behavior_mirror.launch"]
+
+
+def test_a_large_chart_is_folded_but_for_the_path_of_interest():
+    def box(name):
+        inner = tuple(State(f"{name}{i}", "WaitState") for i in range(15))
+        body = Chart(name, inner[0].id, (Outcome("through"),), inner)
+        return Container(name, "container", (Transition("through", "B"),), body=body)
+
+    small = Chart("Small", "A", nodes=(box("A"),))
+    assert folded(small, ()) is small
+    large = Chart("Large", "A", nodes=(box("A"), box("B"), box("C")))
+    closed = folded(large, ())
+    assert drawn_paths(closed) == {"A", "B", "C"}
+    assert closed.nodes[0].type == "15 states inside"
+    assert closed.nodes[0].transitions == large.nodes[0].transitions
+    opened_one = folded(large, ("B",))
+    assert "B/B3" in drawn_paths(opened_one)
+    assert "A/A3" not in drawn_paths(opened_one)
+    assert drawn_path("/A/A3", drawn_paths(opened_one)) == "A"

@@ -80,3 +80,9 @@ def test_the_table_of_error_codes_and_the_constants_are_one():
         assert row["meaning"]
         assert row["remedy"]
         assert 0 <= row["code"] < 500
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
+def test_no_text_constant_swallows_a_comment(file):
+    for line in file.read_text().splitlines():
+        assert not re.match(r"string \w+=.*#", line), f"{file.name}: {line}"

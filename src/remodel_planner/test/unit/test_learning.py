@@ -1,22 +1,35 @@
 """What runs teach is honest about what it does not know, and never costs more than it may."""
 
 import math
+import re
 from random import Random
 
 import pytest
 
+from remodel_planner.commands import expectations
 from remodel_planner.core.learning.belief import Belief
-from remodel_planner.core.learning.bounds import Bounds
+from remodel_planner.core.learning.bounds import (
+    Bounds,
+    frozen_setting,
+    nearer_settings,
+    settings,
+)
 from remodel_planner.core.learning.context import context_of
 from remodel_planner.core.learning.duration_model import DurationModel
 from remodel_planner.core.learning.learned_expectations import (
     Call,
     LearnedExpectations,
-    parameters_from,
+    numbers_from,
 )
 from remodel_planner.core.learning.learned_parameters import LearnedParameters
+from remodel_planner.core.learning.learned_responses import (
+    Answer,
+    LearnedResponses,
+    answers_of,
+)
 from remodel_planner.core.learning.parameter_choice import GuardRail, ParameterChoice
 from remodel_planner.core.learning.success_model import SuccessModel, fold
+from remodel_planner.core.recovery.fault import Do
 from remodel_planner.edge.use_case_files import find_use_case
 
 THIN = ("InsertCable", "clamp", "0.5")
@@ -171,7 +184,7 @@ def test_the_better_value_is_found(seed):
 @pytest.mark.parametrize("contexts", [(THIN,), (THIN, THICK)])
 def test_no_stretch_of_trials_costs_more_than_the_guard_rail(truths, contexts):
     guard = GuardRail()
-    for seed in range(8):
+    for seed in range(5):
         losses = play(truths, seed, contexts=contexts)
         assert worst_stretch(losses, guard.share) <= guard.slack, seed
 
@@ -193,6 +206,19 @@ def test_bounds_hold_the_frozen_value_and_their_ends():
     assert Bounds(8.0, 4.0, 16.0, 4).values == (4.0, 8.0, 12.0, 16.0)
     assert Bounds(9.0, 4.0, 16.0, 4).values == (4.0, 9.0, 12.0, 16.0)
     assert Bounds(5.0, 5.0, 5.0).values == (5.0,)
+
+
+def test_a_setting_is_expected_to_be_like_its_neighbour_towards_the_frozen_one():
+    both = {"force_limit": Bounds(8.0, 4.0, 16.0, 4), "speed": Bounds(1.0, 1.0, 3.0, 3)}
+    nearer = nearer_settings(both)
+    assert set(nearer) == set(settings(both)) - {frozen_setting(both)}
+    force, speed = "force_limit", "speed"
+    assert nearer[(force, 16.0), (speed, 2.0)] == ((force, 12.0), (speed, 2.0))
+    assert nearer[(force, 4.0), (speed, 3.0)] == ((force, 4.0), (speed, 2.0))
+    learned = LearnedParameters([forced(12.0)] * 30)
+    beliefs = learned.beliefs("InsertCable", {}, FORCE)
+    assert beliefs[((force, 16.0),)].mean > 0.9
+    assert beliefs[((force, 4.0),)].mean == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize("wrong", [(3.0, 4.0, 16.0, 4), (8.0, 4.0, 16.0, 1), (8.0, 4.0, math.inf)])
@@ -242,9 +268,9 @@ def test_calls_that_tell_nothing_of_a_parameter_are_left_out():
     assert {b.mean for b in learned.beliefs("InsertCable", {}, FORCE).values()} == {0.5}
 
 
-def test_numbers_are_read_from_a_record():
-    texts = ("force_limit=8.0", "cable_id=W1", "timeout=60.0", "robot_name=a=b")
-    assert parameters_from(texts) == {"force_limit": 8.0, "timeout": 60.0}
+def test_numbers_are_read_from_an_operation():
+    pairs = (("force_limit", "8.0"), ("cable_id", "W1"), ("timeout", "60.0"))
+    assert numbers_from(pairs) == {"force_limit": 8.0, "timeout": 60.0}
 
 
 def test_a_context_goes_from_the_general_to_the_special():
@@ -283,3 +309,62 @@ def test_records_change_what_is_expected():
 def test_what_says_nothing_of_the_ability_is_left_out():
     learned = LearnedExpectations(STATED, [*calls(50, error_code=4), *calls(9, ability="Sing")])
     assert learned.calls == 0
+
+
+def test_the_command_tells_what_was_learned(monkeypatch, capsys):
+    class Database:
+        def __init__(self, url):
+            self.url = url
+
+        def ability_calls(self):
+            return tuple(TAUGHT)
+
+        def close(self):
+            pass
+
+    monkeypatch.setattr(expectations, "ProductionDatabase", Database)
+    assert expectations.main(["switchgear", "--database", "sqlite://"]) == 0
+    told = capsys.readouterr().out
+    assert re.search(r"InsertCable +2.5 +160 +6.3 s +97.0% ", told)
+    assert re.search(r"InsertCable force_limit 8 +60 +frozen +[0-9]\.[0-9]%", told)
+    assert re.search(r"InsertCable force_limit 12 +60 +9[0-9]\.[0-9]%", told)
+    assert "force_limit 10" not in told
+
+
+def test_what_follows_a_decision_tells_whether_it_helped():
+    decisions = [("jammed", Do.RETRY), ("jammed", Do.NEW_PART), ("slipped", Do.RETRY)]
+    answers = answers_of(decisions, finished=True)
+    assert [answer.helped for answer in answers] == [False, True, True]
+    lasting = answers_of([*decisions, ("slipped", Do.SET_ASIDE)], finished=False)
+    assert [answer.helped for answer in lasting] == [False, True, False]
+    assert answers_of([], finished=True) == ()
+
+
+def test_a_response_that_never_helps_is_passed_over_for_its_fault_only():
+    learned = LearnedResponses([Answer("jammed", Do.RETRY, False)] * 30)
+    possible = {Do.RETRY, Do.NEW_PART, Do.ASK_OPERATOR}
+    assert learned.promising("jammed", possible) == {Do.NEW_PART, Do.ASK_OPERATOR}
+    assert learned.promising("slipped", possible) == possible
+    assert LearnedResponses().promising("jammed", possible) == possible
+
+
+def test_a_response_is_not_given_up_for_a_little_bad_luck():
+    random = Random(1)
+    given_up = 0
+    for _ in range(200):
+        answers = [Answer("jammed", Do.RETRY, random.random() < 0.5) for _ in range(40)]
+        learned = LearnedResponses()
+        for answer in answers:
+            learned.learn(answer)
+            given_up += Do.RETRY not in learned.promising("jammed", {Do.RETRY})
+    assert given_up == 0
+
+
+def test_a_response_that_was_passed_over_gets_another_chance():
+    learned = LearnedResponses([Answer("jammed", Do.RETRY, False)] * 30)
+    waited = 0
+    while Do.RETRY not in learned.promising("jammed", {Do.RETRY}):
+        learned.learn(Answer("jammed", Do.NEW_PART, True))
+        waited += 1
+        assert waited < 300
+    assert waited > 20

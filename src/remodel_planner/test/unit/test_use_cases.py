@@ -149,6 +149,11 @@ def test_a_use_case_is_added_by_a_file_alone(tmp_path, monkeypatch):
     assert actions(decomposer.decompose(rope, cabinet.tasks[0].first)) == ["take"]
 
 
+def learned(ability, frozen, least, most, values):
+    bounds = f"frozen: {frozen}, at_least: {least}, at_most: {most}, values: {values}"
+    return f"learned: {{{ability}: {{force: {{{bounds}}}}}}}"
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -180,6 +185,18 @@ def test_a_use_case_is_added_by_a_file_alone(tmp_path, monkeypatch):
         (
             ("{duration_s: 1, success: 1}", "[{when: {colour: red}, duration_s: 1, success: 1}]"),
             "abilities.PickCable: the last entry must have no `when`",
+        ),
+        (
+            ("actions:", learned("PickCable", 9, 4, 8, 5) + "\nactions:"),
+            "learned.PickCable: bounds must be low <= frozen <= high",
+        ),
+        (
+            ("actions:", learned("Grip", 6, 4, 8, 5) + "\nactions:"),
+            "learned: no ability Grip; there are PickCable",
+        ),
+        (
+            ("actions:", learned("PickCable", 6, 4, 8, 1) + "\nactions:"),
+            "learned.PickCable.force.values: 1 is less than the minimum of 2",
         ),
     ],
 )

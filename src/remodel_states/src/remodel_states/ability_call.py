@@ -42,7 +42,7 @@ from remodel_states.record_keeping import (
     KEEP_LIMIT_S,
     RECORDER_PARAMETER,
     Keeping,
-    keeper_of,
+    keeper,
     recorder,
 )
 
@@ -98,6 +98,7 @@ class AbilityCall:
         self._outcome: str | None = None
         self._record: AbilityRecord | None = None
         self._keeping: Keeping | None = None
+        self._recorder: str | None = None
 
     def start(self, goal: Message) -> None:
         """Fill the goal's id (unless it has one) and timeout, and send it."""
@@ -112,10 +113,12 @@ class AbilityCall:
         self.error_code, self.error_message = ErrorCode.NONE, ""
         self._running = True
         self._started = rospy.Time.now()
-        try:
-            self._client.send_goal(self._topic, goal)
-        except Exception as error:  # noqa: BLE001 - stock's proxy promises no narrower type
-            self._end(COMMAND_ERROR, ErrorCode.SERVER_LOST, f"could not send the goal: {error}")
+        trouble = self._send(goal)
+        if self._recorder is None:
+            # Asked while the ability works, and once: behaviors are built anew for each run.
+            self._recorder = recorder()
+        if trouble:
+            self._end(COMMAND_ERROR, ErrorCode.SERVER_LOST, trouble)
 
     def outcome(self) -> str | None:
         """Return the state's outcome, or None while the ability runs or its record is not kept."""
@@ -146,6 +149,14 @@ class AbilityCall:
         if self.error_code != ErrorCode.NONE:
             userdata.error_code = self.error_code
             userdata.error_message = self.error_message
+
+    def _send(self, goal: Message) -> str:
+        """Send a goal; return why that was not possible, or nothing."""
+        try:
+            self._client.send_goal(self._topic, goal)
+        except Exception as error:  # noqa: BLE001 - stock's proxy promises no narrower type
+            return f"could not send the goal: {error}"
+        return ""
 
     def _look(self) -> None:
         if self._client.has_result(self._topic):
@@ -203,8 +214,8 @@ class AbilityCall:
             self._outcome = COMMAND_ERROR
             self.error_code = ErrorCode.SERVER_LOST
             self.error_message = (
-                f"the record of {self._goal.id} was not kept within {KEEP_LIMIT_S:g} s; asked was "
-                f"{keeping.service}: {keeping.trouble or 'no answer'}. Start it; `rosparam delete "
+                f"the record of {self._goal.id} was not kept within {KEEP_LIMIT_S:g} s by "
+                f"{keeping.recorder}: {keeping.trouble or 'no answer'}. Start it; `rosparam delete "
                 f"{rospy.resolve_name(RECORDER_PARAMETER)}` lets behaviors run unrecorded"
             )
             Logger.logwarn(f"{self._ability} {COMMAND_ERROR}: {self.error_message}")
@@ -216,9 +227,8 @@ class AbilityCall:
     def _close_record(self) -> None:
         """Write the record of a call that has ended, and begin to have it kept if it must be."""
         self._record = self._written_record()
-        service = recorder()
-        if service:
-            self._keeping = keeper_of(service).keep(self._record)
+        if self._recorder:
+            self._keeping = keeper().keep(self._record, self._recorder)
             self._state.set_rate(_KEEPING_RATE_HZ)
 
     def _written_record(self) -> AbilityRecord:

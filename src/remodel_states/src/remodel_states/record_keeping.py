@@ -30,34 +30,31 @@ _RETRY_S = 0.25
 
 
 def recorder() -> str:
-    """Return the name of the recorder's service; empty if records need not be kept.
+    """Ask the master for the recorder's service; empty if records need not be kept.
 
-    The master tells this node of changes; only the first call asks it.
+    It takes a millisecond: rospy's cache does not remember that a parameter is not set.
     """
-    name = rospy.get_param_cached(RECORDER_PARAMETER, "")
-    return name if isinstance(name, str) else ""
+    return str(rospy.get_param(RECORDER_PARAMETER, ""))
 
 
 class Keeping:
     """A record that is to be kept.
 
     Attributes:
+        record: what is to be kept.
+        recorder: name of the service that is asked.
         trouble: why it is not kept so far; empty if nobody has answered.
+        is_settled: whether it is kept, or need not be any more.
     """
 
-    def __init__(self, service: str, record: AbilityRecord) -> None:
+    def __init__(self, record: AbilityRecord, recorder: str) -> None:
         """Begin to wait."""
-        self.service = service
         self.record = record
+        self.recorder = recorder
         self.trouble = ""
+        self.is_settled = False
         self._since = time.monotonic()
-        self._is_kept = False
         self._given_up = threading.Event()
-
-    @property
-    def is_settled(self) -> bool:
-        """Return whether the record is kept, or need not be any more."""
-        return self._is_kept or not recorder()
 
     @property
     def is_overdue(self) -> bool:
@@ -68,60 +65,63 @@ class Keeping:
         """Wait no longer: a record that is not kept is sent once more, whatever comes of it."""
         self._given_up.set()
 
-    def send(self, connection: Connection) -> None:
-        """Send the record until it is kept or given up; for the keeper's thread."""
-        while not self._try(connection) and not self._given_up.is_set():
-            self._given_up.wait(_RETRY_S)
-
-    def _try(self, connection: Connection) -> bool:
-        self.trouble = connection.call(self.record)
-        self._is_kept = not self.trouble
-        return self._is_kept
-
-
-class Connection:
-    """A line to the recorder, made anew when it breaks."""
-
-    def __init__(self, service: str) -> None:
-        """Connect at the first call."""
-        self._service = service
-        self._proxy: rospy.ServiceProxy | None = None
-
-    def call(self, record: AbilityRecord) -> str:
-        """Have a record kept; return why it is not, or nothing."""
-        if self._proxy is None:
-            self._proxy = rospy.ServiceProxy(self._service, KeepRecord, persistent=True)
-        try:
-            response = self._proxy.call(KeepRecordRequest(record))
-        except Exception as error:  # noqa: BLE001 - rospy promises no type; the thread goes on
-            self._proxy.close()
-            self._proxy = None
-            return str(error)
-        return "" if response.success else response.message or "it gave no reason"
+    def wait_for_retry(self) -> bool:
+        """Wait until it is to be sent again; return whether that is the last time."""
+        return self._given_up.wait(_RETRY_S)
 
 
 class RecordKeeper:
-    """The thread that sends records to one recorder."""
+    """The thread that sends records."""
 
-    def __init__(self, service: str) -> None:
+    def __init__(self) -> None:
         """Start the thread; it ends with the process."""
-        self._service = service
+        self._proxy: rospy.ServiceProxy | None = None
+        self._connected_to = ""
         self._queue: queue.SimpleQueue[Keeping] = queue.SimpleQueue()
-        threading.Thread(target=self._work, name=f"keeper of {service}", daemon=True).start()
+        threading.Thread(target=self._work, name="record keeper", daemon=True).start()
 
-    def keep(self, record: AbilityRecord) -> Keeping:
+    def keep(self, record: AbilityRecord, recorder: str) -> Keeping:
         """Begin to have a record kept; return at once."""
-        keeping = Keeping(self._service, record)
+        keeping = Keeping(record, recorder)
         self._queue.put(keeping)
         return keeping
 
     def _work(self) -> None:
-        connection = Connection(self._service)
         while True:
-            self._queue.get().send(connection)
+            keeping = self._queue.get()
+            is_last = False
+            while not self._send(keeping) and not is_last:
+                is_last = keeping.wait_for_retry()
+
+    def _send(self, keeping: Keeping) -> bool:
+        """Return whether a record is settled."""
+        try:
+            if keeping.trouble:  # the recorder may be another one by now, or none
+                keeping.recorder = recorder()
+            keeping.is_settled = not keeping.recorder or self._ask(keeping)
+        except Exception as error:  # noqa: BLE001 - rospy promises no type; the thread goes on
+            keeping.trouble = str(error) or type(error).__name__
+            self._disconnect()
+        return keeping.is_settled
+
+    def _ask(self, keeping: Keeping) -> bool:
+        if self._connected_to != keeping.recorder:
+            self._disconnect()
+        if self._proxy is None:
+            self._proxy = rospy.ServiceProxy(keeping.recorder, KeepRecord, persistent=True)
+            self._connected_to = keeping.recorder
+        response = self._proxy.call(KeepRecordRequest(keeping.record))
+        if not response.success:
+            keeping.trouble = response.message or "it gave no reason"
+        return response.success
+
+    def _disconnect(self) -> None:
+        if self._proxy is not None:
+            self._proxy.close()
+            self._proxy = None
 
 
 @cache
-def keeper_of(service: str) -> RecordKeeper:
-    """Return the process's keeper for a recorder: states of one behavior share a connection."""
-    return RecordKeeper(service)
+def keeper() -> RecordKeeper:
+    """Return the process's keeper: the states of all behaviors share its connection."""
+    return RecordKeeper()

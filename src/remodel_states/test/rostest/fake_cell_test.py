@@ -149,6 +149,24 @@ class FakeCellTest(unittest.TestCase):
         for wrong in ({"kind": "nonesuch"}, {"kind": "slipped", "target": "prayer"}):
             self.assertFalse(call("cell/inject_fault", InjectFault, **wrong).success)
 
+    def test_a_server_misbehaves_as_it_is_told(self):
+        client = self.clients["FixCable"]
+        self.feed("W1")
+        self.ask("InsertCable")
+        call("cell/inject_fault", InjectFault, kind="server_hung")
+        client.send_goal(self.goal("FixCable"))
+        self.assertFalse(client.wait_for_result(rospy.Duration(0.5)))
+        client.cancel_goal()
+        self.assertTrue(client.wait_for_result(rospy.Duration(2.0)))
+        self.assertEqual(client.get_result().error_code, ErrorCode.PREEMPTED)
+        self.assertTrue(call("cell/load_panel", LoadPanel, panel=PANEL).success)
+        self.feed("W1")
+        self.ask("InsertCable")
+        call("cell/inject_fault", InjectFault, kind="result_contradictory")
+        result = self.ask("FixCable")
+        self.assertTrue(result.success)
+        self.assertEqual(result.error_code, ErrorCode.INTERNAL)
+
     def test_no_deed_is_lost_or_done_twice_when_its_server_is_killed(self):
         for number, (wire, end) in enumerate(ENDS):
             if end == "a":

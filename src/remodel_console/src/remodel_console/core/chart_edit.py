@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from flexbe_synthesizer.core import names
+from flexbe_synthesizer.core.error_routes import ROUTES_RULE, parse_routes
 from flexbe_synthesizer.core.literal import parse_literal
 from flexbe_synthesizer.core.model import (
     AnyNode,
@@ -71,7 +72,12 @@ def without_node(scope: Chart, node_id: str) -> Chart:
         c for c in scope.connections if node_id not in (c.output_state_id, c.input_state_id)
     )
     initial = scope.initial if scope.initial != node_id else next((n.id for n in nodes), "")
-    return replace(scope, nodes=nodes, connections=flows, initial=initial)
+    conditions = tuple(
+        replace(c, all_of=tuple(when for when in c.all_of if when.state != node_id))
+        for c in scope.conditions
+    )
+    left = tuple(condition for condition in conditions if condition.all_of)
+    return replace(scope, nodes=nodes, connections=flows, initial=initial, conditions=left)
 
 
 def renamed(scope: Chart, old: str, new: str) -> Chart:
@@ -96,7 +102,8 @@ def renamed(scope: Chart, old: str, new: str) -> Chart:
     nodes: list[AnyNode] = []
     for node in scope.nodes:
         led = tuple(replace(t, target=follow(t.target)) for t in node.transitions)
-        moved = replace(_with_transitions(node, led), id=follow(node.id))
+        routes = tuple(replace(route, target=follow(route.target)) for route in node.on_error)
+        moved = replace(node, transitions=led, on_error=routes, id=follow(node.id))
         if isinstance(moved, Container) and node.id == old:
             moved = replace(moved, body=_with_name(moved.body, new))
         nodes.append(moved)
@@ -106,8 +113,14 @@ def renamed(scope: Chart, old: str, new: str) -> Chart:
         )
         for c in scope.connections
     )
+    conditions = tuple(
+        replace(c, all_of=tuple(replace(when, state=follow(when.state)) for when in c.all_of))
+        for c in scope.conditions
+    )
     initial = follow(scope.initial)
-    return replace(scope, nodes=tuple(nodes), connections=flows, initial=initial)
+    return replace(
+        scope, nodes=tuple(nodes), connections=flows, initial=initial, conditions=conditions
+    )
 
 
 def _with_name(body: Chart, name: str) -> Chart:
@@ -158,6 +171,19 @@ def limited(scope: Chart, node_id: str, attempts: int | None, timeout_s: float |
     return _changed(
         scope, node_id, lambda node: replace(node, attempts=attempts, timeout_s=timeout_s)
     )
+
+
+def routed(scope: Chart, node_id: str, text: str) -> Chart:
+    """Return the scope with a node's failures led by their error codes, as in `ext:on_error`.
+
+    Raises:
+        CommandError: if the text is no such map.
+    """
+    try:
+        routes = parse_routes(text) if text else ()
+    except ValueError as error:
+        raise CommandError(f"'{text}' leads nowhere; it is written {ROUTES_RULE}") from error
+    return _changed(scope, node_id, lambda node: replace(node, on_error=routes))
 
 
 def fed(scope: Chart, node_id: str, input_name: str, source: tuple[str, str] | None) -> Chart:

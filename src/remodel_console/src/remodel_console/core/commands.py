@@ -45,7 +45,7 @@ class Verb(Enum):
         r"statemachine(?:[ (]['\"]?(?P<name>\w*)['\"]?\)?)?",
         "needs a selection on a canvas: refused here",
     )
-    SWITCH = ("switch", r"switch|goforit", "needs a canvas with changes to apply: refused here")
+    SWITCH = ("switch", r"switch|goforit", "is on the page Runtime control: refused here")
 
     def __init__(self, usage: str, pattern: str, help_text: str) -> None:
         """Name the parts of the value."""

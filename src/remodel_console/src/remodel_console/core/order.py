@@ -38,6 +38,27 @@ class Start:
 
 
 @dataclass(frozen=True)
+class Switch:
+    """Go on in another version of the behavior that runs; its active state is locked there.
+
+    Attributes:
+        name: display name, for the record.
+        behavior_id: checksum of `package.module`.
+        source_checksum: checksum of the source of that version.
+        level: autonomy level, which stays.
+    """
+
+    name: str
+    behavior_id: int
+    source_checksum: int
+    level: int
+
+    def __str__(self) -> str:
+        """Return the words for the record."""
+        return f"switch to the saved version of '{self.name}'"
+
+
+@dataclass(frozen=True)
 class Attach:
     """Watch over the behavior that runs, at an autonomy level."""
 
@@ -149,6 +170,7 @@ class ShowStructure:
 
 Order: TypeAlias = (
     Start
+    | Switch
     | Attach
     | SetAutonomy
     | TakeOutcome

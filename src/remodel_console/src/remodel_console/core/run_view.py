@@ -204,9 +204,8 @@ def _on_status(view: RunView, event: Told) -> RunView:
         return view
     words, is_bad = _ending(event)
     if event.code == Status.ERROR and view.phase is Phase.RUNNING:
-        return replace(
-            view, ending=words, is_ending_bad=True
-        )  # a refused switch: what runs goes on
+        words = "goes on in its own version, since the switch was refused; the log says why"
+        return replace(view, ending=words, is_ending_bad=True)
     if event.code == Status.READY:
         words, is_bad = view.ending, view.is_ending_bad
     return RunView(

@@ -82,5 +82,5 @@ def supervisor_notice(world: World) -> Iterator[Notice]:
         yield Notice(
             "The supervisor is away",
             "no order can run, and what one does cannot be seen",
-            "rosrun remodel_planner use_case_supervisor",
+            "roslaunch remodel_planner supervision.launch output:=DIR database:=URL attended:=true",
         )

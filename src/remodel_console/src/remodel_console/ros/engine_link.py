@@ -125,6 +125,11 @@ def _messages(order: orders.Order) -> tuple[tuple[str, Message], ...]:
     match order:
         case orders.Start():
             return ((topics.START, _selection(order)),)
+        case orders.Switch(_, behavior_id, checksum, level):
+            version = BehaviorSelection(
+                behavior_id=behavior_id, behavior_checksum=checksum, autonomy_level=level
+            )
+            return ((topics.START, version),)
         case orders.Attach(level):
             return ((topics.ATTACH, UInt8(level)),)
         case orders.SetAutonomy(level):

@@ -17,6 +17,7 @@ from remodel_console.core import chart_edit
 from remodel_console.core.answer import DONE
 from remodel_console.core.commands import Command, Verb
 from remodel_console.core.editing import Path, change_at, container_at
+from remodel_console.core.folding import folded
 from remodel_console.core.inspection import Inspection
 from remodel_console.core.world import World
 from remodel_console.edge.inspect_chart import inspect_text
@@ -53,6 +54,7 @@ class EditorPage(Page):
         self.inspection = Inspection()
         self.inspected: Chart | None = None
         self.selected: Path = ()
+        self._open_path: Path = ()
         self._text = ""
         self._is_typing = False
         with ui.element("div").classes("editor"):
@@ -134,6 +136,9 @@ class EditorPage(Page):
     def select(self, path: Path) -> None:
         """Select a node, or nothing."""
         self.selected = path
+        is_open = self._open_path[: len(self.scope_path)] == self.scope_path
+        if self.chart is not None and not is_open and folded(self.chart, ()) is not self.chart:
+            background_tasks.create(self._draw(True))
         self._canvas.select("/".join(path))
         self._properties.show()
 
@@ -189,8 +194,9 @@ class EditorPage(Page):
         chart = self.chart
         if chart is None:
             return
+        self._open_path = self.scope_path
         try:
-            svg = await run.io_bound(picture, chart, _ROOM)
+            svg = await run.io_bound(picture, folded(chart, self._open_path), _ROOM)
         except CommandError as error:
             ui.notify(str(error), type="negative")
             return

@@ -8,10 +8,14 @@ from typing import TYPE_CHECKING
 
 from nicegui import ui
 
+from flexbe_synthesizer.core.error_routes import FAILED_EVENT, format_routes
 from flexbe_synthesizer.core.literal import format_literal
-from flexbe_synthesizer.core.model import AnyNode, Chart, Container
+from flexbe_synthesizer.core.model import AnyNode, Chart, Container, ContainerKind
 from remodel_console.core import chart_edit
+from remodel_console.core.concurrency_edit import kind_at
 from remodel_console.core.editing import Path
+from remodel_console.web.container_panel import ContainerPanel
+from remodel_console.web.interface_panel import InterfacePanel
 
 if TYPE_CHECKING:
     from remodel_console.web.editor_page import EditorPage
@@ -27,7 +31,7 @@ class PropertiesPanel:
         """Build an empty panel."""
         self._page = page
         self._area = ui.element("div").classes("properties")
-        self._uses_synthesis: set[Path] = set()
+        self._container = ContainerPanel(page)
         self._shown: object = None
 
     def show(self) -> None:
@@ -54,7 +58,7 @@ class PropertiesPanel:
         if chart.description:
             ui.label(chart.description).classes("soft")
         self._outcomes_entry(chart, ())
-        ui.label("Values that it takes and gives are set in the XML.").classes("soft")
+        self._interface(chart, ())
         ui.label(
             "Click a state in the drawing to set it; choose one on the left to add it."
         ).classes("soft")
@@ -66,16 +70,21 @@ class PropertiesPanel:
         self._name_entry(node, path)
         if isinstance(node, Container):
             ui.label("a container").classes("soft")
-            self._synthesis(node, path)
             self._outcomes_entry(node.body, path)
+            self._container.show(node, path)
+            self._interface(node.body, path)
         else:
             ui.label(node.type).classes("soft")
         self._parameters(node, path)
         self._limits(node, path)
-        self._transitions(node, scope, path)
+        is_beside = self._is_in_concurrency(path)
+        if is_beside:
+            ui.label("What its outcomes mean stands in the container around it.").classes("soft")
+        else:
+            self._transitions(node, scope, path)
         self._inputs(node, scope, path)
         with ui.row():
-            if scope.initial != node.id:
+            if scope.initial != node.id and not is_beside:
                 start = partial(chart_edit.started_at, node_id=node.id)
                 deed = partial(self._change, f"start at '{node.id}'", path[:-1], start)
                 self._page.button("Start here", deed, icon="flag", look="quiet")
@@ -88,42 +97,6 @@ class PropertiesPanel:
                 self._page.select((*path[:-1], text))
 
         self._entry("Name", node.id, rename)
-
-    def _synthesis(self, node: Container, path: Path) -> None:
-        """Show what fills a container from a chart (Deliverable 5.1, 4.1)."""
-        settings = self._page.console.settings.now
-        if not settings.is_synthesis_enabled:
-            return
-        is_served = bool(settings.synthesis_topic)  # a server may know charts that lie elsewhere
-        with ui.element("div").classes("card synthesis"):
-            box = ui.checkbox("Use synthesis", value=path in self._uses_synthesis)
-            with ui.element("div").classes("wide fields").bind_visibility_from(box, "value"):
-                initial = ui.input("Initial conditions", placeholder="start")
-                initial.props("outlined dense stack-label").classes("wide")
-                goal = ui.select(
-                    list(self._page.console.workspace.files()),
-                    label="Goal: a chart",
-                    with_input=True,
-                    new_value_mode="add-unique" if is_served else None,
-                )
-                goal.props("outlined dense").classes("wide")
-
-                async def synthesize() -> None:
-                    text = (initial.value or "").strip()
-                    if not goal.value:
-                        ui.notify(
-                            "Choose the chart that the container is made from.", type="warning"
-                        )
-                        return
-                    await self._page.synthesize(path, text, str(goal.value))
-
-                self._page.button("Synthesize", synthesize, icon="auto_awesome")
-
-            def remember() -> None:
-                deed = self._uses_synthesis.add if box.value else self._uses_synthesis.discard
-                deed(path)
-
-            box.on_value_change(remember)
 
     def _outcomes_entry(self, scope: Chart, path: Path) -> None:
         """Show the outcomes of a chart or container as a list that can be changed."""
@@ -172,6 +145,23 @@ class PropertiesPanel:
             self._entry("Attempts at most", attempts, lambda text: put(text, timeout), "no limit")
             self._entry("Timeout [s]", timeout, lambda text: put(attempts, text), "no limit")
 
+    def _is_in_concurrency(self, path: Path) -> bool:
+        chart = self._page.chart
+        return chart is not None and kind_at(chart, path[:-1]) is ContainerKind.CONCURRENCY
+
+    def _interface(self, scope: Chart, path: Path) -> None:
+        InterfacePanel(scope, path, self._change, is_operator=self._page.is_operator)
+
+    def _error_routes(self, node: AnyNode, path: Path) -> None:
+        """Show where failures lead by their error codes; for all others the transition says so."""
+
+        async def put(text: str) -> None:
+            change = partial(chart_edit.routed, node_id=node.id, text=text)
+            await self._change(f"{node.id}: on error {text or 'as failed'}", path[:-1], change)
+
+        hint = "100-199: Look again; 305: failed"
+        self._entry("Failures by error code", format_routes(node.on_error), put, hint)
+
     def _transitions(self, node: AnyNode, scope: Chart, path: Path) -> None:
         events = self._page.inspection.events("/".join(path), node)
         if not events:
@@ -188,6 +178,8 @@ class PropertiesPanel:
                 await self._change(f"{node.id}: '{event}' leads to '{target}'", path[:-1], change)
 
             self._choice(event, known, target, put)
+        if node.on_error or FAILED_EVENT in events:
+            self._error_routes(node, path)
 
     def _inputs(self, node: AnyNode, scope: Chart, path: Path) -> None:
         entry = self._page.inspection.uses.get("/".join(path))

@@ -6,9 +6,12 @@ from functools import partial
 
 from nicegui import background_tasks, run, ui
 
+from flexbe_synthesizer.core.model import Chart
 from remodel_console.core.answer import DONE
 from remodel_console.core.commands import Command, Verb
 from remodel_console.core.drawing import drawn_path, drawn_paths
+from remodel_console.core.editing import Path
+from remodel_console.core.folding import folded
 from remodel_console.core.order import (
     LEVELS,
     UNATTENDED,
@@ -20,6 +23,7 @@ from remodel_console.core.order import (
     Repeat,
     Resume,
     SetAutonomy,
+    Switch,
     TakeOutcome,
 )
 from remodel_console.core.run_view import Asked, Phase, RunView
@@ -51,9 +55,14 @@ class RuntimePage(Page):
         """Build the drawing, the panel beside it, and the log below."""
         self._drawn: frozenset[str] = frozenset()
         self._drawn_name: str | None = None
+        self._chart: Chart | None = None
+        self._paths: frozenset[str] = frozenset()
+        self._open: Path = ()
         self._passed: frozenset[str] = frozenset()
         self._passed_of: tuple[frozenset[str], frozenset[str]] = (frozenset(), frozenset())
         self._shown: object = None
+        self._newer: Switch | None = None
+        self._newer_for: object = None
         self._line_count = 0
         self._outcomes: ui.element | None = None
         self._outcomes_of = ""
@@ -82,10 +91,19 @@ class RuntimePage(Page):
             background_tasks.create(self._draw(loaded))
         running = self.console.running_name() if world.run.phase is Phase.RUNNING else ""
         self._light(world.run, running)
-        shown = (world.has_master, _without_path(world.run), running, loaded)
+        self._look_for_newer_version(world.run)
+        shown = (world.has_master, _without_path(world.run), running, loaded, self._newer)
         if shown != self._shown:
             self._shown = shown
             self._show_panel(world, running, loaded)
+
+    def _look_for_newer_version(self, view: RunView) -> None:
+        """Look whether what runs has been saved anew; only when that can have changed."""
+        session = self.console.session
+        cause = (view.behavior_id, view.is_supervised, session.chart, session.is_saved)
+        if cause != self._newer_for:
+            self._newer_for = cause
+            self._newer = self.console.newer_version()
 
     def press(self, key: str, *, ctrl: bool) -> None:
         """Do what a key means on this page."""
@@ -111,15 +129,36 @@ class RuntimePage(Page):
             return
         try:
             chart = await run.io_bound(self.console.chart_to_watch, name)
-            svg = await run.io_bound(picture, chart, _ROOM)
+            if name == self._drawn_name:
+                self._chart, self._paths = chart, drawn_paths(chart)
+                await self._unfold()
         except CommandError as error:
             self._empty.text = str(error)
             self._empty.set_visibility(True)
+
+    async def _unfold(self) -> None:
+        """Draw the chart, and if it is large, only the containers open in which something runs."""
+        chart, path = self._chart, self._active_container()
+        if chart is None:
             return
-        if name == self._drawn_name:
-            self._drawn = drawn_paths(chart)
+        self._open = path
+        part = folded(chart, path)
+        svg = await run.io_bound(picture, part, _ROOM)
+        if (chart, path) == (self._chart, self._open):
+            self._drawn = drawn_paths(part)
             self._canvas.draw(svg)
             self._show()
+
+    def _active_container(self) -> Path:
+        """Return the container that the active state lies in."""
+        active = drawn_path(self.console.live.world.run.active, self._paths)
+        return tuple(active.split("/"))[:-1]
+
+    async def _follow(self) -> None:
+        """Open the container that has become active, if the drawing is folded."""
+        is_folded = self._chart is not None and self._drawn != self._paths
+        if is_folded and self._active_container() not in ((), self._open):
+            await self._unfold()
 
     def _light(self, view: RunView, running: str) -> None:
         """Light what is active; nothing if another behavior is drawn than the one that runs."""
@@ -166,6 +205,9 @@ class RuntimePage(Page):
         if view.asked is not None:
             self._show_request(view)
         if view.is_supervised:
+            if view.ending:
+                ui.label(f"The behavior {view.ending}.").classes("ending bad")
+            self._show_newer_version()
             self._show_controls(view)
         else:
             self._show_attach(running, loaded)
@@ -188,6 +230,15 @@ class RuntimePage(Page):
                 partial(self._order, confirmation),
                 icon="check",
             ).classes("confirm").props("autofocus")
+
+    def _show_newer_version(self) -> None:
+        """Offer the version that has been saved while this one runs."""
+        if self._newer is None:
+            return
+        with ui.element("div").classes("card attach"):
+            ui.label(f"Another version of '{self._newer.name}' is saved.").classes("question")
+            ui.label("The active state goes on in it, locked until you unlock it.").classes("soft")
+            self._control("Switch to it", self._newer, "swap_horiz")
 
     def _show_attach(self, running: str, loaded: str) -> None:
         """Show how to attach, or what to load first."""
@@ -239,12 +290,13 @@ class RuntimePage(Page):
             for path in self.console.live.world.run.holdable():
                 ui.menu_item(_breadcrumb(path), partial(self._order, Hold(path)))
 
-    def _show_what_changes_fast(self) -> None:
+    async def _show_what_changes_fast(self) -> None:
         """Show what follows each state; not faster than it can be read."""
         view = self.console.live.world.run
         self._where.text = _breadcrumb(view.active)
         self._count.text = _count_words(view)
         self._show_outcomes()
+        await self._follow()
 
     def _show_outcomes(self) -> None:
         """Show the outcomes of the active state."""

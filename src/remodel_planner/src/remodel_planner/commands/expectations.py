@@ -7,11 +7,9 @@ import sys
 from collections import Counter
 
 from remodel_planner.commands.database_option import add_database_option
-from remodel_planner.core.learning.learned_expectations import (
-    TELL_NOTHING,
-    Call,
-    LearnedExpectations,
-)
+from remodel_planner.core.learning.bounds import frozen_setting
+from remodel_planner.core.learning.learned_expectations import Call, LearnedExpectations
+from remodel_planner.core.learning.learned_parameters import LearnedParameters, setting_of
 from remodel_planner.core.use_case.model import UseCase
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.use_case_files import find_use_case
@@ -23,7 +21,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="expectations",
         description="Say how long abilities are expected to take and how often to succeed, as the "
-        "use case states it and as recorded runs have taught, with 90 % of the belief.",
+        "use case states it and as recorded runs have taught, and with which parameters; with 90 % "
+        "of the belief.",
         epilog="Exit code: 0 told, 1 no such use case or database, 2 wrong usage.",
     )
     parser.add_argument("use_case", metavar="USE_CASE", help="such as switchgear")
@@ -40,12 +39,14 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"expectations: {error}", file=sys.stderr)
         return 1
     _tell(use_case, calls)
+    for ability in use_case.learned:
+        _tell_settings(use_case, ability, calls)
     return 0
 
 
 def _tell(use_case: UseCase, calls: tuple[Call, ...]) -> None:
     learned = LearnedExpectations(use_case.expectations, calls)
-    telling = [call for call in calls if call.error_code not in TELL_NOTHING]
+    telling = [call for call in calls if call.tells]
     counts = Counter((call.ability, call.features["section_mm2"]) for call in telling)
     print(f"{'ability':<24}{'mm2':>5}{'calls':>7}   {'stated':<16}learned")
     for ability in use_case.expectations.stated:
@@ -60,6 +61,21 @@ def _tell(use_case: UseCase, calls: tuple[Call, ...]) -> None:
                 f"{stated.duration_s:>5.1f} s {stated.success:>6.1%}  "
                 f"{expected.duration_s:>5.1f} s {expected.success:>6.1%}  ({low:.0%} to {high:.0%})"
             )
+
+
+def _tell_settings(use_case: UseCase, ability: str, calls: tuple[Call, ...]) -> None:
+    """Print what is believed about the settings that were tried of an ability's parameters."""
+    bounds = use_case.learned[ability]
+    tried = Counter(setting_of(bounds, call) for call in calls if call.ability == ability)
+    beliefs = LearnedParameters(calls).beliefs(ability, {}, bounds)
+    for setting in filter(tried.__contains__, beliefs):
+        text = ", ".join(f"{name} {value:g}" for name, value in setting)
+        frozen = "frozen" if setting == frozen_setting(bounds) else ""
+        low, high = beliefs[setting].interval()
+        print(
+            f"{ability + ' ' + text:<29}{tried[setting]:>7}   {frozen:<16}"
+            f"{'':>7} {beliefs[setting].mean:>6.1%}  ({low:.0%} to {high:.0%})"
+        )
 
 
 def _default_section(use_case: UseCase) -> float:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import re
 from pathlib import Path
 
 from flexbe_synthesizer.core.codec import parse_chart
@@ -13,11 +12,9 @@ from remodel_planner.core.production import Wire
 from remodel_planner.core.run import Operation
 from remodel_planner.core.run_report import Drawing, Picture, WireStory
 from remodel_planner.core.supervision.attempts import Attempt
+from remodel_planner.core.supervision.picture_name import seen_by
 from remodel_planner.core.trace import Trace, trace
 from remodel_planner.edge.nested_charts import nested_charts
-
-# As ros/pictures.py names them.
-_PICTURE = re.compile(r".*_(?P<stamp>[\d.]+)_(?P<camera>[a-z]+)\.jpg")
 
 
 class Storyteller:
@@ -46,12 +43,10 @@ class Storyteller:
         return tuple(Picture("The cell at the end", self._uri(name)) for name in last)
 
     def _picture(self, name: str, operations: tuple[Operation, ...]) -> Picture:
-        found = _PICTURE.fullmatch(name)
-        if found is None or found["camera"] == "scene":
+        camera, stamp_s = seen_by(name)
+        if camera == "scene":
             return Picture("The panel afterwards", self._uri(name))
-        return Picture(
-            _caption(float(found["stamp"]), found["camera"], operations), self._uri(name)
-        )
+        return Picture(_caption(stamp_s, camera, operations), self._uri(name))
 
     def _uri(self, name: str) -> str:
         jpeg = (self._pictures / name).read_bytes()

@@ -9,12 +9,15 @@ from pathlib import Path
 import rospy
 
 from remodel_planner.commands.database_option import add_database_option
+from remodel_planner.core.cell_order import USE_CASE
 from remodel_planner.edge.fault_file import read_faults
 from remodel_planner.edge.production_database import ProductionDatabase
+from remodel_planner.edge.use_case_files import find_use_case
 from remodel_planner.errors import PlannerError
 from remodel_planner.ros.behavior_synthesizer import BehaviorSynthesizer
 from remodel_planner.ros.cell import Cell
 from remodel_planner.ros.inspection import Inspection
+from remodel_planner.ros.record_server import RecordServer
 from remodel_planner.ros.run_server import RunServer
 from remodel_planner.ros.task_supervisor import TaskSupervisor
 from remodel_planner.ros.use_case_supervisor import Peers
@@ -31,6 +34,12 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--cell", default="cell", help="name of this cell (default cell)")
     parser.add_argument(
         "--output", type=Path, default=Path("out/run"), help="folder of charts/ and runs/"
+    )
+    parser.add_argument(
+        "--use-case",
+        default=USE_CASE,
+        metavar="NAME",
+        help=f"by which orders are done (default {USE_CASE}: that of the simulated cell)",
     )
     parser.add_argument(
         "--unattended", action="store_true", help="nobody is there who could answer a question"
@@ -60,6 +69,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         database = ProductionDatabase(options.database)
         faults = read_faults()
+        find_use_case(options.use_case)
     except PlannerError as error:
         print(f"use_case_supervisor: {error}", file=sys.stderr)
         return 2
@@ -70,14 +80,18 @@ def main(arguments: list[str] | None = None) -> int:
         faults,
         options.cell,
         output / "charts",
+        options.use_case,
         not options.unattended,
         options.patience,
         options.lease,
         options.search,
     )
     peers = Peers(Cell(), BehaviorSynthesizer(), TaskSupervisor(), Inspection())
-    server = RunServer(database, maker, peers, options.cell, output / "runs")
+    servers = (
+        RecordServer(database, output / "runs"),
+        RunServer(database, maker, peers, options.cell, output / "runs"),
+    )
     rospy.spin()
-    del server
+    del servers
     database.close()
     return 0

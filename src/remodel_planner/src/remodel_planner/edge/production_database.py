@@ -91,6 +91,11 @@ class ProductionDatabase:
         with self.reading() as session:
             return order_of_row(session, order_row(session, name))
 
+    def order_names(self) -> tuple[str, ...]:
+        """Return the names of all orders, in the order in which they were stored."""
+        with self.reading() as session:
+            return tuple(session.scalars(select(OrderRow.name).order_by(OrderRow.id)))
+
     def preferences(self, name: str) -> object:
         """Return the document of an order's preferences, None if it has none.
 

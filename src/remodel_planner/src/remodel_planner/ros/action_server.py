@@ -59,6 +59,35 @@ class ActionServer:
                 )
             time.sleep(_LOOK_S)
 
+    def ended(
+        self,
+        goal: Message,
+        limit_s: float,
+        on_feedback: Callable[[Message], None] | None = None,
+    ) -> Goal:
+        """Send a goal, and return it when it has ended.
+
+        Args:
+            goal: to send.
+            limit_s: [s] wall time that it gets.
+            on_feedback: called with each feedback.
+
+        Raises:
+            LostError: if the server is not there, goes away meanwhile, or takes longer; the goal
+                is cancelled.
+        """
+        self.wait(limit_s)
+        sent = self.send(goal, on_feedback)
+        end = time.monotonic() + limit_s
+        while not sent.wait(_LOOK_S):
+            if not self.is_there or time.monotonic() > end:
+                sent.cancel()
+                what = "has gone" if not self.is_there else f"took more than {limit_s:.0f} s"
+                raise LostError(f"action {rospy.resolve_name(self._name)}: {self._node} {what}")
+        if sent.lost:
+            raise LostError(f"action {rospy.resolve_name(self._name)}: the goal is forgotten")
+        return sent
+
     def cancel_all(self) -> None:
         """Ask the server to stop all goals, whoever sent them."""
         self._client.cancel_all_goals()

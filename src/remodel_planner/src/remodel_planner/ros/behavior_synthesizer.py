@@ -10,7 +10,7 @@ from flexbe_msgs.msg import (
     SynthesisRequest,
 )
 
-from remodel_planner.errors import CellError, LostError
+from remodel_planner.errors import CellError
 from remodel_planner.ros.action_server import ActionServer
 
 ACTION = "flexbe/synthesize"
@@ -47,12 +47,7 @@ class BehaviorSynthesizer:
             said.append(feedback.status)
 
         request = SynthesisRequest(name=f"/{behavior}", goal=chart_file)
-        goal = self._server.send(BehaviorSynthesisGoal(request=request), on_feedback)
-        if not goal.wait(LIMIT_S):
-            goal.cancel()
-            raise LostError(f"synthesis of {chart_file} took more than {LIMIT_S:.0f} s")
-        if goal.lost:
-            raise LostError(f"synthesis of {chart_file}: the synthesizer has forgotten it")
+        goal = self._server.ended(BehaviorSynthesisGoal(request=request), LIMIT_S, on_feedback)
         result = goal.result
         if result is None or result.error_code.value != SynthesisErrorCodes.SUCCESS:
             reason = said[-1] if said else goal.ending

@@ -6,7 +6,6 @@ import uuid
 
 from remodel_msgs.msg import CheckConnectionAction, CheckConnectionGoal
 
-from remodel_planner.errors import LostError
 from remodel_planner.ros.action_server import ActionServer
 
 ACTION = "remodel_abilities/checkconnection"
@@ -37,7 +36,7 @@ class Inspection:
 
     def __init__(self) -> None:
         """Connect when the ability is there."""
-        self._server = ActionServer(ACTION, CheckConnectionAction, "the cell")
+        self._server = ActionServer(ACTION, CheckConnectionAction, "the cell (remodel_sim cell)")
 
     def wait(self, limit_s: float) -> None:
         """Wait for the ability, up to a limit of wall time [s]; LostError if it does not come."""
@@ -58,10 +57,7 @@ class Inspection:
             terminal_id=terminal,
             timeout=_TIMEOUT_S,
         )
-        sent = self._server.send(goal)
-        if not sent.wait(_LIMIT_S) or sent.lost:
-            sent.cancel()
-            raise LostError(f"the look whether {wire} sits in {component}:{terminal} has no end")
+        sent = self._server.ended(goal, _LIMIT_S)
         result = sent.result
         if result is None or not result.success:
             code = result.error_code if result else _INTERNAL

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 from sensor_msgs.msg import Image
 
+from remodel_planner.core.supervision.picture_name import picture_name
 from remodel_planner.ros.task_supervisor import Sight
 
 _JPEG_QUALITY = 85
@@ -24,7 +25,7 @@ def keep_pictures(folder: Path, label: str, sights: tuple[Sight, ...]) -> tuple[
     folder.mkdir(parents=True, exist_ok=True)
     names = []
     for sight in sights:
-        name = f"{label}_{sight.stamp_s:.3f}_{sight.camera}.jpg"
+        name = picture_name(label, sight.stamp_s, sight.camera)
         (folder / name).write_bytes(jpeg(sight.image))
         names.append(name)
     return tuple(names)

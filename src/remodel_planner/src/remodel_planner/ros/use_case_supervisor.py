@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -36,7 +37,7 @@ from remodel_planner.core.supervision.events import (
 )
 from remodel_planner.core.supervision.judge import failure_of, judged
 from remodel_planner.core.supervision.question import question_about
-from remodel_planner.core.supervision.state import RunState, Stage
+from remodel_planner.core.supervision.state import RunState, Stage, TaskProgress
 from remodel_planner.core.supervision.step import (
     Ask,
     Decide,
@@ -64,6 +65,12 @@ from remodel_planner.ros.task_supervisor import Sight, TaskSupervisor
 
 # [s] of wall time between two looks at what is waited for.
 _LOOK_S = 0.2
+
+# remodel_msgs/ErrorCode SERVER_LOST; [s] of wall time that such a server gets to come back before
+# the next try counts, longer than it takes to start anew; and between two looks.
+_SERVER_LOST = 4
+_SERVER_PATIENCE_S = 20.0
+_SERVER_LOOK_S = 0.02
 
 # A cell's answer to a claim -> how the other cell has left the task.
 _AS_LEFT = {
@@ -160,10 +167,11 @@ class UseCaseSupervisor:
         self._lock = threading.RLock()
         self._changed = threading.Event()
         self._lost_lease = False
-        self._loaded = False
         self._begun_s = 0.0
         # A run whose order of tasks is decided was taken up by a supervisor before.
         self._began_before = not state.to_plan
+        self._loaded = False
+        self._keep_panel = work.keep_panel or self._began_before
 
     @property
     def doing_now(self) -> Doing | None:
@@ -255,6 +263,7 @@ class UseCaseSupervisor:
         if not self._has(name):
             return
         task = self.state.tasks[name]
+        self._await_server(task)
         chart = self.work.planner.chart(name, part, task.connected, task.decisions)
         with self._renewed(name):
             self._synthesize(chart)
@@ -262,6 +271,20 @@ class UseCaseSupervisor:
             if part is Part.WHOLE:
                 self._peers.cell.feed(name, self.work.channels.get(name, ""))
             self._run(name, part, chart)
+
+    def _await_server(self, task: TaskProgress) -> None:
+        """Give the ability server that a task has lost a while to come back before the next try."""
+        last = task.decisions[-1] if task.decisions else None
+        if last is None or last.code != _SERVER_LOST or not last.ability:
+            return
+        self._say_doing(f"{task.name}: waiting for the server of {last.ability}")
+        end = time.monotonic() + min(self.work.patience_s, _SERVER_PATIENCE_S)
+        abilities = self._peers.tasks.abilities
+        while not abilities.is_there(last.ability) and time.monotonic() < end:
+            if self.state.stop or rospy.is_shutdown():
+                return
+            self._changed.clear()
+            self._changed.wait(_SERVER_LOOK_S)
 
     def _run(self, name: str, part: Part, chart: Chart) -> None:
         """Run a behavior of a task, and keep what it does."""
@@ -390,9 +413,8 @@ class UseCaseSupervisor:
 
     def _load_panel(self) -> None:
         if self.work.panel is not None and not self._loaded:
-            begun = any(task.attempts for task in self.state.tasks.values())
-            self._peers.cell.load(self.work.panel, keep=self.work.keep_panel or begun)
-        self._loaded = True
+            self._peers.cell.load(self.work.panel, keep=self._keep_panel)
+        self._loaded = self._keep_panel = True
 
     def _recover(self, because: str) -> None:
         """Wait for what was lost, and stop what runs; what it was doing is in doubt."""

@@ -6,16 +6,24 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from remodel_msgs.msg import Panel
+
+from remodel_planner.core.board.board import board_of
+from remodel_planner.core.board_order import board_order
 from remodel_planner.core.cell_order import USE_CASE, cell_order
 from remodel_planner.core.learning.learned_expectations import LearnedExpectations
 from remodel_planner.core.panel_layout import PanelRules, lay_out
+from remodel_planner.core.production import Order
 from remodel_planner.core.recovery.fault import FaultTable
+from remodel_planner.core.use_case.model import UseCase
+from remodel_planner.core.use_case.work_order import WorkOrder
 from remodel_planner.edge.catalogue_file import read_catalogue
 from remodel_planner.edge.package_files import catalogue_file
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.task_leases import TaskLeases
 from remodel_planner.edge.use_case_files import find_use_case
 from remodel_planner.edge.work_planner import WorkPlanner
+from remodel_planner.ros.board_message import MAGAZINE, board_message
 from remodel_planner.ros.panel_message import panel_message
 from remodel_planner.ros.use_case_supervisor import Work
 
@@ -29,6 +37,7 @@ class WorkMaker:
         faults: that there are.
         cell: name of the cell.
         charts: folder of the task charts; one that the synthesizer may read.
+        use_case: name of the use case by which orders are done.
         attended: whether there is an operator who can be asked.
         patience_s: [s] wall time that a lost process gets to come back.
         lease_s: [s] wall time for which a task is taken.
@@ -40,6 +49,7 @@ class WorkMaker:
     faults: FaultTable
     cell: str
     charts: Path
+    use_case: str
     attended: bool
     patience_s: float
     lease_s: float
@@ -57,33 +67,44 @@ class WorkMaker:
         Raises:
             PlannerError: if there is no such order, or the cell cannot do it.
         """
-        order = self.database.order(name).in_cabinet()
-        order = order.first(tasks or len(order.wires))
-        rules = PanelRules()
-        layout = lay_out(order, read_catalogue(catalogue_file()), rules)
-        use_case = find_use_case(USE_CASE)
+        stored = self.database.order(name).in_cabinet()
+        stored = stored.first(tasks or len(stored.wires))
+        use_case = find_use_case(self.use_case)
         use_case.recovery.require_known(self.faults)
+        order, panel, channels = _in_cell(stored, use_case)
         learned = LearnedExpectations(use_case.expectations, self.database.ability_calls())
         leases = TaskLeases(self.database, name, self.cell, self.lease_s)
         self.descriptions = {
             wire.name: f"{wire.a} to {wire.b}, {wire.colour}, {wire.section_mm2:g} mm2"
-            for wire in order.wires
+            for wire in stored.wires
         }
         return Work(
             planner=WorkPlanner(
-                cell_order(layout),
+                order,
                 use_case,
                 learned,
                 self.search_s,
                 escalated=self.faults.codes_above_behaviors,
             ),
             faults=self.faults,
-            panel=panel_message(layout, rules),
+            panel=panel,
             keep_panel=leases.any_begun(),
-            channels={cut.wire.name: cut.channel for cut in layout.wires},
+            channels=channels,
             leases=leases,
             charts=self.charts,
             attended=self.attended,
             patience_s=self.patience_s,
             timeout_s=timeout_s,
         )
+
+
+def _in_cell(stored: Order, use_case: UseCase) -> tuple[WorkOrder, Panel, dict[str, str]]:
+    """Return an order's tasks, the panel that the cell builds, and where each part is presented."""
+    if use_case.name == USE_CASE:
+        rules = PanelRules()
+        layout = lay_out(stored, read_catalogue(catalogue_file()), rules)
+        channels = {cut.wire.name: cut.channel for cut in layout.wires}
+        return cell_order(layout), panel_message(layout, rules), channels
+    board = board_of(stored)
+    order = board_order(board, use_case, arms=1)
+    return order, board_message(order), {task.name: MAGAZINE for task in order.tasks}

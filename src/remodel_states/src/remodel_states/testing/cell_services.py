@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
-from threading import Event
 from typing import Any
 
 import rospy
@@ -84,12 +84,12 @@ class CellServices:
         site = self._site
         number = sum(entry.deed is Deed.FEED for entry in site.file.ledger())
         course = Course.drawn(site.random("feed", number), site.duration_s)
-        Event().wait(course.effect_s)
+        time.sleep(course.effect_s)
         with site.file.change() as draft:
             draft.world = draft.world.feed(site.cell, wire, channel)
             draft.faults = when_fed(draft.faults, wire)
             draft.entries.append(Entry(Deed.FEED, site.cell, wire, terminal=channel))
-        Event().wait(course.end_s - course.effect_s)
+        time.sleep(course.end_s - course.effect_s)
 
     def _ground_truth(self, _: srv.GetGroundTruthRequest) -> srv.GetGroundTruthResponse:
         world = self._site.file.read().world

@@ -233,23 +233,6 @@ def _place_pin(world: World, _: str, __: Any) -> Effect:  # noqa: ANN401
     return Effect(world, "pin placed")
 
 
-OPERATIONS: Mapping[str, Operation] = MappingProxyType(
-    {
-        "CheckConnection": Operation(_check_connection, _look_at_connection),
-        "DetectCable": Operation(lambda *asked: _check_live(*asked), _detect),
-        "ExtractCable": Operation(_check_extract, _extract),
-        "FixCable": Operation(_check_fix, _fix),
-        "InsertCable": Operation(_check_insert, _insert),
-        "LocateGearboxComponent": Operation(_check_locate, _locate),
-        "PickCable": Operation(_check_pick, _pick),
-        "PlaceCable": Operation(_check_carry, _place),
-        "PlaceConnector": Operation(_check_connector, _mate),
-        "PlacePin": Operation(_check_pin, _place_pin),
-        "RouteWire": Operation(_check_carry, _route),
-    }
-)
-
-
 # --- what they share
 
 
@@ -324,3 +307,22 @@ def _disengaged(world: World, cell: str) -> World:
 
 def _let_go(world: World, cell: str) -> World:
     return world.with_hand(cell, held="")
+
+
+# --- all of them
+
+OPERATIONS: Mapping[str, Operation] = MappingProxyType(
+    {
+        "CheckConnection": Operation(_check_connection, _look_at_connection),
+        "DetectCable": Operation(_check_live, _detect),
+        "ExtractCable": Operation(_check_extract, _extract),
+        "FixCable": Operation(_check_fix, _fix),
+        "InsertCable": Operation(_check_insert, _insert),
+        "LocateGearboxComponent": Operation(_check_locate, _locate),
+        "PickCable": Operation(_check_pick, _pick),
+        "PlaceCable": Operation(_check_carry, _place),
+        "PlaceConnector": Operation(_check_connector, _mate),
+        "PlacePin": Operation(_check_pin, _place_pin),
+        "RouteWire": Operation(_check_carry, _route),
+    }
+)

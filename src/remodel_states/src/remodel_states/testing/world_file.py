@@ -10,7 +10,7 @@ import sqlite3
 import time
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -54,9 +54,10 @@ class WorldFile:
     def __init__(self, path: Path | str) -> None:
         """Make the file, unless it is there."""
         self._path = str(path)
-        with closing(self._connect()) as connection:
-            connection.execute("PRAGMA journal_mode = WAL")
-            connection.executescript(_TABLES)
+        # Never closed: with the last connection SQLite clears its log, at the cost of five changes.
+        self._anchor = self._connect()
+        self._anchor.execute("PRAGMA journal_mode = WAL")
+        self._anchor.executescript(_TABLES)
 
     @contextmanager
     def change(self) -> Iterator[Draft]:
@@ -103,7 +104,7 @@ def _write(connection: sqlite3.Connection, before: Draft, after: Draft) -> None:
     if after.world.panel is not before.world.panel:
         _keep(connection, "panel", asdict(after.world.panel))
     if after.world is not before.world:
-        _keep(connection, "world", asdict(replace(after.world, panel=None)))
+        _keep(connection, "world", _without_panel(after.world))
     if after.faults != before.faults:
         _keep(connection, "faults", [_row(fault) for fault in after.faults])
     if after.goals != before.goals:
@@ -134,12 +135,20 @@ def _panel(text: str) -> Panel:
     )
 
 
+def _without_panel(world: World) -> dict[str, Any]:
+    return {
+        "fed": world.fed,
+        "seats": {end: (seat.terminal, seat.fixed) for end, seat in world.seats.items()},
+        "hands": {cell: (hand.live, hand.held) for cell, hand in world.hands.items()},
+    }
+
+
 def _world(panel: Panel, world: dict[str, Any]) -> World:
     return World(
         panel,
         tuple(world["fed"]),
-        {end: Seat(**seat) for end, seat in world["seats"].items()},
-        {cell: Hand(**hand) for cell, hand in world["hands"].items()},
+        {end: Seat(*seat) for end, seat in world["seats"].items()},
+        {cell: Hand(*hand) for cell, hand in world["hands"].items()},
     )
 
 

@@ -65,6 +65,7 @@ export default {
       this.marked = new Map();
       this.select(this.selected || "");
       this.lightUp(this.active, [...this.passed], true, this.asked);
+      if (this.active) this.reveal(this.active);
     },
     light(active, passed, isNewRun, asked) {
       this.lightUp(active, passed, isNewRun, asked);

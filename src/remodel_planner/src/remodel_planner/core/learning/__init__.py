@@ -8,6 +8,7 @@
     bounds.py                which values of a parameter are safe
     parameter_choice.py      which setting of parameters to try next, within a guard rail
     learned_parameters.py    the same for all abilities, from recorded calls
+    learned_responses.py     which responses to a fault are worth trying
 
 All models are folds over records in their order: the same records give the same model.
 """

@@ -57,6 +57,31 @@ def frozen_setting(bounds: Mapping[str, Bounds]) -> Setting:
     return tuple((name, bounds[name].frozen) for name in sorted(bounds))
 
 
+def nearer_settings(bounds: Mapping[str, Bounds]) -> dict[Setting, Setting]:
+    """Return, of each setting but the frozen one, its neighbour on the way to the frozen one.
+
+    The parameter that is the most steps away goes one step back.
+    """
+    return {
+        setting: _nearer(setting, bounds)
+        for setting in settings(bounds)
+        if setting != frozen_setting(bounds)
+    }
+
+
+def _nearer(setting: Setting, bounds: Mapping[str, Bounds]) -> Setting:
+    steps = {name: _steps(bounds[name], value) for name, value in setting}
+    furthest = max(steps, key=lambda name: abs(steps[name]))
+    values = bounds[furthest].values
+    back = values.index(dict(setting)[furthest]) - (1 if steps[furthest] > 0 else -1)
+    return tuple((name, values[back] if name == furthest else value) for name, value in setting)
+
+
+def _steps(bounds: Bounds, value: float) -> int:
+    """Return how many values a value is above the frozen one."""
+    return bounds.values.index(value) - bounds.values.index(bounds.frozen)
+
+
 def settings(bounds: Mapping[str, Bounds]) -> tuple[Setting, ...]:
     """Return all settings of some parameters together.
 

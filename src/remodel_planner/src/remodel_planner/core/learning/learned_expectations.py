@@ -79,11 +79,10 @@ class LearnedExpectations:
         return self._success.belief(context_of(ability, features), stated.success)
 
 
-def parameters_from(texts: Iterable[str]) -> dict[str, float]:
-    """Return the numbers among a record's parameters, which it writes as "name=value"."""
+def numbers_from(parameters: Iterable[tuple[str, str]]) -> dict[str, float]:
+    """Return those of an operation's parameters, name and value as text, that are numbers."""
     numbers = {}
-    for text in texts:
-        name, _, value = text.partition("=")
+    for name, value in parameters:
         try:
             numbers[name] = float(value)
         except ValueError:

@@ -1,18 +1,26 @@
 """Parameters of abilities, chosen by what recorded calls have taught.
 
-    parameters = learned.choose("InsertCable", features, {"force_limit": Bounds(8, 4, 16)}, seed)
+    learned = LearnedParameters(calls)
+    parameters = learned.choose("InsertCable", features, use_case.learned["InsertCable"], seed)
 
 The same calls and the same seed give the same parameters.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from random import Random
 
 from remodel_planner.core.condition import Features
 from remodel_planner.core.learning.belief import Belief
-from remodel_planner.core.learning.bounds import Bounds, Setting, frozen_setting, settings
+from remodel_planner.core.learning.bounds import (
+    Bounds,
+    Setting,
+    frozen_setting,
+    nearer_settings,
+    settings,
+)
 from remodel_planner.core.learning.context import context_of
 from remodel_planner.core.learning.learned_expectations import Call
 from remodel_planner.core.learning.parameter_choice import (
@@ -75,21 +83,28 @@ class LearnedParameters:
     def _choice(self, ability: str, bounds: Mapping[str, Bounds]) -> ParameterChoice[Setting]:
         key = (ability, tuple(sorted(bounds.items())))
         if key not in self._choices:
-            choice = ParameterChoice(settings(bounds), frozen_setting(bounds), self._guard)
+            choice = ParameterChoice(
+                settings(bounds), frozen_setting(bounds), self._guard, nearer_settings(bounds)
+            )
             for call in self._calls.get(ability, ()):
                 _learn(choice, bounds, call)
             self._choices[key] = choice
         return self._choices[key]
 
 
+def setting_of(bounds: Mapping[str, Bounds], call: Call) -> Setting | None:
+    """Return the setting that a call was made with; None if it was none of those to be tried."""
+    setting = []
+    for name in sorted(bounds):
+        given = call.parameters.get(name, math.nan)
+        tried = [v for v in bounds[name].values if round(v - given, _DIGITS) == 0.0]
+        if not tried:
+            return None
+        setting.append((name, tried[0]))
+    return tuple(setting)
+
+
 def _learn(choice: ParameterChoice[Setting], bounds: Mapping[str, Bounds], call: Call) -> None:
-    """Take in a call that has all of the parameters."""
-    if not set(bounds) <= set(call.parameters):
-        return
-    setting = tuple((name, _tried(bounds[name], call.parameters[name])) for name in sorted(bounds))
-    choice.learn(context_of(call.ability, call.features), setting, call.error_code == 0)
-
-
-def _tried(bounds: Bounds, value: float) -> float:
-    """Return which of the values that are tried a recorded one is; itself if it is none."""
-    return next((tried for tried in bounds.values if round(tried - value, _DIGITS) == 0.0), value)
+    setting = setting_of(bounds, call)
+    if setting is not None:
+        choice.learn(context_of(call.ability, call.features), setting, call.error_code == 0)

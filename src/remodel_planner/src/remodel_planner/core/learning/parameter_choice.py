@@ -18,9 +18,10 @@ their settings, something has changed, and it counts as nearly perfect at once.
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from random import Random
+from types import MappingProxyType
 from typing import Generic, TypeVar
 
 from remodel_planner.core.learning.belief import Belief
@@ -35,11 +36,20 @@ S = TypeVar("S", bound=Hashable)
 # until it shows.
 _DEBT_SHARE = 0.3
 
+# [trials] Over which a setting is remembered: there are several to be told apart.
+_MEMORY = 400.0
+
 # [1], [trials] What is assumed of a setting of which nothing is known, and the weight of that.
 _UNKNOWN, _UNKNOWN_WEIGHT = 0.5, 2.0
 
+# [trials] Weight of what is believed of a neighbour.
+_NEAR_WEIGHT = 1.0
+
 # [1], [trials] The same of the frozen setting in the account, and how long it remembers trials.
 _AT_BEST, _AT_BEST_WEIGHT, _BASELINE_MEMORY = 0.99, 2.0, 40.0
+
+# [standard deviations] of that belief at which the frozen setting is charged.
+_DOUBT = 1.0
 
 # [failures] More of them than was believed, and how many of them in a trial are no surprise
 # (Page's cumulative sum, Biometrika 41, 1954).
@@ -67,13 +77,21 @@ DEFAULT_GUARD = GuardRail()
 class ParameterChoice(Generic[S]):
     """The settings of one ability's parameters, by context."""
 
-    def __init__(self, settings: Sequence[S], frozen: S, guard: GuardRail = DEFAULT_GUARD) -> None:
+    def __init__(
+        self,
+        settings: Sequence[S],
+        frozen: S,
+        guard: GuardRail = DEFAULT_GUARD,
+        nearer: Mapping[S, S] = MappingProxyType({}),
+    ) -> None:
         """Begin with nothing learned.
 
         Args:
             settings: that are safe.
             frozen: the one that is used without learning; one of them.
             guard: see GuardRail.
+            nearer: setting -> its neighbour on the way to the frozen one, from which it is expected
+                to differ little; of those that are left out nothing is expected.
 
         Raises:
             ValueError: if the frozen setting is not among the safe ones.
@@ -82,7 +100,8 @@ class ParameterChoice(Generic[S]):
             raise ValueError(f"the frozen {frozen} is not among the safe ones: {settings}")
         self.frozen = frozen
         self._guard = guard
-        self._models = {setting: SuccessModel() for setting in settings}
+        self._nearer = nearer
+        self._models = {setting: SuccessModel(_MEMORY) for setting in settings}
         self._baseline = SuccessModel(_BASELINE_MEMORY)
         self._debt = 0.0
         self._variance = 0.0
@@ -121,7 +140,7 @@ class ParameterChoice(Generic[S]):
     def _charge(self, context: Context, setting: S, success: bool) -> None:
         """Enter a trial of another setting than the frozen one into the account."""
         chance = self._belief(setting, context).mean
-        frozen = self._baseline.belief(context, _AT_BEST, _AT_BEST_WEIGHT).interval()[1]
+        frozen = self._baseline.belief(context, _AT_BEST, _AT_BEST_WEIGHT).interval(_DOUBT)[1]
         self._debt += frozen - float(success)
         self._variance += chance * (1.0 - chance)
         self._surprise = max(0.0, self._surprise + chance - float(success) - _NO_SURPRISE)
@@ -130,4 +149,7 @@ class ParameterChoice(Generic[S]):
             self._baseline = SuccessModel(_BASELINE_MEMORY)
 
     def _belief(self, setting: S, context: Context) -> Belief:
-        return self._models[setting].belief(context, _UNKNOWN, _UNKNOWN_WEIGHT)
+        expected, weight = _UNKNOWN, _UNKNOWN_WEIGHT
+        if setting in self._nearer:
+            expected, weight = self._belief(self._nearer[setting], context).mean, _NEAR_WEIGHT
+        return self._models[setting].belief(context, expected, weight)

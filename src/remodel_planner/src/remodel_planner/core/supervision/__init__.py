@@ -7,5 +7,6 @@ step.py        what comes next, for a state
 judge.py       which fault a task failed with, and what is done about it
 question.py    what an operator is asked
 attempts.py    the behaviors of a run, as its events tell of them
+picture_name.py  names of a run's pictures
 replay.py      a recorded run played back, and compared
 """

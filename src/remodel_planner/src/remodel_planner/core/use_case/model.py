@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from remodel_planner.core.condition import Condition, Value, is_number
+from remodel_planner.core.learning.bounds import Bounds
 from remodel_planner.core.recovery.policy import Policy
 from remodel_planner.core.use_case.designs import Designs
 from remodel_planner.core.use_case.expectation import FrozenExpectations
@@ -182,6 +183,7 @@ class UseCase:
         title: of the behavior that does a task; `{task}` is the task's name.
         task_characteristics: what tasks may say; what they ask of an arm follows from it.
         heavy: which tasks are to come before the others.
+        learned: ability -> parameter -> within which values runs may choose it.
         methods: by the name of the task that they do, in the order in which they are preferred.
         give_up: the action that empties the hand when a task is given up.
         preferences: weights, preferences and requirements, as in a preferences document.
@@ -197,6 +199,7 @@ class UseCase:
     heavy: Condition
     facts: dict[str, Fact]
     expectations: FrozenExpectations
+    learned: Mapping[str, Mapping[str, Bounds]]
     actions: dict[str, Action]
     methods: dict[str, tuple[Method, ...]]
     rules: tuple[ControlRule, ...]

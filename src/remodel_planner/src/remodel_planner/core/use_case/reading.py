@@ -11,6 +11,7 @@ from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
 from remodel_planner.core.condition import Condition, Test
+from remodel_planner.core.learning.bounds import Bounds, settings
 from remodel_planner.core.recovery.policy import policy_from
 from remodel_planner.core.use_case.designs import designs_from
 from remodel_planner.core.use_case.expectation import Frozen, FrozenExpectations
@@ -56,6 +57,7 @@ def use_case_from(data: Json) -> UseCase:
         expectations=FrozenExpectations(
             {name: _frozen(item) for name, item in data["abilities"].items()}
         ),
+        learned={name: _bounds(name, item) for name, item in data.get("learned", {}).items()},
         actions={name: _action(name, item) for name, item in data["actions"].items()},
         methods={task: tuple(map(_method, methods)) for task, methods in data["methods"].items()},
         rules=tuple(
@@ -72,6 +74,19 @@ def use_case_from(data: Json) -> UseCase:
     if findings:
         raise UseCaseError("\n  ".join(findings))
     return use_case
+
+
+def _bounds(ability: str, stated: Json) -> dict[str, Bounds]:
+    """Return the bounds of an ability's parameters; UseCaseError if they make no sense."""
+    try:
+        bounds = {
+            name: Bounds(item["frozen"], item["at_least"], item["at_most"], item["values"])
+            for name, item in stated.items()
+        }
+        settings(bounds)
+    except ValueError as error:
+        raise UseCaseError(f"learned.{ability}: {error}") from error
+    return bounds
 
 
 def _characteristics(stated: Json) -> dict[str, Characteristic]:
@@ -180,6 +195,7 @@ def _unknown_names(use_case: UseCase) -> Iterator[str]:
         yield from _missing(f"rules.{rule.name}.never", [rule.never], actions, "action")
         yield from _features(f"rules.{rule.name}.when", rule.when, use_case)
     yield from _features("heavy", use_case.heavy, use_case)
+    yield from _missing("learned", use_case.learned, use_case.expectations.stated, "ability")
     for ability, stated in use_case.expectations.stated.items():
         for frozen in stated:
             yield from _features(f"abilities.{ability}.when", frozen.when, use_case)

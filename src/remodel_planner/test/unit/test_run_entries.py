@@ -1,0 +1,65 @@
+"""A run's record as a console gets it."""
+
+from remodel_msgs.msg import RunEntry
+from test_run_story import STORY
+
+from remodel_planner.core.run import Operation
+from remodel_planner.core.supervision.events import (
+    OperationEnded,
+    Part,
+    RunBegun,
+    TaskBegun,
+    TaskEnded,
+)
+from remodel_planner.ros.run_entries import entries_of
+
+BEGUN = RunBegun("house", "switchgear", "cell", ("W1", "W2"))
+
+
+def test_positions_have_no_gaps_and_entries_are_only_added():
+    whole = entries_of((BEGUN, *STORY))
+    assert [entry.position for entry in whole] == list(range(1, len(whole) + 1))
+    for count in range(1, len(STORY)):
+        part = entries_of((BEGUN, *STORY[:count]))
+        assert part == whole[: len(part)]
+
+
+def test_a_behavior_is_told_in_the_order_of_time_with_what_was_measured():
+    operation = Operation(
+        "/Connect a/InsertCable",
+        "InsertCable",
+        "inserted",
+        0,
+        "inserted",
+        9.0,
+        4.0,
+        measurements=(("depth", "0.0139"), ("peak_force", "5.5"), ("note", "text")),
+    )
+    picture = "W1-1-whole_6.000_wrist.jpg"
+    entries = entries_of(
+        (
+            BEGUN,
+            TaskBegun("W1", 1, Part.WHOLE, "Place Wire W1", "", 4.0),
+            OperationEnded("W1", operation),
+            TaskEnded("W1", "finished", 10.0, True, (), (picture,)),
+        )
+    )
+    kinds = [(entry.kind, entry.stamp.to_sec()) for entry in entries]
+    assert kinds == [
+        (RunEntry.RUN, 0.0),
+        (RunEntry.TASK, 4.0),
+        (RunEntry.STATE, 5.0),
+        (RunEntry.PICTURE, 6.0),
+        (RunEntry.RESULT, 9.0),
+        (RunEntry.STATE, 10.0),
+        (RunEntry.TASK, 10.0),
+    ]
+    assert entries[3].text == "wrist"
+    result = entries[4]
+    assert (result.names, result.values) == (["depth_m", "peak_force_n"], [0.0139, 5.5])
+
+
+def test_failures_come_with_their_decision():
+    kinds = [entry.kind for entry in entries_of((BEGUN, *STORY))]
+    assert kinds[kinds.index(RunEntry.FAILURE) + 1] == RunEntry.DECISION
+    assert kinds.count(RunEntry.OPERATOR) == 4
