@@ -42,7 +42,11 @@ def told(results: Mapping[str, Results]) -> bool:
 def _line(kind: str, done: Results, plain: Sequence[Verdict]) -> str:
     can = [verdict for trial, verdict in done if trial.can_recover]
     recovered = [verdict for verdict in can if verdict.recovered]
-    right = [verdict.first == LEVELS[trial.first_level] for trial, verdict in done if verdict.first]
+    right = [
+        verdict.first == LEVELS[trial.first_level]
+        for trial, verdict in done
+        if verdict.first and trial.first_level
+    ]
     hangs = sum(verdict.hung for _, verdict in done)
     return (
         f"{kind:<22}{len(done):>6}{len(can):>6}{_percent([v.recovered for v in can]):>11}"
