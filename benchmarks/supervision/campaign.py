@@ -37,7 +37,6 @@ from tqdm import tqdm
 from trial import WIRES, Trial, drawn
 from verdict import (
     Verdict,
-    cell_s,
     decided_first,
     handled_first,
     is_complete,
@@ -127,7 +126,7 @@ class Campaign:
             true=done == self._site.placed(tasks),
             hand_empty=self._site.hand_is_empty(),
             first=self._first(trial, events),
-            cell_s=cell_s(events, self._tables.durations_s, self._tables.look_s),
+            cell_s=self._site.cell_s(events),
             wall_s=wall_s,
             explained=is_explained(events, printed(explain_run.main, words)),
             replayed=played.endswith(" 0 differences\n"),
@@ -198,7 +197,8 @@ def main() -> int:
     output = options.output.resolve()
     shutil.rmtree(output, ignore_errors=True)
     seeds = range(options.seed, options.seed + options.runs)
-    site: Site = SimulatedSite() if options.physical else FakeSite()
+    fake = FakeSite(tables.durations_s, tables.look_s)
+    site: Site = SimulatedSite() if options.physical else fake
     os.environ[VARIABLE] = str(output / "use_cases")
     with stack(site.launch, output, **site.arguments(output)) as nodes:
         (output / "use_cases").mkdir()

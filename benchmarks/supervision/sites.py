@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Collection
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Protocol
 
@@ -12,8 +12,10 @@ from fast_clock import FastClock
 from remodel_msgs.srv import InjectFault
 from stack import Stack
 from trial import Trial
+from verdict import cell_s
 
-from remodel_planner.core.supervision.events import TaskBegun
+from remodel_planner.core.supervision.events import Event, TaskBegun
+from remodel_planner.core.supervision.state import state_after
 from remodel_planner.edge.run_log import RunLog
 from remodel_planner.ros.cell import Cell
 from remodel_states.testing.world_file import WorldFile
@@ -58,6 +60,9 @@ class Site(Protocol):
     def hand_is_empty(self) -> bool:
         """Tell whether nothing is left in the hand, as far as the cell can tell."""
 
+    def cell_s(self, events: Sequence[Event]) -> float:
+        """Return how long a run takes in a cell [s], without what stands above it."""
+
 
 class FakeSite:
     """The fake cell: faults at its interface, as quick as the processes above it allow."""
@@ -65,6 +70,11 @@ class FakeSite:
     launch = HERE / "campaign.launch"
     nodes = ("fake_cell", "picker", "use_case_supervisor", "behavior_action_server")
     limit_s = 120.0
+
+    def __init__(self, durations_s: Mapping[str, float], look_s: float) -> None:
+        """Take what operations, by ability, and a look what is done take in a true cell [s]."""
+        self._durations_s = durations_s
+        self._look_s = look_s
 
     def arguments(self, output: Path) -> dict[str, object]:
         """Return the file of the world."""
@@ -91,6 +101,10 @@ class FakeSite:
     def hand_is_empty(self) -> bool:
         """Tell whether nothing is held."""
         return not any(hand.held for hand in self._world.read().world.hands.values())
+
+    def cell_s(self, events: Sequence[Event]) -> float:
+        """Return what the operations would take in a true cell."""
+        return cell_s(events, self._durations_s, self._look_s)
 
 
 class SimulatedSite:
@@ -131,6 +145,10 @@ class SimulatedSite:
     def hand_is_empty(self) -> bool:
         """Return true: the cell does not tell what it holds."""
         return True
+
+    def cell_s(self, events: Sequence[Event]) -> float:
+        """Return the simulated time of all behaviors."""
+        return state_after(events).cell_s
 
     def _strike(self, trial: Trial, struck: threading.Event, armed: threading.Event) -> None:
         fault = trial.faults[0]
