@@ -17,6 +17,7 @@ import io
 import json
 import os
 import shutil
+import signal
 import sys
 import time
 import uuid
@@ -194,6 +195,8 @@ def main() -> int:
     known = physical.KINDS if options.physical else tables.faults
     if strange := [kind for kind in kinds if kind not in known]:
         parser.error(f"--kinds {strange[0]}: here there are {', '.join(known)}")
+    for number in (signal.SIGINT, signal.SIGTERM):  # either ends the nodes and shows what is done
+        signal.signal(number, signal.default_int_handler)
     output = options.output.resolve()
     shutil.rmtree(output, ignore_errors=True)
     seeds = range(options.seed, options.seed + options.runs)
@@ -218,19 +221,22 @@ def main() -> int:
 def run_all(
     campaign: Campaign, trials: Sequence[Trial], policies: Sequence[str], output: Path
 ) -> dict[str, list[tuple[Trial, Verdict]]]:
-    """Do all trials by each policy; write a line of JSON of each when it has ended."""
+    """Do all trials by each policy, or until a signal; write a line of JSON when one has ended."""
     results: dict[str, list[tuple[Trial, Verdict]]] = {policy: [] for policy in policies}
     total = len(policies) * len(trials)
-    with (output / "trials.jsonl").open("w") as lines, tqdm(total=total, unit="run") as bar:
+    with (
+        (output / "trials.jsonl").open("w") as lines,
+        tqdm(total=total, unit="run") as bar,
+        contextlib.suppress(KeyboardInterrupt),
+    ):
         for policy in policies:
             campaign.use(policy)
             for trial in trials:
                 bar.set_postfix_str(f"{policy}, {trial.kind or 'no fault'}")
                 verdict = campaign.tried(trial)
                 results[policy].append((trial, verdict))
-                lines.write(
-                    json.dumps({"policy": policy, **asdict(trial), **asdict(verdict)}) + "\n"
-                )
+                row = {"policy": policy, **asdict(trial), **asdict(verdict)}
+                lines.write(json.dumps(row) + "\n")
                 lines.flush()
                 bar.update()
     return results
