@@ -34,9 +34,9 @@ def told(results: Mapping[str, Results]) -> bool:
             if problem := _problem(trial, verdict):
                 print(f"  run {verdict.run}: {trial.kind}, seed {trial.seed}, {problem}")
     first = [(trial, verdict) for trial, verdict in next(iter(results.values())) if trial.kind]
-    return _share([v.recovered for t, v in first if t.can_recover]) >= _LEAST_RECOVERED and all(
-        verdict.ended_well for _, verdict in first
-    )
+    recovered = _share([verdict.recovered for trial, verdict in first if trial.can_recover])
+    ended_well = bool(first) and all(verdict.ended_well for _, verdict in first)
+    return recovered >= _LEAST_RECOVERED and ended_well
 
 
 def _line(kind: str, done: Results, plain: Sequence[Verdict]) -> str:
