@@ -168,7 +168,8 @@ def lag_words(pages: list[Page], load: Load) -> str:
         return "no page has lit anything"
     return (
         f"lag median {at(lags, 0.5):.3f} s, 99 % within {at(lags, 0.99):.3f} s, "
-        f"worst {lags[-1]:.3f} s (limit {LIMIT_S} s), {len(lags)} seen"
+        f"worst {lags[-1]:.3f} s; {sum(lag > LIMIT_S for lag in lags)} of {len(lags)} above "
+        f"{LIMIT_S} s"
     )
 
 

@@ -7,18 +7,25 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import wire_task as task
 
+from remodel_sim.abilities.check_connection import check_connection
+from remodel_sim.abilities.grasping import release
+from remodel_sim.abilities.motions import HAND_OPEN_M, rise
 from remodel_sim.cell import Cell
+from remodel_sim.core import goals
 from remodel_sim.core.codes import Code
+from remodel_sim.core.course import world_from_clip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.panel import End, Panel, Wire
-from remodel_sim.physics.truth import ground_truth
+from remodel_sim.core.wire_colours import WIRE_RGB
+from remodel_sim.physics.truth import ground_truth, lies_in
 
 # An end that was picked is off the plate by so much [m].
 LIFTED_M = 0.010
@@ -28,6 +35,13 @@ OFFSET_M = 0.006
 SHIFT_M = 0.010
 TURN_RAD = math.radians(8.0)
 LIGHT = (0.4, 1.6)
+# A path over clips begins and ends so far from them, and runs so high [m].
+BEYOND_CLIP_M = 0.020
+PATH_Z_M = 0.050
+# An end that is left before its mouth or in it was pushed so far beside its axis [m], and into a
+# blocked bore in this share of the trials.
+LEFT_ASIDE_M = (0.0, 0.003, -0.006)
+SHARE_BLOCKED = 0.5
 
 
 @dataclass(frozen=True)
@@ -104,7 +118,7 @@ def offset(cell: Cell, wire: Wire) -> Outcome:
     """Insert 6 mm beside the mouth: the face stops it."""
     side = OFFSET_M if cell.plant.seed % 2 else -OFFSET_M
     cell.feed(wire.id, task.channel_of(cell, wire))
-    socket = task.locate(cell, *wire.goes_to(End.A))
+    socket = task.locate_again(cell, *wire.goes_to(End.A))
     beside = Pose(socket.apply(np.array([0.0, side, 0.0])), socket.quaternion)
     return _refused(cell, wire, wire.goes_to(End.A), beside, Code.INSERTION_MISALIGNED)
 
@@ -114,14 +128,14 @@ def blocked(cell: Cell, wire: Wire) -> Outcome:
     terminal = wire.goes_to(End.A)
     cell.plant.block_socket(*terminal)
     cell.feed(wire.id, task.channel_of(cell, wire))
-    socket = task.locate(cell, *terminal)
+    socket = task.locate_again(cell, *terminal)
     return _refused(cell, wire, terminal, socket, Code.INSERTION_JAMMED)
 
 
 def other_component(cell: Cell, wire: Wire) -> Outcome:
     """Insert where end b's component is, under the name of end a's terminal."""
     cell.feed(wire.id, task.channel_of(cell, wire))
-    socket = task.locate(cell, *wire.goes_to(End.B))
+    socket = task.locate_again(cell, *wire.goes_to(End.B))
     return _refused(cell, wire, wire.goes_to(End.A), socket, Code.INVALID_GOAL)
 
 
@@ -130,7 +144,7 @@ def neighbour(cell: Cell, wire: Wire) -> Outcome:
     component, own = wire.goes_to(End.A)
     others = [t.id for t in cell.station.panel.component(component).terminals if t.id != own]
     cell.feed(wire.id, task.channel_of(cell, wire))
-    socket = task.locate(cell, component, others[cell.plant.seed % len(others)])
+    socket = task.locate_again(cell, component, others[cell.plant.seed % len(others)])
     return _refused(cell, wire, (component, own), socket, Code.INVALID_GOAL)
 
 
@@ -139,9 +153,101 @@ def occupied(cell: Cell, wire: Wire) -> Outcome:
     terminal = wire.goes_to(End.A)
     cell.feed(wire.id, task.channel_of(cell, wire))
     task.connect(cell, wire, End.A, task.History())
-    socket = task.locate(cell, *terminal)
+    socket = task.locate_again(cell, *terminal)
     found = _code_of(lambda: task.insert(cell, wire, End.B, terminal, socket))
     return Outcome(_is(found, Code.TERMINAL_OCCUPIED), found)
+
+
+def route(cell: Cell, wire: Wire) -> Outcome:
+    """Lay a wire into the clips of the panel; good when it runs through all, by the truth."""
+    panel = cell.station.panel
+    cell.feed(wire.id, task.channel_of(cell, wire))
+    task.connect(cell, wire, End.A, task.History())
+    task.pick(cell, wire, End.B)
+    wall, cpu = time.perf_counter(), time.process_time()
+    found = _code_of(lambda: task.route(cell, wire, _over_clips(panel)))
+    figures = {"wall [s]": time.perf_counter() - wall, "cpu [s]": time.process_time() - cpu}
+    held = [lies_in(cell.plant, wire.id, clip) for clip in panel.clips]
+    return Outcome(all(held) and found == Code.NONE.name, found, {"held": sum(held), **figures})
+
+
+def _over_clips(panel: Panel) -> tuple[Pose, ...]:
+    """Return a path from clip to clip, and a little beyond both ends, world frame."""
+    clips = [world_from_clip(clip) for clip in panel.clips]
+    before, after = (Pose.level(x, 0.0, 0.0) for x in (-BEYOND_CLIP_M, BEYOND_CLIP_M))
+    ways = [clips[0] @ before, *clips, clips[-1] @ after]
+    return tuple(way @ Pose.level(0.0, 0.0, PATH_Z_M) for way in ways)
+
+
+def connections(cell: Cell, wire: Wire) -> Outcome:
+    """Ask what sits in terminals while a wire is placed; good when no answer contradicts the truth.
+
+    The wires get colours of their own, some the same. Asked is of empty terminals, of a fixed end,
+    of its neighbours, of wires of other colours, and of an end that is left before its mouth or in
+    it.
+    """
+    random = _random(cell)
+    names = sorted(WIRE_RGB)
+    some = random.choice(names, 2, replace=False)
+    wires = tuple(replace(w, colour=str(random.choice(some))) for w in cell.plant.panel.wires)
+    cell.load(replace(cell.plant.panel, wires=wires))
+    wire = cell.station.panel.wire(wire.id)
+    answers = [*_asked(cell, wire)]
+    cell.feed(wire.id, task.channel_of(cell, wire))
+    answers += _asked(cell, wire)
+    task.connect(cell, wire, End.A, task.History())
+    answers += _asked(cell, wire)
+    _leave_before(cell, wire, random)
+    answers += _asked(cell, wire)
+    wrong = [words for words, seen, true in answers if seen is not None and seen is not true]
+    figures = {
+        "asked": float(len(answers)),
+        "wrong": float(len(wrong)),
+        "refused": float(sum(seen is None for _, seen, _ in answers)),
+    }
+    refused = [words for words, seen, _ in answers if seen is None]
+    return Outcome(not wrong, "; ".join(wrong + refused) or Code.NONE.name, figures)
+
+
+def _asked(cell: Cell, live: Wire) -> Iterator[tuple[str, bool | None, bool]]:
+    """Yield what is said of the ends of all wires, and the truth; None: it was not seen.
+
+    Each is asked for in its own terminal, those of the live wire in the neighbouring ones too.
+    """
+    panel = cell.station.panel
+    for wire in panel.wires:
+        truth = next(iter(ground_truth(cell.plant, [wire.id])), None)
+        for end in End:
+            component, own = wire.goes_to(end)
+            beside = [t.id for t in panel.component(component).terminals if wire is live]
+            is_at = truth and (truth.a if end is End.A else truth.b)
+            for terminal in {own: None, **dict.fromkeys(beside)}:
+                place = f"{component}/{terminal}"
+                true = bool(is_at and is_at.at == place and is_at.fixed)
+                words, seen = f"{wire.id} {end.value} in {place}", None
+                try:
+                    goal = goals.CheckGoal(wire.id, end, component, terminal)
+                    seen = task.do(cell, check_connection, goal).connected
+                    words += f": said {seen}, true {true}"
+                except AbilityError as error:
+                    words += f": {_words(error)}"
+                yield words, seen, true
+
+
+def _leave_before(cell: Cell, wire: Wire, random: np.random.Generator) -> None:
+    """Push end b at or into its mouth, and let go there."""
+    terminal = wire.goes_to(End.B)
+    really = cell.plant.world_from_socket(*terminal)
+    if random.random() < SHARE_BLOCKED:
+        cell.plant.block_socket(*terminal)
+    side = float(random.choice(LEFT_ASIDE_M))
+    beside = Pose(really.apply(np.array([0.0, side, 0.0])), really.quaternion)
+    with suppress(AbilityError):
+        task.carry(cell, wire)
+        task.insert(cell, wire, End.B, terminal, beside)
+    if cell.station.book.grip is not None:
+        cell.run(release(cell.station, HAND_OPEN_M))
+        cell.run(rise(cell.station))
 
 
 def located(disturb: Callable[[Cell, str], None]) -> Callable[[Cell, Wire], Outcome]:
@@ -189,6 +295,8 @@ TRIALS: dict[str, Callable[[Cell, Wire], Outcome]] = {
     "other_component": other_component,
     "neighbour": neighbour,
     "occupied": occupied,
+    "route": route,
+    "connections": connections,
     "locate": located(lambda *_: None),
     "locate_moved": located(_move),
     "locate_light": located(_relight),

@@ -21,6 +21,8 @@ import numpy as np
 from label_scenes import Condition, LabelScene
 from row import Row, tell
 
+from remodel_sim.abilities.locate_gearbox_component import LOOKS
+from remodel_sim.abilities.looking import LABEL_ASIDE_M
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.layout import WORLD_FROM_PANEL
@@ -32,9 +34,8 @@ from remodel_sim.physics.world import World
 from remodel_sim.ros.conversions import read_panel
 
 PANEL = Path(__file__).parents[2] / "src" / "remodel_sim" / "config" / "panel.yaml"
-# Places of the hand's camera beside the label [m], in the order in which they are tried.
-ASIDE_M = ((0.0, 0.0), (0.0, 0.07), (0.0, -0.07), (0.07, 0.0), (-0.07, 0.0))
-LOOKS = 2
+# Places of the hand's camera over the label and beside it [m], in the order of their trial.
+ASIDE_M = ((0.0, 0.0), *LABEL_ASIDE_M)
 # An error above these is a wrong answer, not an inexact one: [mm], [deg].
 WRONG_MM, WRONG_DEG = 3.0, 3.0
 CONDITIONS = {

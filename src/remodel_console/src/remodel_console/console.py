@@ -38,9 +38,6 @@ class Supervisor(Protocol):
     All raise CommandError if it is away, does not answer, or refuses.
     """
 
-    def now_s(self) -> float:
-        """Return the ROS time [s]."""
-
     def run(self, order: str, tasks: int, by: str) -> str:
         """Start an order: so many of its tasks, 0 for all."""
 

@@ -9,7 +9,7 @@ from pathlib import PurePath
 
 from flexbe_synthesizer.core.codec import write_chart
 from flexbe_synthesizer.core.instantiate import Instantiation
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.model import Chart, Container
 from remodel_console.core.commands import Command, Verb, help_lines
 from remodel_console.core.editing import (
     as_container,
@@ -53,7 +53,6 @@ class Session:
         self._deeds: Mapping[Verb, Callable[[Mapping[str, str]], str]] = {
             Verb.HELP: lambda _given: help_lines(),
             Verb.LOAD: self._load,
-            Verb.SYNTHESIZE: self._synthesize,
             Verb.SAVE: self._save,
             Verb.EDIT: self._edit,
             Verb.SHOW: lambda _given: write_chart(self._loaded()),
@@ -71,6 +70,9 @@ class Session:
         Raises:
             CommandError: if it cannot be carried out; then nothing has changed.
         """
+        given = command.given
+        if command.verb is Verb.SYNTHESIZE:
+            return self.synthesize(self._path, given["name"], given["initial"], given["goal"])
         with self._lock:
             answer = self._carry_out(command)
         self.tell()
@@ -118,8 +120,12 @@ class Session:
         Raises:
             CommandError: if the chart cannot be used; then nothing has changed.
         """
+        file = self._loaded().file
+        container = self._container(path, name, initial, goal)
         with self._lock:
-            answer = self._put(path, name, initial, goal)
+            if self._loaded().file != file:
+                raise CommandError(f"{goal} is not put in: another behavior was loaded meanwhile")
+            answer = self._put(path, container, goal)
         self.tell()
         return answer
 
@@ -146,28 +152,27 @@ class Session:
         self._path, self._before, self.is_saved = (), (), True
         return f"loaded '{self.chart.name}' from {self.chart.file}{lost}"
 
-    def _synthesize(self, given: Mapping[str, str]) -> str:
-        return self._put(self._path, given["name"], given["initial"], given["goal"])
+    def _container(self, path: tuple[str, ...], name: str, initial: str, goal: str) -> Container:
+        """Return the chart of a file as a container, as the server makes it or as it is.
 
-    def _put(self, path: tuple[str, ...], name: str, initial: str, goal: str) -> str:
-        chart = self._loaded()
-        initial = "" if initial == START else initial
-        folder = str(PurePath(chart.file).parent)
-        settings = self._settings()
+        It may take a while, and nobody has to wait for it but who asked.
+        """
+        settings, initial = self._settings(), "" if initial == START else initial
+        folder = str(PurePath(self._loaded().file).parent)
         if not settings.is_synthesis_enabled:
             raise CommandError("synthesis is switched off; the Configuration page switches it on")
-        if settings.synthesis_topic:
-            where = "/".join(("", *path, name))
-            topic, system = settings.synthesis_topic, settings.system
-            source = self._served(ServerRequest(topic, system, where, initial, goal), name)
-            container = as_container(source, name, "", folder)
-        else:
-            source = self._workspace.read(goal)
-            container = as_container(source, name, initial, folder)
-        changed = change_at(chart, path, lambda scope: with_container(scope, container))
-        self._change(changed)
+        if not settings.synthesis_topic:
+            return as_container(self._workspace.read(goal), name, initial, folder)
+        where = "/".join(("", *path, name))
+        topic, system = settings.synthesis_topic, settings.system
+        source = self._served(ServerRequest(topic, system, where, initial, goal), name)
+        return as_container(source, name, "", folder)
+
+    def _put(self, path: tuple[str, ...], container: Container, goal: str) -> str:
+        chart = self._loaded()
+        self._change(change_at(chart, path, lambda scope: with_container(scope, container)))
         where = "/".join(("", *path, container.id))
-        return f"'{source.name}' is in '{chart.name}' as {where}; 'save' checks and writes it"
+        return f"{goal} is in '{chart.name}' as {where}; 'save' checks and writes it"
 
     def _served(self, request: ServerRequest, name: str) -> Chart:
         """Return what a synthesis server makes of a request, as a chart of that name."""

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Runtime control in a real browser, against a real engine and mirror."""
 
+import contextlib
 import json
 import os
 import signal
@@ -72,6 +73,18 @@ class ConsoleTest(BrowserTestCase):
     def press(self, page, name):
         page.get_by_role("button", name=name, exact=True).click()
 
+    def lock(self, page):
+        """Lock the active state; again if it was left before the engine had the command."""
+        held = page.locator(".held", has_text="Locked:")
+
+        def is_held():
+            page.keyboard.press("l")
+            with contextlib.suppress(AssertionError):
+                expect(held).to_be_visible(timeout=2000)
+            return held.count()
+
+        self.wait_until(is_held)
+
     def stop(self, page):
         self.press(page, "Stop")
         page.get_by_role("dialog").get_by_role("button", name="Stop", exact=True).click()
@@ -118,8 +131,8 @@ class ConsoleTest(BrowserTestCase):
         expect(self.page.locator("g.node.active")).not_to_have_count(0)
         self.press(self.page, "Go on")
         expect(late.locator(".state")).to_have_text("runs")
-        late.keyboard.press("l")
-        expect(self.page.locator(".held")).to_contain_text("Locked:")
+        self.lock(late)
+        expect(self.page.locator(".held")).to_be_visible()
         self.press(self.page, "Unlock")
         expect(late.locator(".held")).to_have_count(0)
         self.press(late, "Repeat")
@@ -131,8 +144,7 @@ class ConsoleTest(BrowserTestCase):
         self.choose(self.page, "Autonomy", "Low")
         self.press(self.page, "Start")
         expect(self.page.get_by_role("button", name="Lock", exact=True)).to_be_visible()
-        self.page.keyboard.press("l")
-        expect(self.page.locator(".held")).to_contain_text("Locked:")
+        self.lock(self.page)
         held = self.page.locator(".held").inner_text()
         editor = self.open_page("/editor")
         editor.locator(".canvas-stage g.node[data-path='North'] text").first.click()

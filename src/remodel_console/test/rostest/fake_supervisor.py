@@ -127,6 +127,7 @@ class FakeSupervisor:
             ["retry", "fixed", "mark_done", "skip", "replan", "stop"],
         )
         self.tell(
+            stamp=rospy.Time(251), started=rospy.Time(0, 1),
             phase="asking", order=order, use_case="switchgear", run=12, tasks=tasks, task="W4",
             levels=levels, failures=failures, question=question, interruptions=1,
         )  # fmt: skip

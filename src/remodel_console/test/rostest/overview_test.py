@@ -54,7 +54,7 @@ class OverviewTest(BrowserTestCase):
         expect(page.locator(".order .title")).to_have_text("cabinet 7")
         self.assertEqual(supervisor.asked[-1], ("run", "cabinet 7", 6))
         expect(page.locator(".order-head")).to_contain_text(
-            "2 of 6 tasks done, 1 set aside; about 2 min left"
+            "2 of 6 tasks done, 1 set aside; 4 min so far, about 2 min left"
         )
         expect(page.locator("tr.task.set_aside")).to_contain_text("W3")
         expect(page.locator(".levels")).to_contain_text("Ability: InsertCable")

@@ -7,10 +7,12 @@ from pathlib import Path
 import pytest
 
 from flexbe_synthesizer.core.codec import parse_chart
+from flexbe_synthesizer.core.instantiate import Instantiation
 from flexbe_synthesizer.core.model import Container
 from remodel_console.core.answer import DONE, Answer, read_answer
 from remodel_console.core.commands import Verb, help_lines, read_command
 from remodel_console.core.key import is_allowed
+from remodel_console.core.settings import Settings
 from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import CommandError
 from remodel_console.session import Session
@@ -220,3 +222,44 @@ def test_changes_are_taken_back_one_by_one(session, give):
         session.undo()
     session.open(replace(loaded, name="Other"))
     assert session.chart.name == "Other"
+
+
+def test_synthesis_may_be_switched_off(package):
+    path = f"{package}:{SRC / 'remodel_states'}:{SRC / 'flexbe' / 'flexbe_states'}"
+    session = Session(Workspace(path), lambda: Settings(is_synthesis_enabled=False))
+    session.carry_out(read_command("load my_first_behavior"))
+    with pytest.raises(CommandError, match="switched off"):
+        session.carry_out(read_command(SYNTHESIZE))
+
+
+def test_a_server_is_asked_for_what_is_put_in(package):
+    path = f"{package}:{SRC / 'remodel_states'}:{SRC / 'flexbe' / 'flexbe_states'}"
+    settings = Settings(synthesis_topic="flexbe/synthesize", system="cell 1")
+    session = Session(Workspace(path), lambda: settings)
+    session.carry_out(read_command("load my_first_behavior"))
+    with pytest.raises(CommandError, match="ROS is away"):
+        session.carry_out(read_command(SYNTHESIZE))
+    asked = []
+
+    def answer_late(request):
+        asked.append(request)
+        session.carry_out(read_command("load Example Behavior"))
+        return (
+            Instantiation("/", ":STATEMACHINE", "Wait", outcomes=("finished",)),
+            Instantiation(
+                "/Wait",
+                "WaitState",
+                parameter_names=("wait_time",),
+                parameter_values=("0.5",),
+                outcomes=("done",),
+                transitions=("finished",),
+            ),
+        )
+
+    session.ask_server = answer_late
+    with pytest.raises(CommandError, match="another behavior was loaded meanwhile"):
+        session.carry_out(read_command(SYNTHESIZE))
+    assert asked[0].path == "/SynthesizedBehavior"
+    assert asked[0].system == "cell 1"
+    assert "as /SynthesizedBehavior" in session.carry_out(read_command(SYNTHESIZE))
+    assert session.chart.nodes[-1].body.nodes[0].params[0].value == 0.5

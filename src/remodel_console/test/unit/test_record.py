@@ -34,6 +34,15 @@ def test_times_are_those_of_the_run():
     assert Record(()).length_s == 0
 
 
+def test_entries_without_a_time_happened_with_those_beside_them():
+    times = (0.0, 0.0, 50.0, 0.0, 52.0, 51.0, 53.0)
+    record = Record(tuple(entry(i, t, Kind.TASK) for i, t in enumerate(times, start=1)))
+    assert record.offsets_s == (0, 0, 0, 0, 2, 2, 3)
+    assert record.at(0) == 3
+    assert record.at(2.5) == 5
+    assert Record((entry(1, 0.0, Kind.RUN),)).length_s == 0
+
+
 def test_a_moment_tells_task_state_and_feedback():
     moment = RECORD.moment(3)
     assert (moment.task, moment.state_path, moment.passed) == ("W1", "/Locate", ("/Locate",))

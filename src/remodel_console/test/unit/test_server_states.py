@@ -51,6 +51,8 @@ def test_what_cannot_be_used_is_told(tmp_path, library):
     strange = (states[0], replace(states[1], state_class="NoSuchState"))
     with pytest.raises(CommandError, match="'NoSuchState', which is not installed"):
         chart_from_states(strange, "X", library)
+    with pytest.raises(CommandError, match="which is no container"):
+        chart_from_states((replace(states[0], state_class="X"), *states[1:]), "X", library)
     evil = (states[0], replace(states[1], parameter_names=("a",), parameter_values=("f()",)))
     with pytest.raises(CommandError, match="cannot be used"):
         chart_from_states(evil, "X", library)

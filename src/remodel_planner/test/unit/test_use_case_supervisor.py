@@ -297,7 +297,7 @@ def test_a_run_goes_on_when_what_was_lost_comes_back(bench):
     assert [event.because for event in bench.events(Interrupted)] == ["the engine is gone"]
     assert bench.peers.tasks.stopped >= 1
     assert state.ended.ending is Ending.COMPLETE
-    assert bench.peers.cell.loaded == [False, True], "what is placed stays"
+    assert bench.peers.cell.loaded == [False, True], "what is on the panel stays"
 
 
 def test_a_run_stops_when_what_was_lost_stays_away(bench):

@@ -7,7 +7,7 @@ from typing import TypeVar
 import numpy as np
 
 from remodel_sim.abilities.runner import occupy, run
-from remodel_sim.abilities.station import OnLook, Station, Steps
+from remodel_sim.abilities.station import Audience, Station, Steps
 from remodel_sim.core.book import Book, EndState, Feed
 from remodel_sim.core.cell_design import CellDesign
 from remodel_sim.core.codes import Code
@@ -40,7 +40,7 @@ class Cell:
         rate_hz: float = 240.0,
         gui: bool = False,
         solid_parked: bool = False,
-        on_look: OnLook | None = None,
+        audience: Audience | None = None,
     ) -> None:
         """Build a cell, one Panda unless a design is given, see Plant; raises PanelError."""
         self.plant = Plant(
@@ -51,7 +51,7 @@ class Cell:
             gui=gui,
             solid_parked=solid_parked,
         )
-        self._on_look = on_look
+        self._audience = audience or Audience()
         self.stations = self._man()
 
     def _man(self) -> dict[str, Station]:
@@ -61,7 +61,7 @@ class Cell:
         crew: dict[str, Station] = {}
         for robot in self.plant.design.robots:
             own = book if robot is first else book.beside(robot.name, robot.arm)
-            crew[robot.name] = Station(self.plant, robot, own, crew, traffic, self._on_look)
+            crew[robot.name] = Station(self.plant, robot, own, crew, traffic, self._audience)
         return crew
 
     @property

@@ -72,7 +72,10 @@ def conformance(ability, goal):
 class CellTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        names = "LocateGearboxComponent InsertCable FixCable ExtractCable DetectCable PickCable"
+        names = (
+            "LocateGearboxComponent InsertCable FixCable ExtractCable DetectCable PickCable "
+            "CheckConnection"
+        )
         cls.on = {name: Client(name) for name in names.split()}
         for client in cls.on.values():
             assert wait_until(lambda c=client: c.client.wait_for_server(rospy.Duration(0.1)))
@@ -118,6 +121,9 @@ class CellTest(unittest.TestCase):
         self.assertEqual(code, 0, told)
         self.assertIn("ok          a cancel while the ability works", told)
         code, told = conformance("DetectCable", "{cable_id: W1}")
+        self.assertEqual(code, 0, told)
+        at_x1 = "{cable_id: W1, cable_end: a, component_id: X1, terminal_id: '1'}"
+        code, told = conformance("CheckConnection", at_x1)
         self.assertEqual(code, 0, told)
 
     def test_rviz_gets_the_scene_and_the_force(self):
@@ -176,6 +182,12 @@ class CellTest(unittest.TestCase):
         self.assertTrue(fixed.success, fixed.error_message)
         truth = self.call("ground_truth", srv.GetGroundTruth).wires[0]
         self.assertEqual((truth.a_at, truth.a_fixed, truth.placed), ("X1/1", True, False))
+        for end, component, connected in (("a", "X1", True), ("b", "X2", False)):
+            seen = self.on["CheckConnection"].do(
+                cable_id="W1", cable_end=end, component_id=component, terminal_id="1"
+            )
+            self.assertTrue(seen.success, seen.error_message)
+            self.assertEqual(seen.connected, connected, seen.message)
 
     def test_cancel_stops_the_arm_within_a_fifth_of_a_second(self):
         insert = self.on["InsertCable"]

@@ -18,7 +18,7 @@ from remodel_sim.core.panel import End
 from remodel_sim.core.vision.label_pose import Look, locate_component
 from remodel_sim.core.vision.labels import find_labels
 from remodel_sim.core.vision.tracing import at_distance, trace
-from remodel_sim.core.vision.wire_ends import find_ends, trace_from
+from remodel_sim.core.vision.wire_ends import find_ends, trace_between
 from remodel_sim.core.wire_colours import WIRE_RGB
 from remodel_sim.physics.parked_wire import draw_parked
 
@@ -51,10 +51,14 @@ def test_both_ends_of_a_wire_of_any_colour_are_found(colour):
         seen = ends[end].tip
         assert np.linalg.norm(seen.tip[:2] - true[:2]) < 0.0012
         assert abs(math.cos(seen.out_yaw) * out[0] + math.sin(seen.out_yaw) * out[1]) > 0.99
-    pixels = trace_from(ends[End.A], picture, likelihood, made.station.wire)
-    line = picture.view.on_plane(pixels, 0.0015)
+    both = ends[End.A], ends[End.B]
+    pixels = trace_between(both, picture, likelihood, made.station.wire)
+    line = picture.view.on_plane(pixels, 0.0015)[:, :2]
     length = np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
-    assert length == pytest.approx(0.48, rel=0.15)
+    assert length == pytest.approx(0.48, rel=0.03)
+    nodes = made.plant.live.cable.nodes()[:, :2]
+    gaps = np.linalg.norm(line[:, None] - nodes[None], axis=2)
+    assert gaps.min(axis=1).max() < 0.013, "nodes are some 20 mm apart"
     made.close()
 
 

@@ -88,7 +88,7 @@ def test_inserting_picks_first_and_goes_on_holding(fed):
         ("RouteWire", {}, ErrorCode.NOTHING_HELD),
         ("FixCable", {}, ErrorCode.NOTHING_HELD),
         ("DetectCable", {"cable_id": "W2"}, ErrorCode.WIRE_NOT_FED),
-        ("InsertCable", {"force_limit": 40.0}, ErrorCode.INVALID_GOAL),
+        ("InsertCable", {"force_limit": 70.0}, ErrorCode.INVALID_GOAL),
         ("InsertCable", {"terminal_id": "9"}, ErrorCode.UNKNOWN_NAME),
         ("LocateGearboxComponent", {"component_id": "X"}, ErrorCode.UNKNOWN_NAME),
         ("CheckConnection", {"terminal_id": "9"}, ErrorCode.UNKNOWN_NAME),

@@ -6,6 +6,8 @@ from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
+from itertools import accumulate
 
 
 class Kind(Enum):
@@ -27,7 +29,12 @@ REASONS = (Kind.FAILURE, Kind.DECISION, Kind.OPERATOR)  # what tells why a run t
 
 @dataclass(frozen=True)
 class Entry:
-    """One thing that happened, at a ROS time [s]; `values` are named with their units."""
+    """One thing that happened, at a ROS time [s]; `values` are named with their units.
+
+    Attributes:
+        position: in the record, from 1 and without gaps.
+        time_s: 0 if it is not known.
+    """
 
     position: int
     time_s: float
@@ -99,23 +106,33 @@ def value_words(name: str) -> str:
 
 @dataclass(frozen=True)
 class Record:
-    """All entries of a run, in the order of their positions."""
+    """All entries of a run, in the order of their positions, which is that of time.
+
+    An entry without a time, or with one that lies back, happened with the entry before it; the
+    first ones without happened with the first that has one.
+    """
 
     entries: tuple[Entry, ...]
+
+    @cached_property
+    def offsets_s(self) -> tuple[float, ...]:
+        """Return when in the run each entry was [s]."""
+        begin_s = next((entry.time_s for entry in self.entries if entry.time_s), 0.0)
+        times = accumulate((max(begin_s, entry.time_s) for entry in self.entries), max)
+        return tuple(time_s - begin_s for time_s in times)
 
     @property
     def length_s(self) -> float:
         """Return the time from the first entry to the last [s]."""
-        return self.entries[-1].time_s - self.entries[0].time_s if self.entries else 0.0
+        return self.offsets_s[-1] if self.entries else 0.0
 
     def offset_s(self, entry: Entry) -> float:
         """Return when in the run an entry was [s]."""
-        return entry.time_s - self.entries[0].time_s
+        return self.offsets_s[entry.position - 1]
 
     def at(self, offset_s: float) -> int:
         """Return the index of the last entry up to a time in the run [s]; of the first before."""
-        times = [entry.time_s for entry in self.entries]
-        return max(0, bisect_right(times, self.entries[0].time_s + offset_s) - 1)
+        return max(0, bisect_right(self.offsets_s, offset_s) - 1)
 
     def moment(self, index: int) -> Moment:
         """Return what was so after the entry of an index."""

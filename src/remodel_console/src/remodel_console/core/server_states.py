@@ -60,6 +60,8 @@ def chart_from_states(states: Iterable[Instantiation], name: str, library: Libra
 
 def _container(by_path: dict[str, Instantiation], path: str, library: Library) -> Container:
     entry = by_path[path]
+    if entry.state_class not in _KINDS:
+        raise ValueError(f"'{path}' is a '{entry.state_class}', which is no container")
     inside = [
         _child(by_path, one, library)
         for one in by_path

@@ -90,7 +90,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Level:
-    """What one of the four levels of supervision does, since a ROS time [s]."""
+    """What one of the four levels of supervision does, since a ROS time [s]; 0: not known."""
 
     level: str
     name: str
@@ -124,9 +124,15 @@ class Question:
 
 @dataclass(frozen=True)
 class UseCase:
-    """A run, or that there is none; `run` is its number in the production database, 0 without."""
+    """A run, or that there is none, as it was told at a ROS time [s].
+
+    Attributes:
+        run: its number in the production database, 0 without one.
+        started_s: when it began, or went on after an interruption; ROS time [s].
+    """
 
     phase: Phase
+    told_s: float = 0.0
     message: str = ""
     cell: str = ""
     run: int = 0

@@ -11,6 +11,8 @@ from remodel_console.errors import CommandError
 from remodel_console.ros import topics
 from remodel_console.ros.call_service import call_service
 
+_KINDS = {kind.value: kind for kind in Kind}
+
 
 class RecordLink:
     """Asks for runs and their records."""
@@ -84,10 +86,15 @@ def _summary(message: msg.RunSummary) -> Summary:
 
 
 def _entry(message: msg.RunEntry) -> Entry:
+    if message.kind not in _KINDS:
+        text = (
+            f"entry {message.position} is of the kind '{message.kind}', which is not known here; "
+        )
+        raise CommandError(f"{text}known are {', '.join(_KINDS)}")
     return Entry(
         position=message.position,
         time_s=message.stamp.to_sec(),
-        kind=Kind(message.kind),
+        kind=_KINDS[message.kind],
         task=message.task,
         behavior=message.behavior,
         state_path=message.state_path,

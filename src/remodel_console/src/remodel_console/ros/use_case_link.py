@@ -45,10 +45,6 @@ class UseCaseLink:
         """Tell whether a supervisor publishes its state."""
         return bool(self._state.get_num_connections() > 0)
 
-    def now_s(self) -> float:
-        """Return the ROS time [s]."""
-        return float(rospy.get_time())
-
     def run(self, order: str, tasks: int, by: str) -> str:
         """Start an order, and return what the supervisor says.
 
@@ -123,6 +119,7 @@ def _use_case(message: msg.UseCaseState) -> UseCase:
     known = {choice.value: choice for choice in Choice}
     return UseCase(
         phase=Phase(message.phase),
+        told_s=message.stamp.to_sec(),
         message=message.message,
         cell=message.cell,
         run=message.run,

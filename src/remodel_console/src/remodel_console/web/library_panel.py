@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -22,31 +23,47 @@ class LibraryPanel:
     def __init__(self, page: EditorPage) -> None:
         """Build the panel."""
         self._page = page
+        self._known: object = None
+        self._entries: list[tuple[str, ui.element]] = []
         with ui.element("aside").classes("library"):
-            self._search = ui.input(placeholder="Find a state", on_change=self._show)
+            self._search = ui.input(placeholder="Find a state", on_change=self._filter)
             self._search.props('outlined dense clearable aria-label="Find a state"')
+            self._search.on("focus", self._list_anew)
             self._list = ui.element("div").classes("library-list")
-        self._show()
+        self._list_anew()
 
-    def _show(self) -> None:
-        """List what fits the search."""
-        word = (self._search.value or "").lower()
+    def _list_anew(self) -> None:
+        """List what is installed, if that has changed."""
         catalogue = self._page.console.catalogue
+        states, behaviors = catalogue.states(), [one.name for one in catalogue.behaviors()]
+        if (states, behaviors) == self._known:
+            return
+        self._known = (states, behaviors)
         self._list.clear()
+        self._entries.clear()
         with self._list:
-            package = ""
-            for state in catalogue.states():
-                if word not in f"{state.package} {state.name}".lower():
-                    continue
-                if state.package != package:
-                    package = state.package
-                    ui.label(package).classes("group")
-                _entry(state.name.removesuffix("State"), partial(self._show_state, state))
-            found = [one.name for one in catalogue.behaviors() if word in one.name.lower()]
-            if found:
-                ui.label("Behaviors").classes("group")
-            for name in found:
-                _entry(name, partial(self._add, Behavior(name, name), name))
+            for package in dict.fromkeys(state.package for state in states):
+                own = [state for state in states if state.package == package]
+                self._add_group(package, " ".join(state.name for state in own))
+                for state in own:
+                    label = state.name.removesuffix("State")
+                    entry = _entry(label, partial(self._show_state, state))
+                    self._entries.append((f"{package} {state.name}", entry))
+            self._add_group("Behaviors", " ".join(behaviors))
+            for name in behaviors:
+                entry = _entry(name, partial(self._add, Behavior(name, name), name))
+                self._entries.append((name, entry))
+        self._filter()
+
+    def _add_group(self, name: str, inside: str) -> None:
+        """Add a heading, which is shown if anything in its group is."""
+        self._entries.append((f"{name} {inside}", ui.label(name).classes("group")))
+
+    def _filter(self) -> None:
+        """Show what fits the search; nothing is built anew, so that no click is lost."""
+        word = (self._search.value or "").lower()
+        for words, entry in self._entries:
+            entry.set_visibility(word in words.lower())
 
     def _show_state(self, state: StateClass) -> None:
         """Tell what a state does, and offer to add it."""
@@ -76,6 +93,7 @@ class LibraryPanel:
             page.select((*path, node_id))
 
 
-def _entry(text: str, deed: object) -> None:
-    with ui.element("button").classes("entry").on("click", deed):
+def _entry(text: str, deed: Callable[[], object]) -> ui.element:
+    with ui.element("button").classes("entry").on("click", deed) as entry:
         ui.label(text)
+    return entry

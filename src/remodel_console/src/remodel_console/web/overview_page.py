@@ -15,8 +15,6 @@ from remodel_console.core.use_case import (
     Choice,
     Phase,
     Question,
-    Task,
-    TaskPhase,
     UseCase,
     decision_words,
     duration_words,
@@ -27,18 +25,14 @@ from remodel_console.core.world import Notice, World, supervisor_notice
 from remodel_console.web.camera_view import CameraView
 from remodel_console.web.order_form import OrderForm
 from remodel_console.web.page import Page
+from remodel_console.web.run_head import RunHead
+from remodel_console.web.task_table import TaskTable
 
 _CAMERAS = (
-    ("overhead", "From above", "no picture yet: it takes one when the cell looks"),
-    ("wrist", "From the hand", "no picture yet: it takes one when the cell looks"),
+    ("overhead", "From above", "no picture yet; one comes when the cell looks"),
+    ("wrist", "From the hand", "no picture yet; one comes when the cell looks"),
     ("scene", "The cell", "no picture yet"),
 )
-_TASK_WORDS = {
-    TaskPhase.WAITING: "waiting",
-    TaskPhase.RUNNING: "runs",
-    TaskPhase.DONE: "done",
-    TaskPhase.SET_ASIDE: "set aside",
-}
 _SHOWN_FAILURES = 20  # the latest; the record has all
 
 
@@ -50,14 +44,15 @@ class OverviewPage(Page):
     def build(self) -> None:
         """Build the order on the left, the cameras in the middle, what happens on the right."""
         self._use_case: UseCase | None = None
-        self._form: OrderForm | None = None
+        self._head: RunHead | OrderForm | None = None
         pictures = self.console.pictures
         pictures.add_viewer(1)
         ui.context.client.on_delete(lambda: pictures.add_viewer(-1))
         with ui.element("div").classes("overview"):
             with ui.element("section").classes("order"):
-                self._head = ui.element("div").classes("order-head")
-                self._tasks = ui.element("div").classes("tasks")
+                self._head_area = ui.element("div").classes("order-head")
+                skip, retry = partial(self._do_task, "skip"), partial(self._do_task, "retry")
+                self._tasks = TaskTable(skip, retry, is_operator=self.is_operator)
             with ui.element("section").classes("watch"):
                 with ui.element("div").classes("cameras"):
                     self._cameras = {name: CameraView(*words) for name, *words in _CAMERAS}
@@ -83,12 +78,10 @@ class OverviewPage(Page):
             return
         before, self._use_case = self._use_case, now
         self._show_head(now)
-        if before is None or before.tasks != now.tasks:
-            self._show_tasks(now)
+        self._tasks.show(now.tasks, is_under_way=now.is_under_way)
         if before is None or before.question != now.question:
             self._show_question(now.question)
-        if before is None or before.levels != now.levels:
-            self._show_levels(now)
+        self._show_levels(now)
         if before is None or before.failures != now.failures:
             self._show_failures(now)
         found = figures(now)
@@ -108,80 +101,15 @@ class OverviewPage(Page):
 
     def _show_head(self, now: UseCase) -> None:
         """Show the run, or the form that starts one; what is filled in there stays."""
-        if now.is_under_way:
-            self._form = None
-            self._head.clear()
-            with self._head:
-                self._show_run(now)
-            return
-        if self._form is None:
-            self._head.clear()
-            with self._head:
-                self._form = OrderForm(self)
-        self._form.show(now)
+        wanted = RunHead if now.is_under_way else OrderForm
+        if not isinstance(self._head, wanted):
+            self._head_area.clear()
+            with self._head_area:
+                self._head = self._new_head() if now.is_under_way else OrderForm(self)
+        self._head.show(now)
 
-    def _show_run(self, now: UseCase) -> None:
-        with ui.row().classes("headline"):
-            ui.label(now.order).classes("title")
-            ui.label(now.phase.words).classes(f"state {_style(now.phase)}")
-            if now.run:
-                ui.link(f"run {now.run}", f"/replay?run={now.run}").classes("soft")
-        done, total = now.count(TaskPhase.DONE), len(now.tasks)
-        aside = now.count(TaskPhase.SET_ASIDE)
-        words = f"{done} of {total} tasks done"
-        words += f", {aside} set aside" if aside else ""
-        words += f"; about {duration_words(now.left_s)} left" if now.left_s else ""
-        with ui.element("div").classes("progress wide").props('role="img"') as bar:
-            bar.props(f'aria-label="{words}"')
-            ui.element("div").classes("part done").style(f"width: {_percent(done, total)}")
-            ui.element("div").classes("part aside").style(f"width: {_percent(aside, total)}")
-        ui.label(words).classes("soft")
-        if now.message:
-            ui.label(now.message)
-        if now.interruptions:
-            ui.label(
-                f"It went on after {now.interruptions} interruptions."
-                if now.interruptions > 1
-                else "It went on after an interruption."
-            ).classes("soft")
-        with ui.row().classes("controls"):
-            if now.phase is Phase.PAUSED:
-                self.button("Go on", self._resume, icon="play_arrow")
-            else:
-                self.button("Pause", self._pause, icon="pause", look="quiet")
-            self.button("Stop", self._ask_stop, icon="stop", look="stop")
-
-    def _show_tasks(self, now: UseCase) -> None:
-        self._tasks.clear()
-        if not now.tasks:
-            return
-        with self._tasks, ui.element("table").classes("plain"):
-            with ui.element("tr"):
-                for head in ("Task", "State", "Tries", "Time", ""):
-                    _cell("th", head)
-            for task in now.tasks:
-                with ui.element("tr").classes(f"task {task.phase.value}"):
-                    self._show_task(task, is_under_way=now.is_under_way)
-
-    def _show_task(self, task: Task, *, is_under_way: bool) -> None:
-        with ui.element("td").classes("name"):
-            ui.label(task.name)
-            ui.label(task.description).classes("description")
-        _cell("td", _TASK_WORDS[task.phase], "phase")
-        _cell("td", str(task.attempts or ""))
-        _cell("td", _time_words(task), "time")
-        with ui.element("td").classes("deeds"):
-            if not is_under_way:
-                return
-            if task.phase in (TaskPhase.WAITING, TaskPhase.RUNNING):
-                self._deed("Skip", task, "skip_next")
-            elif task.phase is TaskPhase.SET_ASIDE:
-                self._deed("Retry", task, "replay")
-
-    def _deed(self, word: str, task: Task, icon: str) -> None:
-        made = ui.button(icon=icon, on_click=partial(self._do_task, word.lower(), task), color=None)
-        made.props(f'flat dense round title="{word} {task.name}" aria-label="{word} {task.name}"')
-        made.set_enabled(self.is_operator)
+    def _new_head(self) -> RunHead:
+        return RunHead(self.button, self._pause, self._resume, self._ask_stop)
 
     # What happens
 
@@ -206,7 +134,13 @@ class OverviewPage(Page):
                 ui.label(str(number)).classes("number")
                 with ui.element("div").classes("level"):
                     ui.label(f"{word}: {level.name}" if level and level.name else word)
-                    ui.label(level.doing if level else "nothing").classes("soft")
+                    if level is None:
+                        ui.label("nothing").classes("soft")
+                        continue
+                    ui.label(level.doing).classes("soft")
+                    if level.since_s:
+                        time_s = now.told_s - level.since_s
+                        ui.label(f"for {duration_words(time_s)}").classes("soft")
 
     def _show_failures(self, now: UseCase) -> None:
         self._failures.clear()
@@ -273,12 +207,12 @@ class OverviewPage(Page):
 
         self.ask("Stop the run safely? What is done stays done.", "Stop the run", stop)
 
-    async def _do_task(self, word: str, task: Task) -> None:
+    async def _do_task(self, word: str, task: str) -> None:
         def deed(supervisor: Supervisor, by: str) -> str:
             command = supervisor.skip if word == "skip" else supervisor.retry
-            return command(task.name, by)
+            return command(task, by)
 
-        await self._give(f"{word} task {task.name}", deed)
+        await self._give(f"{word} task {task}", deed)
 
     async def _answer(self, question: Question, choice: Choice) -> None:
         number = question.number
@@ -286,26 +220,6 @@ class OverviewPage(Page):
             f"answer question {number} about {question.task}: {choice.words}",
             lambda supervisor, by: supervisor.answer(number, choice, by),
         )
-
-
-def _style(phase: Phase) -> str:
-    return {Phase.ASKING: "asking", Phase.PAUSED: "paused"}.get(phase, "running")
-
-
-def _percent(part: int, total: int) -> str:
-    return f"{100 * part / total:.1f}%" if total else "0"
-
-
-def _time_words(task: Task) -> str:
-    """Return what a task has taken, and what it still takes."""
-    taken = duration_words(task.taken_s) if task.taken_s else ""
-    left = f"{duration_words(task.expected_s)} left" if task.expected_s else ""
-    return ", ".join(filter(None, (taken, left)))
-
-
-def _cell(tag: str, text: str, style: str = "") -> None:
-    with ui.element(tag).classes(style):
-        ui.label(text)
 
 
 def _plot(title: str, figure: str, svg: str) -> None:

@@ -39,7 +39,9 @@ class PropertiesPanel:
         page = self._page
         if page.inspected is not page.chart:
             return  # not twice, so that nothing moves under somebody's hand
-        shown = (page.chart, page.selected, page.inspection, page.console.settings.now)
+        settings = page.console.settings.now
+        synthesis = (settings.is_synthesis_enabled, settings.synthesis_topic)
+        shown = (page.chart, page.selected, page.inspection, synthesis)
         if shown == self._shown:
             return
         self._shown = shown

@@ -8,15 +8,13 @@ from functools import partial
 
 from nicegui import background_tasks, run, ui
 
-from remodel_console.core.drawing import drawn_path, drawn_paths
 from remodel_console.core.plot import series_plot
 from remodel_console.core.record import REASONS, Entry, Kind, Moment, Record, Summary, value_words
 from remodel_console.core.use_case import decision_words, duration_words, fault_words
 from remodel_console.core.world import Notice, World, supervisor_notice
-from remodel_console.edge.picture import picture
 from remodel_console.errors import CommandError
+from remodel_console.web.behavior_drawing import BehaviorDrawing
 from remodel_console.web.camera_view import CameraView
-from remodel_console.web.canvas import Canvas
 from remodel_console.web.page import Page
 
 _ROOM = (700.0, 420.0)  # for the drawing on a common screen [pixels]
@@ -50,8 +48,6 @@ class ReplayPage(Page):
         self._record = Record(())
         self._run = 0
         self._index = 0
-        self._drawn: frozenset[str] = frozenset()
-        self._drawn_name: str | None = None
         with ui.element("div").classes("replay"):
             with ui.element("aside").classes("runs"):
                 with ui.row().classes("runs-head"):
@@ -63,21 +59,28 @@ class ReplayPage(Page):
                 with ui.row().classes("headline"):
                     self._title = ui.label("Choose a run on the left.").classes("title")
                     self._where = ui.label().classes("where")
-                self._canvas = Canvas("State machine of the behavior that ran")
-                self._empty = ui.label().classes("empty")
+                self._drawing = BehaviorDrawing(
+                    self.console,
+                    "State machine of the behavior that ran",
+                    "No behavior of this task has run yet.",
+                    _ROOM,
+                )
             with ui.element("section").classes("scrub"):
                 self._build_scrubber()
             with ui.element("aside").classes("panel"):
                 self._build_panel()
         self._player = ui.timer(_FRAME_S, self._play_on, active=False)
-        background_tasks.create(self._list())
+        self._has_supervisor = False
 
     def more_notices(self, world: World) -> Iterable[Notice]:
         """Return whether the supervisor, who has the records, is away."""
         return supervisor_notice(world)
 
     def show(self, world: World) -> None:
-        """Show nothing else: a record does not change."""
+        """List the runs as soon as somebody can tell them; a record does not change."""
+        if world.has_supervisor and not self._has_supervisor:
+            background_tasks.create(self._list())
+        self._has_supervisor = world.has_supervisor
 
     def press(self, key: str, *, ctrl: bool) -> None:
         """Move in time."""
@@ -95,15 +98,16 @@ class ReplayPage(Page):
     async def _list(self) -> None:
         """List the runs; open the one that the address names."""
         recorder = self.console.recorder
-        self._runs.clear()
         try:
             if recorder is None:
                 raise CommandError("ROS is away; records cannot be asked for.")
             runs = await run.io_bound(recorder.runs)
         except CommandError as error:
+            self._runs.clear()
             with self._runs:
                 ui.label(str(error)).classes("ending bad")
             return
+        self._runs.clear()
         with self._runs:
             if not runs:
                 ui.label("No run is recorded yet.").classes("soft")
@@ -136,7 +140,7 @@ class ReplayPage(Page):
             ui.notify(str(error), type="negative")
             return
         self._hold()
-        self._record, self._run, self._drawn_name = record, summary.run, None
+        self._record, self._run = record, summary.run
         self._title.text = f"{summary.order}, run {summary.run}"
         for button in self._runs.default_slot.children:
             button.classes(remove="here")
@@ -148,7 +152,7 @@ class ReplayPage(Page):
         if record.entries:
             self._go(0)
         else:
-            self._empty.text = "Nothing was recorded of this run."
+            self._clock.text = "Nothing was recorded of this run."
 
     # Time
 
@@ -233,10 +237,12 @@ class ReplayPage(Page):
         self._show_reasons(moment)
         address = f"/record/{self._run}/{moment.picture}" if moment.picture else ""
         self._picture.show(address)
-        if moment.behavior != self._drawn_name:
-            self._drawn_name = moment.behavior
-            background_tasks.create(self._draw(moment.behavior))
-        self._light(moment)
+        self._drawing.light(moment.state_path, frozenset(moment.passed), is_asked=False)
+        if moment.behavior != self._drawing.name:
+            self._drawing.name = moment.behavior
+            background_tasks.create(self._drawing.draw(moment.behavior))
+        else:
+            background_tasks.create(self._drawing.follow())
 
     def _show_now(self, moment: Moment) -> None:
         self._now.clear()
@@ -269,33 +275,9 @@ class ReplayPage(Page):
                 ui.label("Until here nothing had to be decided.").classes("soft")
             for entry in moment.reasons:
                 with ui.element("div").classes(f"failure {entry.kind.value}"):
-                    ui.label(f"{entry.task}, {self._record.offset_s(entry):.1f} s").classes("soft")
+                    when = f"{self._record.offset_s(entry):.1f} s"
+                    ui.label(f"{entry.task}, {when}" if entry.task else when).classes("soft")
                     ui.label(_entry_words(entry))
-
-    async def _draw(self, name: str) -> None:
-        """Draw the behavior that ran, if it is installed here."""
-        self._empty.text = "" if name else "No behavior of this task ran yet."
-        if not name:
-            self._drawn = frozenset()
-            self._canvas.draw("")
-            return
-        try:
-            chart = await run.io_bound(self.console.chart_to_watch, name)
-            svg = await run.io_bound(picture, chart, _ROOM)
-        except CommandError as error:
-            self._drawn = frozenset()
-            self._canvas.draw("")
-            self._empty.text = str(error)
-            return
-        if name == self._drawn_name:
-            self._drawn = drawn_paths(chart)
-            self._canvas.draw(svg)
-            self._light(self._record.moment(self._index))
-
-    def _light(self, moment: Moment) -> None:
-        passed = frozenset(drawn_path(path, self._drawn) for path in moment.passed)
-        active = drawn_path(moment.state_path, self._drawn)
-        self._canvas.light(active, passed - {""}, asked=False)
 
 
 def _entry_words(entry: Entry) -> str:
@@ -308,7 +290,9 @@ def _entry_words(entry: Entry) -> str:
         because = f", because {entry.because}" if entry.because else ""
         return f"The cell {decision_words(entry.text)}{because}."
     if entry.kind is Kind.OPERATOR:
-        return f"{entry.because or 'An operator'}: {entry.text}"
+        return f"{entry.because}: {entry.text}" if entry.because else entry.text
+    if entry.kind is Kind.RUN and entry.because:
+        return f"{entry.text}: {entry.because}"
     who = f"{entry.ability}: " if entry.ability else ""
     return f"{who}{entry.text}" or entry.kind.value
 
@@ -317,10 +301,10 @@ def _marks(record: Record) -> str:
     """Return the failures, decisions and answers as marks on the track of time."""
     if not record.entries or not record.length_s:
         return ""
+    reasons = (entry for entry in record.entries if entry.kind in REASONS)
     places = (
         (100 * record.offset_s(entry) / record.length_s, entry.kind.value)
-        for entry in record.entries
-        if entry.kind in REASONS
+        for entry in sorted(reasons, key=lambda entry: entry.kind is Kind.FAILURE)  # on top
     )
     return "".join(
         f'<i class="{kind}-mark" style="left:{place:.2f}%"></i>' for place, kind in places

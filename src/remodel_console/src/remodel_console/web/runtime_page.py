@@ -9,9 +9,6 @@ from nicegui import background_tasks, run, ui
 from flexbe_synthesizer.core.model import Chart
 from remodel_console.core.answer import DONE
 from remodel_console.core.commands import Command, Verb
-from remodel_console.core.drawing import drawn_path, drawn_paths
-from remodel_console.core.editing import Path
-from remodel_console.core.folding import folded
 from remodel_console.core.order import (
     LEVELS,
     UNATTENDED,
@@ -28,9 +25,8 @@ from remodel_console.core.order import (
 )
 from remodel_console.core.run_view import Asked, Phase, RunView
 from remodel_console.core.world import World
-from remodel_console.edge.picture import picture
 from remodel_console.errors import CommandError
-from remodel_console.web.canvas import Canvas
+from remodel_console.web.behavior_drawing import BehaviorDrawing
 from remodel_console.web.log_pane import LogPane
 from remodel_console.web.page import Page, table
 from remodel_console.web.start_form import StartForm
@@ -53,14 +49,8 @@ class RuntimePage(Page):
 
     def build(self) -> None:
         """Build the drawing, the panel beside it, and the log below."""
-        self._drawn: frozenset[str] = frozenset()
-        self._drawn_name: str | None = None
-        self._chart: Chart | None = None
-        self._paths: frozenset[str] = frozenset()
-        self._open: Path = ()
-        self._passed: frozenset[str] = frozenset()
-        self._passed_of: tuple[frozenset[str], frozenset[str]] = (frozenset(), frozenset())
         self._shown: object = None
+        self._drawn_chart: Chart | None = None
         self._newer: Switch | None = None
         self._newer_for: object = None
         self._line_count = 0
@@ -72,10 +62,12 @@ class RuntimePage(Page):
                 with ui.row().classes("headline"):
                     self._title = ui.label().classes("title")
                     self._state = ui.label().classes("state")
-                self._canvas = Canvas("State machine of the behavior")
-                self._empty = ui.label(
-                    "Choose a behavior on the right; its state machine is drawn here."
-                ).classes("empty")
+                self._drawing = BehaviorDrawing(
+                    self.console,
+                    "State machine of the behavior",
+                    "Choose a behavior on the right; its state machine is drawn here.",
+                    _ROOM,
+                )
             self._panel = ui.element("aside").classes("panel")
             with ui.element("section").classes("log-area"):
                 self._log = LogPane()
@@ -86,9 +78,11 @@ class RuntimePage(Page):
         if lines:
             self._log.add(lines)
         loaded = self._loaded()
-        if loaded != self._drawn_name:
-            self._drawn_name = loaded
-            background_tasks.create(self._draw(loaded))
+        session = self.console.session
+        is_saved_anew = session.is_saved and session.chart is not self._drawn_chart
+        if loaded != self._drawing.name or is_saved_anew:
+            self._drawing.name, self._drawn_chart = loaded, session.chart
+            background_tasks.create(self._drawing.draw(loaded))
         running = self.console.running_name() if world.run.phase is Phase.RUNNING else ""
         self._light(world.run, running)
         self._look_for_newer_version(world.run)
@@ -120,59 +114,11 @@ class RuntimePage(Page):
         if order is not None:
             background_tasks.create(self._order(order))
 
-    # The drawing
-
-    async def _draw(self, name: str) -> None:
-        """Draw the saved chart of a behavior."""
-        self._empty.set_visibility(not name)
-        if not name:
-            return
-        try:
-            chart = await run.io_bound(self.console.chart_to_watch, name)
-            if name == self._drawn_name:
-                self._chart, self._paths = chart, drawn_paths(chart)
-                await self._unfold()
-        except CommandError as error:
-            self._empty.text = str(error)
-            self._empty.set_visibility(True)
-
-    async def _unfold(self) -> None:
-        """Draw the chart, and if it is large, only the containers open in which something runs."""
-        chart, path = self._chart, self._active_container()
-        if chart is None:
-            return
-        self._open = path
-        part = folded(chart, path)
-        svg = await run.io_bound(picture, part, _ROOM)
-        if (chart, path) == (self._chart, self._open):
-            self._drawn = drawn_paths(part)
-            self._canvas.draw(svg)
-            self._show()
-
-    def _active_container(self) -> Path:
-        """Return the container that the active state lies in."""
-        active = drawn_path(self.console.live.world.run.active, self._paths)
-        return tuple(active.split("/"))[:-1]
-
-    async def _follow(self) -> None:
-        """Open the container that has become active, if the drawing is folded."""
-        is_folded = self._chart is not None and self._drawn != self._paths
-        if is_folded and self._active_container() not in ((), self._open):
-            await self._unfold()
-
     def _light(self, view: RunView, running: str) -> None:
         """Light what is active; nothing if another behavior is drawn than the one that runs."""
-        is_other = view.phase is Phase.RUNNING and running not in ("", self._drawn_name)
-        active = "" if is_other else drawn_path(view.active, self._drawn)
-        passed = frozenset() if is_other else self._drawn_all(view.visited)
-        self._canvas.light(active, passed, view.asked is not None)
-
-    def _drawn_all(self, paths: frozenset[str]) -> frozenset[str]:
-        """Return the parts of the drawing that paths of the engine are; kept, as most stay."""
-        if (paths, self._drawn) != self._passed_of:
-            self._passed_of = (paths, self._drawn)
-            self._passed = frozenset(drawn_path(path, self._drawn) for path in paths) - {""}
-        return self._passed
+        is_other = view.phase is Phase.RUNNING and running not in ("", self._drawing.name)
+        active, visited = ("", frozenset()) if is_other else (view.active, view.visited)
+        self._drawing.light(active, visited, is_asked=view.asked is not None)
 
     # The panel
 
@@ -296,7 +242,7 @@ class RuntimePage(Page):
         self._where.text = _breadcrumb(view.active)
         self._count.text = _count_words(view)
         self._show_outcomes()
-        await self._follow()
+        await self._drawing.follow()
 
     def _show_outcomes(self) -> None:
         """Show the outcomes of the active state."""

@@ -171,7 +171,6 @@ class UseCaseSupervisor:
         # A run whose order of tasks is decided was taken up by a supervisor before.
         self._began_before = not state.to_plan
         self._loaded = False
-        self._keep_panel = work.keep_panel or self._began_before
 
     @property
     def doing_now(self) -> Doing | None:
@@ -413,8 +412,9 @@ class UseCaseSupervisor:
 
     def _load_panel(self) -> None:
         if self.work.panel is not None and not self._loaded:
-            self._peers.cell.load(self.work.panel, keep=self._keep_panel)
-        self._loaded = self._keep_panel = True
+            begun = any(task.attempts for task in self.state.tasks.values())
+            self._peers.cell.load(self.work.panel, keep=self.work.keep_panel or begun)
+        self._loaded = True
 
     def _recover(self, because: str) -> None:
         """Wait for what was lost, and stop what runs; what it was doing is in doubt."""

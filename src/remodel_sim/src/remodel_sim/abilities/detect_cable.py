@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remodel_sim.abilities.looking import (
+    OverheadSighting,
     look_from_above,
     look_from_aside,
     loose_ends,
@@ -18,9 +19,9 @@ from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.goals import DetectGoal
-from remodel_sim.core.panel import End
+from remodel_sim.core.panel import End, Wire
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
-from remodel_sim.core.vision.wire_ends import trace_from
+from remodel_sim.core.vision.wire_ends import trace_between, trace_from
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +43,18 @@ class CableDetected:
     length: float
     confidence: float
     truncated: bool
+
+
+def _trace(above: OverheadSighting, wire: Wire) -> Array:
+    """Return the wire's centreline (n, 2) [px], end a first: all of it, or the longest part."""
+    seen = above.picture, above.likelihood, wire
+    if len(above.ends) == 2:
+        whole = trace_between((above.ends[End.A], above.ends[End.B]), *seen)
+        if whole is not None:
+            return whole
+    paths = {end: trace_from(sighting, *seen) for end, sighting in above.ends.items()}
+    first = max(paths, key=lambda end: (len(paths[end]), end is End.A))
+    return paths[first] if first is End.A else paths[first][::-1]
 
 
 def detect_cable(station: Station, goal: DetectGoal) -> Steps[CableDetected]:
@@ -74,12 +87,7 @@ def detect_cable(station: Station, goal: DetectGoal) -> Steps[CableDetected]:
                 f"end {end.value} of {wire.id!r} ({wire.colour}) is hidden, from above and from "
                 f"aside; seen: {seen}; feed the wire again",
             )
-    paths = {
-        end: trace_from(sighting, above.picture, above.likelihood, wire)
-        for end, sighting in above.ends.items()
-    }
-    first = max(paths, key=lambda end: (len(paths[end]), end is End.A))
-    pixels = paths[first] if first is End.A else paths[first][::-1]
+    pixels = _trace(above, wire)
     line = view.on_plane(pixels, wire.radius)
     length = float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
     confidence = float(np.clip(1 - abs(length / wire.length - 1), 0, 1))

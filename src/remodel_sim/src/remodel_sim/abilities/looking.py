@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +21,7 @@ from remodel_sim.abilities.motions import (
     wait,
 )
 from remodel_sim.abilities.station import Station, Steps
-from remodel_sim.core.arm import TOOL_M, Arm, ToolPose
+from remodel_sim.core.arm import TOOL_M, ToolPose
 from remodel_sim.core.book import EndState, TipSighting
 from remodel_sim.core.camera import Picture, View
 from remodel_sim.core.codes import Code
@@ -41,6 +42,8 @@ STILL_S = 0.10
 # wire 50 mm high moves by a third of that in the picture. Wires leave their terminals along x, so
 # it is tried along y first.
 ASIDE_M = ((0.0, 0.07), (0.0, -0.07), (0.07, 0.0), (-0.07, 0.0))
+# The same beside a label, which lies nearer to the lens and stays in the picture so far.
+LABEL_ASIDE_M = ((0.0, 0.045), (0.0, -0.045), (0.045, 0.0), (-0.045, 0.0))
 # Turns of a hand that holds a wire, for a look at a component that it need not go to [rad].
 EITHER_WAY = np.radians([0.0, 45.0, -45.0, 90.0, -90.0])
 # A label that is hidden from one place of the lens is looked for from others, so far apart [m].
@@ -173,12 +176,11 @@ def _look_close(station: Station, end: End, distance: float) -> Steps[GraspSight
     )
 
 
-def _views_around(station: Station, point: Array, yaw: float) -> list[ToolPose]:
+def _views_around(
+    station: Station, point: Array, yaw: float, beside: Sequence[tuple[float, float]] = ASIDE_M
+) -> list[ToolPose]:
     """Return tool poses that bring the wrist camera over a point (2,) [m], and beside it."""
-    tools = [
-        camera_above(station.arm, point + aside, yaw, station.commanded.yaw)
-        for aside in ((0.0, 0.0), *ASIDE_M)
-    ]
+    tools = [camera_above(station, point + aside, yaw) for aside in ((0.0, 0.0), *beside)]
     return [tools[0], *(tool for tool in tools[1:] if station.arm.reaches(tool))]
 
 
@@ -227,23 +229,26 @@ def mark_end(drawing: Drawing, sighting: EndSighting, text: str) -> None:
     drawing.note(text, ferrule.centre + reach, BLUE)
 
 
-def camera_above(arm: Arm, point: Array, yaw: float, near_yaw: float) -> ToolPose:
+def camera_above(station: Station, point: Array, yaw: float) -> ToolPose:
     """Return the tool pose that brings the wrist camera over a point (2,) [m].
 
     Args:
-        arm: that carries it.
+        station: of the robot that looks; one with room beside other robots is rather taken.
         point: to be seen in the middle of the picture, world frame.
         yaw: direction of the hand's x axis that is wished for [rad]; turned by pi, or square to
             it, if need be.
-        near_yaw: of the hand now [rad].
     """
+    arm, near_yaw = station.arm, station.commanded.yaw
+    reached = []
     for turn in (0.0, math.pi / 2):
         near = nearest_hand_yaw(arm, float(point[0]), float(point[1]), yaw + turn, near_yaw)
         for candidate in (near, near + math.pi):
             x, y = point - _camera_offset(candidate)
             tool = ToolPose(float(x), float(y), LOOK_Z, candidate)
             if arm.reaches(tool):
-                return tool
+                reached.append(tool)
+    if reached:
+        return min(reached, key=lambda tool: not station.has_room(tool))
     x, y = point - _camera_offset(yaw)
     return ToolPose(float(x), float(y), LOOK_Z, yaw)
 
@@ -277,7 +282,7 @@ def label_views(station: Station, label: Array, socket_yaw: float | None) -> lis
     """
     grip, now = station.book.grip, station.commanded
     if grip is None:
-        return _views_around(station, label.mean(axis=0)[:2], 0.0)
+        return _views_around(station, label.mean(axis=0)[:2], 0.0, LABEL_ASIDE_M)
     turns = EITHER_WAY
     if socket_yaw is not None:
         turns = np.linspace(0.0, wrap_angle(socket_yaw - grip.flip - now.yaw), 5)

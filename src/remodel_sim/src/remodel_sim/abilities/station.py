@@ -19,7 +19,7 @@ from remodel_sim.core.camera import Picture, View
 from remodel_sim.core.cell_design import RobotDesign
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array
+from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.panel import Panel, Wire
 from remodel_sim.core.traffic import Traffic
 from remodel_sim.physics.plant import Plant
@@ -37,6 +37,23 @@ Image = npt.NDArray[np.uint8]
 # Called after every look: camera, picture, and what was found drawn into it (None before it is
 # known).
 OnLook = Callable[[str, Picture, Image | None], None]
+
+
+# Called with poses in the world, by the names of their frames, that a goal asks to be shown.
+OnFrames = Callable[[Mapping[str, Pose]], None]
+
+
+@dataclass(frozen=True)
+class Audience:
+    """Who is told what abilities see and intend; it changes nothing.
+
+    Attributes:
+        on_look: of every look.
+        on_frames: of poses that a goal asks to be shown.
+    """
+
+    on_look: OnLook | None = None
+    on_frames: OnFrames | None = None
 
 
 class Found(Protocol):
@@ -83,12 +100,12 @@ class Station:
         book: Book,
         crew: Mapping[str, Station],
         traffic: Traffic,
-        on_look: OnLook | None = None,
+        audience: Audience,
     ) -> None:
         """Take over a robot of a freshly built plant."""
         self._plant = plant
         self._camera = design.camera.name
-        self._on_look = on_look
+        self._audience = audience
         self.name, self.arm, self.home = design.name, design.arm, design.home
         self.book = book
         self.busy = False
@@ -128,6 +145,13 @@ class Station:
             return None
         other = self._traffic.claim(self.name, volume_of(self.arm, postures))
         return None if other is None else self.crew[other]
+
+    def has_room(self, tool: ToolPose) -> bool:
+        """Return whether no other robot is in the way where the arm would stand."""
+        if len(self.crew) == 1:
+            return True
+        there = volume_of(self.arm, self.arm.joints_for(tool))
+        return self._traffic.in_the_way(self.name, there) is None
 
     def stand(self) -> None:
         """Give up all room but that of the arm where it was sent last."""
@@ -232,15 +256,20 @@ class Station:
         return self._looked(self._camera, self._plant.look_wrist(self.name))
 
     def _looked(self, camera: str, picture: Picture) -> Picture:
-        if self._on_look is not None:
-            self._on_look(camera, picture, None)
+        if self._audience.on_look is not None:
+            self._audience.on_look(camera, picture, None)
         return picture
 
     def show(self, camera: str, picture: Picture, drawing: Image) -> None:
         """Show what was found in a picture of a camera, "overhead" or "wrist": this robot's."""
-        if self._on_look is not None:
+        if self._audience.on_look is not None:
             name = self._camera if camera == "wrist" else camera
-            self._on_look(name, picture, drawing)
+            self._audience.on_look(name, picture, drawing)
+
+    def show_frames(self, frames: Mapping[str, Pose]) -> None:
+        """Show poses in the world, by the names of their frames."""
+        if self._audience.on_frames is not None:
+            self._audience.on_frames(frames)
 
     def move_fork(self, x: float, y: float) -> None:
         """Bring the feeder's fork up around a wire, world frame [m].

@@ -44,6 +44,10 @@ class PanelError(CellError):
         self.problems = problems
 
 
+class FilmError(CellError):
+    """A run cannot be filmed."""
+
+
 class CellFileError(CellError):
     """A cell's file cannot be read or makes no sense.
 

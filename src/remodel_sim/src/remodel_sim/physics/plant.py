@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.cable import discretise
@@ -32,6 +33,7 @@ from remodel_sim.physics.robot import Robot
 from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.world import World
 
+FILM_WIDTH_PX = 640
 # A piece of cable that somebody left, and how far above the plate it falls from.
 STRAY_LENGTH_M = 0.12
 STRAY_DROP_M = 0.02
@@ -346,3 +348,11 @@ class Plant:
     def photograph(self, camera: str) -> Picture:
         """Take a clean picture for people."""
         return cameras.photograph(self.world, self.views[camera])
+
+    def film(self, camera: str) -> npt.NDArray[np.uint8]:
+        """Take a small clean picture at once, (height, width, 3): for a film."""
+        view = self.views[camera]
+        height = round(FILM_WIDTH_PX * view.lens.height / view.lens.width)
+        lens = replace(view.lens, width=FILM_WIDTH_PX, height=height)
+        small = View(lens, view.world_from_camera)
+        return cameras.photograph(self.world, small, shadow=False).rgb

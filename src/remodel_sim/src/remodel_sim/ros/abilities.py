@@ -8,6 +8,7 @@ from typing import Any
 
 from remodel_msgs import msg as messages
 
+from remodel_sim.abilities.check_connection import check_connection
 from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.abilities.extract_cable import extract_cable
 from remodel_sim.abilities.fix_cable import fix_cable
@@ -15,9 +16,11 @@ from remodel_sim.abilities.insert_cable import insert_cable
 from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
 from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.abilities.place_cable import place_cable
+from remodel_sim.abilities.place_pin import place_pin
 from remodel_sim.abilities.route_wire import route_wire
 from remodel_sim.abilities.station import Steps
 from remodel_sim.core import goals
+from remodel_sim.core.pin_goal import PlacePinGoal
 from remodel_sim.ros.conversions import pose_from
 
 
@@ -50,6 +53,13 @@ ABILITIES = (
         "LocateGearboxComponent",
         lambda m: goals.LocateGoal(m.component_id, m.terminal_id),
         locate_gearbox_component,
+    ),
+    Ability(
+        "CheckConnection",
+        lambda m: goals.CheckGoal(
+            m.cable_id, goals.parse_end(m.cable_end), m.component_id, m.terminal_id
+        ),
+        check_connection,
     ),
     Ability("DetectCable", lambda m: goals.DetectGoal(m.cable_id), detect_cable),
     Ability(
@@ -96,6 +106,19 @@ ABILITIES = (
             pose_from("socket_pose", m.socket_pose),
         ),
         extract_cable,
+    ),
+    Ability(
+        "PlacePin",
+        lambda m: PlacePinGoal(
+            m.robot_1_name,
+            m.robot_2_name,
+            m.path_space,
+            m.connector_space,
+            m.centered,
+            m.rotate,
+            m.show_in_TF,
+        ),
+        place_pin,
     ),
     Ability(
         "RouteWire",

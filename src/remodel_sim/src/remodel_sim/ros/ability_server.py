@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import traceback
+from collections.abc import Sequence
 
 import actionlib
 import rospy
@@ -46,7 +47,7 @@ class AbilityServer:
             return
         try:
             stations = self._stations(message)
-            goal = self._checked(message, stations[0])
+            goal = self._checked(message, stations)
         except AbilityError as error:
             self._refuse(handle, error.code, str(error))
             return
@@ -87,12 +88,13 @@ class AbilityServer:
 
         return min(self._owner.cell.stations.values(), key=rank)
 
-    def _checked(self, message: Message, station: Station) -> Goal:
+    def _checked(self, message: Message, stations: Sequence[Station]) -> Goal:
         """Return the goal of a message; raises AbilityError when it cannot be taken."""
         require(bool(message.id.strip()), "id is empty; it must name the goal")
         require_number("timeout", message.timeout, 0.1, MAX_TIMEOUT_S, "s")
         goal = self._ability.parse(message)
-        goal.check(station.panel, station.book)
+        for station in stations:
+            goal.check(station.panel, station.book)
         return goal
 
     def _refuse(self, handle: ServerGoalHandle, code: Code, text: str) -> None:

@@ -3,24 +3,30 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 
 import rospy
 import yaml
 from genpy import MessageException
 
+from remodel_sim.abilities.station import Audience
 from remodel_sim.cell import Cell
+from remodel_sim.core.cell_design import CellDesign
 from remodel_sim.core.errors import CellError
 from remodel_sim.core.panel import End
 from remodel_sim.core.wire_materials import WireMaterials
 from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.edge.film import Film
 from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.ros.abilities import ABILITIES
 from remodel_sim.ros.ability_server import AbilityServer
 from remodel_sim.ros.conversions import read_panel
+from remodel_sim.ros.filming import Filming
 from remodel_sim.ros.markers import Markers
 from remodel_sim.ros.owner import Owner
-from remodel_sim.ros.publishers import Pictures, RobotState
+from remodel_sim.ros.publishers import FixedFrames, Pictures, RobotState
 from remodel_sim.ros.services import Services
 from remodel_sim.ros.sim_clock import SimClock
 
@@ -33,28 +39,30 @@ def main() -> int:
     """Run the cell until ROS shuts down; returns the exit code."""
     rospy.init_node("cell")
     sys.setswitchinterval(SWITCH_INTERVAL_S)
-    try:
-        materials = read_wire_materials()
-        owner = _build(materials)
-    except (CellError, OSError, ValueError, yaml.YAMLError, MessageException) as error:
-        rospy.logfatal("the cell does not start: %s", error)
-        return 1
-    for ability in ABILITIES:
-        AbilityServer(ability, owner)
-    Services(owner, materials)
-    rospy.loginfo("the cell is ready")
-    owner.spin()
-    owner.cell.close()
+    with ExitStack() as closing:
+        try:
+            materials = read_wire_materials()
+            owner = _build(materials, closing)
+        except (CellError, OSError, ValueError, yaml.YAMLError, MessageException) as error:
+            rospy.logfatal("the cell does not start: %s", error)
+            return 1
+        for ability in ABILITIES:
+            AbilityServer(ability, owner)
+        Services(owner, materials)
+        rospy.loginfo("the cell is ready")
+        owner.spin()
     return 0
 
 
-def _build(materials: WireMaterials) -> Owner:
+def _build(materials: WireMaterials, closing: ExitStack) -> Owner:
     rate_hz = float(rospy.get_param("~rate_hz", 240.0))
     if not RATES_HZ[0] <= rate_hz <= RATES_HZ[1]:
         raise ValueError(f"rate_hz is {rate_hz}; allowed: {RATES_HZ[0]} to {RATES_HZ[1]}")
     panel = read_panel(Path(rospy.get_param("~panel")), materials)
     design = read_cell(str(rospy.get_param("~cell", "one_panda")))
+    record, camera = _recording(design)
     clock = SimClock()
+    fixed = FixedFrames(clock)
     cell = Cell(
         panel,
         design=design,
@@ -62,10 +70,31 @@ def _build(materials: WireMaterials) -> Owner:
         rate_hz=rate_hz,
         gui=bool(rospy.get_param("~gui", False)),
         solid_parked=bool(rospy.get_param("~solid_parked", False)),
-        on_look=Pictures(design, clock),
+        audience=Audience(Pictures(design, clock), fixed),
     )
+    closing.callback(cell.close)
     wire_id = str(rospy.get_param("~feed", ""))
     if wire_id:
         mouth = panel.panel_from_socket(*panel.wire(wire_id).goes_to(End.A)).position
         cell.feed(wire_id, panel.channel_in_front_of(mouth).id)
-    return Owner(cell, clock, (RobotState(cell.plant, clock), Markers(cell.plant, clock)))
+    publishers: list[Callable[[], None]] = [
+        RobotState(cell.plant, clock, fixed),
+        Markers(cell.plant, clock),
+    ]
+    if record is not None:
+        film = Film(record)
+        closing.callback(film.close)
+        publishers.append(Filming(cell, clock, film, camera))
+    return Owner(cell, clock, publishers)
+
+
+def _recording(design: CellDesign) -> tuple[Path | None, str]:
+    """Return the folder that a run is filmed into, None: it is not, and with which camera."""
+    folder = str(rospy.get_param("~record", ""))
+    camera = str(rospy.get_param("~record_camera", "scene"))
+    if folder and not Path(folder).is_absolute():
+        raise ValueError(f"record is {folder!r}; name an absolute path, such as $PWD/{folder}")
+    if camera not in design.camera_names:
+        there_are = ", ".join(design.camera_names)
+        raise ValueError(f"record_camera is {camera!r}; there are: {there_are}")
+    return Path(folder) if folder else None, camera

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import rospy
 from geometry_msgs.msg import TransformStamped, Vector3, WrenchStamped
@@ -9,7 +11,7 @@ from sensor_msgs.msg import CameraInfo, Image, JointState
 from tf2_ros import StaticTransformBroadcaster, TransformBroadcaster
 
 from remodel_sim.core.camera import Picture
-from remodel_sim.core.cell_design import CellDesign, RobotDesign
+from remodel_sim.core.cell_design import CellDesign
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.layout import WORLD_FROM_PANEL
 from remodel_sim.physics.plant import Plant
@@ -51,10 +53,27 @@ def optical_frame(camera: str) -> str:
     return f"{camera}_optical"
 
 
+class FixedFrames:
+    """Tells frames that do not move, those of goals among them."""
+
+    def __init__(self, clock: SimClock) -> None:
+        """Advertise the topic."""
+        self._clock = clock
+        self._told: dict[str, TransformStamped] = {}
+        self._broadcaster = StaticTransformBroadcaster()
+
+    def __call__(self, frames: Mapping[str, Pose], parent: str = WORLD) -> None:
+        """Tell frames in their parent, besides those told before."""
+        for child, pose in frames.items():
+            self._told[child] = _transform(parent, child, pose, self._clock.now)
+        # Those who come later get the last message only: it has all of them.
+        self._broadcaster.sendTransform(list(self._told.values()))
+
+
 class RobotState:
     """Publishes joint states, the forces at the wrists, and frames."""
 
-    def __init__(self, plant: Plant, clock: SimClock) -> None:
+    def __init__(self, plant: Plant, clock: SimClock, fixed: FixedFrames) -> None:
         """Tell the frames that never move, once."""
         self._plant = plant
         self._clock = clock
@@ -67,15 +86,13 @@ class RobotState:
             for robot in plant.design.robots
         }
         self._moving = TransformBroadcaster()
-        self._fixed = StaticTransformBroadcaster()
         overhead = plant.design.overhead.world_from_camera
-        fixed = [
-            _transform(WORLD, PANEL, WORLD_FROM_PANEL, clock.now),
-            _transform(WORLD, optical_frame("overhead"), overhead, clock.now),
-        ]
+        fixed({PANEL: WORLD_FROM_PANEL, optical_frame("overhead"): overhead})
+        lens = Pose(np.array(CAMERA_MOUNT), np.array([0.0, 0.0, 0.0, 1.0]))
         for robot in plant.design.robots:
-            fixed += _fixed_frames(robot, clock.now)
-        self._fixed.sendTransform(fixed)
+            base = robot.prefix + BASE_LINKS[robot.arm.model.name]
+            fixed({base: robot.arm.world_from_base})
+            fixed({optical_frame(robot.camera.name): lens}, parent=robot.prefix + HAND)
 
     def __call__(self) -> None:
         """Publish when it is time."""
@@ -98,16 +115,6 @@ class RobotState:
                 _transform(WORLD, hand, robot.world_from_hand, self._clock.now)
             )
         self._joints.publish(message)
-
-
-def _fixed_frames(robot: RobotDesign, stamp: rospy.Time) -> list[TransformStamped]:
-    """Return the frames of a robot that never move: its base, and the camera on its hand."""
-    lens = Pose(np.array(CAMERA_MOUNT), np.array([0.0, 0.0, 0.0, 1.0]))
-    base = robot.prefix + BASE_LINKS[robot.arm.model.name]
-    return [
-        _transform(WORLD, base, robot.arm.world_from_base, stamp),
-        _transform(robot.prefix + HAND, optical_frame(robot.camera.name), lens, stamp),
-    ]
 
 
 def _transform(parent: str, child: str, pose: Pose, stamp: rospy.Time) -> TransformStamped:

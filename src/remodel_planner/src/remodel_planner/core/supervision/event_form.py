@@ -50,12 +50,16 @@ def _plain(value: object) -> object:
 def _built(kind: object, value: object) -> object:
     """Return a value of a type: a dataclass, an enumeration, a tuple, or what JSON has."""
     if dataclasses.is_dataclass(kind):
+        if not isinstance(value, Mapping):
+            raise TypeError(f"{value!r} is no mapping")
         hints = get_type_hints(kind)
         unknown = set(value) - set(hints)
         if unknown:
             raise ValueError(f"unknown field {min(unknown)}")
         return kind(**{name: _built(hints[name], item) for name, item in value.items()})  # type: ignore[operator]
     if get_origin(kind) is tuple:
+        if not isinstance(value, list):
+            raise TypeError(f"{value!r} is no list")
         kinds = get_args(kind)
         inner = [kinds[0]] * len(value) if kinds[-1] is Ellipsis else kinds
         return tuple(_built(k, item) for k, item in zip(inner, value, strict=True))
@@ -64,5 +68,5 @@ def _built(kind: object, value: object) -> object:
     if kind is float and type(value) is int:
         return float(value)
     if type(value) is not kind:
-        raise TypeError(f"{value!r} is not of type {kind.__name__}")
+        raise TypeError(f"{value!r} is not of type {getattr(kind, '__name__', kind)}")
     return value

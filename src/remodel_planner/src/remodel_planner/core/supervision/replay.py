@@ -114,7 +114,11 @@ def _fits(event: Event, step: Step | None) -> bool:
             return True
         case TaskBegun(), Execute():
             return (event.task, event.part) == (step.task, step.part)
-        case (Settled(), Settle()) | (Decided(), Decide()) | (Asked(), Ask()):
+        case Settled(), Settle():
+            return event.task == step.task
+        case Decided(), Decide():
+            return event.task == step.task
+        case Asked(), Ask():
             return event.task == step.task
         case RunEnded(), End():
             return event.ending is step.ending

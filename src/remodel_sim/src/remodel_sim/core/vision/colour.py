@@ -38,8 +38,8 @@ def wire_likelihood(rgb: npt.NDArray[np.uint8], colour: str) -> npt.NDArray[np.f
     """
     pixels = rgb.astype(np.float32)
     colours = GREEN_AND_YELLOW if colour == "GNYE" else (WIRE_RGB[colour],)
-    wire = np.min([_distance(pixels, c, WIRE_SHADES) for c in colours], axis=0)
-    plate = _distance(pixels, PLATE_RGB, PLATE_SHADES)
+    wire = np.min([shade_distance(pixels, c, WIRE_SHADES) for c in colours], axis=0)
+    plate = shade_distance(pixels, PLATE_RGB, PLATE_SHADES)
     fit = np.clip(1.0 - wire / (2 * TOLERANCE), 0.0, 1.0)
     contrast = np.clip((plate - wire) / TOLERANCE + 0.5, 0.0, 1.0)
     likelihood = (fit * contrast).astype(np.float32)
@@ -47,7 +47,9 @@ def wire_likelihood(rgb: npt.NDArray[np.uint8], colour: str) -> npt.NDArray[np.f
     return np.clip((likelihood - floor) / (1.0 - floor), 0.0, 1.0)
 
 
-def _distance(pixels: npt.NDArray[np.float32], colour: Rgb, shades: tuple[float, float]) -> Array:
+def shade_distance(
+    pixels: npt.NDArray[np.float32], colour: Rgb, shades: tuple[float, float]
+) -> Array:
     """Return each pixel's distance to the nearest shade of a colour [grey levels]."""
     full = np.array(colour, np.float32) * 255
     shade = np.clip(pixels @ full / float(full @ full), *shades)

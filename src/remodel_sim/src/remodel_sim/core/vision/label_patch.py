@@ -18,6 +18,8 @@ FINE = 16
 MARGIN = int(LABEL_MARGIN_CELLS)
 # So much of the white margin takes part [cells]: what lies beyond it blurs into its rim.
 RIM_CELLS = 0.6
+# So many samples are taken per cell and axis, at least, of labels that have them.
+SAMPLES_PER_CELL = 6
 # Pictures are blurred by this standard deviation [px]: edges sharper than a pixel are hard to move.
 SMOOTH_PX = 1.0
 
@@ -44,7 +46,10 @@ class LabelPatch:
         limit = np.array([picture.rgb.shape[1], picture.rgb.shape[0]]) - 1
         low = np.clip(np.floor(corners.min(axis=0) - reach), 0, limit).astype(int)
         high = np.clip(np.ceil(corners.max(axis=0) + reach), 0, limit).astype(int)
-        columns, rows = np.meshgrid(np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1))
+        step = max(1, int(self._cell_px / SAMPLES_PER_CELL))
+        columns, rows = np.meshgrid(
+            np.arange(low[0], high[0] + 1, step), np.arange(low[1], high[1] + 1, step)
+        )
         pixels = np.column_stack([columns.ravel(), rows.ravel()])
         to_label = cv2.getPerspectiveTransform(square, flat)
         even = cv2.perspectiveTransform(pixels[None].astype(np.float64), to_label)[0] - 0.5
@@ -53,7 +58,7 @@ class LabelPatch:
         grey = cv2.cvtColor(window, cv2.COLOR_RGB2GRAY).astype(np.float32)
         smooth = cv2.GaussianBlur(grey, (0, 0), SMOOTH_PX)
         self.even = np.asarray(even[inside], np.float64)
-        self.levels = smooth.ravel()[inside].astype(np.float64)
+        self.levels = smooth[::step, ::step].ravel()[inside].astype(np.float64)
         self._eye = picture.view.world_from_camera.position
         self._rays = picture.view.on_plane(pixels[inside], self._eye[2] - 1.0) - self._eye
 

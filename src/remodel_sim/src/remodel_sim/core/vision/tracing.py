@@ -18,7 +18,10 @@ from remodel_sim.core.geometry import Array
 FAN_RAD = np.radians(np.linspace(-40, 40, 17))
 # Price of turning, in likelihood per radian of turn.
 TURN_PRICE = 0.25
-MIN_LIKELIHOOD = 0.3
+# Along a wire of the plate's colour every other piece is as likely as the plate: half a wire.
+MIN_LIKELIHOOD = 0.45
+# Noise is smoothed by this standard deviation [widths].
+SMOOTH_WIDTHS = 0.3
 COAST_WIDTHS = 4.0
 MAX_STEPS = 2000
 
@@ -34,6 +37,8 @@ def trace(
         direction: (2,) into the wire.
         width: of the wire [px].
     """
+    smooth = cv2.GaussianBlur(likelihood, (0, 0), SMOOTH_WIDTHS * width)
+    likelihood = np.asarray(smooth, np.float32)
     step = max(1.5, 0.6 * width)
     heading = math.atan2(direction[1], direction[0])
     point = np.asarray(start, np.float64)

@@ -15,6 +15,7 @@ from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.panel import End, Wire
+from remodel_sim.core.vision.cables.polyline import arc_lengths
 from remodel_sim.core.vision.colour import wire_likelihood
 from remodel_sim.core.vision.ferrules import Ferrule, find_ferrules
 from remodel_sim.core.vision.tracing import trace
@@ -28,6 +29,9 @@ MIN_FERRULE_SHARE = 0.55
 MIN_COLOUR = 0.25
 # Half of the depth picture's window over a ferrule [px].
 DEPTH_WINDOW_PX = 2
+# Lines traced from both ends meet within so many widths: a fork hides that much. A pixel of length
+# too much or too little counts as so many of a gap.
+MEETING_WIDTHS, LENGTH_PRICE = 6.0, 0.2
 # A wire seen this far above the plate does not lie on it [m].
 LIFTED_M = 0.002
 
@@ -123,12 +127,42 @@ def _in_world(ferrule: Ferrule, picture: Picture, wire: Wire) -> TipSighting:
 
 
 def trace_from(
-    sighting: EndSighting, picture: Picture, likelihood: npt.NDArray[np.float32], wire: Wire
+    sighting: EndSighting,
+    picture: Picture,
+    likelihood: npt.NDArray[np.float32],
+    wire: Wire,
 ) -> Array:
-    """Return the wire's centreline (n, 2) [px] from the tip on."""
+    """Return the wire's centreline (n, 2) [px] from the tip on.
+
+    It is no longer than the wire: on a plate of the wire's colour nothing stops the tracer.
+    """
     ferrule = sighting.ferrule
     width = max(2.0, wire.diameter / picture.view.metres_per_pixel(wire.radius))
     tail = ferrule.centre - ferrule.out * (ferrule.length / 2 + 0.5 * width)
     behind = trace(likelihood, tail, -ferrule.out, width)
     tip = picture.view.project(sighting.tip.tip)
-    return np.vstack([tip, ferrule.centre[None], behind])
+    line = np.vstack([tip, ferrule.centre[None], behind])
+    longest = wire.length / picture.view.metres_per_pixel(wire.radius)
+    return line[: int(np.searchsorted(arc_lengths(line), longest, side="right"))]
+
+
+def trace_between(
+    sightings: tuple[EndSighting, EndSighting],
+    picture: Picture,
+    likelihood: npt.NDArray[np.float32],
+    wire: Wire,
+) -> Array | None:
+    """Return the wire's centreline (n, 2) [px] from one tip to the other.
+
+    It is traced from both, and joined where the two lines meet and the whole is as long as the
+    wire; None where they do not meet.
+    """
+    first, last = (trace_from(sighting, picture, likelihood, wire) for sighting in sightings)
+    gaps = np.linalg.norm(first[:, None] - last[None], axis=2)
+    longest = wire.length / picture.view.metres_per_pixel(wire.radius)
+    lengths = arc_lengths(first)[:, None] + arc_lengths(last)[None] + gaps
+    cost = gaps + LENGTH_PRICE * np.abs(lengths - longest)
+    i, j = np.unravel_index(int(np.argmin(cost)), cost.shape)
+    if gaps[i, j] > MEETING_WIDTHS * wire.diameter / picture.view.metres_per_pixel(wire.radius):
+        return None
+    return np.vstack([first[: i + 1], last[j::-1]])

@@ -93,7 +93,7 @@ def _crossing(
         lower[0],
         upper[1] / (len(cables[upper[0]].centreline) - 1),
         lower[1] / (len(cables[lower[0]].centreline) - 1),
-        float(np.clip(abs(evidence) / SURE, 0.0, 1.0)),
+        min(abs(evidence) / SURE, 1.0),
     )
 
 
@@ -102,7 +102,7 @@ class _Strand:
 
     def __init__(self, line: Array, index: float) -> None:
         self._line = line
-        self._index = float(np.clip(index, 1, len(line) - 2))
+        self._index = min(max(index, 1.0), len(line) - 2.0)
         places = np.arange(len(line))
         self.point = np.array([np.interp(self._index, places, line[:, i]) for i in (0, 1)])
         whole = round(self._index)

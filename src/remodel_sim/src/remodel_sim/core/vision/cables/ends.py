@@ -59,9 +59,9 @@ def _find_tip(rgb: Pixels, expected: Array, outward: Array, width: float) -> Tip
     profile = cv2.blur(colours.astype(np.float32).mean(axis=0)[None], (3, 1))[0]
     speed = np.linalg.norm(profile[2:] - profile[:-2], axis=1)
     prior = np.exp(-0.5 * (along[1:-1] / (TOLERANCE * width)) ** 2)
-    best = int(np.clip(np.argmax(speed * prior), 1, len(speed) - 2))
-    before, here, after = speed[best - 1 : best + 2]
+    best = min(max(int(np.argmax(speed * prior)), 1), len(speed) - 2)
+    before, here, after = speed[best - 1 : best + 2].tolist()
     curve = before - 2 * here + after
-    shift = float(np.clip(0.5 * (before - after) / curve, -1, 1)) if curve < 0 else 0.0
+    shift = min(max(0.5 * (before - after) / curve, -1.0), 1.0) if curve < 0 else 0.0
     place = along[best + 1] + shift * (along[1] - along[0])
     return Tip(expected + place * outward, outward, End.TIP)

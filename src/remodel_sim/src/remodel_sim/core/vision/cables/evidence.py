@@ -13,7 +13,7 @@ import numpy as np
 from remodel_sim.core.vision.cables.polyline import arc_lengths
 from remodel_sim.core.vision.cables.refining import Refined
 from remodel_sim.core.vision.cables.ribs import length
-from remodel_sim.core.vision.cables.robust import median, median_colour
+from remodel_sim.core.vision.cables.robust import limited, median, median_colour
 from remodel_sim.core.vision.pixels import Pixels
 
 # From where a factor is 0 to where it is 1.
@@ -104,7 +104,7 @@ def _sharp(refined: Refined) -> float:
 def _of_one_hue(colours: Pixels, contrast: Pixels) -> float:
     """Return how far colours (n, 3) are shades of their median: all along, and at the ends."""
     own = median_colour(colours)
-    shade = np.clip(colours @ own / max(float(own @ own), 1.0), *SHADES)
+    shade = limited(colours @ own / max(float(own @ own), 1.0), *SHADES)
     same = length(colours - shade[:, None] * own) < OTHER_HUE * median(contrast)
     ends = min(float(same[:END_RIBS].mean()), float(same[-END_RIBS:].mean()))
     return min(ramp(float(same.mean()), ONE_HUE), ramp(ends, END_HUE))
@@ -112,4 +112,4 @@ def _of_one_hue(colours: Pixels, contrast: Pixels) -> float:
 
 def ramp(value: float, limits: tuple[float, float]) -> float:
     """Return 0 up to the first limit, 1 from the second on, and a straight line between."""
-    return float(np.clip((value - limits[0]) / (limits[1] - limits[0]), 0.0, 1.0))
+    return min(max((value - limits[0]) / (limits[1] - limits[0]), 0.0), 1.0)

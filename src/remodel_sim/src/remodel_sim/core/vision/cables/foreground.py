@@ -22,6 +22,8 @@ from remodel_sim.core.vision.pixels import Pixels
 # of a picture of 320 columns.
 TABLE_STEP = 4
 TABLE_WINDOW = 25
+# How much the table varies is learned from every so many pixels each way.
+SPARSE = 6
 # Colours are this many standard deviations from the table's, and at least FLOOR grey levels.
 DEVIATIONS = 4.5
 FLOOR = 2.5
@@ -31,9 +33,9 @@ DARKEST_SHADOW = 0.6
 THICK_HALF_WIDTHS = 2.3
 THICK_AREA_HALF_WIDTHS = 30.0
 # What is dim and lies beside a cable is its shadow; a dim strip of its own is a dark cable: in a
-# window of so many pixels, less than this share of it is no shadow.
+# window of so many pixels, less than this share of it, a fraction, is no shadow.
 CORE_WINDOW = 15
-CORE_SHARE = 0.40
+CORE_SHARE = (2, 5)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,19 +63,21 @@ def find_foreground(rgb: Pixels) -> Foreground:
     """Separate cables from the table in a picture (height, width, 3) of some 320 columns."""
     pixels = rgb.astype(np.float32)
     table = _table(rgb)
-    whiten, spread = _whitening(pixels - table)
-    covered, shadow_free = _distances(pixels, table, whiten)
+    whiten, spread = _whitening(pixels[1::SPARSE, 1::SPARSE] - table[1::SPARSE, 1::SPARSE])
+    covered = _distance(pixels, table, whiten)
+    lit = _unlike_any_shade(pixels, table, whiten, covered)
     distance = covered
-    mask = _cables_without_shadows(distance, shadow_free)
+    mask = _cables_without_shadows(distance, lit)
     half_width = typical_half_width(mask)
     things = _things(mask, half_width)
     if things.any():
         near = _table_nearby(rgb, half_width)
-        other, other_free = _distances(pixels, near, whiten)
+        other = _distance(pixels, near, whiten)
         on_thing = things > 0
         distance = np.where(on_thing, np.minimum(covered, other), covered)
-        shadow_free = np.where(on_thing, np.minimum(shadow_free, other_free), shadow_free)
-        mask = _cables_without_shadows(distance, shadow_free)
+        other_lit = _unlike_any_shade(pixels, near, whiten, other)
+        lit = np.where(on_thing, lit & other_lit, lit)
+        mask = _cables_without_shadows(distance, lit)
         mask[_things(mask, half_width) > 0] = 0
     return Foreground(mask, things, half_width, spread, covered, distance)
 
@@ -93,7 +97,7 @@ def _whitening(difference: Pixels) -> tuple[Array, float]:
     Half of the pixels are trusted: those nearest to the table's colour, found in three rounds
     (the concentration steps of Rousseeuw's minimum covariance determinant).
     """
-    samples = difference[1::4, 1::4].reshape(-1, 3).astype(np.float64)
+    samples = difference.reshape(-1, 3).astype(np.float64)
     white = samples
     for _ in range(3):
         near = np.square(white) @ np.ones(3)
@@ -106,31 +110,38 @@ def _whitening(difference: Pixels) -> tuple[Array, float]:
     return whiten, float(np.sqrt(values[-1]))
 
 
-def _distances(pixels: Pixels, table: Pixels, whiten: Array) -> tuple[Pixels, Pixels]:
-    """Return each pixel's distance from the table's colour, and from the nearest shade of it."""
-    full = _length(cv2.transform(cv2.subtract(pixels, table), whiten))
-    shade = cv2.divide(_dot(pixels, table), _dot(table, table) + 1.0)
-    shade = np.clip(shade, DARKEST_SHADOW, 1.0)
-    shaded = cv2.multiply(cv2.merge([shade, shade, shade]), table)
-    return full, _length(cv2.transform(cv2.subtract(pixels, shaded), whiten))
+def _distance(pixels: Pixels, table: Pixels, whiten: Array) -> Pixels:
+    """Return each pixel's distance from the table's colour [standard deviations]."""
+    apart = cv2.transform(cv2.subtract(pixels, table), whiten)
+    return cv2.sqrt(cv2.transform(cv2.multiply(apart, apart), np.ones((1, 3), np.float32)))
 
 
-def _dot(a: Pixels, b: Pixels) -> Pixels:
-    return cv2.transform(cv2.multiply(a, b), np.ones((1, 3), np.float32))
+def _unlike_any_shade(pixels: Pixels, table: Pixels, whiten: Array, distance: Pixels) -> Pixels:
+    """Return 1 where a pixel differs from the table's colour and from every shadow on it."""
+    unlike = (distance > DEVIATIONS).astype(np.uint8)
+    places = np.flatnonzero(unlike)
+    seen, bare = pixels.reshape(-1, 3)[places], table.reshape(-1, 3)[places]
+    shade = np.einsum("ij,ij->i", seen, bare) / (np.einsum("ij,ij->i", bare, bare) + 1.0)
+    shade = np.minimum(np.maximum(shade, DARKEST_SHADOW), 1.0)
+    apart = (seen - shade[:, None] * bare) @ whiten.T.astype(np.float32)
+    shadows = np.einsum("ij,ij->i", apart, apart) <= DEVIATIONS**2
+    unlike.ravel()[places[shadows]] = 0
+    return unlike
 
 
-def _length(a: Pixels) -> Pixels:
-    return cv2.sqrt(_dot(a, a))
+def _cables_without_shadows(distance: Pixels, lit: Pixels) -> Pixels:
+    """Return the pixels unlike the table and its shadows, and dim strips that are no shadow.
 
-
-def _cables_without_shadows(distance: Pixels, shadow_free: Pixels) -> Pixels:
-    """Return the pixels unlike the table and its shadows, and dim strips that are no shadow."""
-    strong = cv2.medianBlur((shadow_free > DEVIATIONS).astype(np.uint8), 3)
+    Args:
+        distance: from the table's colour [standard deviations].
+        lit: 1 where a pixel is like no shadow either.
+    """
+    strong = cv2.medianBlur(lit, 3)
     weak = cv2.medianBlur((distance > DEVIATIONS).astype(np.uint8), 3)
     window = (CORE_WINDOW, CORE_WINDOW)
-    cores = cv2.boxFilter(strong, cv2.CV_32F, window, normalize=False)
-    whole = cv2.boxFilter(weak, cv2.CV_32F, window, normalize=False)
-    dark = (cores < CORE_SHARE * whole).astype(np.uint8)
+    cores = cv2.boxFilter(strong, cv2.CV_16U, window, normalize=False)
+    whole = cv2.boxFilter(weak, cv2.CV_16U, window, normalize=False)
+    dark = (CORE_SHARE[1] * cores < CORE_SHARE[0] * whole).astype(np.uint8)
     return cv2.bitwise_or(strong, cv2.bitwise_and(weak, dark))
 
 

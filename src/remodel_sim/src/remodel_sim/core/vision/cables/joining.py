@@ -12,7 +12,7 @@ from remodel_sim.core.geometry import Array
 from remodel_sim.core.vision.cables.foreground import DEVIATIONS, Foreground
 from remodel_sim.core.vision.cables.network import Network
 from remodel_sim.core.vision.cables.pairing import ALONE, Arm, EndId, best_pairs, join_cost
-from remodel_sim.core.vision.cables.polyline import across_gap, arc_lengths
+from remodel_sim.core.vision.cables.polyline import across_gap, arc_lengths, parabola
 from remodel_sim.core.vision.cables.skeleton import find_strands, thin
 from remodel_sim.core.vision.pixels import Pixels
 
@@ -156,10 +156,9 @@ def _prolonged(line: Array, distance: Pixels, width: float) -> Array:
     span = line[: max(6, round(4 * width))]
     if len(span) < 6:
         return line
-    powers = np.vander(np.arange(len(span), dtype=float), 3, increasing=True)
-    fit = np.linalg.solve(powers.T @ powers, powers.T @ span)
-    beyond = -np.arange(1.0, PROLONG_WIDTHS[1] * width)
-    more = np.asarray(np.vander(beyond, 3, increasing=True) @ fit, np.float64)
+    fit = parabola(len(span), 2) @ span
+    beyond = -np.arange(1.0, PROLONG_WIDTHS[1] * width)[:, None] / (len(span) - 1)
+    more = fit[0] + beyond * (fit[1] + beyond * fit[2])
     bare = np.flatnonzero(_values(distance, more) < DEVIATIONS)
     hidden = int(bare[0]) if len(bare) else len(more)
     if hidden < PROLONG_WIDTHS[0] * width:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remodel_sim.core.geometry import Array
+from remodel_sim.core.vision.cables.polyline import parabola
 
 # An end is (number of its strand, 0 for its first or 1 for its last point).
 EndId = tuple[int, int]
@@ -113,7 +114,5 @@ def heading_at(points: Array) -> tuple[Array, Array]:
     """Return the first of some points (n, 2), smoothed, and the unit vector that leads to it."""
     if len(points) < 3:
         return points[0], np.zeros(2)
-    degree = 2 if len(points) >= 8 else 1
-    powers = np.vander(np.linspace(0, 1, len(points)), degree + 1, increasing=True)
-    fit = np.linalg.solve(powers.T @ powers, powers.T @ points)
-    return fit[0], -fit[1] / max(math.hypot(*fit[1]), 1e-9)
+    fit = parabola(len(points), 2 if len(points) >= 8 else 1) @ points
+    return fit[0], -fit[1] / max(math.hypot(*fit[1].tolist()), 1e-9)

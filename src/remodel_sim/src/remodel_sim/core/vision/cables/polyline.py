@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from remodel_sim.core.geometry import Array
@@ -11,6 +13,16 @@ def arc_lengths(points: Array) -> Array:
     """Return each point's distance from the first along a polyline (n,)."""
     steps = np.diff(points, axis=0)
     return np.concatenate([[0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]))])
+
+
+@lru_cache(maxsize=1024)
+def parabola(count: int, degree: int) -> Array:
+    """Return the matrix (degree + 1, count) of the polynomial through even steps from 0 to 1.
+
+    Times values at the steps, it is the coefficients of the nearest polynomial, constant first.
+    """
+    powers = np.vander(np.linspace(0, 1, count), degree + 1, increasing=True)
+    return np.linalg.solve(powers.T @ powers, powers.T)
 
 
 def resample(points: Array, step: float) -> Array:
@@ -35,7 +47,8 @@ def smooth(points: Array, sigma: float) -> Array:
 
 def normals(points: Array) -> Array:
     """Return the unit normals (n, 2) of a polyline: its tangents turned from x towards y."""
-    tangent = np.gradient(points, axis=0)
+    before, after = np.vstack([points[:1], points[:-1]]), np.vstack([points[1:], points[-1:]])
+    tangent = after - before
     tangent /= np.maximum(np.hypot(tangent[:, 0], tangent[:, 1]), 1e-9)[:, None]
     return np.column_stack([-tangent[:, 1], tangent[:, 0]])
 

@@ -20,13 +20,13 @@ from remodel_sim.core.vision.pixels import Pixels
 
 # In each round: how far from half a width edges may lie, and how far their distance from the width
 # [widths]. A mask may show little more than the lit half of a cable.
-ROUNDS = ((0.35, 0.9), (0.20, 0.4), (0.10, 0.3))
+ROUNDS = ((0.35, 0.9), (0.12, 0.35))
 # Ribs of the first round are longer than the mask's width by this factor.
 FIRST_GUESS = 1.25
 # An edge counts from this share of the cable's usual contrast on.
 FAINT = 0.35
 # Ribs are this far apart [widths], and at least [px].
-SPACING_WIDTHS, SPACING_PX = 0.35, 2.0
+SPACING_WIDTHS, SPACING_PX = 0.45, 2.0
 # In the first round they are this much farther apart.
 FIRST_SPACING = 2.0
 MIN_RIBS = 6
@@ -96,7 +96,7 @@ def _centre(
     if found.sum() < 2 * MIN_RIBS:
         return None
     usual = max(median(ribs.contrast[found]), 1e-6)
-    strength = np.where(found, np.clip(ribs.contrast / usual, 0, 1), 0.0)
+    strength = np.where(found, np.minimum(ribs.contrast / usual, 1), 0.0)
     edges = np.where(found, ribs.edges, 0.0)
     measured = edges[:, 1] - edges[:, 0]
     plausible = (strength.min(axis=1) > FAINT) & (np.abs(measured / width - 1) < limits[1])

@@ -17,11 +17,11 @@ import numpy as np
 import numpy.typing as npt
 
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.vision.cables.robust import median_colour
+from remodel_sim.core.vision.cables.robust import limited, median_colour
 from remodel_sim.core.vision.pixels import Pixels
 
 # Samples of a rib, and how far it reaches [widths].
-SAMPLES = 41
+SAMPLES = 33
 REACH = 1.2
 OFFSETS = np.linspace(-REACH, REACH, SAMPLES).astype(np.float32)
 MIDDLE = SAMPLES // 2
@@ -29,7 +29,7 @@ OUTWARD = OFFSETS[MIDDLE:]
 # Ribs averaged along the cable: noise falls, a bend within them does not matter.
 ALONG = 3
 # Samples at each end of a rib that show the surroundings.
-OUTER = 4
+OUTER = 3
 # Samples of the cable's middle, of its body, and just inside an edge, on the way out.
 CORE = np.abs(OFFSETS) < 0.18
 BODY = np.abs(OFFSETS) < 0.34
@@ -148,7 +148,7 @@ def _lit(left: Pixels, right: Pixels) -> tuple[Pixels, Pixels, Pixels]:
     """Return surroundings (3, n), the lit side for one in shadow, and how bright the shadow is."""
     left_lit = left.sum(axis=0) > right.sum(axis=0)
     light, dark = np.where(left_lit, left, right), np.where(left_lit, right, left)
-    shade = np.clip(_dot(dark, light) / np.maximum(_dot(light, light), 1.0), *SHADOW)
+    shade = limited(_dot(dark, light) / np.maximum(_dot(light, light), 1.0), *SHADOW)
     hue, whole = dark - shade * light, light - dark
     is_shadow = _dot(hue, hue) < SAME_HUE**2 * _dot(whole, whole)
     return (
@@ -185,7 +185,7 @@ def _fall(share: Pixels) -> Pixels:
     k = first + start
     before, after = share[rows, k - 1], share[rows, k]
     part = (before - 0.5) / np.maximum(before - after, 1e-3)
-    edge = OUTWARD[k - 1] + np.clip(part, 0, 1) * (OUTWARD[1] - OUTWARD[0])
+    edge = OUTWARD[k - 1] + limited(part, 0, 1) * (OUTWARD[1] - OUTWARD[0])
     return np.where(found, edge, np.inf)
 
 
@@ -194,10 +194,10 @@ def _steepest_fall(distance: Pixels, rim: Pixels) -> tuple[Pixels, Pixels]:
     start, stop = np.searchsorted(OUTWARD, (EDGE_FROM, EDGE_TO))
     slope = distance[:, start - 1 : stop - 1] - distance[:, start + 1 : stop + 1]
     rows = np.arange(len(slope))
-    best = np.clip(np.argmax(slope, axis=1), 1, slope.shape[1] - 2)
+    best = limited(np.argmax(slope, axis=1), 1, slope.shape[1] - 2)
     before, here, after = slope[rows, best - 1], slope[rows, best], slope[rows, best + 1]
     curve = np.minimum(before - 2 * here + after, -1e-6)
-    shift = np.clip(0.5 * (before - after) / curve, -1, 1)
+    shift = limited(0.5 * (before - after) / curve, -1, 1)
     edge = OUTWARD[best + start] + shift * (OUTWARD[1] - OUTWARD[0])
     per_width = 0.5 * here / (OUTWARD[1] - OUTWARD[0])
     return np.where(here > LEAST_FALL * rim, edge, np.inf), per_width

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remodel_sim.core.geometry import Array
+from remodel_sim.core.vision.cables.robust import limited
 
 DEGREE = 3
 # Keeps parts without points smooth: the weight of second differences of neighbouring coefficients.
@@ -37,7 +38,7 @@ class Spline:
 def basis(t: Array, u: Array) -> Array:
     """Return the values (m, n) of the B-splines on knots t at u (m,), by Cox and de Boor."""
     last = len(t) - DEGREE - 2
-    span = np.clip(np.searchsorted(t, u, side="right") - 1, DEGREE, last)
+    span = limited(np.searchsorted(t, u, side="right") - 1, DEGREE, last)
     values = np.ones((len(u), 1))
     for degree in range(1, DEGREE + 1):
         offsets = span[:, None] + np.arange(1, degree + 1)

@@ -1,0 +1,108 @@
+"""The drawing of a behavior on a page, with what runs in it lit."""
+
+from __future__ import annotations
+
+from nicegui import run, ui
+
+from flexbe_synthesizer.core.model import Chart
+from remodel_console.console import Console
+from remodel_console.core.drawing import drawn_path, drawn_paths
+from remodel_console.core.editing import Path
+from remodel_console.core.folding import folded
+from remodel_console.edge.picture import picture
+from remodel_console.errors import CommandError
+from remodel_console.web.canvas import Canvas
+
+
+class BehaviorDrawing:
+    """Draws the saved chart of a behavior; a large one is open only where something runs.
+
+    Attributes:
+        name: of the behavior that is drawn, or is going to be; None before the first.
+    """
+
+    def __init__(
+        self, console: Console, label: str, nothing: str, room: tuple[float, float]
+    ) -> None:
+        """Draw nothing yet.
+
+        Args:
+            console: knows the charts.
+            label: what the drawing is.
+            nothing: what stands where no behavior is drawn.
+            room: width and height for it on a common screen [pixels].
+        """
+        self.name: str | None = None
+        self._console = console
+        self._nothing = nothing
+        self._room = room
+        self._canvas = Canvas(label)
+        self._empty = ui.label(nothing).classes("empty")
+        self._chart: Chart | None = None
+        self._paths: frozenset[str] = frozenset()  # of all that could be drawn
+        self._drawn: frozenset[str] = frozenset()  # of what is
+        self._open: Path = ()
+        self._active = ""
+        self._visited: frozenset[str] = frozenset()
+        self._is_asked = False
+        self._passed: frozenset[str] = frozenset()
+        self._passed_of: object = None
+
+    async def draw(self, name: str) -> None:
+        """Draw the behavior of a name; of an empty one, nothing."""
+        self.name = name
+        try:
+            chart = await run.io_bound(self._console.chart_to_watch, name) if name else None
+            words = self._nothing
+        except CommandError as error:
+            chart, words = None, str(error)
+        if name != self.name:
+            return
+        self._chart = chart
+        self._paths = drawn_paths(chart) if chart else frozenset()
+        self._empty.text = words
+        self._empty.set_visibility(chart is None)
+        await self._unfold()
+
+    def light(self, active: str, visited: frozenset[str], *, is_asked: bool) -> None:
+        """Light what is active, dimly what was.
+
+        Args:
+            active: path of the state, as the engine tells it; empty if none is.
+            visited: paths that were active before.
+            is_asked: the active state waits for somebody.
+        """
+        self._active, self._visited, self._is_asked = active, visited, is_asked
+        if (visited, self._drawn) != self._passed_of:  # kept, as most stay
+            self._passed_of = (visited, self._drawn)
+            self._passed = frozenset(drawn_path(path, self._drawn) for path in visited) - {""}
+        self._canvas.light(drawn_path(active, self._drawn), self._passed, is_asked)
+
+    async def follow(self) -> None:
+        """Open the container that has become active, if the drawing is folded."""
+        if self._drawn != self._paths and self._active_container() not in ((), self._open):
+            await self._unfold()
+
+    async def _unfold(self) -> None:
+        """Draw the chart; of a large one, only the containers open in which something runs."""
+        chart, path = self._chart, self._active_container()
+        self._open = path
+        if chart is None:
+            self._drawn = frozenset()
+            self._canvas.draw("")
+            return
+        part = folded(chart, path)
+        try:
+            svg = await run.io_bound(picture, part, self._room)
+        except CommandError as error:
+            self._empty.text = str(error)
+            self._empty.set_visibility(True)
+            return
+        if (chart, path) == (self._chart, self._open):
+            self._drawn = drawn_paths(part)
+            self._canvas.draw(svg)
+            self.light(self._active, self._visited, is_asked=self._is_asked)
+
+    def _active_container(self) -> Path:
+        """Return the container that the active state lies in."""
+        return tuple(drawn_path(self._active, self._paths).split("/"))[:-1]

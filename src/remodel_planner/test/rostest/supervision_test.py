@@ -1,0 +1,136 @@
+#!/usr/bin/env python3
+"""A run goes on when its processes are killed, asks an operator, and plays back to itself."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import unittest
+from pathlib import Path
+from xmlrpc.client import ServerProxy
+
+import actionlib
+import rosgraph
+import rospy
+import rostest
+from remodel_msgs.msg import (
+    OperatorQuestion,
+    RunUseCaseAction,
+    RunUseCaseGoal,
+    TaskState,
+    UseCaseState,
+)
+from remodel_msgs.srv import AnswerQuestion, CommandRun, GetRun, InjectFault, ListRuns
+
+from remodel_states.testing.ledger import account
+from remodel_states.testing.world_file import WorldFile
+
+DESIGN = "/usr/share/qelectrotech/examples/tableau_domestique.qet"
+OUTPUT = Path(sys.argv[1])
+DATABASE = f"sqlite:///{OUTPUT}/production.sqlite"
+
+
+def planner(*line):
+    """Run a command of the planner to its end."""
+    line = ["rosrun", "remodel_planner", *line, "--database", DATABASE]
+    return subprocess.run(line, capture_output=True, text=True, timeout=60, check=False)
+
+
+def call(name, kind, **request):
+    """Call a service of the supervisor."""
+    rospy.wait_for_service(f"remodel/use_case/{name}", 30.0)
+    return rospy.ServiceProxy(f"remodel/use_case/{name}", kind)(**request)
+
+
+class SupervisionTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("test_supervision")
+        OUTPUT.mkdir(exist_ok=True)
+        cls.addClassCleanup(shutil.rmtree, OUTPUT, ignore_errors=True)
+        imported = planner("import", DESIGN, "--order", "house")
+        assert imported.returncode == 0, imported.stderr
+        cls.states = []
+        rospy.Subscriber("remodel/use_case/state", UseCaseState, cls.states.append)
+
+    def wait(self, holds, what):
+        end = time.monotonic() + 60.0
+        while not holds():
+            self.assertLess(time.monotonic(), end, what)
+            time.sleep(0.01)
+
+    def last(self):
+        return self.states[-1] if self.states else UseCaseState()
+
+    def kill(self, node):
+        """Kill a node, and return when roslaunch has started it again."""
+        master = rosgraph.Master("/test")
+
+        def pid():
+            try:
+                return ServerProxy(master.lookupNode(f"/{node}")).getPid("/test")[2]
+            except (OSError, rosgraph.MasterError):
+                return 0
+
+        before = pid()
+        os.kill(before, signal.SIGKILL)
+        self.wait(lambda: pid() not in (0, before), f"{node} comes again")
+
+    def start(self, tasks, again=True):
+        """Have tasks of the order done, and return the client when the run has begun."""
+        client = actionlib.ActionClient("remodel/run_use_case", RunUseCaseAction)
+        self.assertTrue(client.wait_for_server(rospy.Duration(30.0)))
+        run = self.last().run
+        goal = RunUseCaseGoal(id="test", order="house", tasks=tasks, again=again)
+        handle = client.send_goal(goal)
+        self.wait(lambda: self.last().run > run, "the run begins")
+        return handle
+
+    def task_running(self):
+        return any(task.state == TaskState.RUNNING for task in self.last().tasks)
+
+    def test_killed_processes_come_again_and_nothing_is_lost(self):
+        self.start(3)
+        for node in ("use_case_supervisor", "behavior", "fake_cell"):
+            self.wait(self.task_running, "a task is under way")
+            self.kill(node)
+        self.wait(lambda: self.last().phase == UseCaseState.ENDED, "the run ends")
+        state = self.last()
+        self.assertEqual([task.state for task in state.tasks], [TaskState.DONE] * 3)
+        self.assertGreaterEqual(state.interruptions, 2)
+        names = [task.name for task in state.tasks]
+        found = account(WorldFile(OUTPUT / "world.sqlite").ledger(), names)
+        self.assertEqual((found.fixed_again, found.omitted), ((), ()))
+        played = planner("replay", str(state.run))
+        self.assertEqual(played.returncode, 0, played.stdout)
+        runs = call("runs", ListRuns).runs
+        self.assertEqual((runs[0].run, runs[0].ended, runs[0].done), (state.run, True, 3))
+        record = call("record", GetRun, run=state.run, first=1, with_pictures=True)
+        self.assertTrue(any(entry.picture.data for entry in record.entries))
+
+    def test_an_operator_answers_and_stops(self):
+        handle = self.start(2)
+        inject = rospy.ServiceProxy("cell/inject_fault", InjectFault)
+        caused = inject(kind="pulled_out", target="ask_operator", values=[])
+        self.assertTrue(caused.success, caused.message)
+        self.wait(lambda: self.last().phase == UseCaseState.ASKING, "the operator is asked")
+        question = self.last().question
+        self.assertIn("pulled out", question.text)
+        wrong = call("answer", AnswerQuestion, question=question.number, choice="maybe", by="ann")
+        self.assertFalse(wrong.success)
+        given = {"question": question.number, "choice": OperatorQuestion.SKIP, "by": "ann"}
+        self.assertTrue(call("answer", AnswerQuestion, **given).success)
+        self.wait(lambda: self.last().phase == UseCaseState.RUNNING, "the run goes on")
+        self.assertTrue(call("stop", CommandRun, by="ann").success)
+        self.wait(lambda: self.last().phase == UseCaseState.ENDED, "the run ends")
+        self.wait(lambda: handle.get_result() is not None, "the goal ends")
+        self.assertFalse(handle.get_result().success)
+        self.assertIn("ann stopped it", self.last().message)
+        told = planner("explain", str(self.last().run))
+        self.assertIn("ann answered skip to question 1", told.stdout)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("remodel_planner", "test_supervision", SupervisionTest)

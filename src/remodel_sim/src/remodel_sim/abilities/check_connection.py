@@ -1,0 +1,195 @@
+"""CheckConnection: look whether one end of a wire sits in a terminal.
+
+Neither ground truth nor the book of what was done decides, only what cameras show of the mouth. An
+empty hand looks from several places; a hand that holds a wire stays where it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from remodel_sim.abilities.grasping import holds
+from remodel_sim.abilities.looking import camera_above, go_and_see
+from remodel_sim.abilities.motions import park
+from remodel_sim.abilities.station import Station, Steps
+from remodel_sim.core.arm import ToolPose
+from remodel_sim.core.camera import Picture
+from remodel_sim.core.codes import Code
+from remodel_sim.core.component_shape import label_corners
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Pose
+from remodel_sim.core.goals import CheckGoal
+from remodel_sim.core.layout import WORLD_FROM_PANEL
+from remodel_sim.core.panel import Component
+from remodel_sim.core.vision.drawing import ORANGE, Drawing
+from remodel_sim.core.vision.label_pose import ComponentSighting, Look, locate_component
+from remodel_sim.core.vision.labels import find_labels, search_label
+from remodel_sim.core.vision.mouth_sight import (
+    MouthSight,
+    Sight,
+    look_at_mouth,
+    settle,
+    white_level,
+)
+
+# Places of the lens beside a mouth [m]: out of its face, where the mouth is not hidden by the
+# housing's edge, and across, first the two that lie far apart.
+LENS_AT_M = ((0.02, 0.05), (0.02, -0.05), (0.02, 0.0), (0.05, 0.03), (0.05, -0.03))
+
+
+@dataclass(frozen=True)
+class ConnectionChecked:
+    """What was seen of an end.
+
+    Attributes:
+        message: for a person.
+        connected: whether the end sits in the terminal.
+    """
+
+    message: str
+    connected: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """A picture that may show the mouth.
+
+    Attributes:
+        camera: "overhead" or "wrist".
+        picture: what it saw.
+        component: the component by its label in that picture; None when it is not seen well.
+    """
+
+    camera: str
+    picture: Picture
+    component: ComponentSighting | None
+
+
+def check_connection(station: Station, goal: CheckGoal) -> Steps[ConnectionChecked]:
+    """Look at the mouth until pictures prove what sits in it."""
+    where = f"'{goal.component_id}/{goal.terminal_id}'"
+    what = f"end {goal.end.value} of {goal.cable_id}"
+    shots: list[Shot] = []
+    sight = Sight.UNCLEAR
+    for i, take in enumerate(_looks(station, goal)):
+        station.report(f"looking at {where}", i / (1 + len(LENS_AT_M)))
+        camera, picture = yield from take
+        shots.append(Shot(camera, picture, _component_in(station, goal, picture)))
+        yield
+        sight = settle(_sights(station, goal, shots))
+        _show(station, goal, shots, sight)
+        if sight is not Sight.UNCLEAR:
+            break
+    if sight is Sight.UNCLEAR:
+        raise _unseen(station, goal, shots)
+    connected = sight is Sight.WIRE
+    verb = "sits" if connected else "does not sit"
+    return ConnectionChecked(f"{what} {verb} in {where}: {sight.value}", connected)
+
+
+def _looks(station: Station, goal: CheckGoal) -> Iterator[Steps[tuple[str, Picture]]]:
+    """Return the looks that can be taken, the best first."""
+    if station.book.grip is not None or holds(station):
+        yield _from_above(station)
+        yield _from_here(station)
+        return
+    drawn = WORLD_FROM_PANEL @ station.panel.panel_from_socket(goal.component_id, goal.terminal_id)
+    for out, across in LENS_AT_M:
+        lens = drawn.apply(np.array([-out, across, 0.0]))[:2]
+        tool = camera_above(station, lens, station.commanded.yaw)
+        if station.arm.reaches(tool):
+            yield _from_hand(station, tool)
+    yield _from_above(station)
+
+
+def _from_hand(station: Station, tool: ToolPose) -> Steps[tuple[str, Picture]]:
+    picture = yield from go_and_see(station, tool)
+    return "wrist", picture
+
+
+def _from_here(station: Station) -> Steps[tuple[str, Picture]]:
+    picture = station.look_wrist()
+    yield
+    return "wrist", picture
+
+
+def _from_above(station: Station) -> Steps[tuple[str, Picture]]:
+    if station.book.grip is None and not holds(station):
+        yield from park(station)
+    picture = station.look_overhead()
+    yield
+    return "overhead", picture
+
+
+def _component_in(station: Station, goal: CheckGoal, picture: Picture) -> ComponentSighting | None:
+    """Return the component as a picture shows it; None when its label is not seen well."""
+    component = station.panel.component(goal.component_id)
+    corners = find_labels(picture, station.panel.components).get(component.marker_id)
+    near = WORLD_FROM_PANEL @ component.panel_from_component
+    if corners is None and picture.view.sees(near.apply(label_corners(component)), 0.0):
+        corners = search_label(picture, component, near)
+    if corners is None:
+        return None
+    seen = locate_component(component, [Look(picture, corners)])
+    return seen if seen.clear else None
+
+
+def _sights(station: Station, goal: CheckGoal, shots: list[Shot]) -> list[MouthSight]:
+    """Return what each picture shows of the mouth.
+
+    A picture whose label is hidden borrows the component's place from one whose label is not.
+    """
+    component = station.panel.component(goal.component_id)
+    places = [shot.component.world_from_component for shot in shots if shot.component is not None]
+    if not places:
+        return []
+    return [_sight(station, goal, component, shot, places[-1]) for shot in shots]
+
+
+def _sight(
+    station: Station, goal: CheckGoal, component: Component, shot: Shot, elsewhere: Pose
+) -> MouthSight:
+    seen = shot.component
+    pose = elsewhere if seen is None else seen.world_from_component
+    terminal = component.terminal(goal.terminal_id)
+    return look_at_mouth(
+        shot.picture,
+        pose @ terminal.component_from_socket,
+        station.panel.wire(goal.cable_id),
+        white_level(shot.picture, component, pose),
+    )
+
+
+def _show(station: Station, goal: CheckGoal, shots: list[Shot], sight: Sight) -> None:
+    shot = shots[-1]
+    drawing = Drawing(shot.picture.rgb, shot.picture.view)
+    title = f"{goal.cable_id} end {goal.end.value} in {goal.component_id}/{goal.terminal_id}: "
+    if shot.component is not None:
+        drawing.outline(shot.component.corners)
+        terminal = station.panel.component(goal.component_id).terminal(goal.terminal_id)
+        socket = shot.component.world_from_component @ terminal.component_from_socket
+        axis = shot.picture.view.project(socket.apply(np.array([[-0.02, 0, 0], [0, 0, 0]])))
+        drawing.arrow(axis[0], axis[1], ORANGE)
+    drawing.title(title + sight.value)
+    station.show(shot.camera, shot.picture, drawing.image)
+
+
+def _unseen(station: Station, goal: CheckGoal, shots: list[Shot]) -> AbilityError:
+    """Return why the looks did not settle it."""
+    where = f"'{goal.component_id}/{goal.terminal_id}'"
+    holding = station.book.grip is not None or holds(station)
+    remedy = "place what the hand holds and look again" if holding else "clear the view"
+    if all(shot.component is None for shot in shots):
+        return AbilityError(
+            Code.COMPONENT_OCCLUDED,
+            f"the label of {goal.component_id!r} is not seen, or not well, in {len(shots)} "
+            f"pictures; {remedy}",
+        )
+    return AbilityError(
+        Code.CABLE_OCCLUDED,
+        f"{len(shots)} pictures do not settle whether end {goal.end.value} of {goal.cable_id!r} "
+        f"sits in {where}; {remedy}",
+    )

@@ -1,0 +1,151 @@
+#!/usr/bin/env python3
+"""The running cell with two arms as its clients meet it: one launch, the default panel, W1 fed."""
+
+import subprocess
+import time
+import unittest
+
+import actionlib
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+from remodel_msgs import msg, srv
+from remodel_msgs.msg import ErrorCode
+from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger
+from tf2_msgs.msg import TFMessage
+
+WALL_LIMIT_S = 90.0
+STOP_LIMIT_S = 0.2
+STANDSTILL_RAD_S = 0.01
+PINS = dict(
+    robot_1_name="robot_1",
+    robot_2_name="robot_2",
+    path_space=0.10,
+    connector_space=0.512,
+    centered=True,
+    rotate=True,
+    show_in_TF=True,
+)
+
+
+def wait_until(condition, limit_s=WALL_LIMIT_S):
+    """Wait for a condition by the wall's clock; returns whether it came true."""
+    end = time.monotonic() + limit_s
+    while not condition():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.005)
+    return True
+
+
+class Client:
+    """Sends goals to one ability and waits by the wall's clock."""
+
+    def __init__(self, name):
+        self.name = name
+        self.client = actionlib.SimpleActionClient(
+            f"remodel_abilities/{name.lower()}", getattr(msg, f"{name}Action")
+        )
+        self.feedback = []
+        assert wait_until(lambda: self.client.wait_for_server(rospy.Duration(0.1)))
+
+    def send(self, **fields):
+        goal = getattr(msg, f"{self.name}Goal")(id=f"test-{self.name}", timeout=120.0)
+        for key, value in fields.items():
+            setattr(goal, key, value)
+        self.feedback = []
+        self.client.send_goal(goal, feedback_cb=self.feedback.append)
+
+    def wait(self):
+        done = actionlib.SimpleGoalState.DONE
+        assert wait_until(lambda: self.client.simple_state == done), f"{self.name} did not end"
+        return self.client.get_result()
+
+    def do(self, **fields):
+        self.send(**fields)
+        return self.wait()
+
+
+class TwoArmsTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.on = {name: Client(name) for name in ("PickCable", "PlacePin", "DetectCable")}
+        cls.joints, cls.frames = {}, set()
+        rospy.Subscriber("/joint_states", JointState, cls.note_joints)
+        rospy.Subscriber("/tf_static", TFMessage, cls.note_frames)
+
+    @classmethod
+    def note_joints(cls, message):
+        cls.joints = dict(zip(message.name, message.velocity, strict=True))
+
+    @classmethod
+    def note_frames(cls, message):
+        cls.frames = {transform.child_frame_id for transform in message.transforms}
+
+    def setUp(self):
+        self.call("reset", Trigger)
+        self.call("feed_wire", srv.FeedWire, "W1", "A")
+
+    def call(self, name, kind, *args):
+        rospy.wait_for_service(f"cell/{name}", 10)
+        response = rospy.ServiceProxy(f"cell/{name}", kind)(*args)
+        self.assertTrue(response.success, response.message)
+
+    def test_place_pin_keeps_the_contract_of_all_abilities(self):
+        goal = str({key: value for key, value in PINS.items() if key != "show_in_TF"})
+        line = ["rosrun", "remodel_states", "conformance", "remodel_abilities/placepin", "PlacePin"]
+        done = subprocess.run(
+            [*line, "--goal", goal], capture_output=True, text=True, timeout=WALL_LIMIT_S
+        )
+        told = done.stdout + done.stderr
+        self.assertEqual(done.returncode, 0, told)
+        self.assertIn("ok          a cancel while the ability works", told)
+
+    def test_pins_are_placed_and_shown(self):
+        result = self.on["PlacePin"].do(**PINS)
+        self.assertTrue(result.success, result.error_message)
+        shares = [f.completed_percentage for f in self.on["PlacePin"].feedback]
+        self.assertEqual(shares, sorted(shares))
+        self.assertEqual(shares[-1], 100.0)
+        row = {"placepin/pin_1", "placepin/path_5", "placepin/pin_2"}
+        self.assertLessEqual(row | {"panel", "robot_2_panda_link0"}, self.frames)
+
+    def test_cancel_stops_both_arms_within_a_fifth_of_a_second(self):
+        pins = self.on["PlacePin"]
+        pins.send(**PINS)
+        self.assertTrue(
+            wait_until(lambda: any("carrying" in f.message for f in pins.feedback)), "not carried"
+        )
+        cancelled = time.monotonic()
+        pins.client.cancel_goal()
+        arms = [f"{prefix}panda_joint{i}" for prefix in ("", "robot_2_") for i in range(1, 8)]
+        self.assertTrue(
+            wait_until(lambda: max(abs(self.joints[j]) for j in arms) < STANDSTILL_RAD_S, 1.0)
+        )
+        self.assertLess(time.monotonic() - cancelled, STOP_LIMIT_S)
+        self.assertEqual(pins.wait().error_code, ErrorCode.PREEMPTED)
+        self.assertEqual(pins.client.get_state(), GoalStatus.PREEMPTED)
+
+    def test_each_arm_does_its_own_goal_at_the_same_time(self):
+        pick, detect = self.on["PickCable"], self.on["DetectCable"]
+        pick.send(robot_name="robot_2", cable_id="W1", cable_end="b")
+        self.assertTrue(wait_until(lambda: pick.feedback))
+        seen = detect.do(cable_id="W1")
+        self.assertNotEqual(seen.error_code, ErrorCode.BUSY, "robot_1 is free for it")
+        refused = self.on["PlacePin"].do(**PINS)
+        self.assertEqual(refused.error_code, ErrorCode.BUSY, refused.error_message)
+        self.assertIn("robot_2 is doing PickCable", refused.error_message)
+        picked = pick.wait()
+        self.assertTrue(picked.success, picked.error_message)
+
+    def test_an_unknown_robot_is_refused_with_those_there_are(self):
+        for fields in ({"robot_2_name": "robot_3"}, {"robot_1_name": ""}):
+            result = self.on["PlacePin"].do(**{**PINS, **fields})
+            self.assertEqual(result.error_code, ErrorCode.UNKNOWN_NAME)
+            self.assertIn("there are: robot_1, robot_2", result.error_message)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_two_arms")
+    rostest.rosrun("remodel_sim", "test_two_arms", TwoArmsTest)

@@ -1,0 +1,35 @@
+"""What the launch file offers reaches the cell."""
+
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import pybullet
+import pytest
+from panels import panel
+from pybullet_utils.bullet_client import BulletClient
+
+from remodel_sim.cell import Cell
+from remodel_sim.physics import world
+from remodel_sim.ros import node
+
+LAUNCH = ElementTree.parse(Path(__file__).parents[2] / "launch/cell.launch").getroot()
+
+
+@pytest.mark.parametrize("name", [arg.get("name") for arg in LAUNCH.iter("arg")])
+def test_each_argument_is_a_parameter_that_the_node_reads(name):
+    passed = {param.get("name"): param.get("value") for param in LAUNCH.find("node")}
+    assert passed[name] == f"$(arg {name})"
+    assert f'"~{name}"' in Path(node.__file__).read_text()
+
+
+@pytest.mark.parametrize(("gui", "mode"), [(True, pybullet.GUI), (False, pybullet.DIRECT)])
+def test_gui_asks_pybullet_for_its_window(monkeypatch, gui, mode):
+    asked = []
+
+    def connect(wanted):
+        asked.append(wanted)
+        return BulletClient(pybullet.DIRECT)
+
+    monkeypatch.setattr(world, "BulletClient", connect)
+    Cell(panel(), gui=gui).close()
+    assert asked == [mode]

@@ -1,0 +1,128 @@
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from panels import panel
+
+from remodel_sim.core.arm import PANDA_AT_ORIGIN, Arm
+from remodel_sim.core.book import Book, EndState, Feed
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.layout import WORLD_FROM_PANEL
+from remodel_sim.core.panel import End
+from remodel_sim.core.pin_goal import PlacePinGoal, pin_row
+
+FACING = Arm(PANDA_AT_ORIGIN.model, (1.0, 0.0, 0.0, math.pi))
+WIRE = panel().wires[0]  # 0.48 m
+GOOD = PlacePinGoal("robot_1", "robot_2", 0.10, 0.472, True, True, False)
+
+
+def goal(**changes):
+    return dataclasses.replace(GOOD, **changes)
+
+
+def fed(arm=PANDA_AT_ORIGIN):
+    book = Book(arm=arm)
+    book.start_wire(Feed("W1", "A", 1), {})
+    return book
+
+
+def places(some_goal):
+    """Return the names and places of a row on the panel."""
+    row = pin_row(some_goal, WIRE)
+    inverse = WORLD_FROM_PANEL.inverse()
+    return {name: inverse.apply(pose.position)[:2].round(6).tolist() for name, pose in row.items()}
+
+
+def test_a_good_goal_passes_for_both_arms():
+    GOOD.check(panel(), fed())
+    GOOD.check(panel(), fed(FACING))
+
+
+def test_the_path_lies_between_the_pins_at_equal_distances():
+    assert places(GOOD) == {
+        "pin_1": [0.0, -0.236],
+        "path_1": [0.0, -0.136],
+        "path_2": [0.0, -0.036],
+        "path_3": [0.0, 0.064],
+        "path_4": [0.0, 0.164],
+        "pin_2": [0.0, 0.236],
+    }
+
+
+def test_a_row_that_is_not_centered_begins_at_the_origin_and_one_not_rotated_runs_along_x():
+    assert places(goal(centered=False))["pin_1"] == [0.0, 0.0]
+    assert places(goal(centered=False))["pin_2"] == [0.0, 0.472]
+    assert places(goal(rotate=False))["pin_1"] == [-0.236, 0.0]
+    assert places(goal(rotate=False))["path_1"] == [-0.136, 0.0]
+
+
+def test_the_pins_point_out_of_the_wire():
+    row = pin_row(GOOD, WIRE)
+    outward = row["pin_2"].position - row["pin_1"].position
+    assert row["pin_2"].rotation[:, 0] @ outward > 0 > row["pin_1"].rotation[:, 0] @ outward
+    assert all(math.isclose(pose.position[2], WIRE.radius) for pose in row.values())
+
+
+def test_no_pose_of_the_path_falls_on_a_pin():
+    row = pin_row(goal(path_space=0.472 / 3), WIRE)
+    assert list(row) == ["pin_1", "path_1", "path_2", "pin_2"]
+    assert list(pin_row(goal(path_space=0.472), WIRE)) == ["pin_1", "pin_2"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"path_space": math.nan}, "path_space is nan"),
+        ({"path_space": -0.1}, "allowed: 0.005 to 1 m"),
+        ({"path_space": 0.5}, "allowed: up to connector_space"),
+        ({"connector_space": math.inf}, "connector_space is inf"),
+        ({"connector_space": 0.0}, "allowed: 0.01 to 1 m"),
+        ({"robot_2": "robot_1"}, "it takes two robots"),
+    ],
+)
+def test_a_goal_that_makes_no_sense_is_never_born(changes, words):
+    with pytest.raises(AbilityError, match=words) as caught:
+        goal(**changes)
+    assert caught.value.code is Code.INVALID_GOAL
+
+
+@pytest.mark.parametrize(
+    ("changes", "code", "words"),
+    [
+        ({"connector_space": 0.40}, Code.INVALID_GOAL, r"0.48 m long, allowed: 0.47 to 0.478 m"),
+        ({"rotate": False}, Code.INVALID_GOAL, "pin_1 would lie beyond the plate"),
+        ({"centered": False}, Code.INVALID_GOAL, "path_4 would lie beyond the plate"),
+    ],
+)
+def test_a_row_that_the_wire_or_the_panel_does_not_allow_is_refused(changes, code, words):
+    with pytest.raises(AbilityError, match=words) as caught:
+        goal(**changes).check(panel(), fed())
+    assert caught.value.code is code
+
+
+def test_pins_and_path_keep_clear_of_components():
+    wide = dataclasses.replace(panel(), size=(0.55, 0.70, 0.003))
+    near = dataclasses.replace(wide.components[0], pose=(-0.08, 0.0, 0.0))
+    crowded = dataclasses.replace(wide, components=(near, *wide.components[1:]))
+    with pytest.raises(AbilityError, match=r"path_1 would lie .* to component 'X1'"):
+        goal(rotate=False, path_space=0.15).check(crowded, fed())
+
+
+def test_there_must_be_a_live_wire_with_loose_ends():
+    with pytest.raises(AbilityError) as caught:
+        GOOD.check(panel(), Book())
+    assert caught.value.code is Code.WIRE_NOT_FED
+    book = fed()
+    book.ends[End.A] = EndState.FIXED
+    with pytest.raises(AbilityError, match="extract it first"):
+        GOOD.check(panel(), book)
+
+
+def test_an_arm_that_does_not_reach_a_pin_is_told():
+    far = Arm(PANDA_AT_ORIGIN.model, (-0.8, 0.0, 0.0, 0.0))
+    with pytest.raises(AbilityError) as caught:
+        GOOD.check(panel(), fed(far))
+    assert caught.value.code is Code.UNREACHABLE
+    assert np.isfinite(GOOD.path_space)
