@@ -52,6 +52,9 @@ bench-engine: build build/bench-venv/.ready ## Measure the engine, with peers; f
 chaos: build ## Kill processes of running orders at random moments (BENCH="--kills 200")
 	@$(SOURCED) benchmarks/supervision/chaos.py $(BENCH)
 
+campaign: build ## Cause every kind of fault, 20 runs each, two policies (BENCH="--kinds slipped --runs 3", BENCH=--physical)
+	@$(SOURCED) benchmarks/supervision/campaign.py $(BENCH)
+
 bench-replan: build ## Time from a failure to the first goal of the new plan, 300 tasks left
 	@$(SOURCED) benchmarks/supervision/replan.py $(BENCH)
 

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Cause every kind of fault, and see whether the levels recover, end, and say why.
 
-campaign.py [--kinds KIND ...] [--runs 20] [--seed 0] [--output out/campaign]; the workspace must be
-sourced. Each run places two wires of a real cabinet's design with one fault of
-remodel_msgs/config/faults.yaml, caused at the interface of a fake cell; once by the policy of the
-table of faults, once by "retry three times". A line of JSON for each run stands in trials.jsonl
-when it has ended. Exits with 1 when a target is missed.
+campaign.py [--kinds KIND ...] [--runs 20] [--seed 0] [--policies ...] [--physical]
+[--output out/campaign]; the workspace must be sourced. Each run places two wires of a real
+cabinet's design with one fault of remodel_msgs/config/faults.yaml, caused at the interface of a
+fake cell; once by the policy of the table of faults, once by "retry three times". With --physical
+the cell is the simulated one, and faults have physical causes (remodel_msgs/InjectFault). A line of
+JSON for each run stands in trials.jsonl when it has ended. Exits with 1 when a target is missed.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import io
 import json
 import os
 import shutil
-import subprocess
+import signal
 import sys
 import time
 import uuid
@@ -25,57 +26,63 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import physical
 import rospy
 import yaml
-from fast_clock import FastClock
-from nodes import launched
 from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal
 from rospkg import RosPack
+from sites import FakeSite, SimulatedSite, Site
+from stack import ORDER, Stack, stack
 from table import told
 from tqdm import tqdm
 from trial import WIRES, Trial, drawn
-from verdict import Verdict, cell_s, decided_first, handled_first, is_complete
+from verdict import (
+    Verdict,
+    decided_first,
+    handled_first,
+    is_complete,
+    is_explained,
+)
 
 from remodel_planner.commands import explain_run, replay
+from remodel_planner.core.panel_layout import CutWire, PanelRules, lay_out
 from remodel_planner.core.supervision.events import Event
 from remodel_planner.core.supervision.state import Stage, state_after
-from remodel_planner.edge.package_files import use_case_folder
+from remodel_planner.edge.catalogue_file import read_catalogue
+from remodel_planner.edge.package_files import catalogue_file, use_case_folder
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.run_log import RunLog
 from remodel_planner.edge.use_case_files import VARIABLE
 from remodel_planner.ros.action_server import ActionServer
-from remodel_states.testing.world_file import WorldFile
-
-DESIGN = "/usr/share/qelectrotech/examples/tableau_domestique.qet"
-ORDER = "campaign"
-HERE = Path(__file__).parent
 
 # How the policies are called; the first is that of the table of faults.
 TABLE, RETRY = "table", "retry three times"
 PLAIN_RETRY = [{"do": "retry", "times": 3}, {"do": "set_aside"}]
 
-# [s] wall time that the nodes get to come up; that a run may take; and that it gets to stop.
-_START_LIMIT_S, _RUN_LIMIT_S, _STOP_LIMIT_S = 120.0, 120.0, 40.0
+# [s] wall time that the nodes get to come up, and that a run gets to stop.
+_START_LIMIT_S, _STOP_LIMIT_S = 120.0, 60.0
 
-# How much faster than the wall's the ROS time passes.
-_SPEED = 10.0
+# How many runs without a fault are compared with.
+_PLAIN = 5
 
 
 class Campaign:
     """Runs trials on one cell, one after another."""
 
-    def __init__(self, output: Path, tables: Tables) -> None:
+    def __init__(self, site: Site, nodes: Stack, tables: Tables) -> None:
         """Connect to the nodes that run.
 
         Args:
-            output: folder of database, world and use cases.
+            site: the cell.
+            nodes: that run.
             tables: see Tables.
         """
-        self._output = output
+        self._site = site
+        self._output = nodes.output
         self._tables = tables
-        self._url = database_url(output)
+        self._url = nodes.database
         self._log = RunLog(ProductionDatabase(self._url))
-        self._world = WorldFile(output / "world.sqlite")
+        site.connect(nodes, self._log)
         self._server = ActionServer("remodel/run_use_case", RunUseCaseAction, "the supervisor")
         self._server.wait(_START_LIMIT_S)
 
@@ -91,12 +98,12 @@ class Campaign:
 
     def tried(self, trial: Trial) -> Verdict:
         """Do a trial, and return what became of it."""
-        rospy.set_param("fake_cell/faults", list(trial.faults))
+        self._site.arm(trial)
         began = time.monotonic()
         goal = self._server.send(
             RunUseCaseGoal(id=uuid.uuid4().hex, order=ORDER, tasks=WIRES, again=True)
         )
-        hung = not goal.wait(_RUN_LIMIT_S)
+        hung = not goal.wait(self._site.limit_s)
         wall_s = time.monotonic() - began
         if hung:
             goal.cancel()
@@ -108,32 +115,29 @@ class Campaign:
 
     def _judged(self, trial: Trial, run: int, wall_s: float, *, hung: bool) -> Verdict:
         events = [kept.event for kept in self._log.events(run)]
-        draft = self._world.read()
-        codes = {self._tables.codes[name] for name in trial.codes}
-        story = printed(explain_run.main, [str(run), "--database", self._url])
-        explained = " ended " in story.replace("\n", " ") and (
-            not trial.kind or any(f"error {code}:" in story for code in codes)
-        )
+        tasks = state_after(events).tasks
+        done = {name for name, task in tasks.items() if task.stage is Stage.DONE}
+        words = [str(run), "--database", self._url]
+        played = printed(replay.main, [*words, "--quiet"])
         return Verdict(
             run,
-            struck=any(f.struck for f in draft.faults if f.name == trial.kind),
+            struck=self._site.has_struck(trial),
             hung=hung,
             complete=is_complete(events),
-            true=is_true(events, draft.world),
-            hand_empty=not any(hand.held for hand in draft.world.hands.values()),
-            # A fault that shows only in a row of failures is handled when it is known.
-            first=decided_first(events, trial.kind)
-            if "after" in self._tables.faults.get(trial.kind, {})
-            else handled_first(events, codes),
-            cell_s=cell_s(events, self._tables.durations_s, self._tables.look_s),
+            true=done == self._site.placed(tasks),
+            hand_empty=self._site.hand_is_empty(),
+            first=self._first(trial, events),
+            cell_s=self._site.cell_s(events),
             wall_s=wall_s,
-            explained=explained,
-            replayed=bool(
-                printed(replay.main, [str(run), "--quiet", "--database", self._url]).endswith(
-                    " 0 differences\n"
-                )
-            ),
+            explained=is_explained(events, printed(explain_run.main, words)),
+            replayed=played.endswith(" 0 differences\n"),
         )
+
+    def _first(self, trial: Trial, events: Sequence[Event]) -> str:
+        if "after" in self._tables.faults.get(trial.kind, {}):
+            # A fault that shows only in a row of failures is handled when it is known.
+            return decided_first(events, trial.kind)
+        return handled_first(events, {self._tables.codes[name] for name in trial.codes})
 
 
 class Tables:
@@ -159,13 +163,6 @@ class Tables:
         self.look_s = self.durations_s["LocateGearboxComponent"]
 
 
-def is_true(events: Sequence[Event], world: Any) -> bool:  # noqa: ANN401
-    """Return whether the wires that a run calls done are those that sit in their terminals."""
-    tasks = state_after(events).tasks
-    done = {name for name, task in tasks.items() if task.stage is Stage.DONE}
-    return done == {name for name in tasks if world.is_placed(name)}
-
-
 def printed(command: Any, words: list[str]) -> str:  # noqa: ANN401
     """Return what a command prints."""
     with contextlib.redirect_stdout(io.StringIO()) as text:
@@ -173,59 +170,76 @@ def printed(command: Any, words: list[str]) -> str:  # noqa: ANN401
     return text.getvalue()
 
 
-def database_url(output: Path) -> str:
-    """Return the URL of the campaign's database."""
-    return f"sqlite:///{output}/production.sqlite"
-
-
 def _yaml(file: Path) -> Any:  # noqa: ANN401
     return yaml.safe_load(file.read_text(encoding="utf-8"))
+
+
+def first_wire(database: str) -> CutWire:
+    """Return the wire of the order that is placed first."""
+    order = ProductionDatabase(database).order(ORDER).in_cabinet().first(WIRES)
+    return lay_out(order, read_catalogue(catalogue_file()), PanelRules()).wires[0]
 
 
 def main() -> int:
     """Run the campaign and print its table; return the exit code."""
     tables = Tables()
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--kinds", nargs="+", choices=tables.faults, default=list(tables.faults))
+    parser.add_argument("--kinds", nargs="+", choices=[*tables.faults, *physical.KINDS])
     parser.add_argument("--runs", type=int, default=20, help="of each kind and policy (default 20)")
     parser.add_argument("--seed", type=int, default=0, help="of the first run (default 0)")
     parser.add_argument("--policies", nargs="+", choices=(TABLE, RETRY), default=(TABLE, RETRY))
+    parser.add_argument("--physical", action="store_true", help="in the simulated cell")
     parser.add_argument("--output", type=Path, default=Path("out/campaign"))
     options = parser.parse_args()
+    kinds = options.kinds or list(physical.KINDS if options.physical else tables.faults)
+    known = physical.KINDS if options.physical else tables.faults
+    if strange := [kind for kind in kinds if kind not in known]:
+        parser.error(f"--kinds {strange[0]}: here there are {', '.join(known)}")
+    for number in (signal.SIGINT, signal.SIGTERM):  # either ends the nodes and shows what is done
+        signal.signal(number, signal.default_int_handler)
     output = options.output.resolve()
     shutil.rmtree(output, ignore_errors=True)
-    for folder in ("charts", "use_cases", "log"):
-        (output / folder).mkdir(parents=True)
-    imported = ["rosrun", "remodel_planner", "import", DESIGN, "--order", ORDER]
-    subprocess.run([*imported, "--database", database_url(output)], check=True)
     seeds = range(options.seed, options.seed + options.runs)
-    plain = [Trial("", seed) for seed in range(options.seed - 5, options.seed)]
-    trials = plain + [drawn(tables.faults[kind], seed) for kind in options.kinds for seed in seeds]
-    arguments = {
-        "output": str(output),
-        "database": database_url(output),
-        "world": str(output / "world.sqlite"),
-    }
-    results: dict[str, list[tuple[Trial, Verdict]]] = {}
+    fake = FakeSite(tables.durations_s, tables.look_s)
+    site: Site = SimulatedSite() if options.physical else fake
     os.environ[VARIABLE] = str(output / "use_cases")
-    with launched(HERE / "campaign.launch", arguments, output):
+    with stack(site.launch, output, **site.arguments(output)) as nodes:
+        (output / "use_cases").mkdir()
+        nodes.wait_for(*site.nodes)
         rospy.init_node("campaign", disable_signals=True)
-        FastClock(_SPEED)
-        campaign = Campaign(output, tables)
-        total = len(options.policies) * len(trials)
-        with (output / "trials.jsonl").open("w") as lines, tqdm(total=total, unit="run") as bar:
-            for policy in options.policies:
-                campaign.use(policy)
-                for trial in trials:
-                    bar.set_postfix_str(f"{policy}, {trial.kind or 'no fault'}")
-                    verdict = campaign.tried(trial)
-                    results.setdefault(policy, []).append((trial, verdict))
-                    row = {"policy": policy, **asdict(trial), **asdict(verdict)}
-                    lines.write(json.dumps(row) + "\n")
-                    lines.flush()
-                    bar.update()
+        trials = [Trial("", seed) for seed in seeds[:_PLAIN]]
+        if options.physical:
+            wire = first_wire(nodes.database)
+            trials += [physical.drawn(kind, seed, wire) for seed in seeds for kind in kinds]
+        else:
+            trials += [drawn(tables.faults[kind], seed) for seed in seeds for kind in kinds]
+        results = run_all(Campaign(site, nodes, tables), trials, options.policies, output)
         rospy.signal_shutdown("the campaign is over")
     return 0 if told(results) else 1
+
+
+def run_all(
+    campaign: Campaign, trials: Sequence[Trial], policies: Sequence[str], output: Path
+) -> dict[str, list[tuple[Trial, Verdict]]]:
+    """Do all trials by each policy, or until a signal; write a line of JSON when one has ended."""
+    results: dict[str, list[tuple[Trial, Verdict]]] = {policy: [] for policy in policies}
+    total = len(policies) * len(trials)
+    with (
+        (output / "trials.jsonl").open("w") as lines,
+        tqdm(total=total, unit="run") as bar,
+        contextlib.suppress(KeyboardInterrupt),
+    ):
+        for policy in policies:
+            campaign.use(policy)
+            for trial in trials:
+                bar.set_postfix_str(f"{policy}, {trial.kind or 'no fault'}")
+                verdict = campaign.tried(trial)
+                results[policy].append((trial, verdict))
+                row = {"policy": policy, **asdict(trial), **asdict(verdict)}
+                lines.write(json.dumps(row) + "\n")
+                lines.flush()
+                bar.update()
+    return results
 
 
 if __name__ == "__main__":

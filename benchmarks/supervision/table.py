@@ -34,15 +34,19 @@ def told(results: Mapping[str, Results]) -> bool:
             if problem := _problem(trial, verdict):
                 print(f"  run {verdict.run}: {trial.kind}, seed {trial.seed}, {problem}")
     first = [(trial, verdict) for trial, verdict in next(iter(results.values())) if trial.kind]
-    return _share([v.recovered for t, v in first if t.can_recover]) >= _LEAST_RECOVERED and all(
-        verdict.ended_well for _, verdict in first
-    )
+    recovered = _share([verdict.recovered for trial, verdict in first if trial.can_recover])
+    ended_well = bool(first) and all(verdict.ended_well for _, verdict in first)
+    return recovered >= _LEAST_RECOVERED and ended_well
 
 
 def _line(kind: str, done: Results, plain: Sequence[Verdict]) -> str:
     can = [verdict for trial, verdict in done if trial.can_recover]
     recovered = [verdict for verdict in can if verdict.recovered]
-    right = [verdict.first == LEVELS[trial.first_level] for trial, verdict in done if verdict.first]
+    right = [
+        verdict.first == LEVELS[trial.first_level]
+        for trial, verdict in done
+        if verdict.first and trial.first_level
+    ]
     hangs = sum(verdict.hung for _, verdict in done)
     return (
         f"{kind:<22}{len(done):>6}{len(can):>6}{_percent([v.recovered for v in can]):>11}"

@@ -77,6 +77,17 @@ def is_complete(events: Sequence[Event]) -> bool:
     return isinstance(last, RunEnded) and last.ending is Ending.COMPLETE
 
 
+def is_explained(events: Sequence[Event], story: str) -> bool:
+    """Return whether a run's story tells of each failed operation, and how the run ended."""
+    failed = [
+        event.operation
+        for event in events
+        if isinstance(event, OperationEnded) and event.operation.error_code
+    ]
+    told = all(f"error {operation.error_code}: {operation.text}" in story for operation in failed)
+    return told and "\nended " in story
+
+
 def decided_first(events: Sequence[Event], fault: str) -> str:
     """Return who decided first about a fault of a name; empty if nobody did."""
     return next(

@@ -87,13 +87,26 @@ class FakeSynthesizer:
         self.asked.append(behavior)
 
 
+class FakeAbilities:
+    """Their servers are away for some looks."""
+
+    latest = None
+
+    def __init__(self):
+        self.away = 0
+
+    def is_there(self, ability):
+        self.away -= 1
+        return self.away < 0
+
+
 class FakeTasks:
     """Ends behaviors as it is told, in turn: an outcome, an error code, a loss, or a call."""
 
     def __init__(self):
         self.endings, self.ran, self.paused, self.stopped = [], [], [], 0
         self.back = True
-        self.abilities = type("Abilities", (), {"latest": None})
+        self.abilities = FakeAbilities()
 
     def recording(self, *, settling):
         return threading.Lock()
@@ -250,6 +263,20 @@ def test_a_task_whose_order_is_planned_anew_comes_later(bench):
     assert after == (second, first)
     assert bench.ran == [first, first, first, second, first]
     assert state.ended.ending is Ending.COMPLETE
+
+
+def test_a_lost_server_may_come_back_before_the_next_try(bench):
+    bench.peers.tasks.abilities.away = 2
+    state = bench.run(LOST)
+    assert bench.peers.tasks.abilities.away < 0, "it was waited for"
+    assert [event.do for event in bench.events(Decided)] == [Do.RETRY]
+    assert state.ended.ending is Ending.COMPLETE
+
+
+def test_a_lost_server_is_not_waited_for_beyond_the_patience(bench):
+    bench.peers.tasks.abilities.away = 1000
+    assert bench.run(LOST).ended.ending is Ending.COMPLETE
+    assert bench.peers.tasks.abilities.away > 900
 
 
 def test_what_is_connected_is_not_connected_again(bench):

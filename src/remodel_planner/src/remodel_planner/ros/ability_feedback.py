@@ -40,11 +40,18 @@ class AbilityFeedback:
         """Subscribe to feedback and status of every ability of remodel_msgs."""
         self.latest: Doing | None = None
         self._statuses: dict[str, bool] = {}
+        self._subscribers: dict[str, rospy.Subscriber] = {}
         for ability in ABILITIES:
             topic = f"remodel_abilities/{ability.lower()}"
             kind = getattr(msg, f"{ability}ActionFeedback")
             rospy.Subscriber(f"{topic}/feedback", kind, self._on_feedback, ability)
-            rospy.Subscriber(f"{topic}/status", GoalStatusArray, self._on_status, ability)
+            self._subscribers[ability] = rospy.Subscriber(
+                f"{topic}/status", GoalStatusArray, self._on_status, ability
+            )
+
+    def is_there(self, ability: str) -> bool:
+        """Tell whether the server of an ability is connected."""
+        return self._subscribers[ability].get_num_connections() > 0
 
     @property
     def running(self) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -36,7 +37,7 @@ from remodel_planner.core.supervision.events import (
 )
 from remodel_planner.core.supervision.judge import failure_of, judged
 from remodel_planner.core.supervision.question import question_about
-from remodel_planner.core.supervision.state import RunState, Stage
+from remodel_planner.core.supervision.state import RunState, Stage, TaskProgress
 from remodel_planner.core.supervision.step import (
     Ask,
     Decide,
@@ -64,6 +65,12 @@ from remodel_planner.ros.task_supervisor import Sight, TaskSupervisor
 
 # [s] of wall time between two looks at what is waited for.
 _LOOK_S = 0.2
+
+# remodel_msgs/ErrorCode SERVER_LOST; [s] of wall time that such a server gets to come back before
+# the next try counts, longer than it takes to start anew; and between two looks.
+_SERVER_LOST = 4
+_SERVER_PATIENCE_S = 20.0
+_SERVER_LOOK_S = 0.02
 
 # A cell's answer to a claim -> how the other cell has left the task.
 _AS_LEFT = {
@@ -255,6 +262,7 @@ class UseCaseSupervisor:
         if not self._has(name):
             return
         task = self.state.tasks[name]
+        self._await_server(task)
         chart = self.work.planner.chart(name, part, task.connected, task.decisions)
         with self._renewed(name):
             self._synthesize(chart)
@@ -262,6 +270,20 @@ class UseCaseSupervisor:
             if part is Part.WHOLE:
                 self._peers.cell.feed(name, self.work.channels.get(name, ""))
             self._run(name, part, chart)
+
+    def _await_server(self, task: TaskProgress) -> None:
+        """Give the ability server that a task has lost a while to come back before the next try."""
+        last = task.decisions[-1] if task.decisions else None
+        if last is None or last.code != _SERVER_LOST or not last.ability:
+            return
+        self._say_doing(f"{task.name}: waiting for the server of {last.ability}")
+        end = time.monotonic() + min(self.work.patience_s, _SERVER_PATIENCE_S)
+        abilities = self._peers.tasks.abilities
+        while not abilities.is_there(last.ability) and time.monotonic() < end:
+            if self.state.stop or rospy.is_shutdown():
+                return
+            self._changed.clear()
+            self._changed.wait(_SERVER_LOOK_S)
 
     def _run(self, name: str, part: Part, chart: Chart) -> None:
         """Run a behavior of a task, and keep what it does."""
