@@ -2,11 +2,12 @@
 # ruff: noqa: T201 - a benchmark prints
 """Measure how often the abilities succeed, or refuse rightly, over seeds, and how long it takes.
 
-evaluate_abilities.py [FILE] [--seeds 0-99] [--trials NAME ...] [--panel PANEL] [--jobs N]; the
-workspace must be sourced. A seed gives a wire its curvature and the cameras their noise; wires of
-the panel take turns. Each trial that goes wrong is printed with its seed and code as it ends, and
-`--seeds SEED --trials NAME` runs it again with the same outcome. FILE (out/bench/abilities.jsonl)
-gets a line of JSON for each trial, then for each figure. Exits with 1 when a target is missed.
+evaluate_abilities.py [FILE] [--seeds 0-99] [--trials NAME ...] [--panel PANEL] [--formboard PANEL]
+[--jobs N]; the workspace must be sourced. A seed gives a wire its curvature and the cameras their
+noise; wires of the panel take turns; the trial "route" has the formboard instead. Each trial that
+goes wrong is printed with its seed and code as it ends, and `--seeds SEED --trials NAME` runs it
+again with the same outcome. FILE (out/bench/abilities.jsonl) gets a line of JSON for each trial,
+then for each figure. Exits with 1 when a target is missed.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from trials import TRIALS, Outcome, Trial, run
 from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.ros.conversions import read_panel
 
-PANEL = Path(__file__).parents[2] / "src" / "remodel_sim" / "config" / "panel.yaml"
+CONFIG = Path(__file__).parents[2] / "src" / "remodel_sim" / "config"
 # Share of good outcomes in percent, by trial: what is told of it, and its target.
 SHARES = {
     "wire": ("whole wires placed", None),
@@ -37,6 +38,7 @@ SHARES = {
     "other_component": ("wrong socket, of another component: INVALID_GOAL", 98.0),
     "neighbour": ("wrong socket, the one beside it: INVALID_GOAL", 98.0),
     "occupied": ("wrong socket, occupied: TERMINAL_OCCUPIED", 98.0),
+    "route": ("six clips, the whole wire in them after release", 95.0),
     "locate": ("located", None),
     "locate_moved": ("located, moved by up to 10 mm and 8 deg", None),
     "locate_light": ("located, 40 to 160 % of the light", None),
@@ -124,12 +126,17 @@ def main() -> int:
     parser.add_argument("file", nargs="?", type=Path, default=Path("out/bench/abilities.jsonl"))
     parser.add_argument("--seeds", type=parse_seeds, default="0-3", help="such as 0-99 or 3,7-9")
     parser.add_argument("--trials", nargs="+", choices=TRIALS, default=list(TRIALS), metavar="NAME")
-    parser.add_argument("--panel", type=Path, default=PANEL)
+    parser.add_argument("--panel", type=Path, default=CONFIG / "panel.yaml")
+    parser.add_argument("--formboard", type=Path, default=CONFIG / "formboard.yaml")
     parser.add_argument("--jobs", type=int, default=1, help="processes")
     options = parser.parse_args()
     options.file.parent.mkdir(parents=True, exist_ok=True)
-    panel = read_panel(options.panel, read_wire_materials())
-    trials = [Trial(name, seed, panel) for name in options.trials for seed in options.seeds]
+    materials = read_wire_materials()
+    panel = read_panel(options.panel, materials)
+    panels = {name: panel for name in options.trials}
+    if "route" in options.trials:
+        panels["route"] = read_panel(options.formboard, materials)
+    trials = [Trial(name, seed, panels[name]) for name in options.trials for seed in options.seeds]
     outcomes = run_all(trials, options.jobs, options.file)
     print(head())
     return 0 if tell(rows(outcomes), options.file) else 1

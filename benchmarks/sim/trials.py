@@ -15,10 +15,11 @@ import wire_task as task
 
 from remodel_sim.cell import Cell
 from remodel_sim.core.codes import Code
+from remodel_sim.core.course import world_from_clip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.panel import End, Panel, Wire
-from remodel_sim.physics.truth import ground_truth
+from remodel_sim.physics.truth import ground_truth, lies_in
 
 # An end that was picked is off the plate by so much [m].
 LIFTED_M = 0.010
@@ -28,6 +29,9 @@ OFFSET_M = 0.006
 SHIFT_M = 0.010
 TURN_RAD = math.radians(8.0)
 LIGHT = (0.4, 1.6)
+# A path over clips begins and ends so far from them, and runs so high [m].
+BEYOND_CLIP_M = 0.020
+PATH_Z_M = 0.050
 
 
 @dataclass(frozen=True)
@@ -104,7 +108,7 @@ def offset(cell: Cell, wire: Wire) -> Outcome:
     """Insert 6 mm beside the mouth: the face stops it."""
     side = OFFSET_M if cell.plant.seed % 2 else -OFFSET_M
     cell.feed(wire.id, task.channel_of(cell, wire))
-    socket = task.locate(cell, *wire.goes_to(End.A))
+    socket = task.locate_again(cell, *wire.goes_to(End.A))
     beside = Pose(socket.apply(np.array([0.0, side, 0.0])), socket.quaternion)
     return _refused(cell, wire, wire.goes_to(End.A), beside, Code.INSERTION_MISALIGNED)
 
@@ -114,14 +118,14 @@ def blocked(cell: Cell, wire: Wire) -> Outcome:
     terminal = wire.goes_to(End.A)
     cell.plant.block_socket(*terminal)
     cell.feed(wire.id, task.channel_of(cell, wire))
-    socket = task.locate(cell, *terminal)
+    socket = task.locate_again(cell, *terminal)
     return _refused(cell, wire, terminal, socket, Code.INSERTION_JAMMED)
 
 
 def other_component(cell: Cell, wire: Wire) -> Outcome:
     """Insert where end b's component is, under the name of end a's terminal."""
     cell.feed(wire.id, task.channel_of(cell, wire))
-    socket = task.locate(cell, *wire.goes_to(End.B))
+    socket = task.locate_again(cell, *wire.goes_to(End.B))
     return _refused(cell, wire, wire.goes_to(End.A), socket, Code.INVALID_GOAL)
 
 
@@ -130,7 +134,7 @@ def neighbour(cell: Cell, wire: Wire) -> Outcome:
     component, own = wire.goes_to(End.A)
     others = [t.id for t in cell.station.panel.component(component).terminals if t.id != own]
     cell.feed(wire.id, task.channel_of(cell, wire))
-    socket = task.locate(cell, component, others[cell.plant.seed % len(others)])
+    socket = task.locate_again(cell, component, others[cell.plant.seed % len(others)])
     return _refused(cell, wire, (component, own), socket, Code.INVALID_GOAL)
 
 
@@ -139,9 +143,30 @@ def occupied(cell: Cell, wire: Wire) -> Outcome:
     terminal = wire.goes_to(End.A)
     cell.feed(wire.id, task.channel_of(cell, wire))
     task.connect(cell, wire, End.A, task.History())
-    socket = task.locate(cell, *terminal)
+    socket = task.locate_again(cell, *terminal)
     found = _code_of(lambda: task.insert(cell, wire, End.B, terminal, socket))
     return Outcome(_is(found, Code.TERMINAL_OCCUPIED), found)
+
+
+def route(cell: Cell, wire: Wire) -> Outcome:
+    """Lay a wire into the clips of the panel; good when it runs through all, by the truth."""
+    panel = cell.station.panel
+    cell.feed(wire.id, task.channel_of(cell, wire))
+    task.connect(cell, wire, End.A, task.History())
+    task.pick(cell, wire, End.B)
+    wall, cpu = time.perf_counter(), time.process_time()
+    found = _code_of(lambda: task.route(cell, wire, _over_clips(panel)))
+    figures = {"wall [s]": time.perf_counter() - wall, "cpu [s]": time.process_time() - cpu}
+    held = [lies_in(cell.plant, wire.id, clip) for clip in panel.clips]
+    return Outcome(all(held) and found == Code.NONE.name, found, {"held": sum(held), **figures})
+
+
+def _over_clips(panel: Panel) -> tuple[Pose, ...]:
+    """Return a path from clip to clip, and a little beyond both ends, world frame."""
+    clips = [world_from_clip(clip) for clip in panel.clips]
+    before, after = (Pose.level(x, 0.0, 0.0) for x in (-BEYOND_CLIP_M, BEYOND_CLIP_M))
+    ways = [clips[0] @ before, *clips, clips[-1] @ after]
+    return tuple(way @ Pose.level(0.0, 0.0, PATH_Z_M) for way in ways)
 
 
 def located(disturb: Callable[[Cell, str], None]) -> Callable[[Cell, Wire], Outcome]:
@@ -189,6 +214,7 @@ TRIALS: dict[str, Callable[[Cell, Wire], Outcome]] = {
     "other_component": other_component,
     "neighbour": neighbour,
     "occupied": occupied,
+    "route": route,
     "locate": located(lambda *_: None),
     "locate_moved": located(_move),
     "locate_light": located(_relight),

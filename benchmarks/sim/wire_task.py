@@ -73,6 +73,16 @@ def locate(cell: Cell, component: str, terminal: str) -> Pose:
     return found.socket_pose
 
 
+def locate_again(cell: Cell, component: str, terminal: str) -> Pose:
+    """Return the mouth of a terminal as `locate`, which is tried up to three times as in charts."""
+    return _again(History(), lambda: locate(cell, component, terminal))
+
+
+def route(cell: Cell, wire: Wire, path: tuple[Pose, ...]) -> None:
+    """Carry the held end along a path, or lay the wire into the clips on it."""
+    do(cell, route_wire, goals.RouteGoal(goals.ROBOT, wire.id, path))
+
+
 def insert(cell: Cell, wire: Wire, end: End, terminal: tuple[str, str], socket: Pose) -> None:
     """Push an end into a terminal."""
     goal = goals.InsertGoal(goals.ROBOT, wire.id, end, *terminal, socket, FORCE_LIMIT_N)
@@ -126,7 +136,7 @@ def _carry(cell: Cell, wire: Wire) -> None:
     mouth = WORLD_FROM_PANEL @ panel.panel_from_socket(*wire.goes_to(End.B))
     beside = float(mouth.position[1]) + BESIDE_M * direction
     target = Pose.level(lane, beside, CARRY_Z_M, direction * math.pi / 2)
-    do(cell, route_wire, goals.RouteGoal(goals.ROBOT, wire.id, (target,)))
+    route(cell, wire, (target,))
 
 
 def _again(history: History, work: Callable[[], T]) -> T:

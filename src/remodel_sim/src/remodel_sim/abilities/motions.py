@@ -10,7 +10,7 @@ from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.arm import Arm, ToolPose
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array, wrap_angle
+from remodel_sim.core.geometry import Array, Pose, wrap_angle
 from remodel_sim.core.motion import PEAK_OVER_MEAN, Line
 
 FREE_SPEED = 0.60  # [m/s], hand empty and high
@@ -91,6 +91,13 @@ def wait(station: Station, seconds: float) -> Steps[None]:
     """Let time pass."""
     for _ in range(math.ceil(seconds / station.tick_s)):
         yield
+
+
+def held_tool(station: Station, pose: Pose) -> ToolPose:
+    """Return the tool pose that points the held wire's tip along a pose's x axis."""
+    x, y, z = (float(v) for v in pose.position)
+    flip = station.book.grip.flip if station.book.grip is not None else 0.0
+    return ToolPose(x, y, z, pose.yaw - (0.0 if math.isclose(flip, 0.0) else flip))
 
 
 def rise(station: Station, z: float = TRAVEL_Z) -> Steps[None]:

@@ -15,10 +15,10 @@ from remodel_sim.abilities.motions import (
     HAND_OPEN_M,
     TRAVEL_Z,
     disengage,
+    held_tool,
     move_to,
     rise,
 )
-from remodel_sim.abilities.route_wire import held_tool
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.book import EndState, Grip
@@ -53,8 +53,13 @@ def place_cable(station: Station, goal: PlaceGoal) -> Steps[CablePlaced]:
     return CablePlaced(f"{goal.cable_id} laid down at x {x * 1e3:.0f}, y {y * 1e3:.0f} mm")
 
 
-def lay_down(station: Station, target: ToolPose, shares: tuple[float, float]) -> Steps[None]:
-    """Carry the held end to a tool pose, let go, and lift the empty hand."""
+def lay_down(
+    station: Station, target: ToolPose, shares: tuple[float, float], *, fork: bool = True
+) -> Steps[None]:
+    """Carry the held end to a tool pose, let go, and lift the empty hand.
+
+    `fork`: whether the feeder's fork may come up around it.
+    """
     first, last = shares
     station.report("carrying the end to where it is laid down", first)
     yield from carry_over(station, target)
@@ -66,7 +71,8 @@ def lay_down(station: Station, target: ToolPose, shares: tuple[float, float]) ->
         tip = tip_of(target, grip)
         station.book.expected[grip.end] = tip
         station.book.tips.pop(grip.end, None)
-        _bring_fork(station, target, grip)
+        if fork:
+            _bring_fork(station, target, grip)
     yield from release(station, HAND_OPEN_M)
     yield from rise(station)
 

@@ -1,17 +1,34 @@
-"""RouteWire: carry the held end along a path."""
+"""RouteWire: carry the held end along a path, or lay the wire into the clips on it."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
+import numpy as np
+
+from remodel_sim.abilities.carrying import carry
+from remodel_sim.abilities.clipping import lay_into, press_from_above
+from remodel_sim.abilities.course_check import (
+    check_ducts,
+    clip_fault,
+    judge_clips,
+    look_at_course,
+)
 from remodel_sim.abilities.grasping import check_grip
-from remodel_sim.abilities.motions import CARRY_SPEED, disengage, move_to
+from remodel_sim.abilities.motions import CARRY_SPEED, disengage, held_tool
+from remodel_sim.abilities.place_cable import lay_down
 from remodel_sim.abilities.station import Station, Steps
-from remodel_sim.core.arm import ToolPose
+from remodel_sim.core.book import Grip
+from remodel_sim.core.codes import Code
+from remodel_sim.core.course import clips_along, world_from_clip
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
+from remodel_sim.core.geometry import Array
 from remodel_sim.core.goals import RouteGoal
+from remodel_sim.core.mouths import mouth_of
+from remodel_sim.core.panel import Clip
+
+# A wire that is seen to stand off its clips is pressed in again so often.
+PRESSES = 2
 
 
 @dataclass(frozen=True)
@@ -28,25 +45,72 @@ class WireRouted:
 
 
 def route_wire(station: Station, goal: RouteGoal) -> Steps[WireRouted]:
-    """Lift to the first pose's height, then go from pose to pose in straight lines."""
+    """Go from pose to pose with the end; where the path passes clips, lay the wire into them.
+
+    Whether it lies in clips and ducts is seen from above. The end stays in the hand, or lies loose
+    when there are clips.
+    """
     yield from disengage(station)
+    clips = clips_along(goal.path, station.panel)
+    if clips:
+        yield from _lay_into_all(station, clips)
+    else:
+        yield from _carry_along(station, goal)
+    count = len(goal.path)
+    try:
+        yield from check_ducts(station, goal.path)
+    except AbilityError as error:
+        error.readings["reached"] = count
+        raise
+    done = (
+        f"laid into {', '.join(c.id for c in clips)}" if clips else f"carried along {count} poses"
+    )
+    return WireRouted(f"{goal.cable_id} {done}", count)
+
+
+def _carry_along(station: Station, goal: RouteGoal) -> Steps[None]:
+    """Lift to the first pose's height, then go from pose to pose in straight lines."""
+    count, free = len(goal.path), station.force
     for i, pose in enumerate(goal.path):
-        station.report(f"carrying the wire to pose {i + 1} of {len(goal.path)}", i / len(goal.path))
+        station.report(f"carrying the wire to pose {i + 1} of {count}", 0.95 * i / count)
         tool = held_tool(station, pose)
         try:
             if i == 0 and tool.z > station.commanded.z:
-                yield from move_to(station, station.commanded.at(z=tool.z), CARRY_SPEED)
-            yield from move_to(station, tool, CARRY_SPEED)
+                yield from carry(station, station.commanded.at(z=tool.z), CARRY_SPEED, free)
+            yield from carry(station, tool, CARRY_SPEED, free)
             check_grip(station)
         except AbilityError as error:
             error.readings["reached"] = i
             raise
-    count = len(goal.path)
-    return WireRouted(f"{goal.cable_id} carried along {count} poses", count)
 
 
-def held_tool(station: Station, pose: Pose) -> ToolPose:
-    """Return the tool pose that points the held wire's tip along a pose's x axis."""
-    x, y, z = (float(v) for v in pose.position)
-    flip = station.book.grip.flip if station.book.grip is not None else 0.0
-    return ToolPose(x, y, z, pose.yaw - (0.0 if math.isclose(flip, 0.0) else flip))
+def _lay_into_all(station: Station, clips: tuple[Clip, ...]) -> Steps[None]:
+    """Lay the end down where it was picked, and the wire into its clips, one by one."""
+    grip = station.book.grip
+    if grip is None:
+        raise AbilityError(Code.NOTHING_HELD, "the gripper is empty; pick the wire first")
+    held_at = _held_at(station, grip)
+    yield from lay_down(station, station.book.picked_at[grip.end].tool, (0.0, 0.05), fork=False)
+    for i, clip in enumerate(clips):
+        station.report(f"laying the wire into clip {clip.id}", 0.05 + 0.8 * i / len(clips))
+        yield from lay_into(station, clip, held_at)
+        held_at = world_from_clip(clip).apply(np.array([0.0, 0.0, clip.height]))
+        station.book.in_clips.append(held_at)
+    station.report("looking at the clips from above", 0.85)
+    seen = yield from look_at_course(station)
+    for _ in range(PRESSES):
+        standing_off = [clip for clip in clips if clip_fault(clip, seen)]
+        if not standing_off:
+            break
+        for clip in standing_off:
+            yield from press_from_above(station, clip)
+        seen = yield from look_at_course(station)
+    judge_clips(station, clips, seen)
+
+
+def _held_at(station: Station, grip: Grip) -> Array:
+    """Return where the wire is held nearest to the held end, (3,) [m], world frame."""
+    if station.book.in_clips:
+        return station.book.in_clips[-1]
+    terminal = station.wire.goes_to(grip.end.other)
+    return mouth_of(terminal, station.panel, station.book.seen).position

@@ -6,6 +6,9 @@ Seen along the wire, a clip is a channel under two round lips that slide apart a
        |   (W)   |  wire and walls
        |_________|
 
+At both ends of the channel two slopes lead the wire between the lips from aside. Closed fingertips
+that press it in pass between them.
+
 A wire of radius R that is pulled up meets lips of radius r under the angle a from the horizontal,
 cos(a) = (gap / 2 + r) / (R + r). Each lip resists sideways with F, and rubs with the coefficient
 mu = tan(p). The wire comes free at 2 F tan(a + p), and from above it goes in at as much.
@@ -25,6 +28,12 @@ LIP_RADIUS_SHARE = 1 / 3
 # Between wire and wall on each side, and between wire and lip above it [m].
 PLAY_M = 0.0003
 WALL_M = 0.002
+# The slopes at each end: along the wire, through the plate, and above the lips; and the room that
+# they leave, half as wide, for what presses the wire in [m].
+SLOPE_LENGTH_M = 0.003
+SLOPE_THICKNESS_M = 0.0015
+SLOPE_ABOVE_LIPS_M = 0.006
+SLOPE_ROOM_M = 0.0045
 # Of lip and wire together, as Bullet multiplies them: a lip of polyamide, and PVC with 0.5.
 LIP_FRICTION = 0.3
 WIRE_FRICTION = 0.5
@@ -48,6 +57,17 @@ class Lips:
     height: float
     travel: float
     force: float
+
+
+def lip_top(clip: Clip) -> float:
+    """Return the height of a clip's top above the plate [m]."""
+    lips = lips_of(clip)
+    return lips.height + lips.radius
+
+
+def resting_height(clip: Clip) -> float:
+    """Return the height of a wire's axis that lies on the closed lips, above the plate [m]."""
+    return 2 * lips_of(clip).height - clip.height - PLAY_M
 
 
 def lips_of(clip: Clip) -> Lips:
@@ -79,7 +99,26 @@ def clip_boxes(clip: Clip) -> tuple[Box, ...]:
         )
         for side in (-1, 1)
     ]
-    return Box((0.0, 0.0, floor / 2), (clip.length, outer, floor), FIXTURE_RGB), *walls
+    base = Box((0.0, 0.0, floor / 2), (clip.length, outer, floor), FIXTURE_RGB)
+    slopes = [_slope(clip, inner, side, end) for side in (-1, 1) for end in (-1, 1)]
+    return base, *walls, *slopes
+
+
+def _slope(clip: Clip, inner: float, side: int, end: int) -> Box:
+    """Return a plate that rises outward from beside the wire, at 45 degrees or flatter."""
+    to_lips = lip_top(clip) - clip.height
+    steepness = math.atan2(to_lips, max(to_lips, SLOPE_ROOM_M - inner))
+    rise = to_lips + SLOPE_ABOVE_LIPS_M
+    run = rise / math.tan(steepness)
+    out, down = math.sin(steepness), math.cos(steepness)
+    aside = inner + run / 2 + out * SLOPE_THICKNESS_M / 2
+    height = clip.height + rise / 2 - down * SLOPE_THICKNESS_M / 2
+    return Box(
+        (end * (clip.length + SLOPE_LENGTH_M) / 2, side * aside, height),
+        (SLOPE_LENGTH_M, math.hypot(run, rise), SLOPE_THICKNESS_M),
+        FIXTURE_RGB,
+        rpy=(side * steepness, 0.0, 0.0),
+    )
 
 
 def duct_boxes(duct: Duct) -> tuple[Box, ...]:

@@ -14,8 +14,9 @@ from typing import Protocol
 import numpy as np
 
 from remodel_sim.core.arm import Arm, ToolPose
-from remodel_sim.core.book import Book
+from remodel_sim.core.book import Book, EndState
 from remodel_sim.core.codes import Code
+from remodel_sim.core.course import clips_along
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose, wrap_angle
 from remodel_sim.core.layout import GRASP_DISTANCE_M, STANDOFF_M, WORLD_FROM_PANEL
@@ -192,7 +193,10 @@ class PlaceGoal:
 
 @dataclass(frozen=True)
 class RouteGoal:
-    """Carry the held end along poses of the tool centre, x along the wire towards the tip."""
+    """Carry the held end along poses of the tool centre, x along the wire towards the tip.
+
+    Or lay the wire into the clips that the path passes.
+    """
 
     robot_name: str
     cable_id: str
@@ -210,6 +214,14 @@ class RouteGoal:
         check_live(self.cable_id, panel, book)
         check_held(book)
         check_tool_path(self.path, book)
+        clips = clips_along(self.path, panel)
+        if clips and book.grip is not None and book.ends[book.grip.end.other] is EndState.LOOSE:
+            other = book.grip.end.other.value
+            raise AbilityError(
+                Code.INVALID_GOAL,
+                f"the path passes clips {', '.join(clip.id for clip in clips)}, and end {other} of "
+                f"{self.cable_id!r} is loose; insert and fix it first",
+            )
 
 
 @dataclass(frozen=True)

@@ -6,14 +6,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from remodel_sim.core.course import world_from_clip
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.panel import End
+from remodel_sim.core.panel import Clip, End
 from remodel_sim.physics.clamps import Clamp
 from remodel_sim.physics.plant import Plant
 
 # A tip that is so near to the bottom sits at it; InsertCable judges by the same distance. The
 # clamp's jaw is further out.
 BOTTOM_M = 0.003
+# A wire in a clip has some play, and bends a little beside it.
+IN_CLIP_M = 0.001
 
 
 @dataclass(frozen=True)
@@ -62,6 +65,18 @@ def ground_truth(plant: Plant, wire_ids: list[str]) -> list[WireTruth]:
         b = _end_truth(plant, wire_id, End.B, nodes[-1], clamps.get(End.B))
         truths.append(WireTruth(wire_id, a, b))
     return truths
+
+
+def lies_in(plant: Plant, wire_id: str, clip: Clip) -> bool:
+    """Return whether a wire that was fed runs through a clip, below its lips."""
+    if plant.live is not None and plant.live.wire.id == wire_id:
+        nodes = plant.live.cable.nodes()
+    else:
+        nodes = plant.parked[wire_id].nodes
+    x, y, z = world_from_clip(clip).inverse().apply(nodes).T
+    order = np.argsort(x)
+    aside, height = (float(np.interp(0.0, x[order], v[order])) for v in (y, z))
+    return bool(x.min() < 0 < x.max()) and max(abs(aside), abs(height - clip.height)) < IN_CLIP_M
 
 
 def _end_truth(plant: Plant, wire_id: str, end: End, tip: Array, clamp: Clamp | None) -> EndTruth:

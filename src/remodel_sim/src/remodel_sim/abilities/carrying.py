@@ -1,0 +1,43 @@
+"""Carry a held wire and feel whether it hangs on something, as steps of an ability."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from remodel_sim.abilities.motions import move_to
+from remodel_sim.abilities.station import Station, Steps
+from remodel_sim.core.arm import ToolPose
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Array
+
+# A wire that hangs on something pulls at the hand with more, and longer than it takes to speed the
+# hand up; a free one pulls with less than 5 N, and the grip slides at some 30 N [N], [s].
+SNAG_N = 12.0
+SNAG_S = 0.05
+
+
+def carry(
+    station: Station, tool: ToolPose, speed: float, free: Array, most: float = SNAG_N
+) -> Steps[None]:
+    """Move as `move_to`; raises SNAGGED, the arm standing, when the wire pulls back.
+
+    Args:
+        station: the cell, a wire in its hand.
+        tool: where to.
+        speed: peak speed of the tool centre [m/s].
+        free: what the wrist feels without the wire's pull, world frame (3,) [N].
+        most: by which it may pull, level [N].
+    """
+    pulled_s = 0.0
+    for _ in move_to(station, tool, speed):
+        yield
+        pull = float(np.linalg.norm((station.force - free)[:2]))
+        pulled_s = pulled_s + station.tick_s if pull > most else 0.0
+        if pulled_s > SNAG_S:
+            station.drive(station.tool)
+            raise AbilityError(
+                Code.SNAGGED,
+                f"{station.wire.id!r} pulls at the hand with {pull:.0f} N at {station.tool}: it "
+                "hangs on something or is too short; move back, look at it, go another way",
+            )

@@ -1,0 +1,46 @@
+"""A formboard for tests: a wire from a terminal over a row of clips, and a duct."""
+
+import math
+
+from panels import component, wire
+
+from remodel_sim.core.geometry import Pose
+from remodel_sim.core.layout import WORLD_FROM_PANEL
+from remodel_sim.core.panel import Channel, Clip, Duct, Panel
+
+LINE_X = -0.040
+FIRST_Y = -0.085
+STEP_M = 0.055
+HEIGHT_M = 0.010
+RETENTION_N = 5.0
+
+
+def formboard(clips=6, ducts=()):
+    """Return a panel with a row of clips along y, beside where the wire is fed."""
+    places = [(LINE_X, FIRST_Y + STEP_M * i, math.pi / 2) for i in range(clips)]
+    return Panel(
+        "formboard",
+        (0.40, 0.80, 0.003),
+        (
+            component("X1", 1, -0.100, -0.20, 1),
+            component("X2", 2, 0.100, 0.20, -1),
+        ),
+        (Channel("A", 0.0, 0.150, -0.35, 0.35),),
+        (wire("W1", ("X1", "2"), ("X2", "2"), 0.62),),
+        tuple(
+            Clip(f"C{i + 1}", place, 0.003, HEIGHT_M, 0.008, RETENTION_N)
+            for i, place in enumerate(places)
+        ),
+        tuple(ducts),
+    )
+
+
+def along_clips(panel):
+    """Return the path that passes all clips of a formboard, world frame."""
+    ends = (FIRST_Y - 0.03, panel.clips[-1].pose[1] + 0.03)
+    return tuple(WORLD_FROM_PANEL @ Pose.level(LINE_X, y, 0.05, math.pi / 2) for y in ends)
+
+
+def duct(x, y, length=0.12, width=0.050, yaw=math.pi / 2):
+    """Return a duct along the channel."""
+    return Duct("D1", (x, y, yaw), length, width, 0.020)

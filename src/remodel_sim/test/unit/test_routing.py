@@ -1,0 +1,65 @@
+"""RouteWire by physics, without ROS."""
+
+import math
+from contextlib import nullcontext
+
+import place_wire as do
+import pytest
+from formboards import along_clips, duct, formboard
+
+from remodel_sim.abilities.course_check import check_ducts
+from remodel_sim.cell import Cell
+from remodel_sim.core import goals
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Pose
+from remodel_sim.core.layout import WORLD_FROM_PANEL
+from remodel_sim.core.panel import End
+from remodel_sim.physics.truth import lies_in
+
+
+def with_b_in_hand(board):
+    cell = Cell(board, seed=1)
+    cell.feed("W1", "A")
+    do.connect(cell, "W1", End.A)
+    do.do(cell, do.pick_cable, goals.PickGoal(do.ROBOT, "W1", End.B, 0.0))
+    return cell
+
+
+def route(cell, *path):
+    return do.do(cell, do.route_wire, goals.RouteGoal(do.ROBOT, "W1", path))
+
+
+def at(x, y, z=0.05):
+    return WORLD_FROM_PANEL @ Pose.level(x, y, z, math.pi / 2)
+
+
+def test_a_wire_is_laid_into_its_clips_and_stays_there():
+    board = formboard(2)
+    cell = with_b_in_hand(board)
+    done = route(cell, *along_clips(board))
+    assert done.message == "W1 laid into C1, C2"
+    assert cell.station.book.grip is None
+    assert all(lies_in(cell.plant, "W1", clip) for clip in board.clips)
+    cell.close()
+
+
+def test_a_wire_too_short_for_its_path_pulls_back():
+    cell = with_b_in_hand(formboard(0))
+    with pytest.raises(AbilityError) as caught:
+        route(cell, at(0.0, 0.30), at(0.0, 0.45))
+    assert caught.value.code is Code.SNAGGED
+    assert caught.value.readings["reached"] == 1
+    cell.close()
+
+
+@pytest.mark.parametrize(("x", "words"), [(0.0, ""), (-0.045, "2. mm beside duct 'D1'")])
+def test_a_wire_beside_its_duct_is_seen_from_above(x, words):
+    cell = Cell(formboard(0, [duct(x, 0.0)]), seed=1)
+    cell.feed("W1", "A")
+    try:
+        with pytest.raises(AbilityError, match=words) if words else nullcontext() as caught:
+            cell.run(check_ducts(cell.station, (at(x, -0.1), at(x, 0.1))))
+    finally:
+        cell.close()
+    assert not words or caught.value.code is Code.OUT_OF_DUCT
