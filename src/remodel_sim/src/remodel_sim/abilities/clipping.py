@@ -50,7 +50,7 @@ CLEAR_M = 0.005
 # The fingers pass over a wire that stands off its clips by so much.
 ABOVE_WIRE_M = 0.010
 # The grip bends the wire a little where it lies; that may pull with so much.
-MAX_PULL_N = 20.0
+MAX_PULL_N = 25.0
 SWING_SPEED = 0.15  # [m/s] with the wire in the grip
 PRESS_SPEED = 0.030
 # From beside, the wire is pressed with so many times the clip's force.
@@ -65,6 +65,7 @@ RISES_M = (0.0, 0.010)
 OPEN_S = 0.2
 STILL_S = 0.10
 ATTEMPTS = 3
+WORTH_ANOTHER = frozenset({Code.GRASP_MISSED, Code.SNAGGED})
 CLOSE_S = 0.6
 REST_M = 1e-5
 
@@ -87,11 +88,13 @@ def lay_into(station: Station, clip: Clip, held_at: Array) -> Steps[None]:
         try:
             yield from _bring_into(station, clip, held_at, attempt * SLACK_M)
         except AbilityError as error:
-            if error.code is Code.GRASP_MISSED and attempt < ATTEMPTS:
+            if error.code not in WORTH_ANOTHER:
+                raise
+            yield from clear_hand(station)
+            if attempt < ATTEMPTS:
                 continue
             if error.code is not Code.SNAGGED:
                 raise
-            yield from clear_hand(station)
         if (yield from press_from_above(station, clip)):
             return
     raise AbilityError(
