@@ -59,8 +59,15 @@ class Axes:
         cv2.putText(self.picture, words, at, cv2.FONT_HERSHEY_SIMPLEX, 0.55, colour, 1, cv2.LINE_AA)
 
 
-def axes(title: str, names: tuple[str, str], x: tuple[float, ...], y: tuple[float, ...]) -> Axes:
-    """Return an empty plot; x and y are the ticks."""
+def axes(
+    title: str,
+    names: tuple[str, str],
+    x: tuple[float, ...],
+    y: tuple[float, ...],
+    *,
+    legend: bool = True,
+) -> Axes:
+    """Return an empty plot; x and y are the ticks, the legend tells theory from simulation."""
     plot = Axes(np.full((HEIGHT, WIDTH, 3), 255, np.uint8), (x[0], x[-1]), (y[0], y[-1]))
     for tick in x:
         cv2.line(plot.picture, plot.pixel(tick, y[0]), plot.pixel(tick, y[-1]), GREY, 1)
@@ -73,8 +80,9 @@ def axes(title: str, names: tuple[str, str], x: tuple[float, ...], y: tuple[floa
     plot.text(title, (MARGIN, 34))
     plot.text(names[0], (WIDTH // 2 - 60, HEIGHT - 18))
     plot.text(names[1], (12, 58))
-    plot.text("theory", (WIDTH - 190, 34), BLUE)
-    plot.text("simulation", (WIDTH - 120, 34), RED)
+    if legend:
+        plot.text("theory", (WIDTH - 190, 34), BLUE)
+        plot.text("simulation", (WIDTH - 120, 34), RED)
     return plot
 
 

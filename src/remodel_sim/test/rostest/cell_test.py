@@ -140,6 +140,13 @@ class CellTest(unittest.TestCase):
         self.assertIn("allowed: 0.05 to 1", response.message)
         self.call("inject_fault", srv.InjectFault, "light_changed", "", [0.9])
 
+    def test_a_frozen_server_does_nothing_and_then_goes_on(self):
+        detect = self.on["DetectCable"]
+        self.call("inject_fault", srv.InjectFault, "server_frozen", "", [1.0])
+        detect.send(cable_id="W1")
+        self.assertFalse(wait_until(lambda: detect.feedback or detect.ended(), 0.8))
+        self.assertTrue(detect.wait().success)
+
     def test_goals_that_cannot_be_done_are_rejected_with_the_reason(self):
         insert, socket = self.on["InsertCable"], PoseStamped()
         socket.pose.position.x = float("nan")

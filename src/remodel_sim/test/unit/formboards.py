@@ -10,7 +10,7 @@ from remodel_sim.core.panel import Channel, Clip, Duct, Panel
 
 LINE_X = -0.040
 FIRST_Y = -0.085
-STEP_M = 0.045
+STEP_M = 0.055
 HEIGHT_M = 0.010
 RETENTION_N = 5.0
 
@@ -41,6 +41,6 @@ def along_clips(panel):
     return tuple(WORLD_FROM_PANEL @ Pose.level(LINE_X, y, 0.05, math.pi / 2) for y in ends)
 
 
-def duct(x, y, length=0.06, width=0.050, yaw=math.pi / 2):
+def duct(x, y, length=0.12, width=0.050, yaw=math.pi / 2):
     """Return a duct along the channel."""
     return Duct("D1", (x, y, yaw), length, width, 0.020)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from formboards import along_clips, duct, formboard
 
-from remodel_sim.core.course import clips_along, places_in
+from remodel_sim.core.course import clips_along, places_in, world_from_clip
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.layout import WORLD_FROM_PANEL
 
@@ -18,6 +18,14 @@ def test_the_clips_on_a_path_come_in_its_order():
     there = along_clips(board)
     assert [clip.id for clip in clips_along(there, board)] == ["C1", "C2", "C3"]
     assert [clip.id for clip in clips_along(there[::-1], board)] == ["C3", "C2", "C1"]
+
+
+def test_a_path_from_clip_to_clip_passes_each_of_them_once():
+    board = formboard(6)
+    poses = [world_from_clip(clip) for clip in board.clips]
+    ends = along_clips(board)
+    found = clips_along((ends[0], *poses, ends[1]), board)
+    assert [clip.id for clip in found] == ["C1", "C2", "C3", "C4", "C5", "C6"]
 
 
 def test_a_clip_points_along_the_path():

@@ -19,6 +19,8 @@ from remodel_sim.core.panel import End
         ("socket_blocked", "X1", [], "must be 'component/terminal'"),
         ("component_moved", "X1", [0.0], r"needs: dx \[m\], dy \[m\], dyaw \[rad\]"),
         ("grip_weakened", "", [math.nan], "share of the grip force is nan"),
+        ("server_frozen", "", [0.0], r"time is 0.0 s; allowed: 0.1 to 600"),
+        ("server_killed", "cell", [], "server_killed has none"),
         ("camera_bumped", "wrist", [1.0, 0.0, 0.0, 0.0], "dx is 1.0 m; allowed: -0.05 to 0.05"),
     ],
 )
@@ -30,6 +32,8 @@ def test_a_fault_that_makes_no_sense_is_refused(kind, target, values, words):
 def test_a_fault_on_what_is_not_there_is_refused(cell):
     with pytest.raises(AbilityError, match="no channel 'Z'"):
         cell.plant.disturb("cable_in_the_way", "Z", [0.0, 0.0])
+    with pytest.raises(FaultError, match="cell/inject_fault causes it"):
+        cell.plant.disturb("server_killed", "", [])
     with pytest.raises(FaultError, match="no wire is live"):
         cell.plant.disturb("tip_bent", "a", [0.1])
 

@@ -1,11 +1,13 @@
 """RouteWire by physics, without ROS."""
 
 import math
+from contextlib import nullcontext
 
 import place_wire as do
 import pytest
-from formboards import LINE_X, along_clips, duct, formboard
+from formboards import along_clips, duct, formboard
 
+from remodel_sim.abilities.course_check import check_ducts
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
 from remodel_sim.core.codes import Code
@@ -51,17 +53,13 @@ def test_a_wire_too_short_for_its_path_pulls_back():
     cell.close()
 
 
-def test_a_wire_that_lies_in_its_duct_is_routed():
-    cell = with_b_in_hand(formboard(0, [duct(0.0, 0.265, width=0.100)]))
-    done = route(cell, at(0.0, 0.24, 0.012), at(0.0, 0.285, 0.012))
-    assert done.reached == 2
-    assert cell.station.book.grip is not None
-    cell.close()
-
-
-def test_a_wire_beside_its_duct_is_seen():
-    cell = with_b_in_hand(formboard(0, [duct(LINE_X, 0.04)]))
-    with pytest.raises(AbilityError, match="beside duct 'D1'") as caught:
-        route(cell, at(LINE_X, -0.02), at(0.0, 0.26))
-    assert caught.value.code is Code.OUT_OF_DUCT
-    cell.close()
+@pytest.mark.parametrize(("x", "words"), [(0.0, ""), (-0.045, "2. mm beside duct 'D1'")])
+def test_a_wire_beside_its_duct_is_seen_from_above(x, words):
+    cell = Cell(formboard(0, [duct(x, 0.0)]), seed=1)
+    cell.feed("W1", "A")
+    try:
+        with pytest.raises(AbilityError, match=words) if words else nullcontext() as caught:
+            cell.run(check_ducts(cell.station, (at(x, -0.1), at(x, 0.1))))
+    finally:
+        cell.close()
+    assert not words or caught.value.code is Code.OUT_OF_DUCT

@@ -21,6 +21,8 @@ from remodel_sim.abilities.motions import (
     clear_hand,
     move_to,
     nearest_hand_yaw,
+    rise,
+    swing_to,
     wait,
 )
 from remodel_sim.abilities.station import Station, Steps
@@ -48,7 +50,7 @@ CLEAR_M = 0.005
 # The fingers pass over a wire that stands off its clips by so much.
 ABOVE_WIRE_M = 0.010
 # The grip bends the wire a little where it lies; that may pull with so much.
-MAX_PULL_N = 20.0
+MAX_PULL_N = 25.0
 SWING_SPEED = 0.15  # [m/s] with the wire in the grip
 PRESS_SPEED = 0.030
 # From beside, the wire is pressed with so many times the clip's force.
@@ -63,7 +65,7 @@ RISES_M = (0.0, 0.010)
 OPEN_S = 0.2
 STILL_S = 0.10
 ATTEMPTS = 3
-WORTH_ANOTHER = frozenset({Code.GRASP_MISSED, Code.SNAGGED, Code.NOT_SEATED})
+WORTH_ANOTHER = frozenset({Code.GRASP_MISSED, Code.SNAGGED})
 CLOSE_S = 0.6
 REST_M = 1e-5
 
@@ -71,26 +73,38 @@ REST_M = 1e-5
 def lay_into(station: Station, clip: Clip, held_at: Array) -> Steps[None]:
     """Bring the wire into a clip; what goes wrong is tried again, ATTEMPTS times in all.
 
+    A wire that does not come along when it is lifted is held: by this clip, into which it may have
+    snapped with the one before, or by what the look from above will tell.
+
     Args:
         station: the cell, its hand empty.
         clip: the next one on the wire's way.
         held_at: where the wire is held before it, (3,) [m], world frame.
 
     Raises:
-        AbilityError: CABLE_NOT_FOUND, GRASP_MISSED, SNAGGED, NOT_SEATED.
+        AbilityError: CABLE_NOT_FOUND, GRASP_MISSED, NOT_SEATED.
     """
     for attempt in range(1, ATTEMPTS + 1):
         try:
-            yield from _lay_into_once(station, clip, held_at, attempt * SLACK_M)
+            yield from _bring_into(station, clip, held_at, attempt * SLACK_M)
         except AbilityError as error:
-            if attempt == ATTEMPTS or error.code not in WORTH_ANOTHER:
+            if error.code not in WORTH_ANOTHER:
                 raise
             yield from clear_hand(station)
-        else:
+            if attempt < ATTEMPTS:
+                continue
+            if error.code is not Code.SNAGGED:
+                raise
+        if (yield from press_from_above(station, clip)):
             return
+    raise AbilityError(
+        Code.NOT_SEATED,
+        f"the wire does not go into clip {clip.id!r}, which takes {clip.retention_force:.1f} N; "
+        "route it again",
+    )
 
 
-def _lay_into_once(station: Station, clip: Clip, held_at: Array, slack: float) -> Steps[None]:
+def _bring_into(station: Station, clip: Clip, held_at: Array, slack: float) -> Steps[None]:
     beside = _beside(clip)
     grasp = yield from _find(station, clip, held_at, slack)
     free = station.force
@@ -103,7 +117,6 @@ def _lay_into_once(station: Station, clip: Clip, held_at: Array, slack: float) -
     lowest = _tool(station, beside, PAD_BELOW_TOOL_M + FLOOR_CLEARANCE_M)
     yield from _press_to(station, lowest, ENOUGH * clip.retention_force)
     yield from _let_go(station)
-    yield from press_from_above(station, clip)
 
 
 def _beside(clip: Clip) -> Pose:
@@ -133,7 +146,7 @@ def _lifted(place: Pose, held_at: Array, height: float) -> Pose:
 
 def _tool(station: Station, place: Pose, z: float) -> ToolPose:
     x, y, _ = (float(v) for v in place.position)
-    return ToolPose(x, y, z, nearest_hand_yaw(x, y, place.yaw, station.commanded.yaw))
+    return ToolPose(x, y, z, nearest_hand_yaw(station.arm, x, y, place.yaw, station.commanded.yaw))
 
 
 def _find(station: Station, clip: Clip, held_at: Array, slack: float) -> Steps[Pose]:
@@ -217,20 +230,16 @@ def _let_go(station: Station) -> Steps[None]:
         yield
 
 
-def press_from_above(station: Station, clip: Clip) -> Steps[None]:
-    """Press the wire between the lips with closed fingers; raises NOT_SEATED."""
+def press_from_above(station: Station, clip: Clip) -> Steps[bool]:
+    """Press the wire between the lips with closed fingers; return whether they come down there."""
     above = _tool(station, world_from_clip(clip), _clear_height(clip) + ABOVE_WIRE_M)
-    yield from move_to(station, station.commanded.at(z=above.z), APPROACH_SPEED)
+    yield from rise(station)
     station.drive_fingers(0.0)
+    yield from swing_to(station, above.at(z=station.commanded.z))
     yield from move_to(station, above, APPROACH_SPEED)
     yield from _fingers_still(station)
     bottom = above.at(z=lip_top(clip) + ABOVE_LIPS_M + PAD_BELOW_TOOL_M)
-    peak = yield from _press_to(station, bottom, EXCESS * clip.retention_force)
-    blocked = station.commanded.z > bottom.z + 1e-6
+    yield from _press_to(station, bottom, EXCESS * clip.retention_force)
+    went_in = math.isclose(station.commanded.z, bottom.z)
     yield from move_to(station, above, APPROACH_SPEED)
-    if blocked:
-        raise AbilityError(
-            Code.NOT_SEATED,
-            f"the wire does not go into clip {clip.id!r} at {peak:.1f} N, which takes "
-            f"{clip.retention_force:.1f} N; route it again",
-        )
+    return went_in

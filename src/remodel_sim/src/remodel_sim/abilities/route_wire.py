@@ -94,9 +94,8 @@ def _lay_into_all(station: Station, clips: tuple[Clip, ...]) -> Steps[None]:
     for i, clip in enumerate(clips):
         station.report(f"laying the wire into clip {clip.id}", 0.05 + 0.8 * i / len(clips))
         yield from lay_into(station, clip, held_at)
-        held_at = station.book.held_at = world_from_clip(clip).apply(
-            np.array([0.0, 0.0, clip.height])
-        )
+        held_at = world_from_clip(clip).apply(np.array([0.0, 0.0, clip.height]))
+        station.book.in_clips.append(held_at)
     station.report("looking at the clips from above", 0.85)
     seen = yield from look_at_course(station)
     for _ in range(PRESSES):
@@ -111,7 +110,7 @@ def _lay_into_all(station: Station, clips: tuple[Clip, ...]) -> Steps[None]:
 
 def _held_at(station: Station, grip: Grip) -> Array:
     """Return where the wire is held nearest to the held end, (3,) [m], world frame."""
-    if station.book.held_at is not None:
-        return station.book.held_at
+    if station.book.in_clips:
+        return station.book.in_clips[-1]
     terminal = station.wire.goes_to(grip.end.other)
     return mouth_of(terminal, station.panel, station.book.seen).position

@@ -84,8 +84,8 @@ class Book:
         picked_at: where each end was last grasped: there it can be laid down again.
         occupied: which wire end each terminal holds, over all wires.
         fed: every wire fed so far, in order.
-        held_at: the clip that holds the live wire nearest to its loose end, (3,) [m], world frame;
-            None when none does.
+        in_clips: where clips hold the live wire, (3,) [m] each, world frame; nearest to its loose
+            end the last.
         seen: frames of components in the world, as they were last located.
     """
 
@@ -100,7 +100,7 @@ class Book:
     picked_at: dict[End, Grip] = field(default_factory=dict)
     occupied: dict[TerminalKey, tuple[str, End]] = field(default_factory=dict)
     fed: list[str] = field(default_factory=list)
-    held_at: Array | None = None
+    in_clips: list[Array] = field(default_factory=list)
     seen: dict[str, Pose] = field(default_factory=dict)
 
     def beside(self, robot: str, arm: Arm) -> Book:
@@ -115,7 +115,7 @@ class Book:
         self.picked_at.clear()
         self.ends.update({End.A: EndState.LOOSE, End.B: EndState.LOOSE})
         self.tips.clear()
-        self.held_at = None
+        self.in_clips.clear()
         for key in [k for k, v in self.occupied.items() if v[0] == feed.wire_id]:
             del self.occupied[key]
         if feed.wire_id not in self.fed:

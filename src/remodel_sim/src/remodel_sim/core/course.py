@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -30,19 +30,24 @@ def clips_along(path: tuple[Pose, ...], panel: Panel) -> tuple[Clip, ...]:
 
     A clip may point either way along the wire; those returned point along the path.
     """
-    passed: list[tuple[int, float, Clip]] = []
-    for clip in panel.clips:
-        place = world_from_clip(clip)
-        for i, line in enumerate(_lines(path)):
-            x, y, _ = line.frame.inverse().apply(place.position)
-            turned = abs(wrap_angle(place.yaw - line.frame.yaw))
-            if not 0 <= x < line.length or abs(y) > CLIP_ASIDE_M:
-                continue
-            if turned < CLIP_TURN_RAD:
-                passed.append((i, float(x), clip))
-            elif math.pi - turned < CLIP_TURN_RAD:
-                passed.append((i, float(x), _turned(clip)))
-    return tuple(clip for _, _, clip in sorted(passed, key=lambda item: item[:2]))
+    lines = tuple(_lines(path))
+    found = [passing for clip in panel.clips if (passing := _first_passing(clip, lines))]
+    return tuple(clip for _, _, clip in sorted(found, key=lambda passing: passing[:2]))
+
+
+def _first_passing(clip: Clip, lines: Sequence[_Line]) -> tuple[int, float, Clip] | None:
+    """Return the first line that passes a clip, how far along it, and the clip along the line."""
+    place = world_from_clip(clip)
+    for i, line in enumerate(lines):
+        x, y, _ = line.frame.inverse().apply(place.position)
+        turned = abs(wrap_angle(place.yaw - line.frame.yaw))
+        if not 0 <= x < line.length or abs(y) > CLIP_ASIDE_M:
+            continue
+        if turned < CLIP_TURN_RAD:
+            return i, float(x), clip
+        if math.pi - turned < CLIP_TURN_RAD:
+            return i, float(x), _turned(clip)
+    return None
 
 
 def _turned(clip: Clip) -> Clip:

@@ -51,6 +51,8 @@ KINDS: Mapping[str, FaultKind] = MappingProxyType(
         "cable_in_the_way": FaultKind(
             "channel", (Value("y", "m", -0.5, 0.5), Value("turn", "rad", -0.5, 0.5))
         ),
+        "server_frozen": FaultKind("", (Value("time", "s", 0.1, 600.0),)),
+        "server_killed": FaultKind(""),
     }
 )
 

@@ -256,6 +256,8 @@ class Plant:
             "tip_bent": lambda: self._bend_tip(End(target), values[0]),
             "cable_in_the_way": lambda: self._drop_cable(target, *values),
         }
+        if kind not in causes:
+            raise FaultError(f"{kind} is a fault of the node: cell/inject_fault causes it")
         causes[kind]()
 
     def _disturb(self, **changes: object) -> None:

@@ -12,6 +12,7 @@ thinks.
 
 from __future__ import annotations
 
+import math
 import queue
 import threading
 from collections.abc import Callable, Sequence
@@ -44,6 +45,7 @@ class Owner:
         self._publishers = publishers
         # Not a SimpleQueue: its get() waits for ever once a signal has come during a timeout.
         self._requests: queue.Queue[Callable[[], None]] = queue.Queue()
+        self._frozen_until_s = -math.inf
 
     def job_of(self, robot: str) -> Job | None:
         """Return what a robot is doing."""
@@ -63,9 +65,18 @@ class Owner:
         self.post(answer.find)
         return answer.wait(timeout_s)
 
+    def freeze(self, seconds: float) -> None:
+        """Do nothing for so long: no step, no answer, no cancel; only the clock goes on."""
+        self._frozen_until_s = self.clock.now_s + seconds
+
     def spin(self) -> None:
         """Run until ROS shuts down."""
+        pause = threading.Event()
         while not rospy.is_shutdown():
+            if self.clock.now_s < self._frozen_until_s:
+                pause.wait(IDLE_S)
+                self.clock.follow_wall()
+                continue
             self._serve()
             if self.jobs:
                 self._tick()

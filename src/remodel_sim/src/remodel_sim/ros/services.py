@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import threading
 from collections.abc import Callable
 
 import rospy
@@ -10,6 +13,7 @@ from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError, CellError
+from remodel_sim.core.faults import check_fault
 from remodel_sim.core.wire_materials import WireMaterials
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import image, panel_from, truth_message
@@ -17,6 +21,9 @@ from remodel_sim.ros.owner import Owner
 
 # The longest request is building a large panel.
 TIMEOUT_S = 60.0
+SERVER_FAULTS = ("server_frozen", "server_killed")
+# A node that is to be killed answers first; so long the answer has to get out [s].
+ANSWER_S = 0.2
 
 
 class Services:
@@ -69,7 +76,15 @@ class Services:
         text = f"{request.kind} {request.target!r}"
 
         def disturb() -> None:
-            self._owner.cell.plant.disturb(request.kind, request.target, tuple(request.values))
+            values = tuple(request.values)
+            if request.kind not in SERVER_FAULTS:
+                self._owner.cell.plant.disturb(request.kind, request.target, values)
+                return
+            check_fault(request.kind, request.target, values)
+            if request.kind == "server_frozen":
+                self._owner.freeze(values[0])
+            else:
+                threading.Timer(ANSWER_S, os.kill, (os.getpid(), signal.SIGKILL)).start()
 
         return srv.InjectFaultResponse(*self._done(disturb, text))
 

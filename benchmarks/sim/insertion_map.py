@@ -1,0 +1,122 @@
+#!/usr/bin/env python3
+# ruff: noqa: T201 - a benchmark prints
+"""Map what InsertCable does by error of its goal: insertion_map.py [FILE] makes insertion-map.png.
+
+The mouth is given off to the side and turned about the vertical, as a bad look would; nothing is
+corrected. Each point is one insertion of end a in a cell of its own; the truth tells whether it is
+seated. A line of JSON for each goes to the same name with the ending .jsonl.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+from plots import BLACK, MARGIN, RED, Axes, axes
+
+from remodel_sim.abilities.insert_cable import insert_cable
+from remodel_sim.cell import Cell
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Pose
+from remodel_sim.core.goals import ROBOT, InsertGoal
+from remodel_sim.core.panel import End, Panel
+from remodel_sim.edge.wire_material_file import read_wire_materials
+from remodel_sim.physics.truth import ground_truth
+from remodel_sim.ros.conversions import read_panel
+
+PANEL = Path(__file__).parents[2] / "src" / "remodel_sim" / "config" / "panel.yaml"
+OFFSETS_MM = (0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
+ANGLES_DEG = (0.0, 5.0, 10.0, 15.0, 20.0)
+FORCE_LIMIT_N = 8.0
+SEED = 1
+GREEN, ORANGE, GREY = (60, 150, 60), (20, 140, 240), (150, 150, 150)
+COLOURS = {
+    "seated": GREEN,
+    "INSERTION_MISALIGNED": ORANGE,
+    "INSERTION_JAMMED": RED,
+    "INSERTION_NO_CONTACT": GREY,
+}
+
+
+@dataclass(frozen=True)
+class Point:
+    """One insertion.
+
+    Attributes:
+        offset_mm: of the mouth that was given, along its y.
+        angle_deg: by which it was turned.
+        found: the error code, "seated", or "silently wrong".
+    """
+
+    offset_mm: float
+    angle_deg: float
+    found: str
+
+
+def measure(panel: Panel, offset_mm: float, angle_deg: float) -> Point:
+    """Insert end a of the panel's first wire with an error."""
+    wire = panel.wires[0]
+    terminal = wire.goes_to(End.A)
+    cell = Cell(panel, seed=SEED)
+    mouth = panel.panel_from_socket(*terminal).position
+    cell.feed(wire.id, panel.channel_in_front_of(mouth).id)
+    error = Pose.level(0.0, offset_mm / 1e3, 0.0, np.radians(angle_deg))
+    given = cell.plant.world_from_socket(*terminal) @ error
+    goal = InsertGoal(ROBOT, wire.id, End.A, *terminal, given, FORCE_LIMIT_N)
+    try:
+        cell.run(insert_cable(cell.station, goal))
+        (truth,) = ground_truth(cell.plant, [wire.id])
+        found = "seated" if truth.a.seated else "silently wrong"
+    except AbilityError as failure:
+        found = failure.code.name
+    cell.close()
+    return Point(offset_mm, angle_deg, found)
+
+
+def draw(points: list[Point]) -> np.ndarray:
+    """Return the map."""
+    plot = axes(
+        "InsertCable by error of its goal, 3.0 mm wire, 3.8 mm bore, 1.5 mm chamfer",
+        ("beside the axis [mm]", "turned [deg]"),
+        (-0.5, *OFFSETS_MM, OFFSETS_MM[-1] + 0.5),
+        (-2.0, *ANGLES_DEG, ANGLES_DEG[-1] + 2.0),
+        legend=False,
+    )
+    for point in points:
+        place = plot.pixel(point.offset_mm, point.angle_deg)
+        cv2.circle(plot.picture, place, 11, COLOURS.get(point.found, BLACK), -1, cv2.LINE_AA)
+    _legend(plot, sorted({point.found for point in points}))
+    return plot.picture
+
+
+def _legend(plot: Axes, names: list[str]) -> None:
+    for i, name in enumerate(names):
+        text = name.lower().replace("_", " ")
+        plot.text(text, (MARGIN + 200 * i, 60), COLOURS.get(name, BLACK))
+
+
+def main() -> None:
+    """Measure, draw, and print the counts."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("file", nargs="?", type=Path, default=Path("out/bench/insertion-map.png"))
+    file = parser.parse_args().file
+    file.parent.mkdir(parents=True, exist_ok=True)
+    panel = read_panel(PANEL, read_wire_materials())
+    points = []
+    with file.with_suffix(".jsonl").open("w") as lines:
+        for angle in ANGLES_DEG:
+            for offset in OFFSETS_MM:
+                points.append(measure(panel, offset, angle))
+                lines.write(json.dumps(asdict(points[-1])) + "\n")
+                lines.flush()
+    cv2.imwrite(str(file), draw(points))
+    for name in sorted({point.found for point in points}):
+        print(f"{name}: {sum(point.found == name for point in points)} of {len(points)}")
+
+
+if __name__ == "__main__":
+    main()
