@@ -37,7 +37,7 @@ def trace(
         direction: (2,) into the wire.
         width: of the wire [px].
     """
-    likelihood = cv2.GaussianBlur(likelihood, (0, 0), SMOOTH_WIDTHS * width)
+    likelihood = cv2.GaussianBlur(likelihood, (0, 0), SMOOTH_WIDTHS * width).astype(np.float32)
     step = max(1.5, 0.6 * width)
     heading = math.atan2(direction[1], direction[0])
     point = np.asarray(start, np.float64)
