@@ -20,8 +20,8 @@ FAN_RAD = np.radians(np.linspace(-40, 40, 17))
 TURN_PRICE = 0.25
 # Along a wire of the plate's colour every other piece is as likely as the plate: half a wire.
 MIN_LIKELIHOOD = 0.45
-# Noise is smoothed by this standard deviation [widths].
-SMOOTH_WIDTHS = 0.3
+# Noise is smoothed by this standard deviation [px].
+SMOOTH_PX = 1.2
 COAST_WIDTHS = 4.0
 MAX_STEPS = 2000
 
@@ -37,8 +37,7 @@ def trace(
         direction: (2,) into the wire.
         width: of the wire [px].
     """
-    smooth = cv2.GaussianBlur(likelihood, (0, 0), SMOOTH_WIDTHS * width)
-    likelihood = np.asarray(smooth, np.float32)
+    likelihood = cv2.GaussianBlur(likelihood, (0, 0), SMOOTH_PX).astype(np.float32)
     step = max(1.5, 0.6 * width)
     heading = math.atan2(direction[1], direction[0])
     point = np.asarray(start, np.float64)

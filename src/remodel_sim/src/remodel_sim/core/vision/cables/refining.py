@@ -26,7 +26,7 @@ FIRST_GUESS = 1.25
 # An edge counts from this share of the cable's usual contrast on.
 FAINT = 0.35
 # Ribs are this far apart [widths], and at least [px].
-SPACING_WIDTHS, SPACING_PX = 0.45, 2.0
+SPACING_WIDTHS, SPACING_PX = 0.35, 2.0
 # In the first round they are this much farther apart.
 FIRST_SPACING = 2.0
 MIN_RIBS = 6
