@@ -83,7 +83,7 @@ class Cell:
 
     def reset(self) -> None:
         """Build the same panel anew; every wire is taken away."""
-        self.load(self.plant.panel)
+        self.load(self.plant.loaded)
 
     def feed(self, wire_id: str, channel_id: str) -> None:
         """Lay a wire into a channel.
