@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TypeVar
 
 import numpy as np
@@ -83,7 +84,7 @@ class Cell:
 
     def reset(self) -> None:
         """Build the same panel anew; every wire is taken away."""
-        self.load(self.plant.panel)
+        self.load(self.plant.loaded)
 
     def feed(self, wire_id: str, channel_id: str) -> None:
         """Lay a wire into a channel.
@@ -116,22 +117,25 @@ class Cell:
         finally:
             self.settle()
 
-    def settle(self) -> float:
-        """Let the scene come to rest after an ability, however it ended.
+    def settle(self) -> None:
+        """Let the scene come to rest after an ability, however it ended."""
+        for _ in self.settling():
+            pass
 
-        Return the time that passed [s].
+    def settling(self) -> Iterator[float]:
+        """Let the scene come to rest, step by step; yield the time that each step took [s].
 
-        The live wire is parked once both its ends are fixed and let go.
+        At the end the live wire is parked if both its ends are fixed and let go.
         """
-        steps = round(SETTLE_S / self.plant.world.time_step)
-        for _ in range(steps):
+        time_step = self.plant.world.time_step
+        for _ in range(round(SETTLE_S / time_step)):
             self.plant.step()
+            yield time_step
         books = [station.book for station in self.stations.values()]
         ends = books[0].ends
         placed = ends and all(state is EndState.FIXED for state in ends.values())
         if placed and all(book.grip is None for book in books):
             self.plant.park()
-        return steps * self.plant.world.time_step
 
     def close(self) -> None:
         """Leave PyBullet."""

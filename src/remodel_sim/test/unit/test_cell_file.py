@@ -3,7 +3,9 @@ from pathlib import Path
 
 import pytest
 import yaml
+from panels import panel
 
+from remodel_sim.cell import Cell
 from remodel_sim.core.errors import CellFileError
 from remodel_sim.edge.cell_file import read_cell
 
@@ -109,6 +111,17 @@ def test_all_problems_are_told_at_once(tmp_path):
         cell["feeder"]["overlap"] = 1.0
 
     assert len(problems(tmp_path, change)) == 2
+
+
+def test_the_cells_own_fixtures_are_built_with_every_panel(tmp_path):
+    duct = {"id": "D", "pose": [0, 0, 90], "length": 0.3, "width": 0.04, "height": 0.02}
+    file = tmp_path / "mine.yaml"
+    file.write_text(yaml.safe_dump({**parsed(), "fixtures": {"clips": [], "ducts": [duct]}}))
+    cell = Cell(panel(), design=read_cell(str(file)))
+    cell.reset()
+    assert [built.id for built in cell.plant.panel.ducts] == ["D"]
+    assert cell.plant.loaded == panel()
+    cell.close()
 
 
 def test_an_unknown_cell_names_those_there_are():

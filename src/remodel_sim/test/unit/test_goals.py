@@ -112,6 +112,17 @@ def test_a_goal_that_the_cell_cannot_take_is_refused(goal, book, code, words):
     assert caught.value.code is code
 
 
+def test_an_end_in_another_robots_hand_is_left_there():
+    book = holding(End.A)
+    other = book.beside("robot_2", book.arm)
+    assert other.grip is None
+    for goal in (goals.PickGoal("robot_2", "W1", End.A, 0.0), insertion(robot_name="robot_2")):
+        with pytest.raises(AbilityError, match="robot_1 holds end a") as caught:
+            goal.check(panel(), other)
+        assert caught.value.code is Code.OTHER_CABLE_HELD
+    goals.PickGoal("robot_2", "W1", End.B, 0.0).check(panel(), other)
+
+
 def test_an_occupied_terminal_names_its_occupant():
     book = fed_book()
     book.occupied["X1", "1"] = ("W7", End.B)

@@ -72,8 +72,8 @@ class OverheadSighting:
 def loose_ends(station: Station) -> list[End]:
     """Return the ends of the live wire that lie about."""
     book = station.book
-    held = book.grip.end if book.grip is not None else None
-    return [e for e, state in book.ends.items() if state is EndState.LOOSE and e is not held]
+    held = {grip.end for grip in book.hands.values()}
+    return [e for e, state in book.ends.items() if state is EndState.LOOSE and e not in held]
 
 
 def look_from_above(station: Station) -> Steps[OverheadSighting]:

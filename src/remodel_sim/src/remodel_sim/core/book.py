@@ -76,7 +76,7 @@ class Book:
         robot: whose hand it is about.
         arm: that robot's.
         feed: the live wire; None before the first.
-        grip: None while the hand is empty.
+        hands: what each robot's fingers hold, by its name; nothing of an empty hand.
         engaged: the mouth (world frame) into which the held end has been pushed at least a little.
         ends: of the live wire.
         tips: last sightings of its loose ends, until the wire is touched.
@@ -92,7 +92,7 @@ class Book:
     robot: str = "robot_1"
     arm: Arm = PANDA_AT_ORIGIN
     feed: Feed | None = None
-    grip: Grip | None = None
+    hands: dict[str, Grip] = field(default_factory=dict)
     engaged: Pose | None = None
     ends: dict[End, EndState] = field(default_factory=dict)
     tips: dict[End, TipSighting] = field(default_factory=dict)
@@ -104,8 +104,19 @@ class Book:
     seen: dict[str, Pose] = field(default_factory=dict)
 
     def beside(self, robot: str, arm: Arm) -> Book:
-        """Return the book of another robot of the same cell, its hand empty."""
-        return replace(self, robot=robot, arm=arm, grip=None, engaged=None)
+        """Return the book of another robot of the same cell."""
+        return replace(self, robot=robot, arm=arm, engaged=None)
+
+    @property
+    def grip(self) -> Grip | None:
+        """What the robot's own fingers hold; None while the hand is empty."""
+        return self.hands.get(self.robot)
+
+    @grip.setter
+    def grip(self, grip: Grip | None) -> None:
+        self.hands.pop(self.robot, None)
+        if grip is not None:
+            self.hands[self.robot] = grip
 
     def start_wire(self, feed: Feed, expected: dict[End, Array]) -> None:
         """Note that a wire lies in its channel, both ends loose."""

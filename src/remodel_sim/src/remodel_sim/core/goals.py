@@ -93,7 +93,13 @@ def check_held(book: Book, end: End | None = None) -> None:
 
 
 def check_hand(book: Book, end: End) -> None:
-    """Raise unless the hand is empty or holds that end."""
+    """Raise unless the hand is empty or holds that end, and no other robot holds it."""
+    for robot, grip in book.hands.items():
+        if robot != book.robot and grip.end is end:
+            raise AbilityError(
+                Code.OTHER_CABLE_HELD,
+                f"{robot} holds end {end.value}; have it placed first",
+            )
     if book.grip is not None:
         check_held(book, end)
 
@@ -169,6 +175,7 @@ class PickGoal:
     def check(self, panel: Panel, book: Book) -> None:
         """Raise when the end cannot be picked."""
         check_live(self.cable_id, panel, book)
+        check_hand(book, self.end)
         if book.grip is not None:
             raise AbilityError(
                 Code.OTHER_CABLE_HELD,

@@ -70,7 +70,9 @@ class Plant:
 
     Attributes:
         design: of the cell.
-        panel: what was built, with the cell's own fixtures; components may since have been moved.
+        loaded: the panel that was asked for.
+        panel: what was built of it, with the cell's own fixtures; components may since have been
+            moved.
         robots: by name.
         live: the wire that was fed last, until it is parked.
         parked: the wires that have been parked.
@@ -108,7 +110,7 @@ class Plant:
         problems = find_problems(complete, design.arms)
         if problems:
             raise PanelError(panel.name, problems)
-        self.panel = complete
+        self.loaded, self.panel = panel, complete
         self.live: LiveWire | None = None
         self.parked: dict[str, ParkedWire] = {}
         self._noise = np.random.default_rng(self.seed)

@@ -82,10 +82,13 @@ class Owner:
                 self._tick()
             else:
                 self.clock.follow_wall()
-            for publish in self._publishers:
-                publish()
+            self._publish()
         for job in self.jobs:
             job.stop()
+
+    def _publish(self) -> None:
+        for publish in self._publishers:
+            publish()
 
     def _serve(self) -> None:
         try:
@@ -102,7 +105,9 @@ class Owner:
             if job.step(self.clock.now_s):
                 self.jobs.remove(job)
         if not self.jobs:
-            self.clock.advance(self.cell.settle())
+            for passed_s in self.cell.settling():
+                self.clock.advance(passed_s)
+                self._publish()
             return
         advance(self.cell.plant, self.cell.station)
         self.clock.advance(self.cell.station.tick_s)
