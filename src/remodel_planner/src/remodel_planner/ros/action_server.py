@@ -38,8 +38,10 @@ class ActionServer:
     @property
     def is_there(self) -> bool:
         """Whether the server is connected."""
+        if rospy.get_rostime().is_zero():
+            return False  # no clock yet: no cell, and actionlib cannot count back from zero
         # To actionlib zero means for ever; what has passed already, one look.
-        return self._client.wait_for_server(rospy.Duration(-1))
+        return self._client.wait_for_server(rospy.Duration(0, -1))
 
     def wait(self, limit_s: float) -> None:
         """Wait until the server is there, up to a limit of wall time [s].

@@ -169,7 +169,9 @@ def look_at_mouth(
     differs = _difference(strip, wire.diameter)
     near = np.abs(strip.across) <= SHOWN_DIAMETERS * wire.diameter
     shown = np.sort(differs[:, near], axis=1)[:, -round(0.4 * near.sum()) :].mean(axis=1)
-    if np.all(shown[strip.along >= RIM_M] < NOISE_LEVELS):
+    # What lies across the axis covers some of it; a wire that goes on behind it shows beyond.
+    goes_on = np.mean(shown[strip.along > STRAIGHT_M] > SHOWN_LEVELS) >= MOST
+    if np.all(shown[rows] < NOISE_LEVELS) and not goes_on:
         return _empty(strip, rows, near, world_from_socket)
     if np.mean(shown[rows] > SHOWN_LEVELS) < MOST:
         return MouthSight(Sight.UNCLEAR, False)
