@@ -38,11 +38,10 @@ class ActionServer:
     @property
     def is_there(self) -> bool:
         """Whether the server is connected."""
-        # To actionlib zero means for ever; what has passed already, one look. Simulated time that
-        # has not run for so long has no such past.
-        return rospy.get_rostime() >= rospy.Time(1) and self._client.wait_for_server(
-            rospy.Duration(-1)
-        )
+        if rospy.get_rostime().is_zero():
+            return False  # no clock yet: no cell, and actionlib cannot count back from zero
+        # To actionlib zero means for ever; what has passed already, one look.
+        return self._client.wait_for_server(rospy.Duration(0, -1))
 
     def wait(self, limit_s: float) -> None:
         """Wait until the server is there, up to a limit of wall time [s].

@@ -30,9 +30,9 @@ from remodel_sim.core.vision.labels import find_labels, search_label
 from remodel_sim.core.vision.mouth_sight import (
     MouthSight,
     Sight,
+    light_on,
     look_at_mouth,
     settle,
-    white_level,
 )
 
 # Places of the lens beside a mouth [m]: out of its face, where the mouth is not hidden by the
@@ -159,7 +159,7 @@ def _sight(
         shot.picture,
         pose @ terminal.component_from_socket,
         station.panel.wire(goal.cable_id),
-        white_level(shot.picture, component, pose),
+        light_on(shot.picture, component, pose),
     )
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remodel_sim.abilities.grasping import FLOOR_CLEARANCE_M, close_on_wire, holds
-from remodel_sim.abilities.insert_cable import axial, tool_before
+from remodel_sim.abilities.insert_cable import tool_before
 from remodel_sim.abilities.motions import (
     APPROACH_SPEED,
     FREE_SPEED,
@@ -20,6 +20,7 @@ from remodel_sim.abilities.motions import (
     swing_to,
 )
 from remodel_sim.abilities.place_cable import lay_down, tip_of
+from remodel_sim.abilities.pulling_out import pull_out
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.book import EndState, Grip
@@ -27,15 +28,11 @@ from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import ExtractGoal
-from remodel_sim.core.layout import GRASP_DISTANCE_M
-from remodel_sim.core.panel import End, unit_x
+from remodel_sim.core.panel import End
 from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M
 
-PULL_SPEED = 0.04  # [m/s]
 # An end that does not come at this force is stuck: the grip holds not much more.
 MAX_PULL_N = 25.0
-# The tip is drawn so far out of the mouth.
-CLEAR_M = 0.015
 # The wire leaves the bore straight only for so far; there it is grasped, the pads clear of the
 # face.
 OUTSIDE_M = 0.016
@@ -144,30 +141,11 @@ def _grasp_at_mouth(station: Station, end: End, socket: Pose, inside: float) -> 
 
 
 def _pull_out(station: Station, socket: Pose, where: str) -> Steps[float]:
-    """Draw the held end straight back until its tip is clear of the mouth.
-
-    Return the peak force [N].
-    """
-    out = -unit_x(socket)
-    grip, start = station.book.grip, station.commanded
-    distance = grip.distance if grip is not None else GRASP_DISTANCE_M
-    ahead = float((start.position - socket.position) @ -out) + distance
-    length = max(0.0, ahead) + CLEAR_M
-    peak = 0.0
-    for tick in range(1, math.ceil(length / PULL_SPEED / station.tick_s) + 1):
-        travel = min(length, tick * PULL_SPEED * station.tick_s)
-        shift = travel * np.asarray(out)
-        station.drive(
-            ToolPose(start.x + float(shift[0]), start.y + float(shift[1]), start.z, start.yaw)
-        )
-        yield
-        force = axial(station.force - station.free_force, out)
-        peak = max(peak, force)
-        if force > MAX_PULL_N:
-            raise AbilityError(
-                Code.EXTRACTION_STUCK,
-                f"the end does not come out of {where} at {force:.0f} N; ask the operator",
-                peak_force=peak,
-            )
-    station.book.engaged = None
-    return peak
+    """Draw the held end out of the mouth; return the peak force [N]."""
+    try:
+        return (yield from pull_out(station, socket, MAX_PULL_N))
+    except AbilityError as error:
+        if error.code is Code.EXTRACTION_STUCK:
+            text = f"the end in {where}: {error}; ask the operator"
+            raise AbilityError(error.code, text, **error.readings) from error
+        raise

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remodel_sim.abilities.grasping import check_grip, release
+from remodel_sim.abilities.grasping import RELEASE_OPENING_M, check_grip, release
 from remodel_sim.abilities.insert_cable import axial
 from remodel_sim.abilities.motions import APPROACH_SPEED, TRAVEL_Z, move_to, wait
 from remodel_sim.abilities.station import Station, Steps
@@ -24,8 +24,6 @@ PULL_TRAVEL_M = 0.006
 # The slip is counted from here on [share of the pull].
 TAKEN_UP = 0.4
 MAX_SLIP_M = 0.0015
-# No wider: the pad on the side to which the wire bends would push it there.
-RELEASE_OPENING_M = 0.0025
 
 
 @dataclass(frozen=True)

@@ -37,6 +37,8 @@ LIFT_SPEED = 0.05  # [m/s]; the heavier a wire is made (README), the more a jerk
 OPEN_SPEED = 0.015  # [m/s]
 CLEAR_SPEED = 0.05  # [m/s]
 CLEAR_OF_WIRE_M = 0.02
+# Of an end that is fixed; no wider: the pad on the side to which it bends would push it there.
+RELEASE_OPENING_M = 0.0025
 # An open finger reaches so far to the side of the wire.
 FINGER_ROOM_M = HAND_OPEN_M + 0.012
 

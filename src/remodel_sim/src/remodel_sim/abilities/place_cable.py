@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remodel_sim.abilities.grasping import check_grip, release
+from remodel_sim.abilities.grasping import RELEASE_OPENING_M, check_grip, release
 from remodel_sim.abilities.motions import (
     APPROACH_SPEED,
     CARRY_SPEED,
@@ -14,23 +14,28 @@ from remodel_sim.abilities.motions import (
     FREE_SPEED,
     HAND_OPEN_M,
     TRAVEL_Z,
-    disengage,
     held_tool,
     move_to,
     rise,
 )
+from remodel_sim.abilities.pulling_out import pull_out
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.book import EndState, Grip
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.feeding import FORK_BEHIND_GRASP_M
 from remodel_sim.core.goals import PlaceGoal
 from remodel_sim.core.layout import WORLD_FROM_PANEL
+from remodel_sim.core.mouths import nearest_terminal
 
 # Within this distance the wire is carried low, between the rows; further it is lifted over them
 # [m].
 LOW_CARRY_M = 0.04
 # The fork takes a wire that is so near to the middle of its channel [m].
 FORK_TOLERANCE_M = 0.010
+# An end that is only pushed in comes out more easily; at a closed clamp the grip would slip.
+MAX_PULL_N = 10.0
 
 
 @dataclass(frozen=True)
@@ -45,12 +50,40 @@ class CablePlaced:
 
 
 def place_cable(station: Station, goal: PlaceGoal) -> Steps[CablePlaced]:
-    """Carry the held end to the target, let go there, and lift the empty hand."""
-    yield from disengage(station)
+    """Carry the held end to the target, let go there, and lift the empty hand.
+
+    An end that sits in a terminal is drawn out; one that is fixed there is let go where it is.
+    """
+    yield from _draw_out(station)
     target = held_tool(station, goal.target)
     yield from lay_down(station, target, (0.0, 1.0))
     x, y = target.x, target.y
     return CablePlaced(f"{goal.cable_id} laid down at x {x * 1e3:.0f}, y {y * 1e3:.0f} mm")
+
+
+def _draw_out(station: Station) -> Steps[None]:
+    """Draw the held end out of the mouth that it is in; raises EXTRACTION_STUCK, the hand empty."""
+    book = station.book
+    grip, socket = book.grip, book.engaged
+    if grip is None or socket is None:
+        return
+    station.report("drawing the end out of its mouth", 0.0)
+    try:
+        yield from pull_out(station, socket, MAX_PULL_N)
+        book.loosen(grip.end)
+    except AbilityError as error:
+        if error.code is not Code.EXTRACTION_STUCK:
+            raise
+        where = nearest_terminal(socket.position, station.panel, book.seen)
+        book.seat(grip.end, where)
+        book.ends[grip.end] = EndState.FIXED
+        yield from release(station, RELEASE_OPENING_M)
+        yield from rise(station)
+        raise AbilityError(
+            error.code,
+            f"end {grip.end.value} is fixed in '{'/'.join(where)}': {error}; it was let go there, "
+            "the hand is empty; extract it first",
+        ) from error
 
 
 def lay_down(

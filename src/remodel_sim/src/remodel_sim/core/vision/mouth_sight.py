@@ -2,9 +2,9 @@
 
 The strip of the picture that the bore's axis crosses just outside the mouth is unrolled: one row
 for each distance from the face, one column for each place across. What lies behind looks alike all
-along a row, so a row's two flanks tell what its middle would look like if nothing were there. Rows
-that look so show an empty axis. Rows whose middle differs show something thin, which has a colour,
-a middle line and, when it is an end that is not pushed in, a ferrule.
+along a row, so most of a row tells what its middle would look like if nothing were there. Rows that
+look so show an empty axis. Rows whose middle differs show something thin, which has a colour, a
+middle line and, when it is an end that is not pushed in, a ferrule.
 
 One picture that shows the axis empty proves that nothing sits in the mouth. That something sits
 there takes two pictures from places apart: what passes above or below the axis lies beside it in
@@ -26,29 +26,26 @@ from remodel_sim.core.camera import Picture
 from remodel_sim.core.component_shape import LABEL_CELLS, label_corners
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.panel import Component, Wire
-from remodel_sim.core.vision.colour import WIRE_SHADES, ferrule_mask, shade_distance
+from remodel_sim.core.vision.colour import WIRE_SHADES, ferrule_mask
 from remodel_sim.core.wire_colours import GREEN_AND_YELLOW, WIRE_RGB
 
 # The strip: distances from the face along the axis, and places across it [m].
 STEP_M = 0.00025
 REACH_M = 0.014
-HALF_WIDTH_M = 0.0075
+HALF_WIDTH_M = 0.009  # a neighbour is 12 mm away
 # What is nearer to the face than the first is mixed with the funnel's rim; within the second a
 # wire is as straight as its bore [m].
 RIM_M, STRAIGHT_M = 0.0020, 0.0080
-# Where across a row its flanks are, in diameters from the axis: a neighbour is 12 mm away.
-FLANK_DIAMETERS = (1.15, 1.75)
-# A thing shows within so many diameters of the axis.
-SHOWN_DIAMETERS = 0.9
-# Differences from the flanks: noise stays below the first, a white wire on white is above the
+# A seated wire shows within so many diameters of the axis, and so much more per length that it has
+# gone on.
+SHOWN_DIAMETERS, LEAVING = 0.9, 0.7
+# Differences from what is behind: noise stays below the first, a white wire on white is above the
 # second [grey levels].
 NOISE_LEVELS, SHOWN_LEVELS = 12.0, 16.0
 # Share of the rows that must show it: a white wire looks like the plate where its shade is right.
 MOST = 0.75
-# A seated wire's middle line is so near to the axis [m], and leaves it by no more than so much per
-# length.
+# A seated wire's middle line is so near to the axis at the face [m].
 ASIDE_M = 0.0014
-LEAVING = 0.45
 # A ferrule that shows by more than the first is not pushed in to the bottom; by less than the
 # second it is [m].
 PUSHED_OUT_M, PUSHED_IN_M = 0.0045, 0.0032
@@ -57,15 +54,16 @@ PUSHED_OUT_M, PUSHED_IN_M = 0.0045, 0.0032
 SAME_LEVELS, OTHER_LEVELS = 6.0, 20.0
 # Its distance from that colour is at most this [grey levels].
 FAR_LEVELS = 60.0
-# A label's white under the cell's usual light, and where it is too dark or too bright to be the
-# measure of other colours [grey levels].
-WHITE_LEVEL, DARK_LEVEL, FULL_LEVEL = 246.0, 60.0, 254.0
+# A label's white and a housing under the cell's usual light; white is overexposed from the third on
+# [grey levels]. With less than this share of the light nothing is told of colours.
+WHITE_LEVEL, HOUSING_LEVEL, FULL_LEVEL, DARK = 246.0, 92.0, 254.0, 0.25
 # Heights by depth may err by this much [m].
 HEIGHT_M = 0.005
-# Share of a row's middle that is a ferrule's colour where one shows.
-LEAST_FERRULE = 0.25
-# The colour is taken from the middle of the wire, clear of the ferrule, from so many samples.
-CORE_DIAMETERS, CLEAR_OF_FERRULE_M, LEAST_SAMPLES = 0.35, 0.0008, 20
+# A wire shows over this share of its diameter, a ferrule over this one.
+SHOWN_SHARE, LEAST_FERRULE = 0.6, 0.4
+# The colour is taken from what differs by this share of the most, clear of the ferrule, from so
+# many samples.
+CORE_SHARE, CLEAR_OF_FERRULE_M, LEAST_SAMPLES = 0.8, 0.0008, 20
 
 Mask = npt.NDArray[np.bool_]
 
@@ -131,29 +129,42 @@ def unroll(picture: Picture, world_from_socket: Pose) -> Strip | None:
         return None
     pixels = picture.view.project(points)
     shape = len(along), len(across)
-    smooth = cv2.GaussianBlur(picture.rgb, (0, 0), 0.7)
+    smooth = np.asarray(cv2.GaussianBlur(picture.rgb, (0, 0), 0.7), np.uint8)
     rgb = _sampled(smooth, pixels).reshape(*shape, 3)
     if picture.depth is None:
         return Strip(along, across, rgb, None)
-    depths = _sampled(picture.depth.astype(np.float32), pixels)
+    depths = _sampled(np.asarray(picture.depth, np.float32), pixels)
     height = picture.view.at_depth(pixels, depths)[:, 2].reshape(shape)
     return Strip(along, across, rgb, height)
 
 
-def white_level(picture: Picture, component: Component, pose: Pose) -> float:
-    """Return how bright the margin of a component's label is, the light's measure."""
+def light_on(picture: Picture, component: Component, pose: Pose) -> float:
+    """Return how bright a component's top is, as a share of the cell's usual light.
+
+    Its label's white tells it, or, where that is overexposed, the housing beside the label.
+    """
     corners = label_corners(component)
     middle = corners.mean(axis=0)
     rim = middle + (corners - middle) * (1 + 1 / LABEL_CELLS)
     share = np.linspace(0, 1, 25)[:, None]
     sides = [a + share * (b - a) for a, b in zip(rim, np.roll(rim, -1, axis=0), strict=True)]
-    pixels = picture.view.project(pose.apply(np.vstack(sides)))
-    levels = _sampled(picture.rgb, pixels)
+    white = _brightness(picture, pose.apply(np.vstack(sides)))
+    if white < FULL_LEVEL:
+        return white / WHITE_LEVEL
+    depth, width, height = component.size
+    out = (component.marker_size * (0.5 + 1 / LABEL_CELLS) + depth / 2) / 2
+    beside = np.linspace(-0.4, 0.4, 25) * width
+    housing = np.array([[x, y, height] for x in (-out, out) for y in beside])
+    return _brightness(picture, pose.apply(housing)) / HOUSING_LEVEL
+
+
+def _brightness(picture: Picture, points: Array) -> float:
+    levels = _sampled(picture.rgb, picture.view.project(points))
     return float(np.median(levels.mean(axis=-1)))
 
 
 def look_at_mouth(
-    picture: Picture, world_from_socket: Pose, wire: Wire, white: float
+    picture: Picture, world_from_socket: Pose, wire: Wire, light: float
 ) -> MouthSight:
     """Return what a picture shows before a mouth.
 
@@ -161,26 +172,35 @@ def look_at_mouth(
         picture: of it.
         world_from_socket: the mouth's frame, x into the bore, by the component's label.
         wire: whose end is asked for.
-        white: how bright a white label is there [grey levels].
+        light: on it, as a share of the cell's usual light.
     """
     strip = unroll(picture, world_from_socket)
     if strip is None:
         return MouthSight(Sight.UNCLEAR, False)
     rows = (strip.along >= RIM_M) & (strip.along <= STRAIGHT_M)
-    differs = _difference(strip, wire.diameter)
-    near = np.abs(strip.across) <= SHOWN_DIAMETERS * wire.diameter
-    shown = np.sort(differs[:, near], axis=1)[:, -round(0.4 * near.sum()) :].mean(axis=1)
-    if np.all(shown[strip.along >= RIM_M] < NOISE_LEVELS):
-        return _empty(strip, rows, near, world_from_socket)
+    half = SHOWN_DIAMETERS * wire.diameter + LEAVING * np.clip(strip.along - RIM_M, 0.0, None)
+    near = np.abs(strip.across) <= half[:, None]
+    # How far each place is from what most of its row shows [grey levels].
+    behind = np.median(strip.rgb, axis=1, keepdims=True)
+    differs = np.where(near, np.linalg.norm(strip.rgb - behind, axis=-1), 0.0)
+    shown = _most(differs, round(SHOWN_SHARE * wire.diameter / STEP_M))
+    # What lies across the axis covers some of it; a wire that goes on behind it shows beyond.
+    goes_on = np.mean(shown[strip.along > STRAIGHT_M] > SHOWN_LEVELS) >= MOST
+    if np.all(shown[rows] < NOISE_LEVELS) and not goes_on:
+        return _empty(strip, rows[:, None] & near, world_from_socket)
     if np.mean(shown[rows] > SHOWN_LEVELS) < MOST:
         return MouthSight(Sight.UNCLEAR, False)
-    ferrule = _ferrule_length(strip, near)
+    # The middle of what shows: its rims are mixed with what is behind.
+    thing = rows[:, None] & (differs > np.maximum(SHOWN_LEVELS, CORE_SHARE * shown[:, None]))
+    ferrule = _ferrule_length(strip, wire)
     if ferrule > PUSHED_OUT_M:
-        return _at_height(Sight.LOOSE_END, strip, rows, near, world_from_socket, wire)
-    if ferrule > PUSHED_IN_M or not _on_axis(strip, differs, rows, near):
-        return MouthSight(Sight.UNCLEAR, False)
-    sight = _whose(strip, differs, rows, near, ferrule, wire, white)
-    return _at_height(sight, strip, rows, near, world_from_socket, wire)
+        sight = Sight.LOOSE_END
+    elif ferrule > PUSHED_IN_M or not _on_axis(strip, differs, rows):
+        sight = Sight.UNCLEAR
+    else:
+        beyond = strip.along > ferrule + CLEAR_OF_FERRULE_M
+        sight = _whose(strip.rgb[thing & beyond[:, None]], wire, light)
+    return _at_height(sight, strip, thing, world_from_socket, wire)
 
 
 def _sampled(image: npt.NDArray[np.integer[Any] | np.floating[Any]], pixels: Array) -> Array:
@@ -189,60 +209,42 @@ def _sampled(image: npt.NDArray[np.integer[Any] | np.floating[Any]], pixels: Arr
     return np.asarray(values, np.float64)
 
 
-def _difference(strip: Strip, diameter: float) -> Array:
-    """Return how far each place is from what its row's flanks show, (n, m) [grey levels]."""
-    low, high = (d * diameter for d in FLANK_DIAMETERS)
-    left = strip.rgb[:, (strip.across < -low) & (strip.across > -high)].mean(axis=1)
-    right = strip.rgb[:, (strip.across > low) & (strip.across < high)].mean(axis=1)
-    # The flank that is more alike: a neighbour's wire may lie over the other.
-    beside = [np.linalg.norm(strip.rgb - flank[:, None], axis=-1) for flank in (left, right)]
-    return np.minimum(*beside)
+def _most(differs: Array, count: int) -> Array:
+    """Return the mean of each row's largest differences, so many of them."""
+    return np.asarray(np.sort(differs, axis=1)[:, -count:].mean(axis=1))
 
 
-def _empty(strip: Strip, rows: Mask, near: Mask, world_from_socket: Pose) -> MouthSight:
+def _empty(strip: Strip, axis: Mask, world_from_socket: Pose) -> MouthSight:
     """Return EMPTY, or UNCLEAR when something wide hides the strip."""
     if strip.height is None:
         return MouthSight(Sight.EMPTY, True)
-    highest = float(np.quantile(strip.height[rows][:, near], 0.9))
+    highest = float(np.quantile(strip.height[axis], 0.9))
     low = highest < float(world_from_socket.position[2]) - HEIGHT_M
     return MouthSight(Sight.EMPTY if low else Sight.UNCLEAR, low)
 
 
-def _ferrule_length(strip: Strip, near: Mask) -> float:
-    """Return how far from the face a ferrule shows [m]; 0 when none does."""
+def _ferrule_length(strip: Strip, wire: Wire) -> float:
+    """Return how far from the face a ferrule shows on the axis [m]; 0 when none does."""
     levels = np.clip(np.rint(strip.rgb), 0, 255).astype(np.uint8)
-    share = ferrule_mask(levels)[:, near].mean(axis=1)
-    seen = np.flatnonzero(share > LEAST_FERRULE)
+    near = np.abs(strip.across) <= SHOWN_DIAMETERS * wire.diameter
+    width = ferrule_mask(levels)[:, near].sum(axis=1) * STEP_M
+    seen = np.flatnonzero(width > LEAST_FERRULE * wire.diameter)
     return float(strip.along[seen[-1]]) if len(seen) else 0.0
 
 
-def _on_axis(strip: Strip, differs: Array, rows: Mask, near: Mask) -> bool:
+def _on_axis(strip: Strip, differs: Array, rows: Mask) -> bool:
     """Return whether the middle line of what shows leads out of the mouth."""
-    weights = np.clip(differs[rows][:, near] - NOISE_LEVELS, 0.0, None)
-    middles = weights @ strip.across[near] / np.maximum(weights.sum(axis=1), 1e-9)
+    weights = np.clip(differs[rows] - NOISE_LEVELS, 0.0, None)
+    middles = weights @ strip.across / np.maximum(weights.sum(axis=1), 1e-9)
     slope, offset = np.polyfit(strip.along[rows], middles, 1)
-    at_face = offset + slope * RIM_M
-    return bool(abs(at_face) < ASIDE_M and abs(slope) < LEAVING)
+    return bool(abs(offset + slope * RIM_M) < ASIDE_M and abs(slope) < LEAVING)
 
 
-def _whose(
-    strip: Strip,
-    differs: Array,
-    rows: Mask,
-    near: Mask,
-    ferrule: float,
-    wire: Wire,
-    white: float,
-) -> Sight:
-    """Return whether what goes into the mouth has the colour of the wire asked for."""
-    beyond = rows & (strip.along > ferrule + CLEAR_OF_FERRULE_M)
-    core = near & (np.abs(strip.across) < CORE_DIAMETERS * wire.diameter)
-    shown = differs[beyond][:, core] > SHOWN_LEVELS
-    if not DARK_LEVEL < white < FULL_LEVEL or shown.sum() < LEAST_SAMPLES:
+def _whose(pixels: Array, wire: Wire, light: float) -> Sight:
+    """Return whether pixels (n, 3) of what goes into the mouth have the colour of a wire."""
+    if light < DARK or len(pixels) < LEAST_SAMPLES:
         return Sight.UNCLEAR
-    gain = WHITE_LEVEL / min(white, WHITE_LEVEL)
-    pixels = (gain * strip.rgb[beyond][:, core][shown]).astype(np.float32)
-    away = {code: _away(pixels, code) for code in WIRE_RGB}
+    away = {code: _away(pixels, code, light) for code in WIRE_RGB}
     own = away.pop(wire.colour)
     nearest = min(away.values())
     if own < FAR_LEVELS and own < nearest + SAME_LEVELS:
@@ -250,19 +252,21 @@ def _whose(
     return Sight.OTHER_WIRE if own > nearest + OTHER_LEVELS else Sight.UNCLEAR
 
 
-def _away(pixels: npt.NDArray[np.float32], colour: str) -> float:
-    """Return the median distance of pixels (n, 3) from the shades of a wire [grey levels]."""
+def _away(pixels: Array, colour: str, light: float) -> float:
+    """Return the median distance of pixels (n, 3) from a wire's shades [levels in usual light]."""
     colours = GREEN_AND_YELLOW if colour == "GNYE" else (WIRE_RGB[colour],)
-    return float(np.median(np.min([shade_distance(pixels, c, WIRE_SHADES) for c in colours], 0)))
+    shades = np.outer(np.linspace(*WIRE_SHADES, 15), np.ravel(colours)).reshape(-1, 3)
+    seen = np.clip(255 * light * shades, 0.0, 255.0)
+    away = np.linalg.norm(pixels[:, None] - seen, axis=-1).min(axis=1)
+    return float(np.median(away)) / min(light, 1.0)
 
 
 def _at_height(
-    sight: Sight, strip: Strip, rows: Mask, near: Mask, world_from_socket: Pose, wire: Wire
+    sight: Sight, strip: Strip, thing: Mask, world_from_socket: Pose, wire: Wire
 ) -> MouthSight:
     """Return what is seen, proven when it is as high as the mouth, UNCLEAR when it is not."""
     if strip.height is None or sight is Sight.UNCLEAR:
         return MouthSight(sight, False)
-    core = near & (np.abs(strip.across) < CORE_DIAMETERS * wire.diameter)
-    top = float(np.median(strip.height[rows][:, core]))
+    top = float(np.median(strip.height[thing]))
     fits = abs(top - float(world_from_socket.position[2]) - wire.radius) < HEIGHT_M
     return MouthSight(sight if fits else Sight.UNCLEAR, fits)

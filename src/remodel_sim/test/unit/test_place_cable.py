@@ -1,0 +1,53 @@
+"""Laying a held end down, wherever an interruption left it."""
+
+import pytest
+from place_wire import ROBOT, carry, do, insert, locate
+
+from remodel_sim.abilities.detect_cable import detect_cable
+from remodel_sim.abilities.pick_cable import pick_cable
+from remodel_sim.abilities.place_cable import place_cable
+from remodel_sim.core.book import EndState
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Pose
+from remodel_sim.core.goals import DetectGoal, PickGoal, PlaceGoal
+from remodel_sim.core.panel import End
+from remodel_sim.physics.truth import ground_truth
+
+# In the channel, beyond end b's terminal.
+BESIDE = Pose.level(0.50, 0.14, 0.028, 1.5707963)
+
+
+def lay_down(cell):
+    return do(cell, place_cable, PlaceGoal(ROBOT, "W1", BESIDE))
+
+
+def hold_end_a_in_its_terminal(cell):
+    cell.feed("W1", "A")
+    insert(cell, "W1", End.A, "X1", "1", locate(cell, "X1", "1"))
+
+
+def test_an_end_that_is_pushed_in_is_drawn_out_and_can_be_picked_again(cell):
+    hold_end_a_in_its_terminal(cell)
+    lay_down(cell)
+    assert cell.station.book.ends[End.A] is EndState.LOOSE
+    (truth,) = ground_truth(cell.plant, ["W1"])
+    assert truth.a.at == ""
+    do(cell, detect_cable, DetectGoal("W1"))
+    do(cell, pick_cable, PickGoal(ROBOT, "W1", End.A, 0.0))
+
+
+def test_an_end_that_is_fixed_is_let_go_in_its_terminal(cell):
+    hold_end_a_in_its_terminal(cell)
+    assert cell.station.close_clamp("X1", "1"), "as FixCable does before it is stopped"
+    with pytest.raises(AbilityError, match="let go there, the hand is empty") as caught:
+        lay_down(cell)
+    assert caught.value.code is Code.EXTRACTION_STUCK
+    assert cell.station.book.grip is None
+    (truth,) = ground_truth(cell.plant, ["W1"])
+    assert truth.a.seated and truth.a.fixed
+    carry(cell, "W1", "A")
+    lay_down(cell)
+    (truth,) = ground_truth(cell.plant, ["W1"])
+    assert truth.a.seated and truth.a.fixed, "the wire was not torn out at its other end"
+    do(cell, pick_cable, PickGoal(ROBOT, "W1", End.B, 0.0))
