@@ -74,7 +74,7 @@ def locate(scene: LabelScene, component: Component) -> Answer:
     coarse = above.world_from_component if above is not None and above.clear else nominal
     looks: list[Look] = []
     found: Pose | None = None
-    for count, aside in enumerate(ASIDE_M, start=1):  # noqa: B007 - how many it took
+    for count, aside in enumerate(ASIDE_M, start=1):
         picture = scene.look_wrist(coarse.position[:2] + aside)
         if (corners := _label(scene, component, picture, coarse)) is None:
             continue
@@ -84,11 +84,9 @@ def locate(scene: LabelScene, component: Component) -> Answer:
             found = sighting.world_from_component
         else:
             looks.pop()
-        if len(looks) == LOOKS:
-            break
-    if found is None:
-        return Answer(coarse is not nominal, count)
-    return Answer(coarse is not nominal, count, *_errors(scene, component, found))
+        if len(looks) == LOOKS and found is not None:
+            return Answer(coarse is not nominal, count, *_errors(scene, component, found))
+    return Answer(coarse is not nominal, len(ASIDE_M))
 
 
 def _label(scene: LabelScene, component: Component, picture: Picture, near: Pose) -> Array | None:

@@ -49,7 +49,7 @@ class ComponentLocated:
 def locate_gearbox_component(station: Station, goal: LocateGoal) -> Steps[ComponentLocated]:
     """Look from above when the hand is empty, then from the hand.
 
-    The answer is what the hand's camera saw from two places, or from the only one that it reaches.
+    The answer is what the hand's camera saw from two places; one is enough with a wire in the hand.
     """
     component = station.panel.component(goal.component_id)
     coarse = WORLD_FROM_PANEL @ component.panel_from_component
@@ -89,7 +89,7 @@ def locate_gearbox_component(station: Station, goal: LocateGoal) -> Steps[Compon
 def _look_from_hand(
     station: Station, component: Component, goal: LocateGoal, coarse: Pose
 ) -> Steps[ComponentSighting | None]:
-    """Look with the wrist camera; return what was seen, None when the label was not."""
+    """Look with the wrist camera; return what was seen, None when the label was not seen well."""
     label, goes_to = coarse.apply(label_corners(component)), None
     if goal.terminal_id:
         goes_to = (coarse @ component.terminal(goal.terminal_id).component_from_socket).yaw
@@ -100,8 +100,9 @@ def _look_from_hand(
         seen = _see(station, "wrist", picture, component, goal, coarse, looks)
         sighting = seen or sighting
         if len(looks) == LOOKS:
-            break
-    return sighting
+            return sighting
+    # The empty hand reaches other places; one that holds a wire may reach but one.
+    return None if station.book.grip is None else sighting
 
 
 def _see(
