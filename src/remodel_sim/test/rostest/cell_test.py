@@ -142,9 +142,9 @@ class CellTest(unittest.TestCase):
 
     def test_a_frozen_server_does_nothing_and_then_goes_on(self):
         detect = self.on["DetectCable"]
-        self.call("inject_fault", srv.InjectFault, "server_frozen", "", [1.0])
+        self.call("inject_fault", srv.InjectFault, "server_frozen", "", [3.0])
         detect.send(cable_id="W1")
-        self.assertFalse(wait_until(lambda: detect.feedback or detect.ended(), 0.8))
+        self.assertFalse(wait_until(lambda: detect.feedback or detect.ended(), 1.0))
         self.assertTrue(detect.wait().success)
 
     def test_goals_that_cannot_be_done_are_rejected_with_the_reason(self):

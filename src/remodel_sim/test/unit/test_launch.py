@@ -15,7 +15,16 @@ from remodel_sim.ros import node
 LAUNCH = ElementTree.parse(Path(__file__).parents[2] / "launch/cell.launch").getroot()
 
 
-@pytest.mark.parametrize("name", [arg.get("name") for arg in LAUNCH.iter("arg")])
+# Of roslaunch, not of the node.
+RESPAWN = "respawn"
+ARGUMENTS = [arg.get("name") for arg in LAUNCH.iter("arg") if arg.get("name") != RESPAWN]
+
+
+def test_the_node_comes_again_if_that_is_asked_for():
+    assert LAUNCH.find("node").get("respawn") == f"$(arg {RESPAWN})"
+
+
+@pytest.mark.parametrize("name", ARGUMENTS)
 def test_each_argument_is_a_parameter_that_the_node_reads(name):
     passed = {param.get("name"): param.get("value") for param in LAUNCH.find("node")}
     assert passed[name] == f"$(arg {name})"
