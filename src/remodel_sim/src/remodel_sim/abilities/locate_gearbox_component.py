@@ -37,7 +37,7 @@ class ComponentLocated:
         message: for a person.
         component_pose: its frame in the world.
         socket_pose: the mouth of the terminal asked for; None when none was.
-        residual: RMS distance between the label's corners seen and re-projected [m].
+        residual: RMS distance of the label's edges, as seen, from those of the pose [m].
     """
 
     message: str
