@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from remodel_planner.core.recovery.fault import Do, Response
 from remodel_planner.core.recovery.policy import Limits, Policy
 from remodel_planner.core.run import Operation
+from remodel_planner.core.supervision.attempts import attempts_of
 from remodel_planner.core.supervision.event_form import data_of, event_from, kind_of
 from remodel_planner.core.supervision.events import (
     Answer,
@@ -392,3 +393,17 @@ def test_what_is_no_event_is_refused():
         event_from("Planned", {"tasks": ["W1"], "because": 3})
     with pytest.raises(OrderError, match="unknown field more"):
         event_from("Blocked", {"because": "x", "more": 1})
+
+
+@pytest.mark.parametrize("placed", [True, False])
+def test_an_interrupted_attempt_counts_as_placed_when_it_is_found_so(placed):
+    events = [
+        TaskBegun("W1", 1, Part.WHOLE, "Place Wire W1", "<chart/>", 0.0),
+        Interrupted("the engine is gone"),
+        TaskBegun("W1", 1, Part.CLEAR, "Place Wire W1 Clear", "<chart/>", 5.0),
+        TaskEnded("W1", "failed", 6.0, placed),
+    ]
+    whole, clear = attempts_of(events)
+    assert whole.part is Part.WHOLE
+    assert whole.execution.placed is placed
+    assert clear.part is Part.CLEAR

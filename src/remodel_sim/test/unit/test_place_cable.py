@@ -50,4 +50,3 @@ def test_an_end_that_is_fixed_is_let_go_in_its_terminal(cell):
     lay_down(cell)
     (truth,) = ground_truth(cell.plant, ["W1"])
     assert truth.a.seated and truth.a.fixed, "the wire was not torn out at its other end"
-    do(cell, pick_cable, PickGoal(ROBOT, "W1", End.B, 0.0))

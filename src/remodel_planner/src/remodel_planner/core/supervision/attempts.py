@@ -53,6 +53,8 @@ def attempts_of(events: Iterable[Event]) -> tuple[Attempt, ...]:
             case OperationEnded():
                 operations.append(event.operation)
             case TaskEnded() if begun is not None:
+                if begun.part is Part.CLEAR and event.placed:
+                    _note_placed(ended, event.task)
                 execution = _execution(begun, event.outcome, event.placed, event.at_s, operations)
                 ended.append(
                     Attempt(execution, begun.part, begun.chart, event.path, event.pictures)
@@ -66,6 +68,13 @@ def attempts_of(events: Iterable[Event]) -> tuple[Attempt, ...]:
             case Decided() if ended and ended[-1].execution.wire == event.task:
                 ended[-1] = replace(ended[-1], decision=event)
     return tuple(ended)
+
+
+def _note_placed(ended: list[Attempt], task: str) -> None:
+    """Note that the interrupted attempt at a task, if it is the last one, had placed its part."""
+    if ended and ended[-1].because and ended[-1].execution.wire == task:
+        execution = replace(ended[-1].execution, placed=True)
+        ended[-1] = replace(ended[-1], execution=execution)
 
 
 def _execution(

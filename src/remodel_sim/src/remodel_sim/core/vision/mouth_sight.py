@@ -45,7 +45,7 @@ NOISE_LEVELS, SHOWN_LEVELS = 12.0, 16.0
 # Share of the rows that must show it: a white wire looks like the plate where its shade is right.
 MOST = 0.75
 # A seated wire's middle line is so near to the axis at the face [m].
-ASIDE_M = 0.0014
+ASIDE_M = 0.0018
 # A ferrule that shows by more than the first is not pushed in to the bottom; by less than the
 # second it is [m].
 PUSHED_OUT_M, PUSHED_IN_M = 0.0045, 0.0032
@@ -237,7 +237,8 @@ def _on_axis(strip: Strip, differs: Array, rows: Mask) -> bool:
     weights = np.clip(differs[rows] - NOISE_LEVELS, 0.0, None)
     middles = weights @ strip.across / np.maximum(weights.sum(axis=1), 1e-9)
     slope, offset = np.polyfit(strip.along[rows], middles, 1)
-    return bool(abs(offset + slope * RIM_M) < ASIDE_M and abs(slope) < LEAVING)
+    # The line is followed back to the face: a bent wire leaves the axis from there on.
+    return bool(abs(offset) < ASIDE_M and abs(slope) < LEAVING)
 
 
 def _whose(pixels: Array, wire: Wire, light: float) -> Sight:
