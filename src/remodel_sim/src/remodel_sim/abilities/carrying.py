@@ -12,8 +12,8 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
 
 # A wire that hangs on something pulls at the hand with more, and longer than it takes to speed the
-# hand up; a free one pulls with less than 5 N if it is thin, and one of 10 mm2 that is bent into its
-# channel with 16 N; the grip slides at some 30 N [N], [s].
+# hand up. A free one pulls with less than 5 N if it is thin, and with 16 N if it has 10 mm2 and is
+# bent into its channel; the grip slides at some 30 N [N], [s].
 SNAG_N = 22.0
 SNAG_S = 0.05
 
