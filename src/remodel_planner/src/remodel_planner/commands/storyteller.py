@@ -21,7 +21,7 @@ class Storyteller:
     """Tells attempts at wires."""
 
     def __init__(self, pictures: Path) -> None:
-        """Take the folder of the run's pictures."""
+        """Take the folder of the run's pictures; those that are not there are left out."""
         self._pictures = pictures
         self._nested = nested_charts()
 
@@ -34,13 +34,16 @@ class Storyteller:
             length_m,
             attempt.execution,
             tuple(_drawings(taken)),
-            tuple(self._picture(name, operations) for name in attempt.pictures),
+            tuple(self._picture(name, operations) for name in self._there(attempt)),
         )
 
     def overview(self, attempt: Attempt) -> tuple[Picture, ...]:
         """Return the picture of the whole cell after an attempt."""
-        last = [name for name in attempt.pictures if name.endswith("_scene.jpg")]
+        last = [name for name in self._there(attempt) if name.endswith("_scene.jpg")]
         return tuple(Picture("The cell at the end", self._uri(name)) for name in last)
+
+    def _there(self, attempt: Attempt) -> list[str]:
+        return [name for name in attempt.pictures if (self._pictures / name).is_file()]
 
     def _picture(self, name: str, operations: tuple[Operation, ...]) -> Picture:
         camera, stamp_s = seen_by(name)
