@@ -27,7 +27,7 @@ from remodel_planner.core.supervision.state import state_after
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.run_log import RunLog
 from remodel_planner.edge.task_leases import Holding, TaskLeases
-from remodel_planner.errors import OrderError
+from remodel_planner.errors import LostError, OrderError
 
 BEGUN = RunBegun("house", "switchgear", "cell", ("W1", "W2"))
 JAM = Operation(
@@ -134,6 +134,18 @@ def test_a_run_that_was_cut_short_is_found_until_it_has_ended(database):
     log.append(run, RunEnded(Ending.STOPPED, "x"), state_after([BEGUN]))
     assert log.unfinished("cell") is None
     assert [(head.number, head.order, head.ended) for head in log.heads()] == [(run, "house", True)]
+
+
+def test_a_database_that_is_gone_counts_as_lost(tmp_path):
+    database = ProductionDatabase(f"sqlite:///{tmp_path}/production.sqlite")
+    database.add_order(HOUSE)
+    log = RunLog(database)
+    run = keep(log)
+    with database.transaction() as session:
+        session.execute(text("DROP TABLE run_events"))
+    with pytest.raises(LostError, match="the production database does not answer: "):
+        log.append(run, Interrupted("killed"), state_after([BEGUN]))
+    database.close()
 
 
 def test_a_run_without_a_record_is_told_with_those_there_are(database):

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 
 from sqlalchemy import create_engine, event, select
 from sqlalchemy.engine import Connection, Engine
-from sqlalchemy.exc import SQLAlchemyError
+from sqlalchemy.exc import OperationalError, SQLAlchemyError
 from sqlalchemy.orm import Session
 
 from remodel_planner.core.ability import Ability, AbilityParameter
@@ -29,7 +29,7 @@ from remodel_planner.edge.production_models import (
     WireRow,
 )
 from remodel_planner.edge.production_rows import add_order_rows, order_of_row
-from remodel_planner.errors import OrderError
+from remodel_planner.errors import LostError, OrderError
 
 # [s] that a program waits for another one's transaction; an import takes one second.
 _WAIT_S = 30
@@ -138,15 +138,29 @@ class ProductionDatabase:
 
     @contextmanager
     def transaction(self) -> Iterator[Session]:
-        """Give a session whose changes are stored together, or not at all."""
-        with Session(self._writing(), future=True) as session, session.begin():
+        """Give a session whose changes are stored together, or not at all.
+
+        Raises:
+            LostError: if the database has gone away.
+        """
+        with _there(), Session(self._writing(), future=True) as session, session.begin():
             yield session
 
     @contextmanager
     def reading(self) -> Iterator[Session]:
-        """Give a session that changes nothing."""
-        with Session(self._engine, future=True) as session:
+        """Give a session that changes nothing; LostError if the database has gone away."""
+        with _there(), Session(self._engine, future=True) as session:
             yield session
+
+
+@contextmanager
+def _there() -> Iterator[None]:
+    """Tell of a database that does not answer, as of any other part of a run."""
+    try:
+        yield
+    except OperationalError as error:
+        text = str(error).splitlines()[0]
+        raise LostError(f"the production database does not answer: {text}") from error
 
 
 def _engine(url: str) -> Engine:

@@ -9,7 +9,6 @@ import rospy
 from remodel_msgs.msg import RunEntry, RunSummary
 from remodel_msgs.srv import GetRun, GetRunRequest, GetRunResponse, ListRuns, ListRunsResponse
 from sensor_msgs.msg import CompressedImage
-from sqlalchemy.exc import SQLAlchemyError
 
 from remodel_planner.core.supervision.events import Ending
 from remodel_planner.core.supervision.state import RunState, Stage, state_after
@@ -46,7 +45,7 @@ class RecordServer:
         try:
             summaries = [self._summary(head) for head in self._log.heads()]
             return ListRunsResponse(True, "", summaries, list(self._database.order_names()))
-        except (PlannerError, SQLAlchemyError) as error:
+        except PlannerError as error:
             return ListRunsResponse(success=False, message=str(error))
 
     def _on_get(self, request: GetRunRequest) -> GetRunResponse:
@@ -58,7 +57,7 @@ class RecordServer:
             wanted = entries[first - 1 : first - 1 + count]
             if request.with_pictures:
                 wanted = [self._with_picture(request.run, entry) for entry in wanted]
-        except (PlannerError, SQLAlchemyError) as error:
+        except PlannerError as error:
             return GetRunResponse(success=False, message=str(error))
         return GetRunResponse(True, "", wanted, len(entries))
 

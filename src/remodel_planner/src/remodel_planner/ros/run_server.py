@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import threading
 import time
+import traceback
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -176,8 +177,9 @@ class RunServer:
     def _do(self, active: _Active) -> None:
         try:
             state = active.supervisor.supervise()
-        except PlannerError as error:
-            rospy.logfatal("run %d: %s", active.supervisor.run, error)
+        except Exception as error:  # noqa: BLE001 - a run that nobody does any more must not look alive
+            # This node is started again, and goes on with the run.
+            rospy.logfatal("run %d: %s", active.supervisor.run, traceback.format_exc())
             rospy.signal_shutdown(str(error))
             return
         self._publish(active)

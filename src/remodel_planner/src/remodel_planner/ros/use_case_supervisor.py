@@ -394,7 +394,10 @@ class UseCaseSupervisor:
 
         def renew() -> None:
             while not over.wait(self.work.leases.lease_s / 3):
-                self._lost_lease = not self.work.leases.renew(name)
+                try:
+                    self._lost_lease = not self.work.leases.renew(name)
+                except LostError as error:
+                    rospy.logwarn("the lease of %s cannot be renewed: %s", name, error)
 
         thread = threading.Thread(target=renew, name="lease", daemon=True)
         thread.start()
