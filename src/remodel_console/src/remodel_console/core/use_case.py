@@ -68,7 +68,7 @@ class Choice(Enum):
 _CHOICE_WORDS = {
     Choice.RETRY: ("Try again", "What is left of the task is done again."),
     Choice.FIXED: ("I have fixed it", "The cell looks, then goes on with what is left."),
-    Choice.MARK_DONE: ("The task is done", "The cell looks, then goes on with the next task."),
+    Choice.MARK_DONE: ("The task is done", "You vouch for it: the cell does not look."),
     Choice.SKIP: ("Skip the task", "It is left undone, and the others go on."),
     Choice.REPLAN: ("Do it later", "The rest of the order is planned anew."),
     Choice.STOP: ("Stop the run", "The run ends safely."),
