@@ -11,15 +11,16 @@ from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
 
-# A wire that hangs on something pulls at the hand with more, and longer than it takes to speed the
-# hand up. A free one pulls with less than 5 N if it is thin, and with 16 N if it has 10 mm2 and is
-# bent into its channel; the grip slides at some 30 N [N], [s].
-SNAG_N = 22.0
+# A wire that hangs on something pulls at the hand with so much more than a free one, and longer
+# than it takes to speed the hand up [N], [s]. A free one pulls with no more than its bending
+# stiffness over the square of the tightest bend into a channel [m]: 16 N were measured of 10 mm2.
+SNAG_N = 9.5
 SNAG_S = 0.05
+TIGHTEST_BEND_M = 0.020
 
 
 def carry(
-    station: Station, tool: ToolPose, speed: float, free: Array, most: float = SNAG_N
+    station: Station, tool: ToolPose, speed: float, free: Array, most: float | None = None
 ) -> Steps[None]:
     """Move as `move_to`; raises SNAGGED, the arm standing, when the wire pulls back.
 
@@ -28,8 +29,10 @@ def carry(
         tool: where to.
         speed: peak speed of the tool centre [m/s].
         free: what the wrist feels without the wire's pull, world frame (3,) [N].
-        most: by which it may pull, level [N].
+        most: by which it may pull, level [N]; None for what a free wire of its stiffness does.
     """
+    if most is None:
+        most = SNAG_N + station.wire.bending_stiffness / TIGHTEST_BEND_M**2
     pulled_s = 0.0
     for _ in move_to(station, tool, speed):
         yield
