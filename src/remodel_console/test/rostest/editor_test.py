@@ -157,7 +157,7 @@ class EditorTest(BrowserTestCase):
         page.get_by_role("combobox", name="Condition 1: all of").click()
         for name in ("Look: done", "Look closer: done"):
             page.get_by_role("option", name=name, exact=True).click()
-        page.keyboard.press("Escape")
+        page.get_by_text("It ends when all of these have happened").click()
         expect(page.get_by_role("option")).to_have_count(0)
         self.choose(page, "Condition 1: ends with", "found")
         expect(page.get_by_role("combobox", name="Condition 2: ends with")).to_be_visible()

@@ -82,6 +82,8 @@ class SupervisionTest(unittest.TestCase):
         """Have tasks of the order done, and return the client when the run has begun."""
         client = actionlib.ActionClient("remodel/run_use_case", RunUseCaseAction)
         self.assertTrue(client.wait_for_server(rospy.Duration(30.0)))
+        free = (UseCaseState.IDLE, UseCaseState.ENDED)
+        self.wait(lambda: self.last().phase in free, "no run is under way")
         run = self.last().run
         goal = RunUseCaseGoal(id="test", order="house", tasks=tasks, again=again)
         handle = client.send_goal(goal)
@@ -111,6 +113,7 @@ class SupervisionTest(unittest.TestCase):
         self.assertTrue(any(entry.picture.data for entry in record.entries))
 
     def test_an_operator_answers_and_stops(self):
+        rospy.wait_for_service("cell/inject_fault", 30.0)
         handle = self.start(2)
         inject = rospy.ServiceProxy("cell/inject_fault", InjectFault)
         caused = inject(kind="pulled_out", target="ask_operator", values=[])

@@ -108,7 +108,9 @@ class EngineLink:
 
     def _look(self) -> None:
         while not self._stop.wait(_LOOK_EVERY_S):
-            is_there = self._heartbeat.get_num_connections() > 0
+            # One that has just come may be heard before it hears what it is sent.
+            hears = self._publishers[topics.START].get_num_connections() > 0
+            is_there = hears and self._heartbeat.get_num_connections() > 0
             if is_there != self._was_there:
                 self._was_there = is_there
                 self._tell(EngineSeen(is_there))
