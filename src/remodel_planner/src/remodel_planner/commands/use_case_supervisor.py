@@ -59,7 +59,7 @@ def main(arguments: list[str] | None = None) -> int:
         help="after which silence other cells take this one's task over (default 30)",
     )
     parser.add_argument(
-        "--search", type=float, default=0.5, metavar="S", help="for the best order (default 0.5)"
+        "--search", type=float, default=0.3, metavar="S", help="for the best order (default 0.3)"
     )
     add_database_option(parser)
     options = parser.parse_args(rospy.myargv()[1:] if arguments is None else arguments)
