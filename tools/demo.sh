@@ -17,7 +17,7 @@ export ROS_PACKAGE_PATH=$out/remodel_order_behaviors:$ROS_PACKAGE_PATH
 
 rosrun remodel_planner import "$design" --order demo
 
-roslaunch -p "$port" remodel_planner order.launch output:="$out" >"$out/nodes.log" 2>&1 &
+roslaunch -p "$port" remodel_planner order.launch output:="$out" database:="$REMODEL_DATABASE" >"$out/nodes.log" 2>&1 &
 nodes=$!
 stop_nodes() {
   kill -INT "$nodes" 2>/dev/null || true
