@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.vision.pixels import Pixels
@@ -86,47 +85,53 @@ def find_strands(skeleton: Pixels) -> list[Strand]:
     for bit in (1, 3, 5, 7):
         linked[:, bit] &= ~linked[:, bit - 1] & ~linked[:, (bit + 1) % 8]
     degree = linked.sum(axis=1)
-    number = np.full(flat.size, -1)
+    number = np.zeros(flat.size, np.intp)
     number[places] = np.arange(len(places))
-    links: list[list[int]] = [[] for _ in places]
-    rows, bits = np.nonzero(linked)
-    for row, other in zip(rows.tolist(), number[places[rows] + steps[bits]].tolist(), strict=True):
-        links[row].append(other)
-    paths = _walk(links, degree)
+    # The first and the last neighbour of each pixel; of most these are all.
+    first = number[places + steps[np.argmax(linked, axis=1)]].tolist()
+    last = number[places + steps[7 - np.argmax(linked[:, ::-1], axis=1)]].tolist()
+    nodes = np.flatnonzero(degree != 2)
+    links = [
+        number[p + steps[n]].tolist() for p, n in zip(places[nodes], linked[nodes], strict=True)
+    ]
+    paths = _walk(first, last, dict(zip(nodes.tolist(), links, strict=True)))
     columns, lines = places % stride - 1, places // stride - 1
     points = np.column_stack([columns, lines]).astype(np.float64)
     return [Strand(points[path], (path[0], path[-1])) for path in paths]
 
 
-def _walk(links: list[list[int]], degree: npt.NDArray[np.int64]) -> list[list[int]]:
-    """Return the paths between pixels that have not exactly two links, then the closed rings."""
+def _walk(first: list[int], last: list[int], links: dict[int, list[int]]) -> list[list[int]]:
+    """Return the paths between nodes, then the closed rings.
+
+    Args:
+        first: a neighbour of each pixel.
+        last: another neighbour of each pixel that is no node.
+        links: the neighbours of each node.
+    """
     paths = []
-    is_node = (degree != 2).tolist()
-    done = [False] * len(links)
-    for node in np.flatnonzero(degree != 2).tolist():
+    done = [False] * len(first)
+    for node, neighbours in links.items():
         done[node] = True
-        for after in links[node]:
-            if done[after] and not is_node[after]:
+        for after in neighbours:
+            if done[after] and after not in links:
                 continue
-            path, last, here = [node], node, after
-            while not is_node[here]:
+            path, before, here = [node], node, after
+            while here not in links:
                 done[here] = True
                 path.append(here)
-                a, b = links[here]
-                last, here = here, (b if a == last else a)
+                before, here = here, last[here] if first[here] == before else first[here]
             path.append(here)
             # A link between two nodes is met from both.
             if len(path) > 2 or node < here:
                 paths.append(path)
-    for start in range(len(links)):
+    for start in range(len(first)):
         if done[start]:
             continue
-        path, last, here = [start], start, links[start][0]
+        path, before, here = [start], start, first[start]
         done[start] = True
         while here != start:
             done[here] = True
             path.append(here)
-            a, b = links[here]
-            last, here = here, (b if a == last else a)
+            before, here = here, last[here] if first[here] == before else first[here]
         paths.append([*path, start])
     return paths
