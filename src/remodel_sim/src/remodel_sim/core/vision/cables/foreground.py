@@ -23,7 +23,7 @@ from remodel_sim.core.vision.pixels import Pixels
 TABLE_STEP = 6
 TABLE_WINDOW = 17
 # How much the table varies is learned from every so many pixels each way.
-SPARSE = 7
+SPARSE = 9
 # Colours are this many standard deviations from the table's, and as if
 # the table varied by 2.5 grey levels at least.
 DEVIATIONS = 4.5

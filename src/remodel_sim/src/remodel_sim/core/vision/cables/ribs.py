@@ -30,7 +30,8 @@ OUTWARD = OFFSETS[MIDDLE:]
 STEP = REACH / MIDDLE
 # Ribs averaged along the cable: noise falls, a bend within them does not matter.
 ALONG = 3
-# What of a rib shows the cable's body.
+# What of a rib shows the cable's body; its colour is learned from every third rib.
+SPARSE = 3
 BODY = slice(*np.searchsorted(OFFSETS, (-0.34, 0.34)).tolist())
 # Edges are looked for from here on outwards.
 EDGE_FROM = int(np.searchsorted(OUTWARD, 0.28))
@@ -111,16 +112,18 @@ def find_edges(
     picked = cv2.remap(rgb, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     blurred = cv2.blur(picked.astype(np.float32), (1, ALONG), borderType=cv2.BORDER_REPLICATE)
     colours = np.stack(cv2.split(blurred))
-    left, right, middle = np.moveaxis(colours @ OF_RIB, 2, 0)
+    left, right, middle = (colours @ OF_RIB).transpose(2, 0, 1)
     left, right, shadow = _lit(left, right)
     stops = np.cumsum(counts).tolist()
-    bodies = [colours[:, i - n : i, BODY] for i, n in zip(stops, counts.tolist(), strict=True)]
+    bodies = [
+        colours[:, i - n : i : SPARSE, BODY] for i, n in zip(stops, counts.tolist(), strict=True)
+    ]
     own = np.stack([median_colour(body.reshape(3, -1).T) for body in bodies], axis=1)
     own = np.repeat(own, counts, axis=1)
     # Both sides of all ribs in a row: the left ones, then the right ones.
     sides = np.concatenate([colours[:, :, MIDDLE::-1], colours[:, :, MIDDLE:]], axis=1)
     around = np.concatenate([left, right], axis=1)
-    means = np.moveaxis(sides @ OF_SIDE, 2, 0)
+    means = (sides @ OF_SIDE).transpose(2, 0, 1)
     by_hue, told = _shares(sides, around, np.concatenate([own, own], axis=1))
     edge, last = _fall(np.where(told[:, None], by_hue, _levels(sides, *means)))
     apart = means[1] - around

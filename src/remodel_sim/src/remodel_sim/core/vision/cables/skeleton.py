@@ -15,6 +15,10 @@ from remodel_sim.core.geometry import Array
 from remodel_sim.core.vision.pixels import Pixels
 
 MAX_ROUNDS = 40
+# A mask goes on for so much beyond its border while it is thinned [px].
+RIM = 8
+# What lies around a part of a picture is not looked at.
+BORDER = cv2.BORDER_CONSTANT | cv2.BORDER_ISOLATED
 # The neighbours north, north-east, ... north-west as (row, column), and as bits of a code.
 NEIGHBOURS = ((-1, 0), (-1, 1), (0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1))
 BITS = np.array([[128, 1, 2], [64, 0, 4], [32, 16, 8]], np.float32)
@@ -45,17 +49,20 @@ HALF_STEPS = (_removable(True), _removable(False))
 
 def thin(mask: Pixels) -> Pixels:
     """Return the skeleton of a mask of 0 and 1; lines that touch the border are kept up to it."""
-    rim = 8
-    skeleton = cv2.copyMakeBorder(mask, rim, rim, rim, rim, cv2.BORDER_REPLICATE)
+    skeleton = cv2.copyMakeBorder(mask, RIM, RIM, RIM, RIM, cv2.BORDER_REPLICATE)
+    x, y, width, height = cv2.boundingRect(skeleton)
+    part = skeleton[y : y + height, x : x + width]
     left = cv2.countNonZero(skeleton)
+    if not left:
+        return mask
     for _ in range(MAX_ROUNDS):
         for removable in HALF_STEPS:
-            codes = cv2.filter2D(skeleton, -1, BITS, borderType=cv2.BORDER_CONSTANT)
-            skeleton = cv2.subtract(skeleton, cv2.LUT(codes, removable))
-        before, left = left, cv2.countNonZero(skeleton)
+            codes = cv2.filter2D(part, -1, BITS, borderType=BORDER)
+            cv2.subtract(part, cv2.LUT(codes, removable), dst=part)
+        before, left = left, cv2.countNonZero(part)
         if left == before:
             break
-    return np.ascontiguousarray(skeleton[rim:-rim, rim:-rim])
+    return np.ascontiguousarray(skeleton[RIM:-RIM, RIM:-RIM])
 
 
 @dataclass(frozen=True, eq=False)
