@@ -36,8 +36,9 @@ def find_end(rgb: Pixels, line: Array, width: float) -> Tip:
     # Where the axis would pass the end: a parabola, straight if it is short.
     fit = parabola(len(part), 2 if len(part) >= 6 else 1) @ part
     end = -first / (len(part) - 1)
-    start = np.power(end, np.arange(len(fit))) @ fit
-    outward = -fit[1] if len(fit) == 2 else -fit[1] - 2 * end * fit[2]
+    start, outward = fit[0] + end * fit[1], -fit[1]
+    if len(fit) == 3:
+        start, outward = start + end**2 * fit[2], outward - 2 * end * fit[2]
     outward = outward / math.hypot(*outward.tolist())
     limit = np.array([rgb.shape[1], rgb.shape[0]]) - 1.0
     rim = BORDER_WIDTHS * width

@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.vision.cables.robust import median
+from remodel_sim.core.vision.cables.robust import limited, median
 from remodel_sim.core.vision.pixels import Pixels
 
 # The table is sampled at every sixth pixel, and its median taken over this many samples: a third
@@ -130,8 +130,7 @@ def _dot(a: Pixels, b: Pixels) -> Pixels:
 
 def _unlike_any_shade(pixels: Pixels, table: Pixels, whiten: Array) -> Pixels:
     """Return 1 where a pixel differs from the table's colour and from every shadow on it."""
-    shade = cv2.divide(_dot(pixels, table), cv2.add(_dot(table, table), 1.0))
-    shade = cv2.min(cv2.max(shade, DARKEST_SHADOW), 1.0)
+    shade = limited(_dot(pixels, table) / (_dot(table, table) + 1.0), DARKEST_SHADOW, 1.0)
     return _above(_distance(pixels, cv2.multiply(table, cv2.merge([shade] * 3)), whiten))
 
 
