@@ -48,6 +48,10 @@ class FilmError(CellError):
     """A run cannot be filmed."""
 
 
+class PictureFileError(CellError):
+    """A file is no picture, or not all of one."""
+
+
 class CellFileError(CellError):
     """A cell's file cannot be read or makes no sense.
 
