@@ -9,7 +9,7 @@ import numpy as np
 
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.vision.cables.model import End, Tip
-from remodel_sim.core.vision.cables.polyline import parabola
+from remodel_sim.core.vision.cables.polyline import arc_lengths, parabola
 from remodel_sim.core.vision.pixels import Pixels
 
 # The axis at an end is fitted to this part of the centreline, counted from the end: nearer to it
@@ -17,6 +17,10 @@ from remodel_sim.core.vision.pixels import Pixels
 AXIS_FROM, AXIS_TO = 0.9, 4.0
 # Along the axis, looked at from this far inside the expected tip to this far beyond it [widths].
 ALONG = np.linspace(-1.6, 1.4, 61)
+# Samples well within the cable, and well beyond its tip.
+WITHIN, OUTSIDE = slice(0, 20), slice(50, 61)
+# A cable whose colour is so far from all shades of what lies beyond is told by that [grey levels].
+OTHER_HUE = 18.0
 # Lines beside the axis that are averaged [widths].
 LINES = np.linspace(-0.24, 0.24, 5)
 # How far the tip may lie from where the skeleton says [widths].
@@ -35,7 +39,7 @@ MIDDLE = np.abs(SIDEWAYS) < 0.5
 
 def find_end(rgb: Pixels, line: Array, width: float) -> Tip:
     """Return how a cable ends at the first point of its centreline (n, 2) [px], in even steps."""
-    step = math.dist(line[0], line[1])
+    step = float(arc_lengths(line)[-1]) / (len(line) - 1)
     first = min(math.ceil(AXIS_FROM * width / step), len(line) - 2)
     count = max(math.floor(AXIS_TO * width / step), 8) + 1 - first
     part = line[first : first + count]
@@ -72,6 +76,12 @@ def _find_tip(rgb: Pixels, expected: Array, outward: Array, width: float) -> Tip
     profile = cv2.blur(mean, (3, 1))[0]
     change = profile[2:] - profile[:-2]
     speed = np.sqrt(np.einsum("ij,ij->i", change, change))
+    inner, outer = profile[WITHIN].mean(axis=0), profile[OUTSIDE].mean(axis=0)
+    hue = inner - float(inner @ outer) / max(float(outer @ outer), 1.0) * outer
+    strength = math.hypot(*hue.tolist())
+    if strength > OTHER_HUE:
+        # A shadow beyond the tip is no other hue.
+        speed = np.abs(change @ (hue / strength))
     prior = np.exp(-0.5 * (along[1:-1] / (TOLERANCE * width)) ** 2)
     best = min(max(int(np.argmax(speed * prior)), 1), len(speed) - 2)
     before, here, after = speed[best - 1 : best + 2].tolist()

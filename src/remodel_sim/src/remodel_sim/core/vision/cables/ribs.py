@@ -51,6 +51,8 @@ OF_SIDE = _means(OUTWARD, (-0.1, 0.18), (0.20, 0.34), (0.60, 0.80))
 # one sees that share of the contrast, at least and at most.
 RIM_SHADE = 0.65
 AT_EDGE = (0.05, 0.55)
+# What lies near outside differs from the middle by this share of what lies farther out, at least.
+NEAR_SHARE = 0.5
 # Colours are told apart in any shade when their directions differ by this sine, and when so much of
 # the cable's is no shade of the surroundings' [grey levels].
 TOLD_APART, TOLD_LEVELS = 0.12, 30.0
@@ -126,10 +128,14 @@ def find_edges(
     # Both sides of all ribs in a row: the left ones, then the right ones.
     sides = np.concatenate([colours[:, :, MIDDLE::-1], colours[:, :, MIDDLE:]], axis=1)
     around = np.concatenate([left, right], axis=1)
-    means = (sides @ OF_SIDE).transpose(2, 0, 1)
+    middles, insides, near = (sides @ OF_SIDE).transpose(2, 0, 1)
+    # Where the width is guessed too small, what should lie near outside is the cable itself.
+    outside, far = middles - near, middles - around
+    hidden = _dot(outside, outside) < NEAR_SHARE**2 * _dot(far, far)
+    near = np.where(hidden, around, near)
     by_hue, told = _shares(sides, around, np.concatenate([own, own], axis=1))
-    edge, last = _fall(np.where(told[:, None], by_hue, _levels(sides, *means)))
-    apart = means[1] - around
+    edge, last = _fall(np.where(told[:, None], by_hue, _levels(sides, middles, insides, near)))
+    apart = insides - around
     contrast = np.sqrt(_dot(apart, apart))
     rows = np.arange(len(last))
     fall = sides[:, rows, last] - sides[:, rows, last + 1]
@@ -140,7 +146,7 @@ def find_edges(
         np.stack([-width * edge[:half], width * edge[half:]], axis=1),
         contrast.reshape(2, -1).T,
         middle.T,
-        means[1].T.reshape(2, half, 3).transpose(1, 0, 2),
+        insides.T.reshape(2, half, 3).transpose(1, 0, 2),
         np.stack([left.T, right.T], axis=1),
         shadow,
         softness,
