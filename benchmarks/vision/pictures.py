@@ -28,11 +28,10 @@ PICTURES: dict[str, tuple[tuple[Kind, int, dict[str, float]], ...]] = {
     "doubted": (
         (Kind(4, True), 63, {}),
         (Kind(3, False, clutter=4), 17, {}),
-        (Kind(3, False), 6017, {"elevation": 0.436, "shadow": 0.6}),
+        (Kind(3, False), 57, {}),
     ),
     "wrong": (
         (Kind(5, False), 14, {}),
-        (Kind(3, False), 57, {}),
         (Kind(2, False), 6016, {"specular": 1.0}),
     ),
 }
