@@ -4,7 +4,7 @@
 
 The mouth is given off to the side and turned about the vertical, as a bad look would; nothing is
 corrected. Each point is one insertion of end a in a cell of its own; the truth tells whether it is
-seated. A line of JSON for each goes to the same name with the ending .jsonl.
+seated. A line of JSON for each goes to out/bench/insertion-map.jsonl.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
 
 PANEL = Path(__file__).parents[2] / "src" / "remodel_sim" / "config" / "panel.yaml"
+LINES = Path("out/bench/insertion-map.jsonl")
 OFFSETS_MM = (0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
 ANGLES_DEG = (0.0, 5.0, 10.0, 15.0, 20.0)
 FORCE_LIMIT_N = 8.0
@@ -104,10 +105,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("file", nargs="?", type=Path, default=Path("out/bench/insertion-map.png"))
     file = parser.parse_args().file
-    file.parent.mkdir(parents=True, exist_ok=True)
+    for each in (file, LINES):
+        each.parent.mkdir(parents=True, exist_ok=True)
     panel = read_panel(PANEL, read_wire_materials())
     points = []
-    with file.with_suffix(".jsonl").open("w") as lines:
+    with LINES.open("w") as lines:
         for angle in ANGLES_DEG:
             for offset in OFFSETS_MM:
                 points.append(measure(panel, offset, angle))
