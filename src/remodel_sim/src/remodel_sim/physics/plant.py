@@ -40,6 +40,8 @@ FILM_WIDTH_PX = 640
 STRAY_LENGTH_M = 0.12
 STRAY_DROP_M = 0.02
 STRAY_COLOUR = "GY"
+# Where the fork is out of everything's way [m].
+FORK_DOWN_M = -0.1
 PLUG_RGB = (0.5, 0.1, 0.1)
 # A plug begins this deep in the bore.
 PLUG_FROM_M = 0.005
@@ -194,7 +196,14 @@ class Plant:
 
     def move_fork(self, x: float, y: float) -> None:
         """Bring the feeder's fork up somewhere else, world frame [m]."""
-        self.world.bullet.resetBasePositionAndOrientation(self._fork, [x, y, 0.0], [0, 0, 0, 1])
+        self._put_fork(x, y, 0.0)
+
+    def lower_fork(self) -> None:
+        """Draw the feeder's fork in under the plate."""
+        self._put_fork(0.0, 0.0, FORK_DOWN_M)
+
+    def _put_fork(self, x: float, y: float, z: float) -> None:
+        self.world.bullet.resetBasePositionAndOrientation(self._fork, [x, y, z], [0, 0, 0, 1])
 
     def park(self) -> None:
         """Freeze the live wire where it is."""
