@@ -17,7 +17,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from plots import BLACK, MARGIN, RED, Axes, axes
+from plots import BLACK, MARGIN, RED, WIDTH, Axes, axes
 
 from remodel_sim.abilities.insert_cable import insert_cable
 from remodel_sim.cell import Cell
@@ -99,13 +99,14 @@ def draw(points: list[Point]) -> np.ndarray:
         if point.at_bottom and point.found != SEATED:
             cv2.circle(plot.picture, place, 5, COLOURS[SEATED], -1, cv2.LINE_AA)
     _legend(plot, sorted({point.found for point in points}))
+    plot.text("dot: seated all the same", (WIDTH - 270, 60), COLOURS[SEATED])
     return plot.picture
 
 
 def _legend(plot: Axes, names: list[str]) -> None:
     for i, name in enumerate(names):
-        text = name.lower().replace("_", " ")
-        plot.text(text, (MARGIN + 90 + 220 * i, 60), COLOURS.get(name, BLACK))
+        text = "refused: " + name.lower().replace("_", " ") if name.isupper() else name
+        plot.text(text, (MARGIN + 90 + 290 * i, 60), COLOURS.get(name, BLACK))
 
 
 def main() -> None:
