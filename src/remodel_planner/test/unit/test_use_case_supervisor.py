@@ -9,7 +9,8 @@ from house import HOUSE
 from sensor_msgs.msg import Image
 
 from remodel_planner.core.cell_order import USE_CASE, cell_order
-from remodel_planner.core.learning.learned_expectations import LearnedExpectations
+from remodel_planner.core.learning.experience import Experience
+from remodel_planner.core.learning.learned_responses import TriedResponse
 from remodel_planner.core.panel_layout import PanelRules, lay_out
 from remodel_planner.core.recovery.fault import Do
 from remodel_planner.core.run import Operation
@@ -165,15 +166,15 @@ class FakeInspection:
 class Bench:
     """A supervisor of the order, with everything beside it faked but the database."""
 
-    def __init__(self, url, folder, attended=False, **options):
+    def __init__(self, url, folder, attended=False, frozen=True, **options):
         self.database = ProductionDatabase(url)
         self.log = RunLog(self.database)
         use_case = find_use_case(USE_CASE)
-        learned = LearnedExpectations(use_case.expectations)
+        experience = Experience(use_case, self.database.ability_calls(), frozen=frozen)
         self.peers = Peers(FakeCell(), FakeSynthesizer(), FakeTasks(), FakeInspection())
         self.leases = TaskLeases(self.database, "house", "cell", 30.0)
         self.work = Work(
-            WorkPlanner(cell_order(LAYOUT), use_case, learned, 0.0),
+            WorkPlanner(cell_order(LAYOUT), use_case, experience, 0.0),
             read_faults(),
             panel_message(LAYOUT, PanelRules()),
             keep_panel=False,
@@ -288,6 +289,33 @@ def test_what_is_connected_is_not_connected_again(bench):
     assert 'id="Connect b"' in chart
     assert 'id="Connect a"' not in chart
     assert 'id="Pick b"' in chart
+
+
+def test_a_learning_supervisor_tells_what_it_chose_and_learns_from_it(url, tmp_path):
+    bench = Bench(url, tmp_path, frozen=False)
+    state = bench.run(*[JAM] * 3)
+    assert state.ended.ending is Ending.COMPLETE
+    chosen = [(event, each) for event in bench.events(TaskBegun) for each in event.chosen]
+    assert chosen, "one of five attempts at two ends tries another force"
+    for event, each in chosen:
+        assert (each.ability, each.parameter) == ("InsertCable", "force_limit")
+        assert 4.0 <= each.value <= 16.0
+        assert f'name="force_limit" value="{each.value}"' in event.chart
+    jams = [k for k in bench.events(OperationEnded) if k.operation.error_code == JAM]
+    assert bench.work.planner.experience.expectations.calls == len(jams) == 3
+    bench.database.close()
+
+
+def test_a_response_that_never_helped_is_not_given_again(url, tmp_path):
+    bench = Bench(url, tmp_path, frozen=False)
+    bench.log.tried_responses = lambda: (
+        (TriedResponse("insertion_jammed", Do.RETRY, helped=False),) * 30
+    )
+    bench.run(JAM)
+    decided = bench.events(Decided)
+    assert decided[0].do is Do.NEW_PART
+    assert "retry spared" in decided[0].because
+    bench.database.close()
 
 
 def test_a_run_goes_on_when_what_was_lost_comes_back(bench):

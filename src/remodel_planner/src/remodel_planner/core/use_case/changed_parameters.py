@@ -14,6 +14,7 @@ from flexbe_synthesizer.core.model import (
     Param,
     State,
 )
+from remodel_planner.core.run import step_of
 from remodel_planner.core.use_case.task_chart import marked
 
 
@@ -43,7 +44,7 @@ def with_parameters(
         values: parameter -> value.
         adjustable: see Adjustable.
     """
-    failed = state_path.strip("/").split("/")[0]
+    failed = step_of(state_path)
     nodes = tuple(
         _changed(node, values, adjustable) if node.id == failed else node for node in chart.nodes
     )
