@@ -97,7 +97,7 @@ def _(event: TaskBegun) -> Iterator[str]:
     for chosen in event.chosen:
         yield (
             f"{event.task}, attempt {event.attempt}: {chosen.step} with {chosen.parameter} "
-            f"{chosen.value:g}, as runs have taught"
+            f"{chosen.value:g}, chosen by learning"
         )
 
 
