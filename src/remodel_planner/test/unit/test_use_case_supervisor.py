@@ -32,7 +32,7 @@ from remodel_planner.core.supervision.events import (
     TaskBegun,
     TaskElsewhere,
 )
-from remodel_planner.core.supervision.state import Stage, state_after
+from remodel_planner.core.supervision.state import Stage, cause_of, state_after
 from remodel_planner.core.use_case.task_chart import content_mark
 from remodel_planner.edge.catalogue_file import read_catalogue
 from remodel_planner.edge.fault_file import read_faults
@@ -57,9 +57,13 @@ class FakeCell:
 
     def __init__(self):
         self.fed, self.loaded, self.trouble = [], [], None
+        self.at = "rosrpc://cell:1"
 
     def wait(self, limit_s):
         pass
+
+    def address(self):
+        return self.at
 
     def load(self, panel, *, keep):
         self.loaded.append(keep)
@@ -326,6 +330,21 @@ def test_a_run_goes_on_when_what_was_lost_comes_back(bench):
     assert bench.peers.tasks.stopped >= 1
     assert state.ended.ending is Ending.COMPLETE
     assert bench.peers.cell.loaded == [False, True], "what is on the panel stays"
+
+
+def test_a_cell_that_was_started_anew_gets_its_panel_again(bench):
+    def start_anew():
+        bench.peers.cell.at = "rosrpc://cell:2"
+
+    assert bench.run(start_anew).ended.ending is Ending.COMPLETE
+    assert bench.peers.cell.loaded == [False, True], "before the second wire, with the first on it"
+
+
+def test_a_server_that_died_is_the_cause_and_not_what_its_heir_does_not_know():
+    lost = Operation("/Connect a/InsertCable", "InsertCable", "failed", LOST, "away", 2.0, 1.0)
+    unfed = Operation("/Lay down", "PlaceCable", "failed", 403, "not fed", 3.0, 1.0)
+    assert cause_of([lost, unfed]) is lost
+    assert cause_of([unfed]) is unfed
 
 
 def test_a_run_stops_when_what_was_lost_stays_away(bench):

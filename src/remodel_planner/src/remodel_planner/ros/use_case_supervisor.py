@@ -171,7 +171,8 @@ class UseCaseSupervisor:
         self._begun_s = 0.0
         # A run whose order of tasks is decided was taken up by a supervisor before.
         self._began_before = not state.to_plan
-        self._loaded = False
+        # Where the cell answered that has the panel.
+        self._loaded_at = ""
 
     @property
     def doing_now(self) -> Doing | None:
@@ -329,6 +330,7 @@ class UseCaseSupervisor:
         if not self._has(name):
             return
         self._peers.tasks.stop_all()
+        self._load_panel()
         planned = self.work.planner.task(name, self.state.tasks[name].decisions)
         task = planned.decomposition.task
         connected = []
@@ -428,17 +430,19 @@ class UseCaseSupervisor:
             self._peers.synthesizer.synthesize(str(chart_file), chart.name)
 
     def _load_panel(self) -> None:
-        if self.work.panel is not None and not self._loaded:
-            begun = any(task.attempts for task in self.state.tasks.values())
-            self._peers.cell.load(self.work.panel, keep=self.work.keep_panel or begun)
-        self._loaded = True
+        """Have the cell build the panel, unless it has: a cell that was started anew has not."""
+        if self.work.panel is None or self._peers.cell.address() == self._loaded_at:
+            return
+        begun = any(task.attempts for task in self.state.tasks.values())
+        self._peers.cell.load(self.work.panel, keep=self.work.keep_panel or begun)
+        self._loaded_at = self._peers.cell.address()
 
     def _recover(self, because: str) -> None:
         """Wait for what was lost, and stop what runs; what it was doing is in doubt."""
         rospy.logwarn("run %d: %s", self.run, because)
         self._append(Interrupted(because))
         self._say_doing(f"waiting, since {because}")
-        self._loaded = False
+        self._loaded_at = ""
         try:
             self._peers.wait(self.work.patience_s)
             self._peers.tasks.stop_all()
