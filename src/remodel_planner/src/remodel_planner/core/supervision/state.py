@@ -334,8 +334,8 @@ INTERRUPTION_LIMIT = 20
 # remodel_msgs/ErrorCode: TIMEOUT, SERVER_LOST, INTERNAL, BUSY, SERVER_HUNG, CONTRADICTORY_RESULT.
 _SERVER_TROUBLE = frozenset({1, 4, 5, 6, 7, 8})
 
-# remodel_msgs/ErrorCode: NOTHING_HELD and WIRE_NOT_FED; PREEMPTED; SERVER_LOST; INTERNAL, of a task that failed
-# though no ability told of an error.
+# remodel_msgs/ErrorCode: NOTHING_HELD and WIRE_NOT_FED; PREEMPTED; SERVER_LOST; INTERNAL, of a
+# task that failed though no ability told of an error.
 _NOTHING_TO_LAY_DOWN = (202, 403)
 _PREEMPTED_CODE = 2
 _LOST = 4
