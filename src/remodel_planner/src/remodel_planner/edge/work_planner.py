@@ -122,13 +122,15 @@ class WorkPlanner:
     def choose(self, name: str, decisions: Sequence[Decided], seed: str) -> tuple[Chosen, ...]:
         """Return the parameters by which a task is to be done, other than its use case's own.
 
+        What a chart itself says of a parameter stays.
+
         Args:
             name: of the task.
             decisions: about the task so far.
             seed: of what is left to chance.
         """
         task = self.task(name, decisions)
-        return tuple(
+        chosen = (
             Chosen(step.title, ability, parameter, value)
             for step in task.decomposition.steps
             for ability in step.action.abilities
@@ -136,6 +138,13 @@ class WorkPlanner:
                 ability, step.features, task.bounds(step.title), f"{seed} {step.title}"
             ).items()
         )
+        return tuple(each for each in chosen if self._with(each, task.chart) != task.chart)
+
+    def _with(self, chosen: Chosen, chart: Chart) -> Chart:
+        """Return a chart with a parameter, unless the chart itself states it."""
+        parameters = {chosen.ability: {chosen.parameter}}
+        adjustable = replace(self._adjustable, parameters=parameters, keeps_stated=True)
+        return with_parameters(chart, chosen.step, {chosen.parameter: chosen.value}, adjustable)
 
     def chart(
         self,
@@ -159,8 +168,7 @@ class WorkPlanner:
             return task.clear()
         chart = task.rest(connected) if part is Part.REST else task.chart
         for each in chosen:
-            adjustable = replace(self._adjustable, parameters={each.ability: {each.parameter}})
-            chart = with_parameters(chart, each.step, {each.parameter: each.value}, adjustable)
+            chart = self._with(each, chart)
         for decision in decisions:
             if decision.change:
                 values, where = dict(decision.change), decision.state_path
