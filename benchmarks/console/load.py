@@ -21,11 +21,11 @@ from playwright.sync_api import Page
 from std_msgs.msg import Empty, String
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "src/remodel_console/test/rostest"))
-from browser_test_case import free_port
 from console_test import OBSERVE, ConsoleTest
 
 from flexbe_synthesizer.core.codec import write_chart
 from flexbe_synthesizer.core.model import Chart, Container, Outcome, Param, State, Transition
+from remodel_console.testing.browser_test import free_port
 
 BOXES, STATES = 10, 20
 VISIT_S = 0.02
@@ -65,7 +65,7 @@ class Load(ConsoleTest):
         """Add the large behavior to the charts."""
         chart = Chart("Load", "Box 0", (Outcome("finished"),), tuple(map(box, range(BOXES))))
         cls.more_charts = {"load.xml": write_chart(chart)}
-        super(ConsoleTest, cls).setUpClass()
+        super().setUpClass()
 
     def setUp(self) -> None:
         """Listen to what the engine enters."""

@@ -38,8 +38,8 @@ class Supervisor(Protocol):
     All raise CommandError if it is away, does not answer, or refuses.
     """
 
-    def run(self, order: str, tasks: int, by: str) -> str:
-        """Start an order: so many of its tasks, 0 for all."""
+    def run(self, order: str, tasks: int, by: str, *, again: bool) -> str:
+        """Start an order: so many of its tasks, 0 for all; `again`: those that are done too."""
 
     def pause(self, by: str) -> str:
         """Have the run pause."""
@@ -108,7 +108,8 @@ class Console:
         self.engine: Engine | None = None
         self.supervisor: Supervisor | None = None
         self.recorder: Recorder | None = None
-        self._names: dict[int, str] = {}
+        self._names: dict[int, str] = {}  # of behaviors, by the checksums of their sources
+        self._unknown = 0  # checksum of what runs, once nothing installed was found to have it
         self._structure_asked = 0
 
     def take(self, event: Event) -> None:
@@ -174,8 +175,9 @@ class Console:
         run = self.live.world.run
         if run.attached_name:
             return run.attached_name
-        if run.behavior_id not in self._names:
+        if run.behavior_id not in (self._unknown, *self._names):
             self._names |= {one.source_checksum: one.name for one in self.catalogue.behaviors()}
+            self._unknown = 0 if run.behavior_id in self._names else run.behavior_id
         return self._names.get(run.behavior_id, "")
 
     def chart_to_watch(self, name: str) -> Chart:

@@ -4,7 +4,6 @@
 import contextlib
 import json
 import os
-import signal
 import subprocess
 import sys
 import time
@@ -17,9 +16,10 @@ from playwright.sync_api import expect
 from std_msgs.msg import String
 
 sys.path.insert(0, str(Path(__file__).parent))
-from browser_test_case import LIMIT_S, BrowserTestCase, free_port
+from behavior_test_case import BehaviorTestCase
 
 from remodel_console.edge.catalogue import Catalogue
+from remodel_console.testing.browser_test import free_port
 
 TRUTH_S = 2.0  # within which a page shows what has become of engine and mirror
 LIT_S = 0.1  # within which a transition is seen
@@ -31,7 +31,9 @@ OBSERVE = """() => {
 }"""
 
 
-class ConsoleTest(BrowserTestCase):
+class ConsoleTest(BehaviorTestCase):
+    first_page = "/runtime"
+
     def setUp(self):
         super().setUp()
         self.ready(self.page)
@@ -63,15 +65,6 @@ class ConsoleTest(BrowserTestCase):
                 autonomy_level=255,
             )
         )
-
-    def wait_until(self, is_so):
-        end = time.monotonic() + LIMIT_S
-        while not is_so():
-            self.assertLess(time.monotonic(), end, "waited too long")
-            self.page.wait_for_timeout(20)
-
-    def press(self, page, name):
-        page.get_by_role("button", name=name, exact=True).click()
 
     def lock(self, page):
         """Lock the active state; again if it was left before the engine had the command."""
@@ -229,11 +222,6 @@ class ConsoleTest(BrowserTestCase):
             start_new_session=True,
         )
 
-    def end(self, name):
-        process = self.processes.pop(name)
-        os.killpg(process.pid, signal.SIGINT)
-        process.wait(LIMIT_S)
-
     def test_who_only_watches_sees_ros_come_late_go_and_come_back(self):
         port, master = free_port(), free_port()
         uri = {"ROS_MASTER_URI": f"http://127.0.0.1:{master}"}
@@ -255,22 +243,15 @@ class ConsoleTest(BrowserTestCase):
         self.start("second engine", "flexbe_onboard", "start_behavior", **uri)
         expect(page.locator(".state")).to_have_text("idle")
         expect(page.get_by_role("combobox", name="Behavior")).to_be_disabled()
-        for name in ("second engine", "late", "master"):
-            self.end(name)
+        self.end("second engine", "late")
+        self.end("master")
 
     def test_a_tablet_in_the_dark_and_the_keys(self):
-        page = self.open_page(width=1024, height=768)
-        self.ready(page)
-        self.load(page, "Errand")
-        page.get_by_role("button", name="Dark or light").click()
-        expect(page.locator("body.body--dark")).to_have_count(1)
+        self.load(self.page, "Errand")
+        page = self.open_tablet_in_the_dark("/runtime", "g.node")
         page.reload()
         expect(page.locator("body.body--dark")).to_have_count(1)
         expect(page.locator("g.node").first).to_be_visible()
-        overflow = (
-            "() => document.documentElement.scrollWidth - document.documentElement.clientWidth"
-        )
-        self.assertEqual(page.evaluate(overflow), 0)
         self.take_picture(page, "runtime-dark-1024")
         page.keyboard.press("?")
         expect(page.get_by_role("dialog")).to_contain_text("confirm what the engine asks")
