@@ -18,8 +18,10 @@ from std_msgs.msg import String
 sys.path.insert(0, str(Path(__file__).parent))
 from behavior_test_case import BehaviorTestCase
 
+from remodel_console.core.answer import DONE, FAILED
 from remodel_console.edge.catalogue import Catalogue
-from remodel_console.testing.browser_test import free_port
+from remodel_console.ros.ask import ask
+from remodel_console.testing.browser_test import LIMIT_S, free_port
 
 TRUTH_S = 2.0  # within which a page shows what has become of engine and mirror
 LIT_S = 0.1  # within which a transition is seen
@@ -153,6 +155,14 @@ class ConsoleTest(BehaviorTestCase):
         self.press(self.page, "Unlock")
         expect(self.page.locator(".held")).to_have_count(0)
         expect(self.page.locator("g.node.active")).not_to_have_count(0)
+        field.fill("0.34")
+        field.press("Enter")
+        self.press(editor, "Save")
+        expect(self.page.get_by_text("Another version of 'Patrol' is saved.")).to_be_visible()
+        for command in ("switch", "unlock"):
+            answer = ask(command, "", LIMIT_S)
+            self.assertEqual(answer.state, DONE, answer)
+        self.assertEqual(ask("switch", "", LIMIT_S).state, FAILED)
         self.stop(self.page)
         self.assertIn("switch to the saved version of 'Patrol'", self.record.read_text())
 

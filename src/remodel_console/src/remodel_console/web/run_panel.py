@@ -35,15 +35,24 @@ _FIRST_LEVEL = 1  # low, as in the FlexBE App
 
 
 class RunPanel:
-    """Shows what the engine asks, and orders it; built anew only when what is there changes."""
+    """Shows what the engine asks, and orders it.
+
+    What depends on the run is built anew when that changes; the button that stops it never is, so
+    that no click on it is lost.
+    """
 
     def __init__(self, page: RuntimePage) -> None:
-        """Build an empty panel."""
+        """Build a panel without a run."""
         self._page = page
-        self._area = ui.element("aside").classes("panel")
         self._shown: object = None
         self._outcomes: ui.element | None = None
         self._outcomes_of = ""
+        with ui.element("aside").classes("panel"):
+            self._area = ui.element("div").classes("run-area")
+            self._stop = page.button("Stop", self._ask_stop, icon="stop", look="stop")
+            self._userdata = self._build_userdata()
+            self._where = ui.label().classes("where")
+            self._count = ui.label().classes("soft")
 
     def show(self, view: RunView, running: str, loaded: str, newer: Switch | None) -> None:
         """Show what can be done.
@@ -65,11 +74,11 @@ class RunPanel:
                 self._show_idle(view)
             else:
                 self._show_running(view, running, loaded, newer)
-            self._where = ui.label(path_words(view.active)).classes("where")
-            self._count = ui.label(count_words(view)).classes("soft")
-            if view.phase is not Phase.RUNNING:
-                self._where.set_visibility(False)
-                self._count.set_visibility(view.entries > 0)
+        self._stop.set_visibility(view.phase is Phase.RUNNING)
+        self._userdata.set_visibility(view.is_supervised)
+        self._where.set_visibility(view.phase is Phase.RUNNING)
+        self._count.set_visibility(view.entries > 0)
+        self.follow(view)
 
     def follow(self, view: RunView) -> None:
         """Show what follows each state."""
@@ -93,9 +102,6 @@ class RunPanel:
             self._show_controls(view)
         else:
             self._show_attach(running, loaded)
-        self._page.button("Stop", self._ask_stop, icon="stop", look="stop")
-        if view.is_supervised:
-            self._show_userdata()
 
     def _show_request(self, view: RunView) -> None:
         """Show what the engine asks, with the button that answers it."""
@@ -138,7 +144,9 @@ class RunPanel:
             level.props("outlined dense").classes("wide")
 
             async def attach() -> None:
-                await self._page.give("attach", lambda: self._page.console.attach(int(level.value)))
+                await self._page.give(
+                    "attach", lambda: self._page.console.steering.attach(int(level.value))
+                )
 
             self._page.button("Attach", attach, icon="visibility")
 
@@ -192,13 +200,13 @@ class RunPanel:
     def _control(self, text: str, order: Order, icon: str | None) -> None:
         self._page.button(text, partial(self._page.order, order), icon=icon, look="quiet")
 
-    def _show_userdata(self) -> None:
-        with ui.expansion("Userdata").classes("wide"):
+    def _build_userdata(self) -> ui.expansion:
+        with ui.expansion("Userdata").classes("wide") as userdata:
             rows = ui.element("div")
 
             async def look() -> None:
                 rows.clear()
-                engine = self._page.console.engine
+                engine = self._page.console.steering.engine
                 try:
                     found = await run.io_bound(engine.userdata) if engine else ()
                 except CommandError as error:
@@ -209,6 +217,7 @@ class RunPanel:
                     table(("Key", "Value", "Where"), ((k, v, w) for w, k, _, v in found))
 
             ui.button("Read", on_click=look, icon="refresh").props("flat dense no-caps")
+        return userdata
 
     def _ask_stop(self) -> None:
         self._page.ask(

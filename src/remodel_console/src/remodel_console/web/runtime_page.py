@@ -60,7 +60,7 @@ class RuntimePage(Page):
             self._log.add(lines)
         view, chart = world.run, self.console.session.chart
         loaded = chart.name if chart else ""
-        running = self.console.running_name() if view.phase is Phase.RUNNING else ""
+        running = self.console.steering.running_name() if view.phase is Phase.RUNNING else ""
         if view.phase is Phase.RUNNING:
             self._ran = running
         name = running or loaded or self._ran
@@ -86,7 +86,7 @@ class RuntimePage(Page):
         cause = (view.behavior_id, view.is_supervised, session.chart, session.is_saved)
         if cause != self._newer_for:
             self._newer_for = cause
-            self._newer = self.console.newer_version()
+            self._newer = self.console.steering.newer_version()
 
     def press(self, key: str, *, ctrl: bool) -> None:
         """Do what a key means on this page."""
@@ -116,7 +116,7 @@ class RuntimePage(Page):
 
     async def order(self, order: Order) -> None:
         """Give the engine an order."""
-        await self.give(str(order), lambda: self.console.order(order))
+        await self.give(str(order), lambda: self.console.steering.order(order))
 
     async def load(self, name: str) -> None:
         """Load a behavior into the session; ask first if something would be lost."""
@@ -135,4 +135,6 @@ class RuntimePage(Page):
 
     async def start(self, order: Order) -> bool:
         """Start a behavior; tell whether the engine was asked."""
-        return (await self.give(str(order), lambda: self.console.order(order))).state == DONE
+        return (
+            await self.give(str(order), lambda: self.console.steering.order(order))
+        ).state == DONE
