@@ -35,7 +35,7 @@ class EditorTest(BehaviorTestCase):
     def open(self, name):
         """Open a behavior; what another test has left unsaved is lost."""
         self.choose(self.page, "Open", name)
-        lose = self.page.get_by_role("button", name="Open, and lose them")
+        lose = self.page.get_by_role("button", name="Load, and lose them")
         title = self.page.locator(".properties .title", has_text=name)
         expect(lose.or_(title)).to_be_visible()
         if lose.is_visible():
@@ -120,7 +120,13 @@ class EditorTest(BehaviorTestCase):
         self.open("Errand")
         text = self.chart("errand")
         self.assertEqual(text.nodes[0].id, "Greet")
-        self.pick("Search/Look")
+        name = page.locator(".properties").get_by_label("Name", exact=True)
+        page.locator(".tools .soft").click()
+        for key, selected in (("n", "Greet"), ("n", "Search"), ("n", "Look"), ("b", "Search")):
+            page.keyboard.press(key)
+            expect(name).to_have_value(selected)
+        page.keyboard.press("n")
+        expect(name).to_have_value("Look")
         self.fill("wait_time", "0.75")
         page.get_by_role("tab", name="XML").click()
         expect(page.locator(".cm-content")).to_contain_text('value="0.75"')

@@ -6,7 +6,6 @@ from nicegui import background_tasks, ui
 
 from flexbe_synthesizer.core.model import Chart
 from remodel_console.core.answer import DONE
-from remodel_console.core.commands import Command, Verb
 from remodel_console.core.order import Hold, Order, Pause, Release, Repeat, Resume, Switch
 from remodel_console.core.run_view import Phase, RunView
 from remodel_console.core.run_words import state_words
@@ -117,21 +116,6 @@ class RuntimePage(Page):
     async def order(self, order: Order) -> None:
         """Give the engine an order."""
         await self.give(str(order), lambda: self.console.steering.order(order))
-
-    async def load(self, name: str) -> None:
-        """Load a behavior into the session; ask first if something would be lost."""
-        session = self.console.session
-        command = Command(f"load {name}", Verb.LOAD, {"name": name})
-
-        async def do() -> None:
-            await self.give(command.text, lambda: session.carry_out(command))
-
-        if session.is_saved or session.chart is None:
-            await do()
-        else:
-            self.ask(
-                f"'{session.chart.name}' has changes that are not saved.", "Load, and lose them", do
-            )
 
     async def start(self, order: Order) -> bool:
         """Start a behavior; tell whether the engine was asked."""
