@@ -25,6 +25,8 @@ from remodel_console.testing.browser_test import LIMIT_S, free_port
 
 TRUTH_S = 2.0  # within which a page shows what has become of engine and mirror
 LIT_S = 0.1  # within which a transition is seen
+SEES_PATROL = """() => !window.isOld && document.querySelector('g.node.active')
+  && document.querySelector('.attach')?.textContent.includes("'Patrol' runs unattended.")"""
 OBSERVE = """() => {
   const frame = document.querySelector('.canvas-frame');
   window.lit = [];
@@ -218,11 +220,26 @@ class ConsoleTest(BehaviorTestCase):
         )
         self.start_mirror()
         expect(self.page.locator(".notice", has_text="mirror")).to_have_count(0)
+        self.page.evaluate("() => { window.isOld = true; }")
+        self.kill("console")
+        away = self.page.get_by_text("The console is away:")
+        expect(away).to_be_visible(timeout=1000 * TRUTH_S)
+        self.take_picture(self.page, "runtime-console-away")
+        self.start_console()
+        self.page.wait_for_function(SEES_PATROL, timeout=1000 * TRUTH_S)
+
+    def test_a_console_that_comes_again_finds_what_waits_for_an_operator(self):
+        self.load(self.page, "Errand")
+        self.choose(self.page, "Autonomy", "Low")
+        self.press(self.page, "Start")
+        expect(self.page.locator(".request")).to_be_visible()
         self.kill("console")
         self.start_console()
-        expect(self.page.locator(".attach")).to_contain_text("'Patrol' runs unattended.")
-        self.page.get_by_role("button", name="Load 'Patrol'").click()
-        expect(self.page.locator("g.node.active")).not_to_have_count(0)
+        self.press(self.page, "Load 'Errand'")
+        self.press(self.page, "Attach")
+        expect(self.page.locator(".request")).to_contain_text("Leave 'Report' with 'done'?")
+        self.page.keyboard.press("c")
+        expect(self.page.locator(".ending")).to_have_text("The last run ended with 'finished'.")
 
     def start_master(self, port):
         self.processes["master"] = subprocess.Popen(

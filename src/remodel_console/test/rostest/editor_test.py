@@ -3,6 +3,7 @@
 
 import sys
 from pathlib import Path
+from typing import ClassVar
 
 import rospy
 import rostest
@@ -10,8 +11,9 @@ from playwright.sync_api import expect
 
 sys.path.insert(0, str(Path(__file__).parent))
 from behavior_test_case import BehaviorTestCase
+from large_chart import BOXES, STATES, large_chart
 
-from flexbe_synthesizer.core.codec import parse_chart
+from flexbe_synthesizer.core.codec import parse_chart, write_chart
 
 BROKEN = """<statemachine name="Broken" initial="A">
   <datamodel><outcome name="finished"/></datamodel>
@@ -22,8 +24,16 @@ BROKEN = """<statemachine name="Broken" initial="A">
 """
 
 
+SCALE = """() => {
+  const svg = document.querySelector('.canvas-stage svg');
+  return svg.clientWidth / svg.viewBox.baseVal.width;
+}"""
+READABLE = 0.9  # [screen pixels per unit of the drawing] of the largest drawings, in canvas.js
+
+
 class EditorTest(BehaviorTestCase):
     first_page = "/editor"
+    more_charts: ClassVar = {"large.xml": write_chart(large_chart("Large", 0.02))}
 
     def setUp(self):
         super().setUp()
@@ -170,6 +180,17 @@ class EditorTest(BehaviorTestCase):
         page.get_by_role("tab", name="XML").click()
         expect(page.locator(".cm-content")).to_contain_text('<input name="count" type="int"')
         expect(page.locator(".cm-content")).to_contain_text('<ext:condition outcome="found">')
+
+    def test_200_states_are_drawn_so_that_they_can_be_read(self):
+        page = self.page
+        self.open("Large")
+        states = page.locator(".canvas-stage g.node[data-path*='Box']")
+        expect(states).to_have_count(BOXES)
+        self.pick("Box 4")
+        expect(states).to_have_count(BOXES - 1 + STATES + 1)  # closed ones; states, and an end
+        self.assertGreaterEqual(page.evaluate(SCALE), READABLE)
+        page.locator(".canvas-stage g.node[data-path='Box 4/S4_7'] text").first.click()
+        self.take_picture(page, "editor-200-states")
 
     def test_deleting_and_renaming_keep_what_belongs_together(self):
         self.open("Patrol")

@@ -49,6 +49,7 @@ class Page:
         self._dark = ui.dark_mode(value=request.cookies.get(DARK_COOKIE) == "dark")
         self._shown_notices: tuple[object, ...] = ("not shown yet",)
         ui.page_title(f"{title} · REMODEL")
+        ui.run_javascript("watchConnection()")
         ui.colors(primary=_ACCENT)
         self._bar(title)
         self._notices = ui.column().classes("notices")
