@@ -62,8 +62,8 @@ def decide(
     for response in responses:
         done = same.count(response.do)
         if response.do.is_lasting:
-            tried = ", ".join(_counted(same)) or "nothing else fits"
-            return _lasting(failure, response.do, f"tried: {tried}{without}", policy, possible)
+            reason = f"{', '.join(_counted(same))} did not help" if same else "nothing else fits"
+            return _lasting(failure, response.do, f"{reason}{without}", policy, possible)
         if response.do in possible and response.do not in spared and done < response.times:
             change = _changed(response, failure, done)
             if response.do is Do.RETRY_WITH and not change:
