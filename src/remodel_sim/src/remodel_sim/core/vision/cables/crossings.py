@@ -120,7 +120,7 @@ def _along(line: Array, indices: Array) -> tuple[Array, Array]:
 
 
 def _misfit(shown: Pixels, look: Pixels) -> float:
-    """Return the mean square of what a look leaves of the colours shown, at about its brightness."""
+    """Return the mean square of what a look leaves of the colours shown, about as bright."""
     look = np.broadcast_to(look, shown.shape)
     gain = float(np.vdot(shown, look)) / max(float(np.vdot(look, look)), 1.0)
     left = shown - min(max(gain, GAIN[0]), GAIN[1]) * look
