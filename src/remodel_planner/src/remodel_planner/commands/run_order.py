@@ -147,7 +147,11 @@ class _Follower:
                 self._require_supervisor()
 
     def _asked(self, again: bool) -> Goal:
-        """Send the goal until a supervisor has begun the run; one may die before it does."""
+        """Send the goal until a supervisor has begun the run; one may die before it does.
+
+        What the supervisor says of an earlier run, which it does until a new one begins, is not it.
+        """
+        earlier = max((head.number for head in self._log.heads()), default=0)
         request = RunUseCaseGoal(
             id=f"run_order {uuid.uuid4().hex[:8]}",
             order=self._order.name,
@@ -162,7 +166,7 @@ class _Follower:
                 if goal.wait(_LOOK_S) and not goal.succeeded and not goal.lost:
                     raise CellError(goal.ending)
                 told = self._told
-                if told is not None and told.run and told.order == self._order.name:
+                if told is not None and told.run > earlier and told.order == self._order.name:
                     self.number = told.run
                     return goal
         raise CellError(f"no run began within {_START_LIMIT_S:.0f} s")
@@ -212,7 +216,10 @@ def _report(
     overview = teller.overview(attempts[-1]) if attempts else ()
     is_stopped = state.ended is not None and state.ended.ending is Ending.STOPPED
     stopped = state.ended.because if is_stopped and state.ended else ""
-    return Report(order, len(order.wires), wall_s, stories, overview, stopped)
+    here = {attempt.execution.wire for attempt in attempts}
+    done = [name for name, task in state.tasks.items() if task.stage is Stage.DONE]
+    before = sum(name not in here for name in done)
+    return Report(order, len(order.wires), wall_s, stories, overview, stopped, before)
 
 
 def _line(attempt: Attempt, wires: dict[str, Wire]) -> str:
@@ -239,9 +246,10 @@ def _insertions(execution: Execution) -> str:
 
 
 def _sum_up(report: Report, page: Path) -> None:
+    before = f" ({report.before} of them before)" if report.before else ""
     print(
-        f"{report.placed} of {report.planned} wires placed, {report.first_pass} without a failed "
-        f"operation; {report.failures} failed operations; {report.cell_s:.0f} s in the cell, "
-        f"{report.wall_s:.0f} s on the clock"
+        f"{report.placed} of {report.planned} wires placed{before}, {report.first_pass} without a "
+        f"failed operation; {report.failures} failed operations; "
+        f"{report.cell_s:.0f} s in the cell, {report.wall_s:.0f} s on the clock"
     )
     print(f"report: {page}")

@@ -22,6 +22,7 @@ from remodel_planner.core.supervision.events import (
     Planned,
     RunEnded,
     Settled,
+    TaskBegun,
     TaskElsewhere,
     TaskEnded,
     TaskReturned,
@@ -89,6 +90,15 @@ def _line(_event: Event) -> Iterator[str]:
 @_line.register
 def _(event: Planned) -> Iterator[str]:
     yield f"planned, since {event.because}: {' '.join(event.tasks)}"
+
+
+@_line.register
+def _(event: TaskBegun) -> Iterator[str]:
+    for chosen in event.chosen:
+        yield (
+            f"{event.task}, attempt {event.attempt}: {chosen.step} with {chosen.parameter} "
+            f"{chosen.value:g}, chosen by learning"
+        )
 
 
 @_line.register

@@ -20,9 +20,10 @@ from remodel_sim.core.component_shape import Box
 from remodel_sim.core.errors import FaultError, PanelError
 from remodel_sim.core.faults import Disturbances, Stray, check_fault
 from remodel_sim.core.feeding import Laying
-from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.core.geometry import Pose
 from remodel_sim.core.layout import WORLD_FROM_PANEL, find_problems
 from remodel_sim.core.panel import End, Panel, Wire
+from remodel_sim.core.placed_wires import ParkedWire
 from remodel_sim.physics import cameras
 from remodel_sim.physics.cable import Cable
 from remodel_sim.physics.clamps import Clamp, close_clamp
@@ -51,18 +52,10 @@ class LiveWire:
     cable: Cable
     clamps: dict[End, Clamp]
 
-
-@dataclass(frozen=True, eq=False)
-class ParkedWire:
-    """A wire that stays where it is.
-
-    Attributes:
-        nodes: (n, 3) from tip to tip [m], world frame.
-        clamps: closed on its ends when it was parked.
-    """
-
-    nodes: Array
-    clamps: dict[End, Clamp]
+    @property
+    def fixed(self) -> frozenset[End]:
+        """The ends that closed clamps hold."""
+        return frozenset(end for end, clamp in self.clamps.items() if clamp.holds)
 
 
 class Plant:
@@ -118,6 +111,11 @@ class Plant:
         self._blocked: set[tuple[str, str]] = set()
         self._disturbances = Disturbances()
         self._build({robot.name: robot.home for robot in design.robots})
+
+    def restore(self, parked: Mapping[str, ParkedWire]) -> None:
+        """Put wires back where they were parked, onto the panel as it was loaded."""
+        self.parked = dict(parked)
+        self._build({robot.name: robot.home for robot in self.design.robots})
 
     def _build(self, tools: Mapping[str, ToolPose]) -> None:
         """Build the world from what the plant knows, without a live wire.
@@ -194,7 +192,7 @@ class Plant:
     def _keep_shape(self) -> None:
         if self.live is not None:
             nodes = self.live.cable.nodes()
-            self.parked[self.live.wire.id] = ParkedWire(nodes, self.live.clamps)
+            self.parked[self.live.wire.id] = ParkedWire(nodes, self.live.fixed)
             self.live = None
 
     def close_clamp(self, component_id: str, terminal_id: str) -> bool:

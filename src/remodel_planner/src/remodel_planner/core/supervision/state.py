@@ -165,11 +165,12 @@ def state_after(events: Iterable[Event], state: RunState | None = None) -> RunSt
 def cause_of(operations: Sequence[Operation]) -> Operation | None:
     """Return the operation that a behavior failed with: the last that failed; None if none did.
 
-    A behavior that gives up empties the hand last. That the hand is empty by then is not the cause.
+    A behavior that gives up empties the hand last. That the hand is empty by then, or that a cell
+    which was started anew knows nothing of the wire, is not the cause.
     """
     failed = [operation for operation in operations if operation.error_code]
     gave_up = failed[1:] and failed[-1] is operations[-1]
-    if gave_up and failed[-1].error_code == _NOTHING_HELD:
+    if gave_up and failed[-1].error_code in _NOTHING_TO_LAY_DOWN:
         failed.pop()
     return failed[-1] if failed else None
 
@@ -333,9 +334,9 @@ INTERRUPTION_LIMIT = 20
 # remodel_msgs/ErrorCode: TIMEOUT, SERVER_LOST, INTERNAL, BUSY, SERVER_HUNG, CONTRADICTORY_RESULT.
 _SERVER_TROUBLE = frozenset({1, 4, 5, 6, 7, 8})
 
-# remodel_msgs/ErrorCode: NOTHING_HELD; PREEMPTED; SERVER_LOST; INTERNAL, of a task that failed
-# though no ability told of an error.
-_NOTHING_HELD = 202
+# remodel_msgs/ErrorCode: NOTHING_HELD and WIRE_NOT_FED; PREEMPTED; SERVER_LOST; INTERNAL, of a
+# task that failed though no ability told of an error.
+_NOTHING_TO_LAY_DOWN = (202, 403)
 _PREEMPTED_CODE = 2
 _LOST = 4
 UNTOLD = 5
