@@ -93,7 +93,7 @@ class OperatorTest(BrowserTest):
             expect(page.locator(".entry-words")).to_contain_text(told)
         expect(page.locator(".where")).to_contain_text("InsertCable")
         expect(page.get_by_role("img", name="What a camera saw last")).to_be_visible()
-        expect(page.get_by_role("img", name="peak_force_n")).to_be_visible()
+        expect(page.get_by_role("img", name="peak force [N]")).to_be_visible()
         self.take_picture(page, "replay")
 
 
