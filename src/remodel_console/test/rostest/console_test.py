@@ -276,9 +276,6 @@ class ConsoleTest(BehaviorTestCase):
     def test_a_tablet_in_the_dark_and_the_keys(self):
         self.load(self.page, "Errand")
         page = self.open_tablet_in_the_dark("/runtime", "g.node")
-        page.reload()
-        expect(page.locator("body.body--dark")).to_have_count(1)
-        expect(page.locator("g.node").first).to_be_visible()
         self.take_picture(page, "runtime-dark-1024")
         page.keyboard.press("?")
         expect(page.get_by_role("dialog")).to_contain_text("confirm what the engine asks")

@@ -63,9 +63,9 @@ class OperatorTest(BrowserTest):
         for name in ("From above", "From the hand", "The cell"):
             expect(page.get_by_role("img", name=name)).to_be_visible()
         self.take_picture(page, "overview")
-        tablet = self.open_tablet_in_the_dark("/overview", ".request")
-        expect(tablet.get_by_role("img", name="The cell")).to_be_visible()
-        self.take_picture(tablet, "overview-dark-1024")
+        self.take_picture(
+            self.open_tablet_in_the_dark("/overview", "img[alt='The cell']"), "overview-dark-1024"
+        )
         self.disturb("socket_cleared", bore)
         page.get_by_role("button", name="I have fixed it").click()
         expect(question).to_have_count(0)
@@ -84,13 +84,16 @@ class OperatorTest(BrowserTest):
         self.take_picture(page, "runtime")
 
     def replay(self):
-        """See why the run took its course."""
+        """See where the run has failed, with which forces, and why it took its course."""
         page = self.page
         page.get_by_role("link", name="Replay it").click()
         expect(page.locator(".clock")).to_contain_text("entry 1 of")
         for told in ("The cell planned: W1", "Insertion jammed", "The cell asks you"):
             page.keyboard.press("n")
             expect(page.locator(".entry-words")).to_contain_text(told)
+        expect(page.locator(".where")).to_contain_text("InsertCable")
+        expect(page.get_by_role("img", name="What a camera saw last")).to_be_visible()
+        expect(page.get_by_role("img", name="peak force [N]")).to_be_visible()
         self.take_picture(page, "replay")
 
 
