@@ -30,7 +30,7 @@ SCALE = """() => {
   const svg = document.querySelector('.canvas-stage svg');
   return svg.clientWidth / svg.viewBox.baseVal.width;
 }"""
-READABLE = 0.9  # [screen pixels per unit of the drawing] of the largest drawings, in canvas.js
+READABLE = 0.8  # [screen pixels per unit of the drawing] of the largest drawings, in canvas.js
 
 
 class EditorTest(BehaviorTestCase):
