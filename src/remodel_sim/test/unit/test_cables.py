@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from remodel_sim.core.vision.cables import End, detect_cables
-from remodel_sim.core.vision.cables.pairing import Arm, best_pairs, join_cost
+from remodel_sim.core.vision.cables.pairing import Arm, best_pairs, join_prices
 from remodel_sim.core.vision.cables.polyline import arc_lengths
 from remodel_sim.core.vision.cables.skeleton import find_strands, thin
 from remodel_sim.core.vision.cables.spline import basis, fit
@@ -156,7 +156,8 @@ def test_strands_go_straight_on_and_keep_their_colour():
     }
     assert margin > 0.5
     red = arm(4, (9, 0), (-1, 0), (0, 60, 40))
-    assert join_cost(east, west) < 0.01 < join_cost(east, red)
+    price = join_prices([east, west, red])
+    assert price[0, 1] < 0.01 < price[0, 2]
 
 
 def test_an_end_beside_a_passing_strand_stays_alone():

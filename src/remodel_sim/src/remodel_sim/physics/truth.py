@@ -79,13 +79,15 @@ def lies_in(plant: Plant, wire_id: str, clip: Clip) -> bool:
 
 
 def _end_truth(plant: Plant, wire_id: str, end: End, tip: Array, fixed: frozenset[End]) -> EndTruth:
-    own = plant.panel.wire(wire_id).goes_to(end)
+    wire = plant.panel.wire(wire_id)
+    own, connector = wire.goes_to(end), wire.connector_at(end)
     for component in plant.panel.components:
         for terminal in component.terminals:
             socket = plant.world_from_socket(component.id, terminal.id)
             depth, *aside = socket.inverse().apply(tip)
             if 0 < depth <= terminal.depth + BOTTOM_M and np.abs(aside).max() < terminal.bore / 2:
-                at_bottom = depth >= terminal.depth - BOTTOM_M
+                bottom = terminal.depth if connector is None else connector.pin_length
+                at_bottom = depth >= bottom - BOTTOM_M
                 seated = at_bottom and (component.id, terminal.id) == own
                 at = f"{component.id}/{terminal.id}"
                 return EndTruth(at, float(depth), end in fixed, bool(seated))

@@ -1,34 +1,38 @@
 """Where centrelines cross, and which strand lies on top.
 
-The upper strand's edges go through the crossing; the lower one's stop. Between cables of different
-colours the colour at the crossing tells as well.
+Each strand looks a certain way before and after the crossing: its colour, and across it its lit
+side, its dark side and its highlight. On the crossing one sees what the upper one looks like.
 """
 
 from __future__ import annotations
 
 import itertools
+import math
 
 import cv2
 import numpy as np
 
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.vision.cables.model import Cable, Crossing
+from remodel_sim.core.vision.cables.robust import limited
 from remodel_sim.core.vision.pixels import Pixels
 
 # Every so many points of a centreline are intersected.
 STRIDE = 4
 # A strand crosses its own cable only this far along it [widths].
 OWN_WIDTHS = 6.0
-# Samples along a strand over a crossing, and across it around both edges [widths].
-ALONG = np.linspace(-1, 1, 9)
-EDGE = np.linspace(-0.25, 0.25, 5)
-ACROSS = np.concatenate([EDGE - 0.5, EDGE + 0.5])
-# How far from a crossing a strand shows its usual edges [widths of both].
-AWAY_WIDTHS = 1.2
+# Samples across a strand, free of its edges [widths].
+ACROSS = np.linspace(-0.34, 0.34, 7)
+# Where a strand shows its usual look: so far from a crossing [mean widths over the sine].
+AWAY = np.array([-1.8, -1.4, -1.0, 1.0, 1.4, 1.8])
+# Strands are taken to cross at least at this sine.
+LEAST_SINE = 0.25
+# Light changes over a crossing by these factors.
+GAIN = (0.8, 1.25)
+# The square of colours that differ by noise alone [grey levels].
+NOISE = 27.0
 # Evidence from which the answer is sure.
-SURE = 0.5
-# Difference of colour from which it tells alone [grey levels].
-COLOUR_TELLS = 60.0
+SURE = 0.25
 
 
 def find_crossings(rgb: Pixels, cables: list[Cable]) -> tuple[Crossing, ...]:
@@ -53,42 +57,61 @@ def intersections(p: Array, q: Array) -> list[tuple[float, float]]:
 
     A polyline and itself: each place once, the smaller index first.
     """
-    u, v = np.diff(p, axis=0), np.diff(q, axis=0)
-    base = q[None, :-1] - p[:-1, None]
-    cross = u[:, None, 0] * v[None, :, 1] - u[:, None, 1] * v[None, :, 0]
-    cross = np.where(np.abs(cross) < 1e-9, np.inf, cross)
-    s = (base[..., 0] * v[None, :, 1] - base[..., 1] * v[None, :, 0]) / cross
-    t = (base[..., 0] * u[:, None, 1] - base[..., 1] * u[:, None, 0]) / cross
-    hits = np.argwhere((s >= 0) & (s < 1) & (t >= 0) & (t < 1) & np.isfinite(cross))
+    # On which side of each line through a segment of one the points of the other lie.
+    sides_q, sides_p = _sides(p, q), _sides(q, p).T
+    hits = (sides_q[:, :-1] > 0) != (sides_q[:, 1:] > 0)
+    hits &= (sides_p[:-1] > 0) != (sides_p[1:] > 0)
     if p is q:
-        hits = hits[hits[:, 1] > hits[:, 0] + 1]
-    return [(float(i + s[i, j]), float(j + t[i, j])) for i, j in hits]
+        hits = np.triu(hits, 2)
+    found = []
+    for i, j in zip(*np.nonzero(hits), strict=True):
+        s = sides_p[i, j] / (sides_p[i, j] - sides_p[i + 1, j])
+        t = sides_q[i, j] / (sides_q[i, j] - sides_q[i, j + 1])
+        found.append((float(i + s), float(j + t)))
+    return found
+
+
+def _sides(p: Array, q: Array) -> Array:
+    """Return the cross products (n - 1, m) of p's segments with the ways from there to q's points.
+
+    Positive on one side of a segment's line, negative on the other.
+    """
+    normal = (p[1:] - p[:-1])[:, ::-1] * (-1.0, 1.0)
+    return np.asarray(normal @ q.T - np.einsum("ij,ij->i", normal, p[:-1])[:, None])
 
 
 def _crossing(
     rgb: Pixels, cables: list[Cable], first: tuple[int, float], second: tuple[int, float]
 ) -> Crossing:
     """Return the crossing of two strands, each the number of a cable and an index on it."""
-    strands = [_Strand(cables[number].centreline, index) for number, index in (first, second)]
-    widths = [cables[number].width for number, _ in (first, second)]
-    cross = strands[0].heading[0] * strands[1].heading[1]
-    cross -= strands[0].heading[1] * strands[1].heading[0]
-    sine = max(abs(float(cross)), 0.3)
-    evidence = 0.0
-    for k, sign in ((0, 1.0), (1, -1.0)):
-        inside = 0.35 * widths[1 - k] / sine
-        away = round(AWAY_WIDTHS * (widths[0] + widths[1]) / sine)
-        usual = [strands[k].moved(step).contrast(rgb, widths[k], inside) for step in (-away, away)]
-        evidence += sign * strands[k].contrast(rgb, widths[k], inside) / max(*usual, 1.0)
-    colours = [np.array(cables[number].colour) for number, _ in (first, second)]
-    apart = float(np.linalg.norm(colours[0] - colours[1]))
-    if first[0] != second[0] and apart > 1.0:
-        seen = _colour_at(rgb, strands[0].point, min(widths))
-        nearer = [float(np.linalg.norm(seen - colour)) for colour in colours]
-        evidence += (nearer[1] - nearer[0]) / apart * min(apart / COLOUR_TELLS, 2.0)
+    widths = np.array([cables[number].width for number, _ in (first, second)])
+    lines = [cables[number].centreline for number, _ in (first, second)]
+    indices = (first[1], second[1])
+    (point,), _ = _along(lines[0], np.array([indices[0]]))
+    across = np.vstack([_along(lines[k], np.array([indices[k]]))[1] for k in (0, 1)])
+    sine = across[0, 0] * across[1, 1] - across[0, 1] * across[1, 0]
+    sine = math.copysign(max(abs(sine), LEAST_SINE), sine)
+    # The columns of the inverse of the two normals: a step of 1 px across one strand, along the
+    # other.
+    (a, b), (c, d) = across.tolist()
+    steps = np.array([[d, -c], [-b, a]]) / sine
+    offsets = widths[:, None] * ACROSS
+    grid = offsets[0][:, None, None] * steps[0] + offsets[1][None, :, None] * steps[1]
+    away = AWAY * float(widths.mean()) / abs(sine)
+    places = [(point + grid).reshape(-1, 2)]
+    for line, index, offset in zip(lines, indices, offsets, strict=True):
+        spacing = math.dist(line[0], line[1])
+        points, normals = _along(line, index + away / spacing)
+        places.append((points[:, None] + offset[:, None] * normals[:, None]).reshape(-1, 2))
+    seen = _colours(rgb, np.vstack(places))
+    shown, usual = np.split(seen, [ACROSS.size**2])
+    shown = shown.reshape(ACROSS.size, ACROSS.size, 3)
+    looks = usual.reshape(2, AWAY.size, ACROSS.size, 3).mean(axis=1)
+    misfit = _misfit(shown, looks[0][:, None]), _misfit(shown, looks[1][None, :])
+    evidence = (misfit[1] - misfit[0]) / (misfit[0] + misfit[1] + NOISE)
     upper, lower = (first, second) if evidence >= 0 else (second, first)
     return Crossing(
-        strands[0].point,
+        point,
         upper[0],
         lower[0],
         upper[1] / (len(cables[upper[0]].centreline) - 1),
@@ -97,39 +120,27 @@ def _crossing(
     )
 
 
-class _Strand:
-    """A polyline (n, 2) near one of its points."""
-
-    def __init__(self, line: Array, index: float) -> None:
-        self._line = line
-        self._index = min(max(index, 1.0), len(line) - 2.0)
-        places = np.arange(len(line))
-        self.point = np.array([np.interp(self._index, places, line[:, i]) for i in (0, 1)])
-        whole = round(self._index)
-        way = line[min(whole + 2, len(line) - 1)] - line[max(whole - 2, 0)]
-        self.heading = way / np.hypot(*way)
-
-    def moved(self, pixels: float) -> _Strand:
-        """Return the strand some way on."""
-        step = float(np.hypot(*(self._line[1] - self._line[0])))
-        return _Strand(self._line, self._index + pixels / step)
-
-    def contrast(self, rgb: Pixels, width: float, reach: float) -> float:
-        """Return how much the colour changes across its edges, over a length of 2 reach [px]."""
-        normal = np.array([-self.heading[1], self.heading[0]])
-        along = self.point + (reach * ALONG)[:, None] * self.heading
-        grid = (along[:, None] + (width * ACROSS)[:, None] * normal).astype(np.float32)
-        colours = cv2.remap(
-            rgb, grid[..., 0], grid[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
-        ).astype(np.float32)
-        change = np.linalg.norm(np.diff(colours.mean(axis=0), axis=0), axis=1)
-        return float(change.sum() - change[len(EDGE) - 1])
+def _along(line: Array, indices: Array) -> tuple[Array, Array]:
+    """Return the points (m, 2) of a polyline (n, 2) at fractional indices, and unit normals."""
+    inner = limited(indices, 1.0, len(line) - 3.0)
+    whole = inner.astype(np.intp)
+    points = line[whole] + (inner - whole)[:, None] * (line[whole + 1] - line[whole])
+    ways = line[whole + 2] - line[whole - 1]
+    ways /= np.sqrt(np.square(ways) @ np.ones(2))[:, None]
+    return points, ways[:, ::-1] * (-1.0, 1.0)
 
 
-def _colour_at(rgb: Pixels, point: Array, width: float) -> Array:
-    """Return the mean colour of a disc of a third of a width around a point (2,)."""
-    offsets = np.linspace(-0.33, 0.33, 5) * width
-    x = np.repeat(point[0] + offsets, 5).astype(np.float32)
-    y = np.tile(point[1] + offsets, 5).astype(np.float32)
-    picked = cv2.remap(rgb, x[None], y[None], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    return np.asarray(picked[0].mean(axis=0), np.float64)
+def _misfit(shown: Pixels, look: Pixels) -> float:
+    """Return the mean square of what a look, dimmed or lit a little, leaves of what is shown."""
+    look = np.broadcast_to(look, shown.shape)
+    gain = float(np.vdot(shown, look)) / max(float(np.vdot(look, look)), 1.0)
+    left = shown - min(max(gain, GAIN[0]), GAIN[1]) * look
+    return float(np.vdot(left, left)) * 3 / shown.size
+
+
+def _colours(rgb: Pixels, places: Array) -> Pixels:
+    """Return a picture's colours at places (n, 2)."""
+    at = places.astype(np.float32)[None]
+    return cv2.remap(
+        rgb, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+    )[0].astype(np.float32)

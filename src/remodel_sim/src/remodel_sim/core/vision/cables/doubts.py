@@ -77,7 +77,8 @@ def cable_doubts(cables: list[Cable]) -> Iterator[str]:
 def rest_doubts(foreground: Foreground, cables: list[Cable], scale: int) -> Iterator[str]:
     """Yield what is odd about cables in a mask made `scale` times smaller than the picture."""
     left = (foreground.distance > CLEAR).astype(np.uint8) & foreground.mask
-    left[cv2.dilate(foreground.things, np.ones((7, 7), np.uint8)) > 0] = 0
+    if foreground.things.any():
+        left[cv2.dilate(foreground.things, np.ones((7, 7), np.uint8)) > 0] = 0
     for i, cable in enumerate(cables):
         line = (cable.centreline + 0.5) / scale - 0.5
         _wipe(left, line, cable.width / scale)
@@ -89,6 +90,8 @@ def rest_doubts(foreground: Foreground, cables: list[Cable], scale: int) -> Iter
     if not cables:
         return
     typical = float(np.median([cable.width for cable in cables])) / scale
+    if cv2.countNonZero(left) <= REST * typical**2:
+        return
     count, _, stats, centres = cv2.connectedComponentsWithStats(left, connectivity=8)
     for label in range(1, count):
         if stats[label, cv2.CC_STAT_AREA] > REST * typical**2:

@@ -33,7 +33,7 @@ OTHER_HUE = 0.5
 SHADOWS = (0.30, 0.10)
 DEEP = 0.75
 # How far the edges stretch when the picture is blurred [px], and what part of a width is harmless.
-SOFT_PX = (6.0, 4.5)
+SOFT_PX = (6.2, 5.0)
 SOFT_WIDTHS = 0.42
 # Two sides are alike when they differ by less than this share of the cable's contrast.
 ALIKE = 0.7

@@ -1,11 +1,12 @@
 """Find cables' two edges on ribs across them, to a fraction of a pixel.
 
-A rib is a row of samples across a centreline. Each sample is a mixture of the cable's colour and of
-the surroundings' on its side; an edge is where, on the way out, the cable's share falls below a
-half. Where the two colours differ in more than brightness, the shares are those of any shades of
-the two, so that neither the cable's dark side nor a shadow beside it moves the edge; otherwise the
-edge is where the distance from the surroundings falls fastest. All ribs of all cables are worked on
-at once.
+A rib is a row of samples across a centreline, and has two sides, from the middle outwards. An edge
+is where, on the way out, the cable's share of a sample falls below a half. Where the cable's colour
+differs from the surroundings' in more than brightness, samples are taken for mixtures of any shades
+of the two, so that neither the cable's dark side nor a shadow beside it moves the edge. Otherwise
+brightness has to tell: the edge is halfway between what lies near outside and the cable's shade at
+its rim, which is darker than within, since it is round. All ribs of all cables are worked on at
+once.
 """
 
 from __future__ import annotations
@@ -21,26 +22,38 @@ from remodel_sim.core.vision.cables.robust import limited, median_colour
 from remodel_sim.core.vision.pixels import Pixels
 
 # Samples of a rib, and how far it reaches [widths].
-SAMPLES = 33
+SAMPLES = 25
 REACH = 1.2
 OFFSETS = np.linspace(-REACH, REACH, SAMPLES).astype(np.float32)
 MIDDLE = SAMPLES // 2
 OUTWARD = OFFSETS[MIDDLE:]
+STEP = REACH / MIDDLE
 # Ribs averaged along the cable: noise falls, a bend within them does not matter.
 ALONG = 3
-# Samples at each end of a rib that show the surroundings.
-OUTER = 3
-# Samples of the cable's middle, of its body, and just inside an edge, on the way out.
-CORE = np.abs(OFFSETS) < 0.18
-BODY = np.abs(OFFSETS) < 0.34
-RIM = (OUTWARD > 0.20) & (OUTWARD < 0.34)
-# Edges are looked for from here on outwards [widths].
-EDGE_FROM = 0.28
-EDGE_TO = 0.95
-# The steepest fall over two samples is an edge from this share of the contrast on.
-LEAST_FALL = 0.12
-# Colours whose directions differ by this sine are told apart in any shade.
-TOLD_APART = 0.12
+# What of a rib shows the cable's body; its colour is learned from every third rib.
+SPARSE = 3
+BODY = slice(*np.searchsorted(OFFSETS, (-0.34, 0.34)).tolist())
+# Edges are looked for from here on outwards.
+EDGE_FROM = int(np.searchsorted(OUTWARD, 0.28))
+
+
+def _means(offsets: Pixels, *ranges: tuple[float, float]) -> Pixels:
+    """Return the matrix (m, k) that takes samples to their means over ranges of offsets."""
+    inside = np.stack([(offsets > low) & (offsets < high) for low, high in ranges], axis=1)
+    return (inside / inside.sum(axis=0)).astype(np.float32)
+
+
+# Of a rib: the surroundings at its left and at its right end, and the cable's middle.
+OF_RIB = _means(OFFSETS, (-1.3, -1.0), (1.0, 1.3), (-0.18, 0.18))
+# Of a side: its middle, just inside an edge, and near outside.
+OF_SIDE = _means(OUTWARD, (-0.1, 0.18), (0.20, 0.34), (0.60, 0.80))
+# A round cable's rim is as bright as this share of its middle (set on rendered tubes); at an edge
+# one sees that share of the contrast, at least and at most.
+RIM_SHADE = 0.65
+AT_EDGE = (0.05, 0.55)
+# Colours are told apart in any shade when their directions differ by this sine, and when so much of
+# the cable's is no shade of the surroundings' [grey levels].
+TOLD_APART, TOLD_LEVELS = 0.12, 30.0
 # A side that is this share of the other, in the same hue, lies in the cable's shadow.
 SHADOW = (0.35, 1.0)
 # Hues are the same when that much of the difference of two colours is left without shades.
@@ -81,15 +94,17 @@ class Ribs:
         )
 
 
-def find_edges(rgb: Pixels, points: Array, normals: Array, width: Array, cable: Array) -> Ribs:
+def find_edges(
+    rgb: Pixels, points: Array, normals: Array, width: Array, counts: npt.NDArray[np.int_]
+) -> Ribs:
     """Return the edges on ribs.
 
     Args:
         rgb: (height, width, 3).
-        points: (n, 2) on centrelines [px].
+        points: (n, 2) on centrelines [px], cable after cable.
         normals: (n, 2) unit vectors.
         width: (n,) of the cable there [px].
-        cable: (n,) the number of the cable, from 0 on without gaps.
+        counts: (k,) of the points on each cable.
     """
     reach = width[:, None] * OFFSETS
     x = (points[:, :1] + reach * normals[:, :1]).astype(np.float32)
@@ -97,41 +112,35 @@ def find_edges(rgb: Pixels, points: Array, normals: Array, width: Array, cable: 
     picked = cv2.remap(rgb, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     blurred = cv2.blur(picked.astype(np.float32), (1, ALONG), borderType=cv2.BORDER_REPLICATE)
     colours = np.stack(cv2.split(blurred))
-    *beside, shadow = _lit(_mean(colours[:, :, :OUTER]), _mean(colours[:, :, -OUTER:]))
-    body = colours[:, :, BODY]
-    starts = np.flatnonzero(np.diff(cable, prepend=-1))
-    own = np.stack(
-        [
-            median_colour(body[:, start:stop].reshape(3, -1).T)
-            for start, stop in zip(starts, [*starts[1:], len(cable)], strict=True)
-        ]
-    )[cable].T
-    edges, contrasts, softness = [], [], []
-    for side, sign in ((0, -1.0), (1, 1.0)):
-        outward = colours[:, :, MIDDLE::-1] if side == 0 else colours[:, :, MIDDLE:]
-        apart = outward - beside[side][:, :, None]
-        distance = np.sqrt(_dot(apart, apart))
-        rim = distance[:, RIM].mean(axis=1)
-        by_hue, told = _shares(outward, beside[side], own)
-        steepest, slope = _steepest_fall(distance, rim)
-        edge = np.where(told, _fall(by_hue), steepest)
-        softness.append(rim / np.maximum(slope, 1e-3) * width)
-        edges.append(sign * width * edge)
-        contrasts.append(rim)
-    middle = _mean(colours[:, :, CORE]).T
-    around = np.stack([side.T for side in beside], axis=1)
+    left, right, middle = (colours @ OF_RIB).transpose(2, 0, 1)
+    left, right, shadow = _lit(left, right)
+    stops = np.cumsum(counts).tolist()
+    bodies = [
+        colours[:, i - n : i : SPARSE, BODY] for i, n in zip(stops, counts.tolist(), strict=True)
+    ]
+    own = np.stack([median_colour(body.reshape(3, -1).T) for body in bodies], axis=1)
+    own = np.repeat(own, counts, axis=1)
+    # Both sides of all ribs in a row: the left ones, then the right ones.
+    sides = np.concatenate([colours[:, :, MIDDLE::-1], colours[:, :, MIDDLE:]], axis=1)
+    around = np.concatenate([left, right], axis=1)
+    means = (sides @ OF_SIDE).transpose(2, 0, 1)
+    by_hue, told = _shares(sides, around, np.concatenate([own, own], axis=1))
+    edge, last = _fall(np.where(told[:, None], by_hue, _levels(sides, *means)))
+    apart = means[1] - around
+    contrast = np.sqrt(_dot(apart, apart))
+    rows = np.arange(len(last))
+    fall = sides[:, rows, last] - sides[:, rows, last + 1]
+    slope = np.maximum(np.sqrt(_dot(fall, fall)), 1e-3)
+    softness = (contrast / slope).reshape(2, -1).max(axis=0) * (STEP * width)
+    half = len(points)
     return Ribs(
-        np.stack(edges, axis=1),
-        np.stack(contrasts, axis=1),
-        middle,
-        around,
+        np.stack([-width * edge[:half], width * edge[half:]], axis=1),
+        contrast.reshape(2, -1).T,
+        middle.T,
+        np.stack([left.T, right.T], axis=1),
         shadow,
-        np.maximum(*softness),
+        softness,
     )
-
-
-def _mean(colours: Pixels) -> Pixels:
-    return colours.mean(axis=2)
 
 
 def _dot(a: Pixels, b: Pixels) -> Pixels:
@@ -166,7 +175,7 @@ def _shares(colours: Pixels, beside: Pixels, own: Pixels) -> tuple[Pixels, npt.N
     """
     ss, oo, so = _dot(beside, beside) + 1.0, _dot(own, own) + 1.0, _dot(beside, own)
     determinant = np.maximum(ss * oo - so**2, 1.0)
-    told = determinant > TOLD_APART**2 * ss * oo
+    told = determinant > np.maximum(TOLD_APART**2 * oo, TOLD_LEVELS**2) * ss
     cs = _dot(colours, beside[:, :, None])
     co = _dot(colours, own[:, :, None])
     # The common factor 1 / determinant falls out of the share.
@@ -175,29 +184,32 @@ def _shares(colours: Pixels, beside: Pixels, own: Pixels) -> tuple[Pixels, npt.N
     return b / np.maximum(a + b, 1e-3), told
 
 
-def _fall(share: Pixels) -> Pixels:
-    """Return where shares (n, m), from the middle outwards, fall below a half [widths]."""
-    start = int(np.searchsorted(OUTWARD, EDGE_FROM))
-    below = share[:, start:] < 0.5
+def _levels(colours: Pixels, middle: Pixels, inside: Pixels, outside: Pixels) -> Pixels:
+    """Return the cable's share of colours (3, n, m), from the middle outwards, by their level.
+
+    It is 1 where the colour is the cable's, in its middle or just inside the edge, whichever tells
+    more (a dark cable's highlight tells less), a half at the edge, and 0 near outside.
+    """
+    middle, inside = middle - outside, inside - outside
+    way = np.where(_dot(middle, middle) > _dot(inside, inside), middle, inside)
+    whole = np.maximum(_dot(way, way), 1.0)
+    rim = RIM_SHADE * (way + outside) - outside
+    at_edge = limited(0.5 * _dot(rim, way) / whole, *AT_EDGE)
+    # 0.5 + 0.5 (level - at_edge) / (1 - at_edge), with as little as possible done per sample.
+    slope = 0.5 / (1 - at_edge)
+    way = way * (slope / whole)
+    return _dot(colours, way[:, :, None]) + (0.5 - slope * at_edge - _dot(outside, way))[:, None]
+
+
+def _fall(share: Pixels) -> tuple[Pixels, npt.NDArray[np.intp]]:
+    """Return where shares (n, m), from the middle outwards, fall below a half [widths].
+
+    And the last samples before they do.
+    """
+    below = share[:, EDGE_FROM:] < 0.5
     first = np.argmax(below, axis=1)
     rows = np.arange(len(share))
-    found = below[rows, first]
-    k = first + start
-    before, after = share[rows, k - 1], share[rows, k]
-    part = (before - 0.5) / np.maximum(before - after, 1e-3)
-    edge = OUTWARD[k - 1] + limited(part, 0, 1) * (OUTWARD[1] - OUTWARD[0])
-    return np.where(found, edge, np.inf)
-
-
-def _steepest_fall(distance: Pixels, rim: Pixels) -> tuple[Pixels, Pixels]:
-    """Return where distances (n, m), outwards, fall fastest [widths], and how fast [1/width]."""
-    start, stop = np.searchsorted(OUTWARD, (EDGE_FROM, EDGE_TO))
-    slope = distance[:, start - 1 : stop - 1] - distance[:, start + 1 : stop + 1]
-    rows = np.arange(len(slope))
-    best = limited(np.argmax(slope, axis=1), 1, slope.shape[1] - 2)
-    before, here, after = slope[rows, best - 1], slope[rows, best], slope[rows, best + 1]
-    curve = np.minimum(before - 2 * here + after, -1e-6)
-    shift = limited(0.5 * (before - after) / curve, -1, 1)
-    edge = OUTWARD[best + start] + shift * (OUTWARD[1] - OUTWARD[0])
-    per_width = 0.5 * here / (OUTWARD[1] - OUTWARD[0])
-    return np.where(here > LEAST_FALL * rim, edge, np.inf), per_width
+    last = first + (EDGE_FROM - 1)
+    before, after = share[rows, last], share[rows, last + 1]
+    part = limited((before - 0.5) / np.maximum(before - after, 1e-3), 0, 1)
+    return np.where(below[rows, first], OUTWARD[last] + part * STEP, np.inf), last
