@@ -115,6 +115,7 @@ class ConsoleTest(BehaviorTestCase):
         expect(late.locator(".attach")).to_contain_text(
             "Load 'Patrol' first: 'Errand' is loaded now."
         )
+        expect(late.locator("g.node.active")).not_to_have_count(0)  # what runs is drawn, not Errand
         self.take_picture(late, "runtime-attach")
         self.press(late, "Load 'Patrol'")
         expect(self.page.locator("g.node.active")).not_to_have_count(0)
