@@ -14,6 +14,7 @@ import numpy as np
 
 from remodel_sim.core.vision.cables.crossings import find_crossings
 from remodel_sim.core.vision.cables.doubts import (
+    CLUTTERED,
     NOTHING,
     SURE,
     cable_doubts,
@@ -85,7 +86,8 @@ def _detect(rgb: Pixels, scale: int, small: Pixels, foreground: Foreground) -> D
     """Find the cables, given the foreground of a picture made `scale` times smaller."""
     rough = rough_cables(small, foreground)
     if not rough:
-        return Detection((), (), (*exposure_doubts(small), NOTHING))
+        why = CLUTTERED if rough is None else NOTHING
+        return Detection((), (), (*exposure_doubts(small), why))
     lines = [(r.line + 0.5) * scale - 0.5 for r in rough]
     refined = refine(rgb, lines, [r.width * scale for r in rough])
     candidates = [

@@ -13,6 +13,7 @@ from remodel_sim.core.vision.cables.model import Cable, End
 from remodel_sim.core.vision.pixels import Pixels
 
 NOTHING = "nothing in the picture looks like a cable"
+CLUTTERED = "the picture is too cluttered; clear the table, or take it from nearer"
 # A cable with less confidence is doubted.
 SURE = 0.5
 # A picture is overexposed when this share of it is at the top of the scale, and dark when that

@@ -47,11 +47,14 @@ class RoughCable:
     margin: float
 
 
-def rough_cables(rgb: Pixels, foreground: Foreground) -> list[RoughCable]:
-    """Return the cables in a picture (height, width, 3) whose foreground is known."""
+def rough_cables(rgb: Pixels, foreground: Foreground) -> list[RoughCable] | None:
+    """Return the cables in a picture (height, width, 3) whose foreground is known.
+
+    None where it is in too many pieces.
+    """
     strands = find_strands(thin(foreground.mask))
     if len(strands) > MAX_STRANDS:
-        return []
+        return None
     network = Network(strands, foreground.reach, 2 * foreground.half_width)
     network.clean()
     joints = _Joints(network, rgb)
