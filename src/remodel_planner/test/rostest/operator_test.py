@@ -72,6 +72,8 @@ class OperatorTest(BrowserTest):
         expect(page.locator(".ending")).to_contain_text("all tasks are done", timeout=WORK_MS)
         expect(page.locator("tr.task.done")).to_have_count(2)
         expect(page.locator(".figures")).to_contain_text("Insertion jammed")
+        scene = page.get_by_role("img", name="The cell")
+        expect(scene).not_to_have_attribute("src", scene.get_attribute("src"))  # it is live
         self.take_picture(page, "overview-done")
         self.replay()
 
