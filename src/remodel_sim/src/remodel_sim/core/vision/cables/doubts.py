@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator
 
 import cv2
@@ -22,6 +23,8 @@ CLIPPED, TOP = 0.18, 250
 DARK_SHARE, DARK = 0.98, 75
 # An end this near to another cable may be a part of it [widths].
 BESIDE_WIDTHS = 1.7
+# A line that leaves its chord by less is straight [widths].
+STRAIGHT_WIDTHS = 0.5
 # Two ends of like colours [grey levels], this near [widths], that look at each other [cosine], may
 # be one cable, with something hidden between them.
 SAME_COLOUR, FACING_WIDTHS, FACING = 60.0, 12.0, 0.8
@@ -55,6 +58,8 @@ def cable_doubts(cables: list[Cable]) -> Iterator[str]:
     for i, cable in enumerate(cables):
         if cable.confidence < SURE:
             yield f"cable {i} may be none, or not one: confidence {cable.confidence:.2f}"
+        if _is_ruled(cable):
+            yield f"cable {i} is straight from border to border: it may be an edge or a seam"
         for tip in cable.tips:
             column, row = tip.point
             if tip.end is End.HIDDEN:
@@ -73,6 +78,14 @@ def cable_doubts(cables: list[Cable]) -> Iterator[str]:
                 facing = min(gap @ a.outward, -gap @ b.outward) / max(length, 1e-6)
                 if facing > FACING:
                     yield f"cables {i} and {j} may be one: their ends face each other"
+
+
+def _is_ruled(cable: Cable) -> bool:
+    """Return whether a cable enters and leaves the picture and is straight in between."""
+    chord = cable.tips[1].point - cable.tips[0].point
+    away = (cable.centreline - cable.tips[0].point) @ np.array([-chord[1], chord[0]])
+    straight = np.abs(away).max() < STRAIGHT_WIDTHS * cable.width * math.hypot(*chord.tolist())
+    return bool(straight and all(tip.end is End.TRUNCATED for tip in cable.tips))
 
 
 def rest_doubts(foreground: Foreground, cables: list[Cable], scale: int) -> Iterator[str]:
