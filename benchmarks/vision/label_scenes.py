@@ -23,7 +23,6 @@ from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.cameras import NOISE_LEVELS, take
 from remodel_sim.physics.panel_scene import PanelScene
 from remodel_sim.physics.parked_wire import draw_parked
-from remodel_sim.physics.plant import OVERHEAD, WRIST_LENS
 from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.world import World
 
@@ -78,7 +77,9 @@ class LabelScene:
         self.poses = {part.id: self._stands(part) for part in self.components}
         world.clear()
         bare = replace(panel, components=self.components, wires=())
-        PanelScene(world, read_cell().table, bare, self.poses)
+        cell = read_cell()
+        self._overhead, self._wrist_lens = cell.overhead, cell.robots[0].camera.lens
+        PanelScene(world, cell.table, bare, self.poses)
         if condition.clutter:
             self._add_strangers(markers[own : 2 * own])
             for _ in range(WIRES):
@@ -117,12 +118,12 @@ class LabelScene:
 
     def look_overhead(self) -> Picture:
         """Take a picture of the whole plate."""
-        return self._worse(take(self._world, OVERHEAD, self._random))
+        return self._worse(take(self._world, self._overhead, self._random))
 
     def look_wrist(self, place: Array) -> Picture:
         """Take a picture from the hand over a place (2,) [m]; the hand is turned by chance."""
         turn = self._random.uniform(-math.pi, math.pi)
-        view = View(WRIST_LENS, looking_down(float(place[0]), float(place[1]), LENS_Z, turn))
+        view = View(self._wrist_lens, looking_down(float(place[0]), float(place[1]), LENS_Z, turn))
         return self._worse(take(self._world, view, self._random))
 
     def _worse(self, picture: Picture) -> Picture:

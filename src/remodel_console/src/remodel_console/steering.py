@@ -89,18 +89,18 @@ class Steering:
             return None
         return Switch(name, found.behavior_id, found.source_checksum, run.level)
 
-    def switch(self) -> None:
-        """Go on in the saved version of what runs; its active state is locked there.
+    def version_to_switch_to(self) -> Switch:
+        """Return the way to the saved version of what this console watches over.
 
         Raises:
-            CommandError: if there is none that differs, or this console does not watch over it.
+            CommandError: if there is none that differs, or it does not watch over what runs.
         """
         if not self.live.world.run.is_supervised:
             raise CommandError("nothing runs that this console watches over; attach to it first")
         version = self.newer_version()
         if version is None:
             raise CommandError("the version that is saved runs already; 'save' saves another one")
-        self.order(version)
+        return version
 
     def running_name(self) -> str:
         """Return the display name of what runs; empty if its version is not installed here."""

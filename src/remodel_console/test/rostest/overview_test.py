@@ -59,10 +59,7 @@ class OverviewTest(BehaviorTestCase):
         cameras.look()
         for name in ("From above", "From the hand", "The cell"):
             expect(page.get_by_role("img", name=name)).to_be_visible()
-        self.take_picture(page, "overview")
-        self.take_picture(
-            self.open_tablet_in_the_dark("/overview", ".request"), "overview-dark-1024"
-        )
+        self.open_tablet_in_the_dark("/overview", ".request")
 
         page.locator(".q-header .q-btn", has_text="Your name").click()
         page.get_by_label("Name").fill("Ada")
@@ -104,10 +101,7 @@ class OverviewTest(BehaviorTestCase):
         expect(page.locator(".failures")).to_contain_text(
             "The cell plans the rest anew; the task comes later, because two new parts have jammed."
         )
-        self.take_picture(page, "replay")
-        self.take_picture(
-            self.open_tablet_in_the_dark("/replay?run=12", ".clock"), "replay-dark-1024"
-        )
+        self.open_tablet_in_the_dark("/replay?run=12", ".clock")
         page.get_by_role("button", name="Moment before (,)").click()
         expect(page.locator(".clock")).to_contain_text("entry 18 of 23")
         track = page.locator(".track")

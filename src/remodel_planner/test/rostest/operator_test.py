@@ -63,15 +63,17 @@ class OperatorTest(BrowserTest):
         for name in ("From above", "From the hand", "The cell"):
             expect(page.get_by_role("img", name=name)).to_be_visible()
         self.take_picture(page, "overview")
-        tablet = self.open_tablet_in_the_dark("/overview", ".request")
-        expect(tablet.get_by_role("img", name="The cell")).to_be_visible()
-        self.take_picture(tablet, "overview-dark-1024")
+        self.take_picture(
+            self.open_tablet_in_the_dark("/overview", "img[alt='The cell']"), "overview-dark-1024"
+        )
         self.disturb("socket_cleared", bore)
         page.get_by_role("button", name="I have fixed it").click()
         expect(question).to_have_count(0)
         expect(page.locator(".ending")).to_contain_text("all tasks are done", timeout=WORK_MS)
         expect(page.locator("tr.task.done")).to_have_count(2)
         expect(page.locator(".figures")).to_contain_text("Insertion jammed")
+        scene = page.get_by_role("img", name="The cell")
+        expect(scene).not_to_have_attribute("src", scene.get_attribute("src"))  # it is live
         self.take_picture(page, "overview-done")
         self.replay()
 
@@ -84,13 +86,16 @@ class OperatorTest(BrowserTest):
         self.take_picture(page, "runtime")
 
     def replay(self):
-        """See why the run took its course."""
+        """See where the run has failed, with which forces, and why it took its course."""
         page = self.page
         page.get_by_role("link", name="Replay it").click()
         expect(page.locator(".clock")).to_contain_text("entry 1 of")
         for told in ("The cell planned: W1", "Insertion jammed", "The cell asks you"):
             page.keyboard.press("n")
             expect(page.locator(".entry-words")).to_contain_text(told)
+        expect(page.locator(".where")).to_contain_text("InsertCable")
+        expect(page.get_by_role("img", name="What a camera saw last")).to_be_visible()
+        expect(page.get_by_role("img", name="peak force [N]")).to_be_visible()
         self.take_picture(page, "replay")
 
 

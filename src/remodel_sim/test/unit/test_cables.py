@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from remodel_sim.core.vision.cables import End, detect_cables
-from remodel_sim.core.vision.cables.pairing import Arm, best_pairs, join_cost
+from remodel_sim.core.vision.cables.pairing import Arm, best_pairs, join_prices
 from remodel_sim.core.vision.cables.polyline import arc_lengths
 from remodel_sim.core.vision.cables.skeleton import find_strands, thin
 from remodel_sim.core.vision.cables.spline import basis, fit
@@ -77,6 +77,27 @@ def test_the_upper_cable_is_told_by_its_colour():
     assert crossing.confidence > 0.9
 
 
+@pytest.mark.parametrize("first_below", [True, False])
+def test_the_upper_cable_of_one_colour_is_told_by_its_highlight(first_below):
+    picture = table()
+    lines = [wave((60, 240), (580, 250), 5), wave((330, 60), (300, 430), 5)]
+    for line in lines if first_below else lines[::-1]:
+        lay(picture, line)
+        lay(picture, line, (240, 150, 150), 2)
+    (crossing,) = (found := detect_cables(picture)).crossings
+    tips = [tip.point for tip in found.cables[crossing.upper].tips]
+    assert (abs(tips[0][1] - tips[1][1]) > 300) == first_below
+    assert crossing.confidence > 0.9
+
+
+def test_which_of_two_flat_strands_of_one_colour_is_on_top_is_not_claimed():
+    picture = table()
+    lay(picture, wave((60, 240), (580, 250), 5))
+    lay(picture, wave((330, 60), (300, 430), 5))
+    (crossing,) = detect_cables(picture).crossings
+    assert crossing.confidence < 0.5
+
+
 def test_a_loop_is_one_cable_that_crosses_itself():
     angle = np.linspace(-0.75 * math.pi, 1.25 * math.pi + 0.5 * math.pi, 600)
     spiral = np.column_stack([320 + 2.2 * np.degrees(angle) / 3, np.zeros(600)])
@@ -110,6 +131,20 @@ def test_an_empty_table_has_no_cables_and_says_so():
     found = detect_cables(table())
     assert found.cables == ()
     assert found.doubts
+
+
+def test_stripes_of_a_table_are_doubted():
+    stripes = np.tile(np.arange(640) // 6 % 2 * 200, (480, 1)).astype(np.uint8)
+    found = detect_cables(np.dstack([stripes] * 3))
+    assert "straight from border to border" in found.doubts[0]
+
+
+def test_a_table_full_of_things_is_too_cluttered():
+    picture = table()
+    for x, y in itertools.product(range(8, 640, 24), range(8, 480, 24)):
+        cv2.line(picture, (x, y), (x + 10, y + 10), RED, 3)
+    (doubt,) = detect_cables(picture).doubts
+    assert "too cluttered" in doubt
 
 
 def test_a_spline_keeps_to_points_on_a_circle():
@@ -156,7 +191,8 @@ def test_strands_go_straight_on_and_keep_their_colour():
     }
     assert margin > 0.5
     red = arm(4, (9, 0), (-1, 0), (0, 60, 40))
-    assert join_cost(east, west) < 0.01 < join_cost(east, red)
+    price = join_prices([east, west, red])
+    assert price[0, 1] < 0.01 < price[0, 2]
 
 
 def test_an_end_beside_a_passing_strand_stays_alone():

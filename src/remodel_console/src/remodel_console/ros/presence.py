@@ -10,6 +10,7 @@ import rosgraph
 import rospy
 
 from remodel_console.console import Console
+from remodel_console.core.run_view import Phase
 from remodel_console.desk import Journal
 from remodel_console.ros import topics
 from remodel_console.ros.camera_link import CameraLink
@@ -48,7 +49,7 @@ def join_ros(console: Console, journal: Journal, end: threading.Event) -> None:
     supervisor = UseCaseLink(console.live.take_use_case)
     console.supervisor = supervisor
     console.recorder = RecordLink()
-    CameraLink(console.pictures, end)
+    CameraLink(console.pictures, lambda: console.live.world.run.phase is Phase.RUNNING, end)
     console.session.ask_server = ask_synthesis_server
     CommandServer(console.session, Runtime(console.steering), lambda: console.settings.now, journal)
     looking = threading.Thread(target=_look, args=(console, link, supervisor, end), daemon=True)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Mapping
 
 import rospy
 from flexbe_msgs.msg import CommandFeedback
@@ -16,14 +17,15 @@ from remodel_console.steering import Steering
 
 _LEVEL = 1  # of autonomy when attaching without one: the FlexBE App's first, Low
 _ANSWER_S = 5.0  # in which an engine that runs acknowledges a command
+_LOOK_EVERY_S = 0.02
 _WORDS = {
     Verb.ATTACH: "attach",
     Verb.LOCK: "lock",
     Verb.UNLOCK: "unlock",
     Verb.SWITCH: "switch",
 }
-_SWITCHED, _NOT_SWITCHED = "prepared", ("failed", "not_switchable")  # last phases of a switch
-_REPORTED = (_SWITCHED, *_NOT_SWITCHED)
+_SWITCHED = "prepared"  # the last phase that the engine tells of a switch that works
+_LAST_PHASES = ([_SWITCHED], ["failed"], ["not_switchable"])
 
 
 class Runtime:
@@ -45,20 +47,36 @@ class Runtime:
         Raises:
             CommandError: if it cannot be sent, is not acknowledged, or did not work.
         """
-        word = _WORDS[command.verb]
+        word, given = _WORDS[command.verb], command.given
+        if command.verb is Verb.SWITCH:
+            return self._switch()
+        args = self._acknowledged(word, lambda: self._send(command.verb, given))
+        return f"acknowledged: {word} {' '.join(args)}".rstrip()
+
+    def _acknowledged(self, word: str, send: Callable[[], None]) -> list[str]:
+        """Send something, and return what the engine acknowledges it with."""
         with self._changed:
             self._wanted, self._args = word, None
-        self._send(command.verb, command.given)
+        send()
         with self._changed:
             self._changed.wait_for(lambda: self._args is not None, _ANSWER_S)
             args, self._wanted = self._args, ""
         if args is None:
             text = f"no engine has acknowledged '{word}' within {_ANSWER_S:.0f} s; "
             raise CommandError(f"{text}does a behavior run?")
-        if word == "switch" and args[0] in _NOT_SWITCHED:
-            text = f"the engine goes on in its own version: {args[0].replace('_', ' ')}; "
-            raise CommandError(f"{text}its log says why")
-        return f"acknowledged: {word} {' '.join(args)}".rstrip()
+        return args
+
+    def _switch(self) -> str:
+        """Go on in the saved version, and return once that runs."""
+        version = self._steering.version_to_switch_to()
+        (phase,) = self._acknowledged("switch", lambda: self._steering.order(version))
+        end_s = time.monotonic() + _ANSWER_S
+        while phase == _SWITCHED and time.monotonic() < end_s:
+            if self._steering.live.world.run.behavior_id == version.source_checksum:
+                return f"'{version.name}' goes on in the version that is saved"
+            time.sleep(_LOOK_EVERY_S)
+        text = f"the engine does not go on in the saved version: {phase.replace('_', ' ')}; "
+        raise CommandError(f"{text}its log says why")
 
     def _send(self, verb: Verb, given: Mapping[str, str]) -> None:
         """Give the order that a command stands for."""
@@ -68,8 +86,6 @@ class Runtime:
             if not 0 <= level <= 255:
                 raise CommandError(f"the autonomy level {level} is not allowed; give 0 to 255")
             steering.attach(level)
-        elif verb is Verb.SWITCH:
-            steering.switch()
         elif verb is Verb.UNLOCK:
             steering.order(Release())
         else:
@@ -85,7 +101,7 @@ class Runtime:
 
     def _take_feedback(self, message: CommandFeedback) -> None:
         with self._changed:
-            is_last = message.command != "switch" or message.args[:1] in ([p] for p in _REPORTED)
+            is_last = message.command != "switch" or message.args in _LAST_PHASES
             if message.command == self._wanted and is_last:
                 self._args = list(message.args)
                 self._changed.notify_all()

@@ -19,6 +19,7 @@ from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
 
 LIMIT_S = 20.0
 _LOOK_S = 0.02
+_IN_PASSING = ".q-notifications { display: none; }"  # what a picture leaves out
 _OVERFLOW = "() => document.documentElement.scrollWidth - document.documentElement.clientWidth"
 
 expect.set_options(timeout=LIMIT_S * 1000)
@@ -98,18 +99,20 @@ class BrowserTest(unittest.TestCase):
         """Return a dark page as wide as a tablet, with nothing beyond its edge."""
         page = self.open_page(address, width=1024, height=768)
         page.get_by_role("button", name="Dark or light").click()
+        page.wait_for_function("() => document.cookie.includes('=dark')")
+        page.reload()
         expect(page.locator("body.body--dark")).to_have_count(1)
         expect(page.locator(shown).first).to_be_visible()
         self.assertEqual(page.evaluate(_OVERFLOW), 0)
         return page
 
     def take_picture(self, page: Page, name: str) -> None:
-        """Keep a picture of a page, if somebody wants them; what it tells in passing is gone."""
+        """Keep a picture of a page, if somebody wants them."""
         folder = os.environ.get("CONSOLE_PICTURES")
         if folder:
             page.mouse.move(0, 0)
-            expect(page.locator(".q-notification")).to_have_count(0)
-            page.screenshot(path=Path(folder) / f"{name}.png", animations="disabled")
+            file = Path(folder) / f"{name}.png"
+            page.screenshot(path=file, animations="disabled", style=_IN_PASSING)
 
     def press(self, page: Page | Locator, name: str) -> None:
         """Press a button."""

@@ -6,8 +6,7 @@ from collections.abc import Iterable
 
 from nicegui import background_tasks, run, ui
 
-from remodel_console.core.plot import series_plot
-from remodel_console.core.record import Moment, Record, Summary, value_words
+from remodel_console.core.record import Entry, Moment, Record, Summary
 from remodel_console.core.record_words import KIND_WORDS, entry_words
 from remodel_console.core.run_words import path_words
 from remodel_console.core.world import Notice, World, supervisor_notice
@@ -17,8 +16,10 @@ from remodel_console.web.camera_view import CameraView
 from remodel_console.web.page import Page
 from remodel_console.web.run_list import RunList
 from remodel_console.web.scrubber import Scrubber
+from remodel_console.web.value_plots import ValuePlots
 
 _ROOM = (700.0, 420.0)  # for the drawing on a common screen [pixels]
+_SHOWN_REASONS = 20  # the latest until the moment
 
 
 class ReplayPage(Page):
@@ -34,6 +35,7 @@ class ReplayPage(Page):
         """Build the list of runs, the drawing with what moves in time, and the panel of reasons."""
         self._record = Record(())
         self._run = 0
+        self._shown_reasons: tuple[Entry, ...] | None = None
         with ui.element("div").classes("replay"):
             self._runs = RunList(self.console, self._open)
             with ui.element("section").classes("stage"):
@@ -54,7 +56,7 @@ class ReplayPage(Page):
                 )
                 ui.label("Why").classes("heading")
                 self._reasons = ui.element("div").classes("failures wide")
-                self._plots = ui.element("div").classes("wide")
+                self._values = ValuePlots()
         self._has_supervisor = False
 
     def more_notices(self, world: World) -> Iterable[Notice]:
@@ -100,6 +102,7 @@ class ReplayPage(Page):
         self._record, self._run = record, summary.run
         self._title.text = f"{summary.order}, run {summary.run}"
         self._runs.mark(summary.run)
+        self._values.open(record)
         self._scrubber.open(record)
 
     # A moment
@@ -108,8 +111,10 @@ class ReplayPage(Page):
         moment, offset_s = self._record.moment(index), self._record.offsets_s[index]
         self._where.text = path_words(moment.state_path)
         self._show_now(moment)
-        self._show_values(offset_s)
-        self._show_reasons(moment)
+        self._values.move(offset_s)
+        if moment.reasons != self._shown_reasons:
+            self._shown_reasons = moment.reasons
+            self._show_reasons(moment.reasons)
         self._picture.show(f"/record/{self._run}/{moment.picture}" if moment.picture else "")
         self._drawing.light(moment.state_path, frozenset(moment.passed), is_asked=False)
         if moment.behavior != self._drawing.name:
@@ -127,25 +132,12 @@ class ReplayPage(Page):
             if told is not None and told is not entry:
                 ui.label(f"{KIND_WORDS[told.kind]}: {entry_words(told)}").classes("soft")
 
-    def _show_values(self, offset_s: float) -> None:
-        self._plots.clear()
-        record = self._record
-        with self._plots:
-            for name in record.value_names():
-                points = tuple(record.series(name))
-                before = [value for time_s, value in points if time_s <= offset_s]
-                with ui.row().classes("plot-head"):
-                    ui.label(value_words(name)).classes("soft")
-                    ui.label(f"{before[-1]:.3g}" if before else "-").classes("figure")
-                svg = series_plot(name, points, offset_s, record.length_s)
-                ui.html(svg, sanitize=False).classes("wide")
-
-    def _show_reasons(self, moment: Moment) -> None:
+    def _show_reasons(self, reasons: tuple[Entry, ...]) -> None:
         self._reasons.clear()
         with self._reasons:
-            if not moment.reasons:
+            if not reasons:
                 ui.label("Until here nothing had to be decided.").classes("soft")
-            for entry in moment.reasons:
+            for entry in reasons[:_SHOWN_REASONS]:
                 with ui.element("div").classes(f"failure {entry.kind.value}"):
                     when = f"{self._record.offset_s(entry):.1f} s"
                     ui.label(f"{entry.task}, {when}" if entry.task else when).classes("soft")

@@ -154,7 +154,7 @@ class RunPanel:
         level = ui.select(
             _ATTACHED_LEVELS,
             value=view.level,
-            label="Autonomy: what the engine does unasked",
+            label="Autonomy: what is done unasked",
             on_change=lambda event: self._page.order(SetAutonomy(int(event.value))),
         )
         level.props("outlined dense").classes("wide").set_enabled(self._page.is_operator)

@@ -30,6 +30,7 @@ class XmlPane:
         self._take = take
         self._editor = ui.codemirror(
             language="XML",
+            line_wrapping=True,
             on_change=self._on_typed,
             theme="githubDark" if is_dark else "githubLight",
         ).classes("xml")

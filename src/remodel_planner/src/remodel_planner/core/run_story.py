@@ -77,6 +77,9 @@ def _ended(execution: Execution) -> Iterator[str]:
     )
     for failure in execution.failures:
         yield f"    {failure.state_path}: {failure_line(failure)}"
+        for how, pairs in (("asked for", failure.parameters), ("found", failure.measurements)):
+            if pairs:
+                yield f"        {how}: {', '.join(f'{name} {value}' for name, value in pairs)}"
     if execution.failures and execution.outcome == "finished":
         yield "    the behavior itself put it right"
 

@@ -105,17 +105,17 @@ class WorkPlanner:
 
     def learn(self, name: str, operation: Operation) -> None:
         """Learn from an operation of a task."""
-        title = step_of(operation.state_path)
         steps = self._tasks[name].decomposition.steps if name in self._tasks else ()
-        for step in [step for step in steps if step.title == title][:1]:
-            numbers = numbers_from(operation.parameters)
+        title = step_of(operation.state_path)
+        step = next((step for step in steps if step.title == title), None)
+        if step is not None:
             self.experience.learn(
                 Call(
                     operation.ability,
                     step.features,
                     operation.error_code,
                     operation.elapsed_s,
-                    numbers,
+                    numbers_from(operation.parameters),
                 )
             )
 

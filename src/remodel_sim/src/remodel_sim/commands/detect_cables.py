@@ -14,24 +14,24 @@ from typing import Any
 
 import cv2
 
+from remodel_sim.core.errors import PictureFileError
 from remodel_sim.core.vision.cables import Cable, Crossing, Detection, detect_cables
 from remodel_sim.core.vision.cables.sketch import sketch
+from remodel_sim.edge.picture_file import read_picture
 
 
 def main(arguments: list[str]) -> int:
     """Run the command; return its exit code."""
     parser = argparse.ArgumentParser("detect_cables", description=__doc__)
-    parser.add_argument("image", type=Path, help="any format that OpenCV reads")
+    parser.add_argument("image", type=Path, help="PNG, JPEG, BMP, TIFF, WebP")
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--draw", type=Path, metavar="OUT.png", help="write what was found")
     options = parser.parse_args(arguments)
-    bgr = cv2.imread(str(options.image), cv2.IMREAD_COLOR) if options.image.is_file() else None
-    if bgr is None:
-        what = "is no picture that OpenCV reads" if options.image.is_file() else "is no file"
-        return _refuse(f"{options.image} {what}; give a PNG, JPEG, BMP, TIFF or WebP")
-    rgb = cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB)
     try:
+        rgb = read_picture(options.image)
         found = detect_cables(rgb)
+    except PictureFileError as error:
+        return _refuse(str(error))
     except ValueError as error:
         return _refuse(f"{options.image}: {error}")
     if options.draw is not None:
@@ -91,9 +91,13 @@ def _crossing(crossing: Crossing) -> dict[str, Any]:
     }
 
 
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"
+
+
 def as_text(found: Detection) -> str:
     """Return a detection as lines for a person."""
-    lines = [f"{len(found.cables)} cables, {len(found.crossings)} crossings"]
+    lines = [_count(len(found.cables), "cable") + ", " + _count(len(found.crossings), "crossing")]
     for i, cable in enumerate(found.cables):
         ends = ", ".join(f"{t.end.value} ({t.point[0]:.1f}, {t.point[1]:.1f})" for t in cable.tips)
         lines.append(

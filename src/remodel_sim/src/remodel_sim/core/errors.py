@@ -52,6 +52,10 @@ class MemoryFileError(CellError):
     """What a cell has kept of its world cannot be read or written."""
 
 
+class PictureFileError(CellError):
+    """A file is no picture, or not all of one."""
+
+
 class CellFileError(CellError):
     """A cell's file cannot be read or makes no sense.
 

@@ -1,5 +1,5 @@
 // The drawing of a chart. `draw` gets an SVG that the server made; all else only changes classes and the view box.
-const READABLE = 0.9; // [screen pixels per unit of the drawing] below this, text is too small to read
+const READABLE = 0.8; // [screen pixels per unit of the drawing] below this, text is too small to read
 const LARGEST = 3.0;
 const REST_MS = 400; // between two moves of the drawing after what is active
 

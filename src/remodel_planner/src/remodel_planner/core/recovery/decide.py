@@ -62,8 +62,8 @@ def decide(
     for response in responses:
         done = same.count(response.do)
         if response.do.is_lasting:
-            reason = f"{', '.join(_counted(same))} did not help" if same else "nothing else fits"
-            return _lasting(failure, response.do, f"{reason}{without}", policy, possible)
+            tried = f"{', '.join(_counted(same))} did not help" if same else "nothing else fits"
+            return _lasting(failure, response.do, f"{tried}{without}", policy, possible)
         if response.do in possible and response.do not in spared and done < response.times:
             change = _changed(response, failure, done)
             if response.do is Do.RETRY_WITH and not change:

@@ -57,16 +57,27 @@ def intersections(p: Array, q: Array) -> list[tuple[float, float]]:
 
     A polyline and itself: each place once, the smaller index first.
     """
-    u, v = np.diff(p, axis=0), np.diff(q, axis=0)
-    base = q[None, :-1] - p[:-1, None]
-    cross = u[:, None, 0] * v[None, :, 1] - u[:, None, 1] * v[None, :, 0]
-    cross = np.where(np.abs(cross) < 1e-9, np.inf, cross)
-    s = (base[..., 0] * v[None, :, 1] - base[..., 1] * v[None, :, 0]) / cross
-    t = (base[..., 0] * u[:, None, 1] - base[..., 1] * u[:, None, 0]) / cross
-    hits = np.argwhere((s >= 0) & (s < 1) & (t >= 0) & (t < 1) & np.isfinite(cross))
+    # On which side of each line through a segment of one the points of the other lie.
+    sides_q, sides_p = _sides(p, q), _sides(q, p).T
+    hits = (sides_q[:, :-1] > 0) != (sides_q[:, 1:] > 0)
+    hits &= (sides_p[:-1] > 0) != (sides_p[1:] > 0)
     if p is q:
-        hits = hits[hits[:, 1] > hits[:, 0] + 1]
-    return [(float(i + s[i, j]), float(j + t[i, j])) for i, j in hits]
+        hits = np.triu(hits, 2)
+    found = []
+    for i, j in zip(*np.nonzero(hits), strict=True):
+        s = sides_p[i, j] / (sides_p[i, j] - sides_p[i + 1, j])
+        t = sides_q[i, j] / (sides_q[i, j] - sides_q[i, j + 1])
+        found.append((float(i + s), float(j + t)))
+    return found
+
+
+def _sides(p: Array, q: Array) -> Array:
+    """Return the cross products (n - 1, m) of p's segments with the ways from there to q's points.
+
+    Positive on one side of a segment's line, negative on the other.
+    """
+    normal = (p[1:] - p[:-1])[:, ::-1] * (-1.0, 1.0)
+    return np.asarray(normal @ q.T - np.einsum("ij,ij->i", normal, p[:-1])[:, None])
 
 
 def _crossing(
@@ -120,7 +131,7 @@ def _along(line: Array, indices: Array) -> tuple[Array, Array]:
 
 
 def _misfit(shown: Pixels, look: Pixels) -> float:
-    """Return the mean square of what a look leaves of the colours shown, about as bright."""
+    """Return the mean square of what a look, dimmed or lit a little, leaves of what is shown."""
     look = np.broadcast_to(look, shown.shape)
     gain = float(np.vdot(shown, look)) / max(float(np.vdot(look, look)), 1.0)
     left = shown - min(max(gain, GAIN[0]), GAIN[1]) * look

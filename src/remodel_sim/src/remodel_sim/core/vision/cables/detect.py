@@ -14,6 +14,7 @@ import numpy as np
 
 from remodel_sim.core.vision.cables.crossings import find_crossings
 from remodel_sim.core.vision.cables.doubts import (
+    CLUTTERED,
     NOTHING,
     SURE,
     cable_doubts,
@@ -36,6 +37,7 @@ from remodel_sim.core.vision.pixels import Pixels
 WORKING_COLUMNS = (320, 640)
 THIN = 1.0
 MIN_SIDE = 64
+KEPT_BYTES = 8_000_000
 # Knots of the splines are this far apart: a cable bends no sharper [widths], [px].
 KNOTS_WIDTHS, KNOTS_PX = 3.0, 12.0
 # A tip pulls the spline as much as so many edges.
@@ -60,6 +62,7 @@ def detect_cables(rgb: Pixels) -> Detection:
             f"a picture of shape {rgb.shape} and type {rgb.dtype}; it must be (height, width, 3), "
             f"uint8, and {MIN_SIDE} px or more each way"
         )
+    _keep_memory()
     for columns in WORKING_COLUMNS:
         scale = max(1, round(max(rgb.shape[:2]) / columns))
         small = cv2.resize(rgb, None, fx=1 / scale, fy=1 / scale, interpolation=cv2.INTER_AREA)
@@ -69,11 +72,22 @@ def detect_cables(rgb: Pixels) -> Detection:
     return _detect(rgb, scale, small, foreground)
 
 
+def _keep_memory() -> None:
+    """Keep the C library from giving memory back to the system while a picture is worked on.
+
+    Fetching it again takes as long as the arithmetic does. glibc keeps as much as twice the
+    greatest block that it mapped and freed (mallopt(3), M_MMAP_THRESHOLD); others do not mind.
+    """
+    block = np.empty(KEPT_BYTES // 2, np.uint8)
+    del block
+
+
 def _detect(rgb: Pixels, scale: int, small: Pixels, foreground: Foreground) -> Detection:
     """Find the cables, given the foreground of a picture made `scale` times smaller."""
     rough = rough_cables(small, foreground)
     if not rough:
-        return Detection((), (), (*exposure_doubts(small), NOTHING))
+        why = CLUTTERED if rough is None else NOTHING
+        return Detection((), (), (*exposure_doubts(small), why))
     lines = [(r.line + 0.5) * scale - 0.5 for r in rough]
     refined = refine(rgb, lines, [r.width * scale for r in rough])
     candidates = [

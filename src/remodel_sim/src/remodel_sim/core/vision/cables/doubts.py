@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator
 
 import cv2
@@ -13,6 +14,7 @@ from remodel_sim.core.vision.cables.model import Cable, End
 from remodel_sim.core.vision.pixels import Pixels
 
 NOTHING = "nothing in the picture looks like a cable"
+CLUTTERED = "the picture is too cluttered; clear the table, or take it from nearer"
 # A cable with less confidence is doubted.
 SURE = 0.5
 # A picture is overexposed when this share of it is at the top of the scale, and dark when that
@@ -21,6 +23,8 @@ CLIPPED, TOP = 0.18, 250
 DARK_SHARE, DARK = 0.98, 75
 # An end this near to another cable may be a part of it [widths].
 BESIDE_WIDTHS = 1.7
+# A line that leaves its chord by less is straight [widths].
+STRAIGHT_WIDTHS = 0.5
 # Two ends of like colours [grey levels], this near [widths], that look at each other [cosine], may
 # be one cable, with something hidden between them.
 SAME_COLOUR, FACING_WIDTHS, FACING = 60.0, 12.0, 0.8
@@ -54,6 +58,8 @@ def cable_doubts(cables: list[Cable]) -> Iterator[str]:
     for i, cable in enumerate(cables):
         if cable.confidence < SURE:
             yield f"cable {i} may be none, or not one: confidence {cable.confidence:.2f}"
+        if _is_ruled(cable):
+            yield f"cable {i} is straight from border to border: it may be an edge or a seam"
         for tip in cable.tips:
             column, row = tip.point
             if tip.end is End.HIDDEN:
@@ -74,10 +80,19 @@ def cable_doubts(cables: list[Cable]) -> Iterator[str]:
                     yield f"cables {i} and {j} may be one: their ends face each other"
 
 
+def _is_ruled(cable: Cable) -> bool:
+    """Return whether a cable enters and leaves the picture and is straight in between."""
+    chord = cable.tips[1].point - cable.tips[0].point
+    away = (cable.centreline - cable.tips[0].point) @ np.array([-chord[1], chord[0]])
+    straight = np.abs(away).max() < STRAIGHT_WIDTHS * cable.width * math.hypot(*chord.tolist())
+    return bool(straight and all(tip.end is End.TRUNCATED for tip in cable.tips))
+
+
 def rest_doubts(foreground: Foreground, cables: list[Cable], scale: int) -> Iterator[str]:
     """Yield what is odd about cables in a mask made `scale` times smaller than the picture."""
     left = (foreground.distance > CLEAR).astype(np.uint8) & foreground.mask
-    left[cv2.dilate(foreground.things, np.ones((7, 7), np.uint8)) > 0] = 0
+    if foreground.things.any():
+        left[cv2.dilate(foreground.things, np.ones((7, 7), np.uint8)) > 0] = 0
     for i, cable in enumerate(cables):
         line = (cable.centreline + 0.5) / scale - 0.5
         _wipe(left, line, cable.width / scale)
@@ -89,6 +104,8 @@ def rest_doubts(foreground: Foreground, cables: list[Cable], scale: int) -> Iter
     if not cables:
         return
     typical = float(np.median([cable.width for cable in cables])) / scale
+    if cv2.countNonZero(left) <= REST * typical**2:
+        return
     count, _, stats, centres = cv2.connectedComponentsWithStats(left, connectivity=8)
     for label in range(1, count):
         if stats[label, cv2.CC_STAT_AREA] > REST * typical**2:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import cv2
 import numpy as np
 
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.vision.cables.model import End, Tip
-from remodel_sim.core.vision.cables.polyline import arc_lengths
+from remodel_sim.core.vision.cables.polyline import parabola
 from remodel_sim.core.vision.pixels import Pixels
 
 # The axis at an end is fitted to this part of the centreline, counted from the end: nearer to it
@@ -26,14 +28,18 @@ BORDER_WIDTHS = 0.8
 
 
 def find_end(rgb: Pixels, line: Array, width: float) -> Tip:
-    """Return how a cable ends at the first point of its centreline (n, 2) [px]."""
-    arc = arc_lengths(line)
-    part = (arc >= AXIS_FROM * width) & (arc <= max(AXIS_TO * width, arc[min(8, len(arc) - 1)]))
-    # Where the axis would pass the end: a parabola over the arc length, straight if it is short.
-    degree = 2 if part.sum() >= 6 else 1
-    powers = np.vander(arc[part] / width, degree + 1, increasing=True)
-    fit = np.linalg.solve(powers.T @ powers, powers.T @ line[part])
-    start, outward = fit[0], -fit[1] / np.hypot(*fit[1])
+    """Return how a cable ends at the first point of its centreline (n, 2) [px], in even steps."""
+    step = math.dist(line[0], line[1])
+    first = min(math.ceil(AXIS_FROM * width / step), len(line) - 2)
+    count = max(math.floor(AXIS_TO * width / step), 8) + 1 - first
+    part = line[first : first + count]
+    # Where the axis would pass the end: a parabola, straight if it is short.
+    fit = parabola(len(part), 2 if len(part) >= 6 else 1) @ part
+    end = -first / (len(part) - 1)
+    start, outward = fit[0] + end * fit[1], -fit[1]
+    if len(fit) == 3:
+        start, outward = start + end**2 * fit[2], outward - 2 * end * fit[2]
+    outward = outward / math.hypot(*outward.tolist())
     limit = np.array([rgb.shape[1], rgb.shape[0]]) - 1.0
     rim = BORDER_WIDTHS * width
     if np.any(start < rim) or np.any(start > limit - rim):
@@ -53,11 +59,13 @@ def _find_tip(rgb: Pixels, expected: Array, outward: Array, width: float) -> Tip
     """Return the tip near an expected point (2,): where the colour changes fastest."""
     along = ALONG * width
     beside = np.array([-outward[1], outward[0]])
-    places = expected + along[None, :, None] * outward + (LINES * width)[:, None, None] * beside
-    x, y = places[..., 0].astype(np.float32), places[..., 1].astype(np.float32)
+    places = expected + along[:, None] * outward + (LINES * width)[:, None, None] * beside
+    x, y = cv2.split(places.astype(np.float32))
     colours = cv2.remap(rgb, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    profile = cv2.blur(colours.astype(np.float32).mean(axis=0)[None], (3, 1))[0]
-    speed = np.linalg.norm(profile[2:] - profile[:-2], axis=1)
+    mean = cv2.reduce(colours, 0, cv2.REDUCE_AVG, dtype=cv2.CV_32F)
+    profile = cv2.blur(mean, (3, 1))[0]
+    change = profile[2:] - profile[:-2]
+    speed = np.sqrt(np.einsum("ij,ij->i", change, change))
     prior = np.exp(-0.5 * (along[1:-1] / (TOLERANCE * width)) ** 2)
     best = min(max(int(np.argmax(speed * prior)), 1), len(speed) - 2)
     before, here, after = speed[best - 1 : best + 2].tolist()

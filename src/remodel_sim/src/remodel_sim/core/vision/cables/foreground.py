@@ -15,18 +15,19 @@ import cv2
 import numpy as np
 
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.vision.cables.robust import median
+from remodel_sim.core.vision.cables.robust import limited, median
 from remodel_sim.core.vision.pixels import Pixels
 
-# The table is sampled at every fourth pixel, and its median taken over this many samples: a third
+# The table is sampled at every sixth pixel, and its median taken over this many samples: a third
 # of a picture of 320 columns.
-TABLE_STEP = 4
-TABLE_WINDOW = 25
+TABLE_STEP = 6
+TABLE_WINDOW = 17
 # How much the table varies is learned from every so many pixels each way.
-SPARSE = 6
-# Colours are this many standard deviations from the table's, and at least FLOOR grey levels.
+SPARSE = 9
+# Colours are this many standard deviations from the table's, and as if
+# the table varied by 2.5 grey levels at least.
 DEVIATIONS = 4.5
-FLOOR = 2.5
+FLOOR_SQUARED = 2.5**2 * np.eye(3, dtype=np.float32)
 # The darkest shadow, as a share of the table's light.
 DARKEST_SHADOW = 0.6
 # A cable is at most this thick, in half widths of the thin things in the picture.
@@ -36,6 +37,8 @@ THICK_AREA_HALF_WIDTHS = 30.0
 # window of so many pixels, less than this share of it, a fraction, is no shadow.
 CORE_WINDOW = 15
 CORE_SHARE = (2, 5)
+# Sums the channels of a picture.
+SUM = np.ones((1, 3), np.float32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +47,7 @@ class Foreground:
 
     Attributes:
         mask: (height, width), 1 where a cable is seen.
+        reach: (height, width), each pixel's distance to what is no cable [px].
         things: (height, width), 1 on and around things too thick for a cable.
         half_width: of the cables, roughly [px].
         spread: standard deviation of the table's colours, the greatest direction [grey levels].
@@ -52,6 +56,7 @@ class Foreground:
     """
 
     mask: Pixels
+    reach: Pixels
     things: Pixels
     half_width: float
     spread: float
@@ -65,21 +70,23 @@ def find_foreground(rgb: Pixels) -> Foreground:
     table = _table(rgb)
     whiten, spread = _whitening(pixels[1::SPARSE, 1::SPARSE] - table[1::SPARSE, 1::SPARSE])
     covered = _distance(pixels, table, whiten)
-    lit = _unlike_any_shade(pixels, table, whiten, covered)
+    lit = _unlike_any_shade(pixels, table, whiten)
     distance = covered
     mask = _cables_without_shadows(distance, lit)
-    half_width = typical_half_width(mask)
-    things = _things(mask, half_width)
+    reach = _reach(mask)
+    half_width = _typical_half_width(reach)
+    things = _things(reach, half_width)
     if things.any():
         near = _table_nearby(rgb, half_width)
         other = _distance(pixels, near, whiten)
         on_thing = things > 0
         distance = np.where(on_thing, np.minimum(covered, other), covered)
-        other_lit = _unlike_any_shade(pixels, near, whiten, other)
+        other_lit = _unlike_any_shade(pixels, near, whiten)
         lit = np.where(on_thing, lit & other_lit, lit)
         mask = _cables_without_shadows(distance, lit)
-        mask[_things(mask, half_width) > 0] = 0
-    return Foreground(mask, things, half_width, spread, covered, distance)
+        mask[_things(_reach(mask), half_width) > 0] = 0
+        reach = _reach(mask)
+    return Foreground(mask, reach, things, half_width, spread, covered, distance)
 
 
 def _table(rgb: Pixels) -> Pixels:
@@ -97,13 +104,13 @@ def _whitening(difference: Pixels) -> tuple[Array, float]:
     Half of the pixels are trusted: those nearest to the table's colour, found in three rounds
     (the concentration steps of Rousseeuw's minimum covariance determinant).
     """
-    samples = difference.reshape(-1, 3).astype(np.float64)
+    samples = difference.reshape(-1, 3)
     white = samples
     for _ in range(3):
-        near = np.square(white) @ np.ones(3)
+        near = np.einsum("ij,ij->i", white, white)
         trusted = samples[near <= median(near)]
         # Half of a three-dimensional normal distribution has 0.46 of its variance (chi-squared).
-        spread = trusted.T @ trusted / len(trusted) / 0.46 + FLOOR**2 * np.eye(3)
+        spread = trusted.T @ trusted / (0.46 * len(trusted)) + FLOOR_SQUARED
         values, vectors = np.linalg.eigh(spread)
         whiten = (vectors / np.sqrt(values)).T
         white = samples @ whiten.T
@@ -113,20 +120,23 @@ def _whitening(difference: Pixels) -> tuple[Array, float]:
 def _distance(pixels: Pixels, table: Pixels, whiten: Array) -> Pixels:
     """Return each pixel's distance from the table's colour [standard deviations]."""
     apart = cv2.transform(cv2.subtract(pixels, table), whiten)
-    return cv2.sqrt(cv2.transform(cv2.multiply(apart, apart), np.ones((1, 3), np.float32)))
+    return cv2.sqrt(_dot(apart, apart))
 
 
-def _unlike_any_shade(pixels: Pixels, table: Pixels, whiten: Array, distance: Pixels) -> Pixels:
+def _dot(a: Pixels, b: Pixels) -> Pixels:
+    """Return the products of the pixels of two pictures (height, width, 3)."""
+    return cv2.transform(cv2.multiply(a, b), SUM)
+
+
+def _unlike_any_shade(pixels: Pixels, table: Pixels, whiten: Array) -> Pixels:
     """Return 1 where a pixel differs from the table's colour and from every shadow on it."""
-    unlike = (distance > DEVIATIONS).astype(np.uint8)
-    places = np.flatnonzero(unlike)
-    seen, bare = pixels.reshape(-1, 3)[places], table.reshape(-1, 3)[places]
-    shade = np.einsum("ij,ij->i", seen, bare) / (np.einsum("ij,ij->i", bare, bare) + 1.0)
-    shade = np.minimum(np.maximum(shade, DARKEST_SHADOW), 1.0)
-    apart = (seen - shade[:, None] * bare) @ whiten.T.astype(np.float32)
-    shadows = np.einsum("ij,ij->i", apart, apart) <= DEVIATIONS**2
-    unlike.ravel()[places[shadows]] = 0
-    return unlike
+    shade = limited(_dot(pixels, table) / (_dot(table, table) + 1.0), DARKEST_SHADOW, 1.0)
+    return _above(_distance(pixels, cv2.multiply(table, cv2.merge([shade] * 3)), whiten))
+
+
+def _above(distance: Pixels) -> Pixels:
+    """Return 1 where a distance is that of something else."""
+    return (distance > DEVIATIONS).astype(np.uint8)
 
 
 def _cables_without_shadows(distance: Pixels, lit: Pixels) -> Pixels:
@@ -136,29 +146,41 @@ def _cables_without_shadows(distance: Pixels, lit: Pixels) -> Pixels:
         distance: from the table's colour [standard deviations].
         lit: 1 where a pixel is like no shadow either.
     """
-    strong = cv2.medianBlur(lit, 3)
-    weak = cv2.medianBlur((distance > DEVIATIONS).astype(np.uint8), 3)
-    window = (CORE_WINDOW, CORE_WINDOW)
-    cores = cv2.boxFilter(strong, cv2.CV_16U, window, normalize=False)
-    whole = cv2.boxFilter(weak, cv2.CV_16U, window, normalize=False)
+    strong, weak = _majority(lit), _majority(_above(distance))
+    cores, whole = _count(strong, CORE_WINDOW), _count(weak, CORE_WINDOW)
     dark = (CORE_SHARE[1] * cores < CORE_SHARE[0] * whole).astype(np.uint8)
     return cv2.bitwise_or(strong, cv2.bitwise_and(weak, dark))
 
 
-def typical_half_width(mask: Pixels) -> float:
+def _majority(mask: Pixels) -> Pixels:
+    """Return 1 where most of nine pixels are 1; a median, but faster."""
+    return (_count(mask, 3) > 4).astype(np.uint8)
+
+
+def _count(mask: Pixels, window: int) -> Pixels:
+    """Return the number of ones in a window around each pixel."""
+    return cv2.boxFilter(
+        mask, cv2.CV_16U, (window, window), normalize=False, borderType=cv2.BORDER_REPLICATE
+    )
+
+
+def _reach(mask: Pixels) -> Pixels:
+    return cv2.distanceTransform(mask, cv2.DIST_L2, 5)
+
+
+def _typical_half_width(reach: Pixels) -> float:
     """Return the median distance from a mask's ridge to its border [px]; 1 for an empty mask."""
-    distance = cv2.distanceTransform(mask, cv2.DIST_L2, 5)
-    ridge = (distance >= cv2.dilate(distance, np.ones((3, 3), np.uint8))) & (distance >= 1.0)
-    return max(1.0, median(distance[ridge])) if ridge.any() else 1.0
+    ridge = reach[(reach >= cv2.dilate(reach, np.ones((3, 3), np.uint8))) & (reach >= 1.0)]
+    return max(1.0, median(ridge)) if len(ridge) else 1.0
 
 
-def _things(mask: Pixels, half_width: float) -> Pixels:
+def _things(reach: Pixels, half_width: float) -> Pixels:
     """Return what is too thick for a cable, with a rim as wide as a cable's half width."""
     limit = THICK_HALF_WIDTHS * half_width + 1
-    cores = (cv2.distanceTransform(mask, cv2.DIST_L2, 5) > limit).astype(np.uint8)
+    cores = (reach > limit).astype(np.uint8)
     if not cores.any():
         return cores
-    opened = (cv2.distanceTransform(1 - cores, cv2.DIST_L2, 5) <= limit + 1).astype(np.uint8)
+    opened = (_reach(1 - cores) <= limit + 1).astype(np.uint8)
     _, labels, stats, _ = cv2.connectedComponentsWithStats(opened, connectivity=8)
     big = stats[:, cv2.CC_STAT_AREA] > THICK_AREA_HALF_WIDTHS * half_width**2 + 40
     big[0] = False

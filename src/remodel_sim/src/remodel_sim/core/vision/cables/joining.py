@@ -11,8 +11,8 @@ import numpy as np
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.vision.cables.foreground import DEVIATIONS, Foreground
 from remodel_sim.core.vision.cables.network import Network
-from remodel_sim.core.vision.cables.pairing import ALONE, Arm, EndId, best_pairs, join_cost
-from remodel_sim.core.vision.cables.polyline import across_gap, arc_lengths, parabola
+from remodel_sim.core.vision.cables.pairing import ALONE, Arm, EndId, best_pairs, join_prices
+from remodel_sim.core.vision.cables.polyline import across_gap, arc_lengths, parabola, smooth
 from remodel_sim.core.vision.cables.skeleton import find_strands, thin
 from remodel_sim.core.vision.pixels import Pixels
 
@@ -20,10 +20,14 @@ from remodel_sim.core.vision.pixels import Pixels
 MAX_STRANDS = 400
 # Rough cables shorter than this are none [cable widths].
 MIN_LENGTH_WIDTHS = 5.0
+# Their skeletons are this long at least [the same].
+MIN_SKELETON_WIDTHS = 3.0
 # Gaps up to this are bridged, if no more than so much of them is bare table [cable widths].
 GAP_WIDTHS, BARE_WIDTHS = 16.0, 1.2
 # The price of the longest gap.
 GAP_PRICE = 0.33
+# A skeleton's steps are smoothed over so much [cable widths].
+SMOOTHING_WIDTHS = 0.4
 # A free end is prolonged over what hides the table, at least and at most so far [cable widths].
 PROLONG_WIDTHS = (1.5, 8.0)
 
@@ -43,18 +47,22 @@ class RoughCable:
     margin: float
 
 
-def rough_cables(rgb: Pixels, foreground: Foreground) -> list[RoughCable]:
-    """Return the cables in a picture (height, width, 3) whose foreground is known."""
-    reach = cv2.distanceTransform(foreground.mask, cv2.DIST_L2, 5)
+def rough_cables(rgb: Pixels, foreground: Foreground) -> list[RoughCable] | None:
+    """Return the cables in a picture (height, width, 3) whose foreground is known.
+
+    None where it is in too many pieces.
+    """
     strands = find_strands(thin(foreground.mask))
     if len(strands) > MAX_STRANDS:
-        return []
-    network = Network(strands, reach, 2 * foreground.half_width)
+        return None
+    network = Network(strands, foreground.reach, 2 * foreground.half_width)
     network.clean()
-    joints = _Joints(network, cv2.cvtColor(rgb, cv2.COLOR_RGB2LAB))
+    joints = _Joints(network, rgb)
     joints.bridge(foreground.covered)
     found = []
     for chain in joints.chains():
+        if sum(network.lengths[i] for i, _ in chain) < MIN_SKELETON_WIDTHS * network.width:
+            continue
         rough = joints.rough(chain, foreground.distance)
         if arc_lengths(rough.line)[-1] >= MIN_LENGTH_WIDTHS * rough.width:
             found.append(rough)
@@ -64,10 +72,10 @@ def rough_cables(rgb: Pixels, foreground: Foreground) -> list[RoughCable]:
 class _Joints:
     """Which end of which strand is joined to which."""
 
-    def __init__(self, network: Network, lab: Pixels) -> None:
+    def __init__(self, network: Network, rgb: Pixels) -> None:
         """Join the strands at every place where some meet."""
         self._network = network
-        self._arms: dict[EndId, Arm] = network.arms(lab)
+        self._arms: dict[EndId, Arm] = network.arms(rgb)
         self._partner: dict[EndId, EndId] = {}
         self._margin: dict[EndId, float] = {}
         self._free: set[EndId] = set()
@@ -87,19 +95,18 @@ class _Joints:
         """Join free ends that face each other across something that hides the table."""
         width = self._network.width
         arms = [arm for end, arm in self._arms.items() if end not in self._partner]
-        options = []
-        for k, a in enumerate(arms):
-            for b in arms[k + 1 :]:
-                gap = math.dist(a.place, b.place) / (GAP_WIDTHS * width)
-                if gap > 1 or a.end[0] == b.end[0]:
-                    continue
-                cost = join_cost(a, b) + GAP_PRICE * gap
-                if cost < ALONE:
-                    options.append((cost, a, b))
-        for _cost, a, b in sorted(options, key=lambda option: option[0]):
+        if len(arms) < 2:
+            return
+        places = np.array([arm.place for arm in arms])
+        gaps = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1)) / width
+        costs = join_prices(arms) + (GAP_PRICE / GAP_WIDTHS) * gaps
+        rows, columns = np.nonzero(np.triu((costs < ALONE) & (gaps <= GAP_WIDTHS), 1))
+        order = np.argsort(costs[rows, columns], kind="stable")
+        for i, j in zip(rows[order].tolist(), columns[order].tolist(), strict=True):
+            a, b = arms[i], arms[j]
             if {a.end, b.end} & self._partner.keys():
                 continue
-            length = max(3, round(math.dist(a.place, b.place)))
+            length = max(3, round(float(gaps[i, j]) * width))
             line = np.linspace(a.place, b.place, length)
             if np.count_nonzero(_values(covered, line) < DEVIATIONS) <= BARE_WIDTHS * width:
                 self._join(a.end, b.end)
@@ -135,11 +142,11 @@ class _Joints:
                 start, end = parts[-1][-1], points[0]
                 parts.append(across_gap(start, before.heading, end, -after.heading, 1.0))
             parts.append(points)
-        line = np.vstack(parts)
         first, last = chain[0], (chain[-1][0], 1 - chain[-1][1])
         widths = [self._arms[end].width for end in chain]
         weights = [len(self._network.strands[i].points) for i, _ in chain]
         width = max(1.5, float(np.average(widths, weights=weights)))
+        line = smooth(np.vstack(parts), SMOOTHING_WIDTHS * width)
         if first in self._free:
             line = _prolonged(line, distance, width)
         if last in self._free:

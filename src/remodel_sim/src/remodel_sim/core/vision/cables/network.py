@@ -7,6 +7,7 @@ crossing, whose middle belongs to both cables.
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 
 from remodel_sim.core.vision.cables.pairing import Arm, EndId, heading_at
@@ -30,7 +31,13 @@ LIGHTNESS = 0.2
 
 
 class Network:
-    """Strands, the places where they meet, and which of them are part of a place."""
+    """Strands, the places where they meet, and which of them are part of a place.
+
+    Attributes:
+        strands: as given.
+        width: of the cables, roughly [px].
+        lengths: of the strands [px].
+    """
 
     def __init__(self, strands: list[Strand], reach: Pixels, width: float) -> None:
         """Take strands; `reach` (height, width) is each pixel's distance to the background [px]."""
@@ -38,7 +45,7 @@ class Network:
         self.width = width
         self._places = [s.points.astype(np.intp) for s in strands]
         self._reach = [reach[p[:, 1], p[:, 0]] for p in self._places]
-        self._lengths = [float(arc_lengths(s.points)[-1]) for s in strands]
+        self.lengths = [float(arc_lengths(s.points)[-1]) for s in strands]
         self._parent = {node: node for s in strands for node in s.nodes}
         self._absorbed: set[int] = set()
 
@@ -80,7 +87,7 @@ class Network:
             counts = [len(meetings[self.place((i, e))]) for e in (0, 1)]
             if min(counts) == 1 and max(counts) > 2:
                 root = self._reach[i][0 if counts[0] > 1 else -1]
-                if self._lengths[i] < SPUR[0] * root + SPUR[1]:
+                if self.lengths[i] < SPUR[0] * root + SPUR[1]:
                     self._absorbed.add(i)
 
     def _contract_short(self) -> None:
@@ -91,21 +98,21 @@ class Network:
             if min(len(meetings[a]), len(meetings[b])) < 3:
                 continue
             if a == b:
-                if self._lengths[i] < RING_WIDTHS * self.width:
+                if self.lengths[i] < RING_WIDTHS * self.width:
                     self._absorbed.add(i)
                     meetings = self.meetings()
-            elif self._lengths[i] <= self._reach[i][0] + self._reach[i][-1] + 1:
+            elif self.lengths[i] <= self._reach[i][0] + self._reach[i][-1] + 1:
                 self._contract(i)
                 meetings = self.meetings()
 
     def _contract_shared(self) -> None:
         """Make one place of two where three strands meet, with a strand between them."""
         meetings = self.meetings()
-        for i in sorted(self.free_strands(), key=lambda i: self._lengths[i]):
+        for i in sorted(self.free_strands(), key=lambda i: self.lengths[i]):
             a, b = self.place((i, 0)), self.place((i, 1))
             if a != b and len(meetings[a]) == len(meetings[b]) == 3:
                 thick = 2 * median(self._reach[i]) > SHARED_THICKNESS * self.width
-                if self._lengths[i] <= (2 if thick else 1) * SHARED_WIDTHS * self.width:
+                if self.lengths[i] <= (2 if thick else 1) * SHARED_WIDTHS * self.width:
                     self._contract(i)
                     meetings = self.meetings()
 
@@ -113,13 +120,14 @@ class Network:
         self._parent[self.place((strand, 0))] = self.place((strand, 1))
         self._absorbed.add(strand)
 
-    def arms(self, lab: Pixels) -> dict[EndId, Arm]:
+    def arms(self, rgb: Pixels) -> dict[EndId, Arm]:
         """Return the ends of the free strands, coloured from a picture (height, width, 3)."""
         arms = {}
         span = max(HEADING_PX, round(HEADING_WIDTHS * self.width))
         for i in self.free_strands():
             at = self._places[i]
-            colour = median_colour(lab[at[:, 1], at[:, 0]]) * [LIGHTNESS, 1.0, 1.0]
+            lab = cv2.cvtColor(rgb[None, at[:, 1], at[:, 0]], cv2.COLOR_RGB2LAB)[0]
+            colour = median_colour(lab) * [LIGHTNESS, 1.0, 1.0]
             width = max(1.0, 2 * median(self._reach[i]) - 1)
             points = self.strands[i].points
             for e in (0, 1):

@@ -7,6 +7,7 @@ at a price.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -28,6 +29,8 @@ WIDTH_UNIT, WIDTH_MOST = 0.6, 0.5
 OWN_END = 1.5
 # More ends at one place are paired greedily: there are 764 ways to pair 8 ends, 2620 for 9.
 MAX_OPTIMAL = 8
+# Times vectors (n, 2): complex numbers.
+PLANE = np.array([1.0, 1.0j])
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,38 +52,37 @@ class Arm:
     width: float
 
 
-def join_cost(a: Arm, b: Arm) -> float:
-    """Return the price of taking two ends for one cable.
+def join_prices(arms: list[Arm]) -> Array:
+    """Return the prices (n, n) of taking two of n ends for one cable.
 
     The bending energy of the cubic between them is 4 (s^2 + s t + t^2) / l with the headings s, t
-    against the chord of length l.
+    against the chord of length l. Vectors in the plane are complex numbers here.
     """
-    gap = b.place - a.place
-    if math.hypot(*gap) > 1e-6:
-        s, t = _turn(gap, a.heading), _turn(gap, -b.heading)
-    else:
-        s, t = 0.0, _turn(a.heading, -b.heading)
-    apart = a.colour - b.colour
-    colour = float(apart @ apart) / COLOUR_UNIT**2
-    width = ((a.width - b.width) / (a.width + b.width) * 2 / WIDTH_UNIT) ** 2
-    own = OWN_END if a.end[0] == b.end[0] else 0.0
-    return s * s + s * t + t * t + min(colour, COLOUR_MOST) + min(width, WIDTH_MOST) + own
-
-
-def _turn(start: Array, end: Array) -> float:
-    """Return the angle from one vector (2,) to another [rad]."""
-    (x, y), (u, v) = start.tolist(), end.tolist()
-    return math.atan2(x * v - y * u, x * u + y * v)
+    place = np.array([arm.place for arm in arms]) @ PLANE
+    heading = np.array([arm.heading for arm in arms]) @ PLANE
+    chord = place[None] - place[:, None]
+    chord = np.where(np.abs(chord) > 1e-6, chord, heading[:, None]).conj()
+    s, t = np.angle(heading[:, None] * chord), np.angle(-heading[None] * chord)
+    colour = np.array([arm.colour for arm in arms])
+    apart = colour[None] - colour[:, None]
+    hue = np.einsum("ijk,ijk->ij", apart, apart) / COLOUR_UNIT**2
+    width = np.array([arm.width for arm in arms])
+    thicker = (width[None] - width[:, None]) / (width[None] + width[:, None])
+    size = np.square(thicker * (2 / WIDTH_UNIT))
+    strand = np.array([arm.end[0] for arm in arms])
+    own = OWN_END * (strand[None] == strand[:, None])
+    bend = s * s + s * t + t * t
+    return np.asarray(bend + np.minimum(hue, COLOUR_MOST) + np.minimum(size, WIDTH_MOST) + own)
 
 
 def best_pairs(arms: list[Arm]) -> tuple[list[tuple[EndId, EndId]], float]:
     """Return the cheapest pairing of the ends at one place, and how much dearer the next is."""
     count = len(arms)
-    price = {(i, j): join_cost(arms[i], arms[j]) for i in range(count) for j in range(i + 1, count)}
+    price = join_prices(arms).tolist()
     if count > MAX_OPTIMAL:
         return _greedy_pairs(arms, price), 0.0
     ranked = sorted(
-        (sum(price[pair] for pair in pairs) + ALONE * (count - 2 * len(pairs)), pairs)
+        (sum(price[i][j] for i, j in pairs) + ALONE * (count - 2 * len(pairs)), pairs)
         for pairs in _pairings(tuple(range(count)))
     )
     margin = ranked[1][0] - ranked[0][0] if len(ranked) > 1 else math.inf
@@ -99,11 +101,10 @@ def _pairings(items: tuple[int, ...]) -> Iterator[tuple[tuple[int, int], ...]]:
             yield ((first, other), *more)
 
 
-def _greedy_pairs(
-    arms: list[Arm], price: dict[tuple[int, int], float]
-) -> list[tuple[EndId, EndId]]:
+def _greedy_pairs(arms: list[Arm], price: list[list[float]]) -> list[tuple[EndId, EndId]]:
     pairs, taken = [], set[int]()
-    for (i, j), cost in sorted(price.items(), key=lambda item: item[1]):
+    options = [(price[i][j], i, j) for i, j in itertools.combinations(range(len(arms)), 2)]
+    for cost, i, j in sorted(options):
         if cost < 2 * ALONE and not {i, j} & taken:
             taken |= {i, j}
             pairs.append((arms[i].end, arms[j].end))

@@ -5,14 +5,25 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
+import numpy.typing as npt
 
 from remodel_sim.core.geometry import Array
 
 
 def arc_lengths(points: Array) -> Array:
     """Return each point's distance from the first along a polyline (n,)."""
-    steps = np.diff(points, axis=0)
-    return np.concatenate([[0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]))])
+    arc = np.zeros(len(points))
+    np.cumsum(np.abs(np.diff(_plane(points))), out=arc[1:])
+    return arc
+
+
+def _plane(points: Array) -> npt.NDArray[np.complex128]:
+    """Return points (n, 2) as complex numbers (n,), which numpy works on in one go."""
+    return np.ascontiguousarray(points).view(np.complex128)[:, 0]
+
+
+def _points(plane: npt.NDArray[np.complex128]) -> Array:
+    return plane.view(np.float64).reshape(-1, 2)
 
 
 @lru_cache(maxsize=1024)
@@ -28,29 +39,35 @@ def parabola(count: int, degree: int) -> Array:
 def resample(points: Array, step: float) -> Array:
     """Return a polyline's points in even steps of about the given length, both ends kept."""
     arc = arc_lengths(points)
-    keep = np.concatenate([[True], np.diff(arc) > 1e-9])
-    arc, points = arc[keep], points[keep]
-    even = np.linspace(0, arc[-1], max(4, round(arc[-1] / step) + 1))
-    return np.column_stack([np.interp(even, arc, points[:, 0]), np.interp(even, arc, points[:, 1])])
+    count = max(4, round(arc[-1] / step) + 1)
+    even = np.arange(count) * (arc[-1] / (count - 1))
+    return _points(np.interp(even, arc, _plane(points)))
 
 
 def smooth(points: Array, sigma: float) -> Array:
     """Return a polyline smoothed by a Gaussian of `sigma` points; its ends stay."""
     reach = min(max(1, int(2.5 * sigma)), len(points) - 1)
+    plane = _plane(points)
+    before = 2 * plane[0] - plane[reach:0:-1]
+    after = 2 * plane[-1] - plane[-2 : -reach - 2 : -1]
+    return _points(
+        np.convolve(np.concatenate([before, plane, after]), _bell(reach, sigma), "valid")
+    )
+
+
+def _bell(reach: int, sigma: float) -> Array:
+    """Return a Gaussian (2 reach + 1,) whose sum is 1."""
     kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sigma) ** 2)
-    kernel /= kernel.sum()
-    before = 2 * points[0] - points[reach:0:-1]
-    after = 2 * points[-1] - points[-2 : -reach - 2 : -1]
-    padded = np.vstack([before, points, after])
-    return np.column_stack([np.convolve(padded[:, i], kernel, "valid") for i in (0, 1)])
+    return np.asarray(kernel / kernel.sum())
 
 
 def normals(points: Array) -> Array:
     """Return the unit normals (n, 2) of a polyline: its tangents turned from x towards y."""
-    before, after = np.vstack([points[:1], points[:-1]]), np.vstack([points[1:], points[-1:]])
-    tangent = after - before
-    tangent /= np.maximum(np.hypot(tangent[:, 0], tangent[:, 1]), 1e-9)[:, None]
-    return np.column_stack([-tangent[:, 1], tangent[:, 0]])
+    plane = _plane(points)
+    tangent = np.empty_like(plane)
+    tangent[1:-1] = plane[2:] - plane[:-2]
+    tangent[0], tangent[-1] = plane[1] - plane[0], plane[-1] - plane[-2]
+    return _points(1j * tangent / np.maximum(np.abs(tangent), 1e-9))
 
 
 def across_gap(start: Array, heading: Array, end: Array, arriving: Array, step: float) -> Array:

@@ -54,13 +54,13 @@ class Refined:
 def refine(rgb: Pixels, lines: list[Array], widths: list[float]) -> list[Refined | None]:
     """Refine rough centrelines (n, 2) [px] of rough widths [px]; None where no edges are found."""
     lines = [
-        resample(smooth(resample(line, 1.0), 0.5 * width), FIRST_SPACING * _spacing(width))
+        resample(line, FIRST_SPACING * _spacing(width))
         for line, width in zip(lines, widths, strict=True)
     ]
     widths = [FIRST_GUESS * width for width in widths]
     refined: list[Refined | None] = []
-    for tolerance, doubt in ROUNDS:
-        refined = _round(rgb, lines, widths, (tolerance, doubt))
+    for limits in ROUNDS:
+        refined = _round(rgb, lines, widths, limits)
         lines = [
             resample(smooth(r.points, 1.5), _spacing(r.width)) if r else line
             for r, line in zip(refined, lines, strict=True)
@@ -76,10 +76,12 @@ def _spacing(width: float) -> float:
 def _round(
     rgb: Pixels, lines: list[Array], widths: list[float], limits: tuple[float, float]
 ) -> list[Refined | None]:
+    """Look for the edges of all cables at once, and move their centrelines."""
+    counts = [len(line) for line in lines]
     across = [normals(line) for line in lines]
-    each = np.repeat(np.array(widths), [len(line) for line in lines])
-    cable = np.repeat(np.arange(len(lines)), [len(line) for line in lines])
-    ribs = find_edges(rgb, np.vstack(lines), np.vstack(across), each, cable)
+    ribs = find_edges(
+        rgb, np.vstack(lines), np.vstack(across), np.repeat(widths, counts), np.array(counts)
+    )
     refined, start = [], 0
     for line, normal, width in zip(lines, across, widths, strict=True):
         own = ribs.part(slice(start, start + len(line)))
@@ -93,27 +95,28 @@ def _centre(
 ) -> Refined | None:
     """Move a centreline (n, 2) along its normals to where its ribs say."""
     found = np.isfinite(ribs.edges)
-    if found.sum() < 2 * MIN_RIBS:
+    if np.count_nonzero(found) < 2 * MIN_RIBS:
         return None
     usual = max(median(ribs.contrast[found]), 1e-6)
-    strength = np.where(found, np.minimum(ribs.contrast / usual, 1), 0.0)
+    strength = found * np.minimum(ribs.contrast / usual, 1)
     edges = np.where(found, ribs.edges, 0.0)
     measured = edges[:, 1] - edges[:, 0]
-    plausible = (strength.min(axis=1) > FAINT) & (np.abs(measured / width - 1) < limits[1])
-    if plausible.sum() < MIN_RIBS:
+    weaker = np.minimum(strength[:, 0], strength[:, 1])
+    plausible = measured[(weaker > FAINT) & (np.abs(measured / width - 1) < limits[1])]
+    if len(plausible) < MIN_RIBS:
         return None
-    width = median(measured[plausible])
-    spread = median(np.abs(measured[plausible] / width - 1))
+    width = median(plausible)
+    spread = median(np.abs(plausible / width - 1))
     trust = limits[0] * width
-    agree = np.exp(-0.5 * ((measured - width) / trust) ** 2)
+    agree = np.exp(np.square(measured - width) * (-0.5 / trust**2))
     shifts = edges + np.array([0.5, -0.5]) * width
-    near = np.exp(-0.5 * (shifts / (2 * trust)) ** 2)
-    shares = np.where(strength > FAINT, strength, 0.0) * np.maximum(agree[:, None], 0.5 * near)
-    weight = shares.sum(axis=1)
-    good = weight > FAINT
-    if good.sum() < MIN_RIBS:
+    near = np.exp(np.square(shifts) * (-0.5 / (2 * trust) ** 2))
+    shares = strength * (strength > FAINT) * np.maximum(agree[:, None], 0.5 * near)
+    weight = shares[:, 0] + shares[:, 1]
+    good = np.flatnonzero(weight > FAINT)
+    if len(good) < MIN_RIBS:
         return None
-    places = np.arange(len(line))
-    offset = np.sum(shares * shifts, axis=1) / np.maximum(weight, 1e-6)
-    offset = np.interp(places, places[good], offset[good])
-    return Refined(line + offset[:, None] * normal, weight * good, width, spread, ribs)
+    shift = (shares[good, 0] * shifts[good, 0] + shares[good, 1] * shifts[good, 1]) / weight[good]
+    offset = np.interp(np.arange(len(line)), good, shift)
+    points = line + offset[:, None] * normal
+    return Refined(points, weight * (weight > FAINT), width, spread, ribs)

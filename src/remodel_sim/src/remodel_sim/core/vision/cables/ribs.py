@@ -22,7 +22,7 @@ from remodel_sim.core.vision.cables.robust import limited, median_colour
 from remodel_sim.core.vision.pixels import Pixels
 
 # Samples of a rib, and how far it reaches [widths].
-SAMPLES = 33
+SAMPLES = 25
 REACH = 1.2
 OFFSETS = np.linspace(-REACH, REACH, SAMPLES).astype(np.float32)
 MIDDLE = SAMPLES // 2
@@ -30,16 +30,23 @@ OUTWARD = OFFSETS[MIDDLE:]
 STEP = REACH / MIDDLE
 # Ribs averaged along the cable: noise falls, a bend within them does not matter.
 ALONG = 3
-# Samples at each end of a rib that show the surroundings.
-OUTER = 3
-# Samples of the cable's middle and of its body.
-CORE = np.abs(OFFSETS) < 0.18
-BODY = np.abs(OFFSETS) < 0.34
-# Samples of a side: its middle, just inside an edge, near outside; edges are looked for from there.
-CENTRE = slice(0, int(np.searchsorted(OUTWARD, 0.18)))
-INSIDE = slice(*np.searchsorted(OUTWARD, (0.20, 0.34)).tolist())
-OUTSIDE = slice(*np.searchsorted(OUTWARD, (0.60, 0.80)).tolist())
+# What of a rib shows the cable's body; its colour is learned from every third rib.
+SPARSE = 3
+BODY = slice(*np.searchsorted(OFFSETS, (-0.34, 0.34)).tolist())
+# Edges are looked for from here on outwards.
 EDGE_FROM = int(np.searchsorted(OUTWARD, 0.28))
+
+
+def _means(offsets: Pixels, *ranges: tuple[float, float]) -> Pixels:
+    """Return the matrix (m, k) that takes samples to their means over ranges of offsets."""
+    inside = np.stack([(offsets > low) & (offsets < high) for low, high in ranges], axis=1)
+    return (inside / inside.sum(axis=0)).astype(np.float32)
+
+
+# Of a rib: the surroundings at its left and at its right end, and the cable's middle.
+OF_RIB = _means(OFFSETS, (-1.3, -1.0), (1.0, 1.3), (-0.18, 0.18))
+# Of a side: its middle, just inside an edge, and near outside.
+OF_SIDE = _means(OUTWARD, (-0.1, 0.18), (0.20, 0.34), (0.60, 0.80))
 # A round cable's rim is as bright as this share of its middle (set on rendered tubes); at an edge
 # one sees that share of the contrast, at least and at most.
 RIM_SHADE = 0.65
@@ -87,15 +94,17 @@ class Ribs:
         )
 
 
-def find_edges(rgb: Pixels, points: Array, normals: Array, width: Array, cable: Array) -> Ribs:
+def find_edges(
+    rgb: Pixels, points: Array, normals: Array, width: Array, counts: npt.NDArray[np.int_]
+) -> Ribs:
     """Return the edges on ribs.
 
     Args:
         rgb: (height, width, 3).
-        points: (n, 2) on centrelines [px].
+        points: (n, 2) on centrelines [px], cable after cable.
         normals: (n, 2) unit vectors.
         width: (n,) of the cable there [px].
-        cable: (n,) the number of the cable, from 0 on without gaps.
+        counts: (k,) of the points on each cable.
     """
     reach = width[:, None] * OFFSETS
     x = (points[:, :1] + reach * normals[:, :1]).astype(np.float32)
@@ -103,41 +112,35 @@ def find_edges(rgb: Pixels, points: Array, normals: Array, width: Array, cable: 
     picked = cv2.remap(rgb, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     blurred = cv2.blur(picked.astype(np.float32), (1, ALONG), borderType=cv2.BORDER_REPLICATE)
     colours = np.stack(cv2.split(blurred))
-    *beside, shadow = _lit(_mean(colours[:, :, :OUTER]), _mean(colours[:, :, -OUTER:]))
-    body = colours[:, :, BODY]
-    starts = np.flatnonzero(np.diff(cable, prepend=-1))
-    own = np.stack(
-        [
-            median_colour(body[:, start:stop].reshape(3, -1).T)
-            for start, stop in zip(starts, [*starts[1:], len(cable)], strict=True)
-        ]
-    )[cable].T
+    left, right, middle = (colours @ OF_RIB).transpose(2, 0, 1)
+    left, right, shadow = _lit(left, right)
+    stops = np.cumsum(counts).tolist()
+    bodies = [
+        colours[:, i - n : i : SPARSE, BODY] for i, n in zip(stops, counts.tolist(), strict=True)
+    ]
+    own = np.stack([median_colour(body.reshape(3, -1).T) for body in bodies], axis=1)
+    own = np.repeat(own, counts, axis=1)
     # Both sides of all ribs in a row: the left ones, then the right ones.
     sides = np.concatenate([colours[:, :, MIDDLE::-1], colours[:, :, MIDDLE:]], axis=1)
-    around = np.concatenate(beside, axis=1)
+    around = np.concatenate([left, right], axis=1)
+    means = (sides @ OF_SIDE).transpose(2, 0, 1)
     by_hue, told = _shares(sides, around, np.concatenate([own, own], axis=1))
-    by_level = _levels(sides)
-    edge, last = _fall(np.where(told[:, None], by_hue, by_level))
-    apart = _mean(sides[:, :, INSIDE]) - around
-    contrast = np.sqrt(_dot(apart, apart)).reshape(2, -1).T
+    edge, last = _fall(np.where(told[:, None], by_hue, _levels(sides, *means)))
+    apart = means[1] - around
+    contrast = np.sqrt(_dot(apart, apart))
     rows = np.arange(len(last))
     fall = sides[:, rows, last] - sides[:, rows, last + 1]
-    slope = np.sqrt(_dot(fall, fall)).reshape(2, -1).T
-    stretch = contrast / np.maximum(slope, 1e-3) * (STEP * width)[:, None]
+    slope = np.maximum(np.sqrt(_dot(fall, fall)), 1e-3)
+    softness = (contrast / slope).reshape(2, -1).max(axis=0) * (STEP * width)
     half = len(points)
-    edges = np.stack([-width * edge[:half], width * edge[half:]], axis=1)
     return Ribs(
-        edges,
-        contrast,
-        _mean(colours[:, :, CORE]).T,
-        np.stack([side.T for side in beside], axis=1),
+        np.stack([-width * edge[:half], width * edge[half:]], axis=1),
+        contrast.reshape(2, -1).T,
+        middle.T,
+        np.stack([left.T, right.T], axis=1),
         shadow,
-        stretch.max(axis=1),
+        softness,
     )
-
-
-def _mean(colours: Pixels) -> Pixels:
-    return colours.mean(axis=2)
 
 
 def _dot(a: Pixels, b: Pixels) -> Pixels:
@@ -181,20 +184,21 @@ def _shares(colours: Pixels, beside: Pixels, own: Pixels) -> tuple[Pixels, npt.N
     return b / np.maximum(a + b, 1e-3), told
 
 
-def _levels(colours: Pixels) -> Pixels:
+def _levels(colours: Pixels, middle: Pixels, inside: Pixels, outside: Pixels) -> Pixels:
     """Return the cable's share of colours (3, n, m), from the middle outwards, by their level.
 
     It is 1 where the colour is the cable's, in its middle or just inside the edge, whichever tells
     more (a dark cable's highlight tells less), a half at the edge, and 0 near outside.
     """
-    outside = _mean(colours[:, :, OUTSIDE])
-    middle, inside = (_mean(colours[:, :, part]) - outside for part in (CENTRE, INSIDE))
+    middle, inside = middle - outside, inside - outside
     way = np.where(_dot(middle, middle) > _dot(inside, inside), middle, inside)
     whole = np.maximum(_dot(way, way), 1.0)
     rim = RIM_SHADE * (way + outside) - outside
     at_edge = limited(0.5 * _dot(rim, way) / whole, *AT_EDGE)
-    level = _dot(colours - outside[:, :, None], (way / whole)[:, :, None])
-    return 0.5 + 0.5 * (level - at_edge[:, None]) / (1 - at_edge)[:, None]
+    # 0.5 + 0.5 (level - at_edge) / (1 - at_edge), with as little as possible done per sample.
+    slope = 0.5 / (1 - at_edge)
+    way = way * (slope / whole)
+    return _dot(colours, way[:, :, None]) + (0.5 - slope * at_edge - _dot(outside, way))[:, None]
 
 
 def _fall(share: Pixels) -> tuple[Pixels, npt.NDArray[np.intp]]:

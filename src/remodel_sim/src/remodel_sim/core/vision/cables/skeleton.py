@@ -10,12 +10,15 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.vision.pixels import Pixels
 
 MAX_ROUNDS = 40
+# A mask goes on for so much beyond its border while it is thinned [px].
+RIM = 8
+# What lies around a part of a picture is not looked at.
+BORDER = cv2.BORDER_CONSTANT | cv2.BORDER_ISOLATED
 # The neighbours north, north-east, ... north-west as (row, column), and as bits of a code.
 NEIGHBOURS = ((-1, 0), (-1, 1), (0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1))
 BITS = np.array([[128, 1, 2], [64, 0, 4], [32, 16, 8]], np.float32)
@@ -46,17 +49,20 @@ HALF_STEPS = (_removable(True), _removable(False))
 
 def thin(mask: Pixels) -> Pixels:
     """Return the skeleton of a mask of 0 and 1; lines that touch the border are kept up to it."""
-    rim = 8
-    skeleton = cv2.copyMakeBorder(mask, rim, rim, rim, rim, cv2.BORDER_REPLICATE)
+    skeleton = cv2.copyMakeBorder(mask, RIM, RIM, RIM, RIM, cv2.BORDER_REPLICATE)
+    x, y, width, height = cv2.boundingRect(skeleton)
+    part = skeleton[y : y + height, x : x + width]
     left = cv2.countNonZero(skeleton)
+    if not left:
+        return mask
     for _ in range(MAX_ROUNDS):
         for removable in HALF_STEPS:
-            codes = cv2.filter2D(skeleton, -1, BITS, borderType=cv2.BORDER_CONSTANT)
-            skeleton = cv2.subtract(skeleton, cv2.LUT(codes, removable))
-        before, left = left, cv2.countNonZero(skeleton)
+            codes = cv2.filter2D(part, -1, BITS, borderType=BORDER)
+            cv2.subtract(part, cv2.LUT(codes, removable), dst=part)
+        before, left = left, cv2.countNonZero(part)
         if left == before:
             break
-    return np.ascontiguousarray(skeleton[rim:-rim, rim:-rim])
+    return np.ascontiguousarray(skeleton[RIM:-RIM, RIM:-RIM])
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,47 +92,53 @@ def find_strands(skeleton: Pixels) -> list[Strand]:
     for bit in (1, 3, 5, 7):
         linked[:, bit] &= ~linked[:, bit - 1] & ~linked[:, (bit + 1) % 8]
     degree = linked.sum(axis=1)
-    number = np.full(flat.size, -1)
+    number = np.zeros(flat.size, np.intp)
     number[places] = np.arange(len(places))
-    links: list[list[int]] = [[] for _ in places]
-    rows, bits = np.nonzero(linked)
-    for row, other in zip(rows.tolist(), number[places[rows] + steps[bits]].tolist(), strict=True):
-        links[row].append(other)
-    paths = _walk(links, degree)
+    # The first and the last neighbour of each pixel; of most these are all.
+    first = number[places + steps[np.argmax(linked, axis=1)]].tolist()
+    last = number[places + steps[7 - np.argmax(linked[:, ::-1], axis=1)]].tolist()
+    nodes = np.flatnonzero(degree != 2)
+    links = [
+        number[p + steps[n]].tolist() for p, n in zip(places[nodes], linked[nodes], strict=True)
+    ]
+    paths = _walk(first, last, dict(zip(nodes.tolist(), links, strict=True)))
     columns, lines = places % stride - 1, places // stride - 1
     points = np.column_stack([columns, lines]).astype(np.float64)
     return [Strand(points[path], (path[0], path[-1])) for path in paths]
 
 
-def _walk(links: list[list[int]], degree: npt.NDArray[np.int64]) -> list[list[int]]:
-    """Return the paths between pixels that have not exactly two links, then the closed rings."""
+def _walk(first: list[int], last: list[int], links: dict[int, list[int]]) -> list[list[int]]:
+    """Return the paths between nodes, then the closed rings.
+
+    Args:
+        first: a neighbour of each pixel.
+        last: another neighbour of each pixel that is no node.
+        links: the neighbours of each node.
+    """
     paths = []
-    is_node = (degree != 2).tolist()
-    done = [False] * len(links)
-    for node in np.flatnonzero(degree != 2).tolist():
+    done = [False] * len(first)
+    for node, neighbours in links.items():
         done[node] = True
-        for after in links[node]:
-            if done[after] and not is_node[after]:
+        for after in neighbours:
+            if done[after] and after not in links:
                 continue
-            path, last, here = [node], node, after
-            while not is_node[here]:
+            path, before, here = [node], node, after
+            while here not in links:
                 done[here] = True
                 path.append(here)
-                a, b = links[here]
-                last, here = here, (b if a == last else a)
+                before, here = here, last[here] if first[here] == before else first[here]
             path.append(here)
             # A link between two nodes is met from both.
             if len(path) > 2 or node < here:
                 paths.append(path)
-    for start in range(len(links)):
+    for start in range(len(first)):
         if done[start]:
             continue
-        path, last, here = [start], start, links[start][0]
+        path, before, here = [start], start, first[start]
         done[start] = True
         while here != start:
             done[here] = True
             path.append(here)
-            a, b = links[here]
-            last, here = here, (b if a == last else a)
+            before, here = here, last[here] if first[here] == before else first[here]
         paths.append([*path, start])
     return paths

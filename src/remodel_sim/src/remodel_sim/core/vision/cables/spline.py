@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from remodel_sim.core.geometry import Array
+from remodel_sim.core.vision.cables.polyline import arc_lengths
 from remodel_sim.core.vision.cables.robust import limited
 
 DEGREE = 3
@@ -51,23 +53,27 @@ def basis(t: Array, u: Array) -> Array:
         values[:, :-1] += low
         values[:, 1:] += high
     full = np.zeros((len(u), len(t) - DEGREE - 1))
-    columns = span[:, None] - DEGREE + np.arange(DEGREE + 1)
-    np.put_along_axis(full, columns, values, axis=1)
+    full[np.arange(len(u))[:, None], span[:, None] - DEGREE + np.arange(DEGREE + 1)] = values
     return full
 
 
 def fit(points: Array, weights: Array, spacing: float) -> Spline:
     """Return the spline nearest to points (m, 2) with weights (m,), knots `spacing` apart [px]."""
-    arc = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    arc = arc_lengths(points)
     u = arc / arc[-1]
     pieces = max(1, round(arc[-1] / spacing))
     inner = np.arange(1, pieces) / pieces
     t = np.concatenate([np.zeros(DEGREE + 1), inner, np.ones(DEGREE + 1)])
     rows = basis(t, u)
-    count = rows.shape[1]
-    bend = np.diff(np.eye(count), 2, axis=0)
     weighted = rows * weights[:, None]
-    density = max(float(weights.sum()), 1.0) / count
-    normal = rows.T @ weighted + STIFFNESS * density * bend.T @ bend
-    c = np.linalg.solve(normal + 1e-9 * np.eye(count), weighted.T @ points)
+    density = max(float(weights.sum()), 1.0) / rows.shape[1]
+    normal = weighted.T @ rows + density * _stiffness(rows.shape[1])
+    c = np.linalg.solve(normal, weighted.T @ points)
     return Spline(t, c[:, 0], c[:, 1])
+
+
+@lru_cache(maxsize=256)
+def _stiffness(count: int) -> Array:
+    """Return the matrix (count, count) of the cost of bends between neighbouring coefficients."""
+    bend = np.diff(np.eye(count), 2, axis=0)
+    return np.asarray(STIFFNESS * bend.T @ bend + 1e-9 * np.eye(count))
