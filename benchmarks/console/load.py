@@ -21,13 +21,12 @@ from playwright.sync_api import Page
 from std_msgs.msg import Empty, String
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "src/remodel_console/test/rostest"))
-from browser_test_case import free_port
 from console_test import OBSERVE, ConsoleTest
+from large_chart import large_chart
 
 from flexbe_synthesizer.core.codec import write_chart
-from flexbe_synthesizer.core.model import Chart, Container, Outcome, Param, State, Transition
+from remodel_console.testing.browser_test import free_port
 
-BOXES, STATES = 10, 20
 VISIT_S = 0.02
 LIMIT_S = 0.25  # what a page may lag behind at most
 SLOWER = 0.05  # by which the engine may be slower with the console
@@ -36,36 +35,14 @@ WAIT_S = 30.0
 AHEAD_MS = 50.0  # by which a page may learn of a state before this process does
 
 
-def box(number: int) -> Container:
-    """Return a container of states in a row."""
-    ids = [f"S{number}_{place}" for place in range(STATES)]
-    nodes = tuple(
-        State(
-            one,
-            "WaitState",
-            (Transition("done", following),),
-            params=(Param("wait_time", VISIT_S),),
-        )
-        for one, following in zip(ids, (*ids[1:], "through"), strict=True)
-    )
-    body = Chart(f"Box {number}", ids[0], (Outcome("through"),), nodes)
-    following = f"Box {(number + 1) % BOXES}"
-    led = (Transition("through", following),)
-    if number:
-        return Container(f"Box {number}", "container", led, body=body)
-    led = (*led, Transition("exhausted", "finished"))
-    return Container("Box 0", "container", led, attempts=100000, body=body)
-
-
 class Load(ConsoleTest):
     """The browser tests' set-up, with a large behavior."""
 
     @classmethod
     def setUpClass(cls) -> None:
         """Add the large behavior to the charts."""
-        chart = Chart("Load", "Box 0", (Outcome("finished"),), tuple(map(box, range(BOXES))))
-        cls.more_charts = {"load.xml": write_chart(chart)}
-        super(ConsoleTest, cls).setUpClass()
+        cls.more_charts = {"load.xml": write_chart(large_chart("Load", VISIT_S))}
+        super().setUpClass()
 
     def setUp(self) -> None:
         """Listen to what the engine enters."""

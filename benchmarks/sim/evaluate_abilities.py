@@ -3,8 +3,9 @@
 """Measure how often the abilities succeed, or refuse rightly, over seeds, and how long it takes.
 
 evaluate_abilities.py [FILE] [--seeds 0-99] [--trials NAME ...] [--panel PANEL] [--formboard PANEL]
-[--jobs N]; the workspace must be sourced. A seed gives a wire its curvature and the cameras their
-noise; wires of the panel take turns; the trial "route" has the formboard instead. Each trial that
+[--connectors PANEL] [--jobs N]; the workspace must be sourced. A seed gives a wire its curvature
+and the cameras their noise; wires of the panel take turns; the trial "route" has the formboard
+instead, those named "connector" have that of the connectors. Each trial that
 goes wrong is printed with its seed and code as it ends, and `--seeds SEED --trials NAME` runs it
 again with the same outcome. FILE (out/bench/abilities.jsonl) gets a line of JSON for each trial,
 then for each figure. Exits with 1 when a target is missed.
@@ -38,6 +39,9 @@ SHARES = {
     "other_component": ("wrong socket, of another component: INVALID_GOAL", 98.0),
     "neighbour": ("wrong socket, the one beside it: INVALID_GOAL", 98.0),
     "occupied": ("wrong socket, occupied: TERMINAL_OCCUPIED", 98.0),
+    "connector": ("connector latched, first attempt", 95.0),
+    "connector_offset": ("connector 6 mm aside: INSERTION_MISALIGNED", 98.0),
+    "connector_blocked": ("connector, one bore blocked: INSERTION_JAMMED", 98.0),
     "route": ("six clips, the whole wire in them after release", 95.0),
     "connections": ("trials of CheckConnection without a wrong answer", None),
     "locate": ("located", None),
@@ -143,14 +147,18 @@ def main() -> int:
     parser.add_argument("--trials", nargs="+", choices=TRIALS, default=list(TRIALS), metavar="NAME")
     parser.add_argument("--panel", type=Path, default=CONFIG / "panel.yaml")
     parser.add_argument("--formboard", type=Path, default=CONFIG / "formboard.yaml")
+    parser.add_argument("--connectors", type=Path, default=CONFIG / "connectors.yaml")
     parser.add_argument("--jobs", type=int, default=1, help="processes")
     options = parser.parse_args()
     options.file.parent.mkdir(parents=True, exist_ok=True)
     materials = read_wire_materials()
     panel = read_panel(options.panel, materials)
     panels = {name: panel for name in options.trials}
-    if "route" in options.trials:
-        panels["route"] = read_panel(options.formboard, materials)
+    for name in options.trials:
+        if name == "route":
+            panels[name] = read_panel(options.formboard, materials)
+        elif name.startswith("connector_") or name == "connector":
+            panels[name] = read_panel(options.connectors, materials)
     trials = [Trial(name, seed, panels[name]) for name in options.trials for seed in options.seeds]
     outcomes = run_all(trials, options.jobs, options.file)
     print(head())

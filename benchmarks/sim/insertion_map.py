@@ -4,7 +4,8 @@
 
 The mouth is given off to the side and turned about the vertical, as a bad look would; nothing is
 corrected. Each point is one insertion of end a in a cell of its own; the truth tells whether it is
-seated. A line of JSON for each goes to the same name with the ending .jsonl.
+seated, also where it was refused (a point with a dot). A line of JSON for each goes to
+out/bench/insertion-map.jsonl.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from plots import BLACK, MARGIN, RED, Axes, axes
+from plots import BLACK, MARGIN, RED, WIDTH, Axes, axes
 
 from remodel_sim.abilities.insert_cable import insert_cable
 from remodel_sim.cell import Cell
@@ -29,13 +30,15 @@ from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
 
 PANEL = Path(__file__).parents[2] / "src" / "remodel_sim" / "config" / "panel.yaml"
+LINES = Path("out/bench/insertion-map.jsonl")
 OFFSETS_MM = (0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
 ANGLES_DEG = (0.0, 5.0, 10.0, 15.0, 20.0)
 FORCE_LIMIT_N = 8.0
 SEED = 1
 GREEN, ORANGE, GREY = (60, 150, 60), (20, 140, 240), (150, 150, 150)
+SEATED = "seated"
 COLOURS = {
-    "seated": GREEN,
+    SEATED: GREEN,
     "INSERTION_MISALIGNED": ORANGE,
     "INSERTION_JAMMED": RED,
     "INSERTION_NO_CONTACT": GREY,
@@ -50,11 +53,13 @@ class Point:
         offset_mm: of the mouth that was given, along its y.
         angle_deg: by which it was turned.
         found: the error code, "seated", or "silently wrong".
+        at_bottom: whether the end is seated by the truth.
     """
 
     offset_mm: float
     angle_deg: float
     found: str
+    at_bottom: bool
 
 
 def measure(panel: Panel, offset_mm: float, angle_deg: float) -> Point:
@@ -67,14 +72,16 @@ def measure(panel: Panel, offset_mm: float, angle_deg: float) -> Point:
     error = Pose.level(0.0, offset_mm / 1e3, 0.0, np.radians(angle_deg))
     given = cell.plant.world_from_socket(*terminal) @ error
     goal = InsertGoal(ROBOT, wire.id, End.A, *terminal, given, FORCE_LIMIT_N)
+    found = SEATED
     try:
         cell.run(insert_cable(cell.station, goal))
-        (truth,) = ground_truth(cell.plant, [wire.id])
-        found = "seated" if truth.a.seated else "silently wrong"
     except AbilityError as failure:
         found = failure.code.name
+    (truth,) = ground_truth(cell.plant, [wire.id])
     cell.close()
-    return Point(offset_mm, angle_deg, found)
+    if found == SEATED and not truth.a.seated:
+        found = "silently wrong"
+    return Point(offset_mm, angle_deg, found, truth.a.seated)
 
 
 def draw(points: list[Point]) -> np.ndarray:
@@ -82,21 +89,24 @@ def draw(points: list[Point]) -> np.ndarray:
     plot = axes(
         "InsertCable by error of its goal, 3.0 mm wire, 3.8 mm bore, 1.5 mm chamfer",
         ("beside the axis [mm]", "turned [deg]"),
-        (-0.5, *OFFSETS_MM, OFFSETS_MM[-1] + 0.5),
-        (-2.0, *ANGLES_DEG, ANGLES_DEG[-1] + 2.0),
+        OFFSETS_MM,
+        ANGLES_DEG,
         legend=False,
     )
     for point in points:
         place = plot.pixel(point.offset_mm, point.angle_deg)
         cv2.circle(plot.picture, place, 11, COLOURS.get(point.found, BLACK), -1, cv2.LINE_AA)
+        if point.at_bottom and point.found != SEATED:
+            cv2.circle(plot.picture, place, 5, COLOURS[SEATED], -1, cv2.LINE_AA)
     _legend(plot, sorted({point.found for point in points}))
+    plot.text("dot: seated all the same", (WIDTH - 270, 60), COLOURS[SEATED])
     return plot.picture
 
 
 def _legend(plot: Axes, names: list[str]) -> None:
     for i, name in enumerate(names):
-        text = name.lower().replace("_", " ")
-        plot.text(text, (MARGIN + 200 * i, 60), COLOURS.get(name, BLACK))
+        text = "refused: " + name.lower().replace("_", " ") if name.isupper() else name
+        plot.text(text, (MARGIN + 90 + 290 * i, 60), COLOURS.get(name, BLACK))
 
 
 def main() -> None:
@@ -104,10 +114,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("file", nargs="?", type=Path, default=Path("out/bench/insertion-map.png"))
     file = parser.parse_args().file
-    file.parent.mkdir(parents=True, exist_ok=True)
+    for each in (file, LINES):
+        each.parent.mkdir(parents=True, exist_ok=True)
     panel = read_panel(PANEL, read_wire_materials())
     points = []
-    with file.with_suffix(".jsonl").open("w") as lines:
+    with LINES.open("w") as lines:
         for angle in ANGLES_DEG:
             for offset in OFFSETS_MM:
                 points.append(measure(panel, offset, angle))

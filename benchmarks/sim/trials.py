@@ -123,6 +123,37 @@ def offset(cell: Cell, wire: Wire) -> Outcome:
     return _refused(cell, wire, wire.goes_to(End.A), beside, Code.INSERTION_MISALIGNED)
 
 
+def connector(cell: Cell, wire: Wire) -> Outcome:
+    """Mate a connector with its header; good when it is latched there, by the truth."""
+    found = _code_of(lambda: _connect(cell, wire))
+    (truth,) = ground_truth(cell.plant, [wire.id])
+    return Outcome(truth.a.seated and truth.a.fixed and found == Code.NONE.name, found)
+
+
+def connector_offset(cell: Cell, wire: Wire) -> Outcome:
+    """Mate a connector 6 mm beside its header."""
+    found = _code_of(
+        lambda: _connect(cell, wire, OFFSET_M if cell.plant.seed % 4 < 2 else -OFFSET_M)
+    )
+    return Outcome(_is(found, Code.INSERTION_MISALIGNED), found)
+
+
+def connector_blocked(cell: Cell, wire: Wire) -> Outcome:
+    """Mate a connector with a header that has a plug in one of its bores."""
+    cell.plant.block_socket(*wire.goes_to(End.A))
+    found = _code_of(lambda: _connect(cell, wire))
+    return Outcome(_is(found, Code.INSERTION_JAMMED), found)
+
+
+def _connect(cell: Cell, wire: Wire, aside: float = 0.0) -> None:
+    """Feed a wire, locate the header of its end a, and push the connector there."""
+    cell.feed(wire.id, task.channel_of(cell, wire))
+    header = wire.goes_to(End.A)
+    socket = task.locate_again(cell, *header)
+    beside = Pose(socket.apply(np.array([0.0, aside, 0.0])), socket.quaternion)
+    task.place_connector(cell, wire, header, beside)
+
+
 def blocked(cell: Cell, wire: Wire) -> Outcome:
     """Insert into a terminal with a plug in its bore."""
     terminal = wire.goes_to(End.A)
@@ -294,6 +325,9 @@ TRIALS: dict[str, Callable[[Cell, Wire], Outcome]] = {
     "pick": pick,
     "offset": offset,
     "blocked": blocked,
+    "connector": connector,
+    "connector_offset": connector_offset,
+    "connector_blocked": connector_blocked,
     "other_component": other_component,
     "neighbour": neighbour,
     "occupied": occupied,

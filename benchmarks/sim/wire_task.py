@@ -13,6 +13,7 @@ from remodel_sim.abilities.fix_cable import fix_cable
 from remodel_sim.abilities.insert_cable import insert_cable
 from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
 from remodel_sim.abilities.pick_cable import pick_cable
+from remodel_sim.abilities.place_connector import place_connector as mate_connector
 from remodel_sim.abilities.route_wire import route_wire
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.cell import Cell
@@ -29,6 +30,7 @@ ATTEMPTS = 3
 # What the states of the charts ask for when the chart says nothing [N].
 FORCE_LIMIT_N = 8.0
 PULL_TEST_N = 5.0
+MATING_LIMIT_N = 30.0
 # End b is carried to beside its terminal: so far beyond it along the channel, and so high [m].
 BESIDE_M = 0.030
 CARRY_Z_M = 0.040
@@ -87,6 +89,14 @@ def insert(cell: Cell, wire: Wire, end: End, terminal: tuple[str, str], socket: 
     """Push an end into a terminal."""
     goal = goals.InsertGoal(goals.ROBOT, wire.id, end, *terminal, socket, FORCE_LIMIT_N)
     do(cell, insert_cable, goal)
+
+
+def place_connector(cell: Cell, wire: Wire, header: tuple[str, str], socket: Pose) -> None:
+    """Push the connector at end a into a header."""
+    connector = wire.connector_at(End.A)
+    assert connector is not None, "the wire has one"
+    fields = (goals.ROBOT, connector.id, wire.id, *header, socket, MATING_LIMIT_N)
+    do(cell, mate_connector, goals.ConnectGoal(*fields))
 
 
 def pick(cell: Cell, wire: Wire, end: End) -> None:

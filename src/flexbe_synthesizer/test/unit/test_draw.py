@@ -5,7 +5,14 @@ import pytest
 
 from flexbe_synthesizer.core.codec import parse_chart
 from flexbe_synthesizer.core.draw import chart_to_dot
-from flexbe_synthesizer.core.model import Behavior, Chart, Outcome, State, Transition
+from flexbe_synthesizer.core.model import (
+    Behavior,
+    Chart,
+    ErrorRoute,
+    Outcome,
+    State,
+    Transition,
+)
 from flexbe_synthesizer.edge.graphviz import render_dot
 from flexbe_synthesizer.errors import DrawingError
 
@@ -46,6 +53,22 @@ def test_failures_are_dashed_and_share_an_arrow(chart):
     assert "style=dashed" in edge(dot, "Insert", "Extract")
     assert "style=solid" in edge(dot, "Insert", "Fix")
     assert "failed<br/>timed_out" in edge(dot, "Fix", "Extract")
+
+
+def test_routes_of_error_codes_share_lines_of_their_arrow():
+    routes = tuple(ErrorRoute(code, code + 1, "failed") for code in range(100, 150, 10))
+    state = State("A", "T", (Transition("lost", "failed"),), on_error=routes)
+    dot = chart_to_dot(Chart("c", "A", (Outcome("failed"),), (state,)))
+    label = "lost<br/>failed 100-101, 110-111, 120-121, 130-131<br/>140-141"
+    assert label in edge(dot, "A", "failed")
+
+
+def test_a_target_that_there_is_not_is_drawn_as_missing():
+    state = State("A", "T", (Transition("done", "B"), Transition("again", "B")))
+    dot = chart_to_dot(Chart("c", "A", (Outcome("finished"),), (state,)))
+    assert dot.count("B?<br/>") == 1
+    assert "dashed" in re.search(r'"n B" \[(.*)\]', dot)[1]
+    assert '"start" ->' not in chart_to_dot(Chart("c", "", (), ()))
 
 
 def test_the_path_taken_is_numbered_and_the_rest_fades(chart):

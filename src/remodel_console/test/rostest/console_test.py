@@ -4,7 +4,6 @@
 import contextlib
 import json
 import os
-import signal
 import subprocess
 import sys
 import time
@@ -17,12 +16,17 @@ from playwright.sync_api import expect
 from std_msgs.msg import String
 
 sys.path.insert(0, str(Path(__file__).parent))
-from browser_test_case import LIMIT_S, BrowserTestCase, free_port
+from behavior_test_case import BehaviorTestCase
 
+from remodel_console.core.answer import DONE, FAILED
 from remodel_console.edge.catalogue import Catalogue
+from remodel_console.ros.ask import ask
+from remodel_console.testing.browser_test import LIMIT_S, free_port
 
 TRUTH_S = 2.0  # within which a page shows what has become of engine and mirror
 LIT_S = 0.1  # within which a transition is seen
+SEES_PATROL = """() => !window.isOld && document.querySelector('g.node.active')
+  && document.querySelector('.attach')?.textContent.includes("'Patrol' runs unattended.")"""
 OBSERVE = """() => {
   const frame = document.querySelector('.canvas-frame');
   window.lit = [];
@@ -31,7 +35,9 @@ OBSERVE = """() => {
 }"""
 
 
-class ConsoleTest(BrowserTestCase):
+class ConsoleTest(BehaviorTestCase):
+    first_page = "/runtime"
+
     def setUp(self):
         super().setUp()
         self.ready(self.page)
@@ -63,15 +69,6 @@ class ConsoleTest(BrowserTestCase):
                 autonomy_level=255,
             )
         )
-
-    def wait_until(self, is_so):
-        end = time.monotonic() + LIMIT_S
-        while not is_so():
-            self.assertLess(time.monotonic(), end, "waited too long")
-            self.page.wait_for_timeout(20)
-
-    def press(self, page, name):
-        page.get_by_role("button", name=name, exact=True).click()
 
     def lock(self, page):
         """Lock the active state; again if it was left before the engine had the command."""
@@ -118,6 +115,7 @@ class ConsoleTest(BrowserTestCase):
         expect(late.locator(".attach")).to_contain_text(
             "Load 'Patrol' first: 'Errand' is loaded now."
         )
+        expect(late.locator("g.node.active")).not_to_have_count(0)  # what runs is drawn, not Errand
         self.take_picture(late, "runtime-attach")
         self.press(late, "Load 'Patrol'")
         expect(self.page.locator("g.node.active")).not_to_have_count(0)
@@ -160,6 +158,14 @@ class ConsoleTest(BrowserTestCase):
         self.press(self.page, "Unlock")
         expect(self.page.locator(".held")).to_have_count(0)
         expect(self.page.locator("g.node.active")).not_to_have_count(0)
+        field.fill("0.34")
+        field.press("Enter")
+        self.press(editor, "Save")
+        expect(self.page.get_by_text("Another version of 'Patrol' is saved.")).to_be_visible()
+        for command in ("switch", "unlock"):
+            answer = ask(command, "", LIMIT_S)
+            self.assertEqual(answer.state, DONE, answer)
+        self.assertEqual(ask("switch", "", LIMIT_S).state, FAILED)
         self.stop(self.page)
         self.assertIn("switch to the saved version of 'Patrol'", self.record.read_text())
 
@@ -215,11 +221,26 @@ class ConsoleTest(BrowserTestCase):
         )
         self.start_mirror()
         expect(self.page.locator(".notice", has_text="mirror")).to_have_count(0)
+        self.page.evaluate("() => { window.isOld = true; }")
+        self.kill("console")
+        away = self.page.get_by_text("The console is away:")
+        expect(away).to_be_visible(timeout=1000 * TRUTH_S)
+        self.take_picture(self.page, "runtime-console-away")
+        self.start_console()
+        self.page.wait_for_function(SEES_PATROL, timeout=1000 * TRUTH_S)
+
+    def test_a_console_that_comes_again_finds_what_waits_for_an_operator(self):
+        self.load(self.page, "Errand")
+        self.choose(self.page, "Autonomy", "Low")
+        self.press(self.page, "Start")
+        expect(self.page.locator(".request")).to_be_visible()
         self.kill("console")
         self.start_console()
-        expect(self.page.locator(".attach")).to_contain_text("'Patrol' runs unattended.")
-        self.page.get_by_role("button", name="Load 'Patrol'").click()
-        expect(self.page.locator("g.node.active")).not_to_have_count(0)
+        self.press(self.page, "Load 'Errand'")
+        self.press(self.page, "Attach")
+        expect(self.page.locator(".request")).to_contain_text("Leave 'Report' with 'done'?")
+        self.page.keyboard.press("c")
+        expect(self.page.locator(".ending")).to_have_text("The last run ended with 'finished'.")
 
     def start_master(self, port):
         self.processes["master"] = subprocess.Popen(
@@ -228,11 +249,6 @@ class ConsoleTest(BrowserTestCase):
             stdout=subprocess.DEVNULL,
             start_new_session=True,
         )
-
-    def end(self, name):
-        process = self.processes.pop(name)
-        os.killpg(process.pid, signal.SIGINT)
-        process.wait(LIMIT_S)
 
     def test_who_only_watches_sees_ros_come_late_go_and_come_back(self):
         port, master = free_port(), free_port()
@@ -255,22 +271,12 @@ class ConsoleTest(BrowserTestCase):
         self.start("second engine", "flexbe_onboard", "start_behavior", **uri)
         expect(page.locator(".state")).to_have_text("idle")
         expect(page.get_by_role("combobox", name="Behavior")).to_be_disabled()
-        for name in ("second engine", "late", "master"):
-            self.end(name)
+        self.end("second engine", "late")
+        self.end("master")
 
     def test_a_tablet_in_the_dark_and_the_keys(self):
-        page = self.open_page(width=1024, height=768)
-        self.ready(page)
-        self.load(page, "Errand")
-        page.get_by_role("button", name="Dark or light").click()
-        expect(page.locator("body.body--dark")).to_have_count(1)
-        page.reload()
-        expect(page.locator("body.body--dark")).to_have_count(1)
-        expect(page.locator("g.node").first).to_be_visible()
-        overflow = (
-            "() => document.documentElement.scrollWidth - document.documentElement.clientWidth"
-        )
-        self.assertEqual(page.evaluate(overflow), 0)
+        self.load(self.page, "Errand")
+        page = self.open_tablet_in_the_dark("/runtime", "g.node")
         self.take_picture(page, "runtime-dark-1024")
         page.keyboard.press("?")
         expect(page.get_by_role("dialog")).to_contain_text("confirm what the engine asks")

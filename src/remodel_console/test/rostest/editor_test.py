@@ -1,17 +1,21 @@
 #!/usr/bin/env python3
 """The editor in a real browser: a behavior is put together, synthesized into, checked and saved."""
 
+import contextlib
 import sys
 from pathlib import Path
+from typing import ClassVar
 
 import rospy
 import rostest
 from playwright.sync_api import expect
 
 sys.path.insert(0, str(Path(__file__).parent))
-from browser_test_case import BrowserTestCase
+from behavior_test_case import BehaviorTestCase
+from large_chart import BOXES, STATES, large_chart
 
-from flexbe_synthesizer.core.codec import parse_chart
+from flexbe_synthesizer.core.codec import parse_chart, write_chart
+from remodel_console.testing.browser_test import LIMIT_S
 
 BROKEN = """<statemachine name="Broken" initial="A">
   <datamodel><outcome name="finished"/></datamodel>
@@ -22,21 +26,28 @@ BROKEN = """<statemachine name="Broken" initial="A">
 """
 
 
-class EditorTest(BrowserTestCase):
+SCALE = """() => {
+  const svg = document.querySelector('.canvas-stage svg');
+  return svg.clientWidth / svg.viewBox.baseVal.width;
+}"""
+READABLE = 0.8  # [screen pixels per unit of the drawing] of the largest drawings, in canvas.js
+
+
+class EditorTest(BehaviorTestCase):
+    first_page = "/editor"
+    more_charts: ClassVar = {"large.xml": write_chart(large_chart("Large", 0.02))}
+
     def setUp(self):
-        self.page = self.open_page("/editor")
+        super().setUp()
         expect(self.page.get_by_role("button", name="Save")).to_be_visible()
 
     def chart(self, name):
         return parse_chart((self.package / "charts" / f"{name}.xml").read_bytes())
 
-    def press(self, name):
-        self.page.get_by_role("button", name=name, exact=True).click()
-
     def open(self, name):
         """Open a behavior; what another test has left unsaved is lost."""
         self.choose(self.page, "Open", name)
-        lose = self.page.get_by_role("button", name="Open, and lose them")
+        lose = self.page.get_by_role("button", name="Load, and lose them")
         title = self.page.locator(".properties .title", has_text=name)
         expect(lose.or_(title)).to_be_visible()
         if lose.is_visible():
@@ -48,11 +59,28 @@ class EditorTest(BrowserTestCase):
         field.fill(text)
         field.press("Enter")
 
-    def pick(self, path):
-        self.press("Show all")
-        self.page.locator(f".canvas-stage g.node[data-path='{path}'] text").first.click()
+    def is_selected(self, path, limit_s=LIMIT_S):
         name = self.page.locator(".properties").get_by_label("Name", exact=True)
-        expect(name).to_have_value(path.rpartition("/")[2])
+        with contextlib.suppress(AssertionError):
+            expect(name).to_have_value(path.rpartition("/")[2], timeout=1000 * limit_s)
+            return True
+        return False
+
+    def pick(self, path, kind="node"):
+        """Select what is drawn; again if it was drawn anew just when it was clicked."""
+
+        def is_picked():
+            self.press(self.page, "Show all")
+            drawn = self.page.locator(f".canvas-stage g.{kind}[data-path='{path}'] text")
+            drawn.first.click()
+            return self.is_selected(path, limit_s=2.0)
+
+        self.wait_until(is_picked, path)
+
+    def add_container(self):
+        """Add a container, which is selected then."""
+        self.press(self.page, "Container")
+        self.assertTrue(self.is_selected("Container"))
 
     def write_xml(self, text):
         self.page.get_by_role("tab", name="XML").click()
@@ -60,68 +88,65 @@ class EditorTest(BrowserTestCase):
 
     def test_a_behavior_is_built_synthesized_into_and_saved(self):
         page = self.page
-        self.press("New")
+        self.press(self.page, "New")
         dialog = page.get_by_role("dialog")
         dialog.get_by_label("Name").fill("Built Here")
         self.choose(page, "Folder", str(self.package / "charts"))
-        self.press("Make")
+        self.press(self.page, "Make")
         expect(page.locator(".tools")).to_contain_text("Built Here: not saved yet")
         page.get_by_label("Find a state").fill("log")
         page.locator(".library").get_by_role("button", name="Log", exact=True).click()
         expect(page.get_by_role("dialog")).to_contain_text("-- text")
-        self.press("Add Log")
+        self.press(self.page, "Add Log")
         self.pick("Log")
         self.fill("text", "Built by hand.")
-        self.press("Container")
-        self.pick_container("Container")
+        self.add_container()
         page.get_by_text("Use synthesis").click()
         self.choose(page, "Goal", "errand.xml")
-        self.press("Synthesize")
+        self.press(self.page, "Synthesize")
         expect(page.locator("g.node[data-path='Container/Search/Look']").first).to_be_visible()
         self.pick("Log")
         self.choose(page, "done", "Container")
-        self.pick_container("Container")
+        self.pick("Container", "cluster")
         self.choose(page, "finished", "finished")
         self.choose(page, "failed", "failed")
         expect(page.locator(".problems")).to_contain_text("No errors.")
+        self.press(page, "Show all")
         self.take_picture(page, "editor")
-        self.press("Save")
+        self.press(self.page, "Save")
         expect(page.locator(".tools")).to_contain_text("Built Here: saved")
         chart = self.chart("built_here")
         self.assertEqual([node.id for node in chart.nodes], ["Log", "Container"])
         self.assertEqual(chart.nodes[0].params[0].value, "Built by hand.")
         self.assertTrue(list(self.package.rglob("built_here_sm.py")))
 
-    def pick_container(self, path):
-        box = self.page.locator(f".canvas-stage g.cluster[data-path='{path}']")
-        if box.count():
-            box.locator("text").first.click()
-        expect(self.page.locator(".properties").get_by_label("Name", exact=True)).to_have_value(
-            path
-        )
-
     def test_a_chart_that_cannot_be_used_is_shown_with_its_errors(self):
         (self.package / "charts" / "broken.xml").write_text(BROKEN)
         self.addCleanup((self.package / "charts" / "broken.xml").unlink)
         self.page.reload()
         self.open("Errand")
-        self.press("Container")
-        self.pick_container("Container")
+        self.add_container()
         self.page.get_by_text("Use synthesis").click()
         self.choose(self.page, "Goal", "broken.xml")
-        self.press("Synthesize")
+        self.press(self.page, "Synthesize")
         dialog = self.page.get_by_role("dialog")
         expect(dialog).to_contain_text("3 errors")
         expect(dialog.locator(".xml-error")).not_to_have_count(0)
         self.take_picture(self.page, "editor-refusal")
-        self.press("Close")
+        self.press(self.page, "Close")
 
     def test_xml_and_drawing_follow_each_other_and_undo_takes_back(self):
         page = self.page
         self.open("Errand")
         text = self.chart("errand")
         self.assertEqual(text.nodes[0].id, "Greet")
-        self.pick("Search/Look")
+        name = page.locator(".properties").get_by_label("Name", exact=True)
+        page.locator(".tools .soft").click()
+        for key, selected in (("n", "Greet"), ("n", "Search"), ("n", "Look"), ("b", "Search")):
+            page.keyboard.press(key)
+            expect(name).to_have_value(selected)
+        page.keyboard.press("n")
+        expect(name).to_have_value("Look")
         self.fill("wait_time", "0.75")
         page.get_by_role("tab", name="XML").click()
         expect(page.locator(".cm-content")).to_contain_text('value="0.75"')
@@ -131,6 +156,8 @@ class EditorTest(BrowserTestCase):
         self.write_xml(source.replace('target="Report"', 'target="Repot"'))
         expect(page.locator(".problems")).to_contain_text("Repot")
         expect(page.locator(".cm-content .xml-error")).to_have_count(1)
+        expect(page.locator(".canvas-stage g.node", has_text="there is none")).to_be_visible()
+        self.press(page, "Show all")
         self.take_picture(page, "editor-xml")
         self.write_xml(source.replace("</statemachine>", ""))
         expect(page.locator(".problems .error")).not_to_have_count(0)
@@ -152,7 +179,7 @@ class EditorTest(BrowserTestCase):
         page.get_by_label("Input 2: must be given").press("Enter")
         expect(page.get_by_label("Input 3: name")).to_be_visible()
         self.pick("Search/Look")
-        page.locator(".canvas-stage g.cluster[data-path='Search'] text").first.click()
+        self.pick("Search", "cluster")
         self.choose(page, "Runs what is in it", "all at once")
         page.get_by_role("combobox", name="Condition 1: all of").click()
         for name in ("Look: done", "Look closer: done"):
@@ -166,17 +193,28 @@ class EditorTest(BrowserTestCase):
         expect(page.locator(".cm-content")).to_contain_text('<input name="count" type="int"')
         expect(page.locator(".cm-content")).to_contain_text('<ext:condition outcome="found">')
 
+    def test_200_states_are_drawn_so_that_they_can_be_read(self):
+        page = self.page
+        self.open("Large")
+        states = page.locator(".canvas-stage g.node[data-path*='Box']")
+        expect(states).to_have_count(BOXES)
+        self.pick("Box 4")
+        expect(states).to_have_count(BOXES - 1 + STATES + 1)  # closed ones; states, and an end
+        self.assertGreater(page.evaluate(SCALE), 0.99 * READABLE)
+        page.locator(".canvas-stage g.node[data-path='Box 4/S4_7'] text").first.click()
+        self.take_picture(page, "editor-200-states")
+
     def test_deleting_and_renaming_keep_what_belongs_together(self):
         self.open("Patrol")
         self.pick("South")
         self.fill("Name", "Far South")
         expect(self.page.locator("g.node[data-path='Far South']").first).to_be_visible()
         self.pick("Far South")
-        self.press("Delete")
+        self.press(self.page, "Delete")
         expect(self.page.locator("g.node[data-path='Far South']")).to_have_count(0)
         expect(self.page.locator(".problems")).to_contain_text("1 error")
-        self.press("Undo")
-        self.press("Undo")
+        self.press(self.page, "Undo")
+        self.press(self.page, "Undo")
         expect(self.page.locator("g.node[data-path='South']").first).to_be_visible()
 
     def test_one_session_for_two_pages(self):
@@ -193,8 +231,7 @@ class EditorTest(BrowserTestCase):
             "synthesizer", "flexbe_synthesizer", "synthesis_server", f"_output:={self.package}"
         )
         self.open("Errand")
-        self.press("Container")
-        self.pick_container("Container")
+        self.add_container()
         expect(self.page.get_by_text("Use synthesis")).to_be_visible()
         page = self.open_page("/configuration")
         page.get_by_text("Enable synthesis").click()
@@ -214,7 +251,7 @@ class EditorTest(BrowserTestCase):
         self.take_picture(page, "configuration")
         self.page.get_by_text("Use synthesis").click()
         self.choose(self.page, "Goal", "patrol.xml")
-        self.press("Synthesize")
+        self.press(self.page, "Synthesize")
         expect(self.page.locator("g.node[data-path='Container/North']").first).to_be_visible()
         self.kill("console")
         self.start_console()

@@ -78,7 +78,7 @@ class FakeSupervisor:
 
     def _take_goal(self, handle):
         goal = handle.get_goal()
-        self.asked.append(("run", goal.order, goal.tasks))
+        self.asked.append(("run", goal.order, goal.tasks, goal.again))
         if goal.order == "nowhere":
             handle.set_rejected(None, "there is no order 'nowhere'; there are: cabinet 7")
             return

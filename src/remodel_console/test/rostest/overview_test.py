@@ -3,7 +3,6 @@
 
 import json
 import sys
-import time
 from pathlib import Path
 
 import rospy
@@ -11,26 +10,16 @@ import rostest
 from playwright.sync_api import expect
 
 sys.path.insert(0, str(Path(__file__).parent))
-from browser_test_case import LIMIT_S, BrowserTestCase
+from behavior_test_case import BehaviorTestCase
 from fake_supervisor import FakeCameras, FakeRecords, FakeSupervisor
 
 
-class OverviewTest(BrowserTestCase):
+class OverviewTest(BehaviorTestCase):
     has_engine = False
-    first_page = "/overview"
 
     def setUp(self):
         super().setUp()
         expect(self.page.locator(".presence.there", has_text="ROS")).to_be_visible()
-
-    def wait_until(self, is_so):
-        end = time.monotonic() + LIMIT_S
-        while not is_so():
-            self.assertLess(time.monotonic(), end, "waited too long")
-            self.page.wait_for_timeout(20)
-
-    def press(self, name):
-        self.page.get_by_role("button", name=name, exact=True).click()
 
     def test_an_order_runs_asks_and_is_commanded(self):
         page = self.page
@@ -44,15 +33,16 @@ class OverviewTest(BrowserTestCase):
 
         page.get_by_role("combobox", name="Order").fill("nowhere")
         page.get_by_role("combobox", name="Order").press("Enter")
-        self.press("Start the order")
+        self.press(page, "Start the order")
         expect(page.get_by_text("there is no order 'nowhere'")).to_be_visible()
-        self.press("OK")
+        self.press(page, "OK")
         page.get_by_role("combobox", name="Order").fill("cabinet 7")
         page.get_by_role("combobox", name="Order").press("Enter")
         page.get_by_label("Number of tasks").fill("6")
-        self.press("Start the order")
+        page.get_by_text("The panel is empty").click()
+        self.press(page, "Start the order")
         expect(page.locator(".order .title")).to_have_text("cabinet 7")
-        self.assertEqual(supervisor.asked[-1], ("run", "cabinet 7", 6))
+        self.assertEqual(supervisor.asked[-1], ("run", "cabinet 7", 6, True))
         expect(page.locator(".order-head")).to_contain_text(
             "2 of 6 tasks done, 1 set aside; 4 min so far, about 2 min left"
         )
@@ -69,25 +59,24 @@ class OverviewTest(BrowserTestCase):
         cameras.look()
         for name in ("From above", "From the hand", "The cell"):
             expect(page.get_by_role("img", name=name)).to_be_visible()
-        self.take_picture(page, "overview")
-        self.take_picture_on_a_tablet("overview-dark-1024", "/overview", ".request")
+        self.open_tablet_in_the_dark("/overview", ".request")
 
         page.locator(".q-header .q-btn", has_text="Your name").click()
         page.get_by_label("Name").fill("Ada")
-        self.press("Keep")
+        self.press(page, "Keep")
         page.get_by_role("button", name="I have fixed it").click()
         expect(page.locator(".request")).to_have_count(0)
         self.assertEqual(supervisor.asked[-1], ("answer", 1, "fixed", "Ada"))
-        self.press("Skip W5")
+        self.press(page, "Skip W5")
         self.wait_until(lambda: supervisor.asked[-1] == ("skip", "W5", "Ada"))
-        self.press("Retry W3")
+        self.press(page, "Retry W3")
         self.wait_until(lambda: supervisor.asked[-1] == ("retry", "W3", "Ada"))
         page.keyboard.press("p")
-        self.press("Go on")
+        self.press(page, "Go on")
         expect(page.locator(".order .state")).to_have_text("runs")
-        self.press("Stop")
-        self.press("Stop the run")
-        expect(page.locator(".ending")).to_have_text(
+        self.press(page, "Stop")
+        self.press(page, "Stop the run")
+        expect(page.locator(".ending")).to_contain_text(
             "Order 'cabinet 7', run 12: stopped by an operator"
         )
         commands = [json.loads(line) for line in self.record.read_text().splitlines()]
@@ -112,8 +101,7 @@ class OverviewTest(BrowserTestCase):
         expect(page.locator(".failures")).to_contain_text(
             "The cell plans the rest anew; the task comes later, because two new parts have jammed."
         )
-        self.take_picture(page, "replay")
-        self.take_picture_on_a_tablet("replay-dark-1024", "/replay?run=12", ".clock")
+        self.open_tablet_in_the_dark("/replay?run=12", ".clock")
         page.get_by_role("button", name="Moment before (,)").click()
         expect(page.locator(".clock")).to_contain_text("entry 18 of 23")
         track = page.locator(".track")
@@ -125,16 +113,6 @@ class OverviewTest(BrowserTestCase):
         self.choose(page, "Speed", "20 x")
         page.get_by_role("button", name="Play (P)").click()
         expect(page.locator(".clock")).to_contain_text("entry 23 of 23")
-
-    def take_picture_on_a_tablet(self, name, address, shown):
-        page = self.open_page(address, width=1024, height=768)
-        page.get_by_role("button", name="Dark or light").click()
-        expect(page.locator(shown)).to_be_visible()
-        overflow = (
-            "() => document.documentElement.scrollWidth - document.documentElement.clientWidth"
-        )
-        self.assertEqual(page.evaluate(overflow), 0)
-        self.take_picture(page, name)
 
 
 if __name__ == "__main__":

@@ -98,7 +98,6 @@ def test_what_is_wrong_is_told_with_its_lines_and_nothing_is_saved(give, session
         ("edit /x", "no behavior is loaded"),
         ("update nothing", "no behavior 'nothing'"),
         ("statemachine", "refused here"),
-        ("switch", "refused here"),
     ],
 )
 def test_a_command_that_cannot_be_carried_out_says_why(give, text, reason):

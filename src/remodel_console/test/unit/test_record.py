@@ -64,6 +64,14 @@ def test_why_is_told_with_the_latest_first():
     assert moment.feedback == RECORD.entries[5]
 
 
+def test_a_failure_tells_where_it_was():
+    left = entry(1, 1.0, Kind.STATE, task="W1", state_path="")
+    failed = entry(2, 1.0, Kind.FAILURE, task="W1", state_path="/Insert")
+    decided = entry(3, 1.0, Kind.DECISION, task="W1", text="retry")
+    record = Record((left, failed, decided))
+    assert [record.moment(index).state_path for index in range(3)] == ["", "/Insert", "/Insert"]
+
+
 def test_another_task_begins_with_nothing_passed():
     assert RECORD.moment(8).passed == ()
     assert RECORD.moment(9).passed == ("/Locate",)
@@ -79,7 +87,7 @@ def test_from_reason_to_reason(index, step, found):
 
 
 def test_values_are_series_over_the_run():
-    assert RECORD.value_names() == ("completed_percentage", "force_n")
+    assert RECORD.value_names() == ("force_n", "completed_percentage")
     assert list(map(value_words, ("force_n", "completed_percentage", "gain_x", "n"))) == [
         "force [N]",
         "completed [%]",
@@ -87,3 +95,9 @@ def test_values_are_series_over_the_run():
         "n",
     ]
     assert list(RECORD.series("force_n")) == [(4.0, 22.0)]
+
+
+def test_lengths_are_shown_in_millimetres():
+    record = Record((entry(1, 1.0, Kind.RESULT, values=(("depth_m", 0.0045),)),))
+    assert value_words("depth_m") == "depth [mm]"
+    assert list(record.series("depth_m")) == [(0.0, pytest.approx(4.5))]

@@ -120,7 +120,7 @@ class SupervisionTest(unittest.TestCase):
         self.assertTrue(caused.success, caused.message)
         self.wait(lambda: self.last().phase == UseCaseState.ASKING, "the operator is asked")
         question = self.last().question
-        self.assertIn("pulled out", question.text)
+        self.assertIn("Pulled out", question.text)
         wrong = call("answer", AnswerQuestion, question=question.number, choice="maybe", by="ann")
         self.assertFalse(wrong.success)
         given = {"question": question.number, "choice": OperatorQuestion.SKIP, "by": "ann"}

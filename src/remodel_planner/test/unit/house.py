@@ -7,8 +7,8 @@ HOUSE = Order(
     "",
     "house.qet",
     (
-        Component("Q1", "", (Terminal("B1", Side.BOTTOM), Terminal("B2", Side.BOTTOM))),
-        Component("Q2", "", (Terminal("T1", Side.TOP), Terminal("T2", Side.TOP))),
+        Component("Q1", "fuse", (Terminal("B1", Side.BOTTOM), Terminal("B2", Side.BOTTOM))),
+        Component("Q2", "relay", (Terminal("T1", Side.TOP), Terminal("T2", Side.TOP))),
     ),
     (
         Wire("W1", TerminalRef("Q1", "B1"), TerminalRef("Q2", "T1"), "BU", 1.5, "line 1"),

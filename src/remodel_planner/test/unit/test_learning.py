@@ -14,8 +14,9 @@ from remodel_planner.core.learning.bounds import (
     nearer_settings,
     settings,
 )
-from remodel_planner.core.learning.context import context_of
+from remodel_planner.core.learning.context import context_of, terminal_features
 from remodel_planner.core.learning.duration_model import DurationModel
+from remodel_planner.core.learning.experience import Experience
 from remodel_planner.core.learning.learned_expectations import (
     Call,
     LearnedExpectations,
@@ -23,9 +24,9 @@ from remodel_planner.core.learning.learned_expectations import (
 )
 from remodel_planner.core.learning.learned_parameters import LearnedParameters
 from remodel_planner.core.learning.learned_responses import (
-    Answer,
     LearnedResponses,
-    answers_of,
+    TriedResponse,
+    tried_responses,
 )
 from remodel_planner.core.learning.parameter_choice import GuardRail, ParameterChoice
 from remodel_planner.core.learning.success_model import SuccessModel, fold
@@ -268,6 +269,44 @@ def test_calls_that_tell_nothing_of_a_parameter_are_left_out():
     assert {b.mean for b in learned.beliefs("InsertCable", {}, FORCE).values()} == {0.5}
 
 
+HERE = {"section_mm2": 2.5, "terminal_type": "clamp"}
+
+
+def test_experience_chooses_within_what_is_allowed():
+    switchgear = find_use_case("switchgear")
+    experience = Experience(switchgear, TAUGHT)
+    chosen = {
+        experience.parameters("InsertCable", HERE, {}, str(seed)).get("force_limit")
+        for seed in range(50)
+    }
+    assert 12.0 in chosen
+    assert 8.0 not in chosen, "the use case's own is left as it is"
+    for seed in range(50):
+        limited = experience.parameters("InsertCable", HERE, {"force_limit": 10.0}, str(seed))
+        assert limited.get("force_limit", 8.0) <= 10.0
+    assert experience.parameters("InsertCable", HERE, {"force_limit": 7.0}, "1") == {}
+    assert experience.parameters("FixCable", HERE, {}, "1") == {}
+
+
+def test_frozen_experience_learns_nothing():
+    switchgear = find_use_case("switchgear")
+    experience = Experience(switchgear, TAUGHT, frozen=True)
+    assert experience.parameters("InsertCable", HERE, {}, "1") == {}
+    stated = switchgear.expectations.expect("InsertCable", HERE)
+    assert experience.expectations.expect("InsertCable", HERE).success == stated.success
+    hopeless = [TriedResponse("jammed", Do.RETRY, helped=False)] * 30
+    assert experience.unpromising("jammed", {Do.RETRY}, hopeless) == frozenset()
+    assert Experience(switchgear).unpromising("jammed", {Do.RETRY}, hopeless) == {Do.RETRY}
+
+
+def test_a_terminal_tells_what_its_success_may_depend_on():
+    assert terminal_features("clamp", (0.0, -1.0, -0.0)) == {
+        "terminal_type": "clamp",
+        "approach": "0 -1 0",
+    }
+    assert terminal_features("", None) == {}
+
+
 def test_numbers_are_read_from_an_operation():
     pairs = (("force_limit", "8.0"), ("cable_id", "W1"), ("timeout", "60.0"))
     assert numbers_from(pairs) == {"force_limit": 8.0, "timeout": 60.0}
@@ -333,15 +372,15 @@ def test_the_command_tells_what_was_learned(monkeypatch, capsys):
 
 def test_what_follows_a_decision_tells_whether_it_helped():
     decisions = [("jammed", Do.RETRY), ("jammed", Do.NEW_PART), ("slipped", Do.RETRY)]
-    answers = answers_of(decisions, finished=True)
-    assert [answer.helped for answer in answers] == [False, True, True]
-    lasting = answers_of([*decisions, ("slipped", Do.SET_ASIDE)], finished=False)
-    assert [answer.helped for answer in lasting] == [False, True, False]
-    assert answers_of([], finished=True) == ()
+    responses = tried_responses(decisions, finished=True)
+    assert [response.helped for response in responses] == [False, True, True]
+    lasting = tried_responses([*decisions, ("slipped", Do.SET_ASIDE)], finished=False)
+    assert [response.helped for response in lasting] == [False, True, False]
+    assert tried_responses([], finished=True) == ()
 
 
 def test_a_response_that_never_helps_is_passed_over_for_its_fault_only():
-    learned = LearnedResponses([Answer("jammed", Do.RETRY, False)] * 30)
+    learned = LearnedResponses([TriedResponse("jammed", Do.RETRY, False)] * 30)
     possible = {Do.RETRY, Do.NEW_PART, Do.ASK_OPERATOR}
     assert learned.promising("jammed", possible) == {Do.NEW_PART, Do.ASK_OPERATOR}
     assert learned.promising("slipped", possible) == possible
@@ -352,19 +391,19 @@ def test_a_response_is_not_given_up_for_a_little_bad_luck():
     random = Random(1)
     given_up = 0
     for _ in range(200):
-        answers = [Answer("jammed", Do.RETRY, random.random() < 0.5) for _ in range(40)]
+        responses = [TriedResponse("jammed", Do.RETRY, random.random() < 0.5) for _ in range(40)]
         learned = LearnedResponses()
-        for answer in answers:
-            learned.learn(answer)
+        for response in responses:
+            learned.learn(response)
             given_up += Do.RETRY not in learned.promising("jammed", {Do.RETRY})
     assert given_up == 0
 
 
 def test_a_response_that_was_passed_over_gets_another_chance():
-    learned = LearnedResponses([Answer("jammed", Do.RETRY, False)] * 30)
+    learned = LearnedResponses([TriedResponse("jammed", Do.RETRY, False)] * 30)
     waited = 0
     while Do.RETRY not in learned.promising("jammed", {Do.RETRY}):
-        learned.learn(Answer("jammed", Do.NEW_PART, True))
+        learned.learn(TriedResponse("jammed", Do.NEW_PART, True))
         waited += 1
         assert waited < 300
     assert waited > 20

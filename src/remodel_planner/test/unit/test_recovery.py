@@ -61,6 +61,15 @@ def test_responses_come_in_order():
     ]
 
 
+def test_what_hardly_ever_helps_is_spared():
+    decision = decide(failure("grasp_missed"), [], LITTLE, PLAIN, ATTENDED, {Do.LOOK_AGAIN})
+    assert decision.do is Do.NEW_PART
+    assert decision.because.endswith("look again spared, which hardly ever helps")
+    spared = {Do.LOOK_AGAIN, Do.NEW_PART, Do.SET_ASIDE}
+    last = decide(failure("grasp_missed"), [], LITTLE, PLAIN, ATTENDED, spared)
+    assert last.do is Do.SET_ASIDE, "what is lasting ends it"
+
+
 def test_each_fault_is_counted_by_itself():
     first = decide(failure("slipped"), [], LITTLE, Policy())
     second = decide(failure("grasp_missed"), [("slipped", first.do)], LITTLE, Policy())

@@ -3,11 +3,13 @@
 import threading
 import time
 from collections import Counter
+from dataclasses import replace
 
 import pytest
 from house import HOUSE
 from sqlalchemy import create_engine, text
 
+from remodel_planner.core.learning.learned_responses import TriedResponse
 from remodel_planner.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
 from remodel_planner.core.recovery.fault import Do
 from remodel_planner.core.run import Operation
@@ -125,6 +127,41 @@ def test_an_interrupted_behavior_keeps_its_operations(database, url):
     )
     assert rows(url, "SELECT outcome, ended_s FROM executions") == [("interrupted", 2.0)]
     assert len(database.ability_calls()) == 1
+
+
+def test_a_call_is_told_with_its_parameters_and_what_it_depends_on(database):
+    here = (("component_id", "Q1"), ("terminal_id", "B1"), ("force_limit", "8.0"))
+    there = (("component_id", "Q9"), ("terminal_id", "B1"))
+    calls = [replace(JAM, parameters=parameters) for parameters in (here, there)]
+    keep(
+        RunLog(database),
+        Planned(("W1", "W2"), ""),
+        WHOLE,
+        *(OperationEnded("W1", call) for call in calls),
+        TaskEnded("W1", "failed", 3.0, False),
+    )
+    known, unknown = database.ability_calls()
+    assert known.parameters == {"force_limit": 8.0}
+    assert known.features["terminal_type"] == "fuse"
+    assert "terminal_type" not in unknown.features
+    assert known.features["section_mm2"] == HOUSE.wires[0].section_mm2
+
+
+def test_an_answer_is_told_once_it_is_known_whether_it_helped(database):
+    log = RunLog(database)
+    jammed = (OperationEnded("W1", JAM), TaskEnded("W1", "failed", 3.0, False))
+    retried = replace(DECIDED, do=Do.RETRY)
+    renewed = replace(DECIDED, do=Do.NEW_PART)
+    again, third = (replace(WHOLE, attempt=number) for number in (2, 3))
+    cleared = replace(WHOLE, part=Part.CLEAR), TaskEnded("W1", "finished", 4.0, False)
+    failing = (Planned(("W1", "W2"), ""), WHOLE, *jammed, retried, again, *jammed, renewed)
+    keep(log, *failing, *cleared)
+    assert log.tried_responses() == (TriedResponse("insertion_jammed", Do.RETRY, helped=False),)
+    keep(log, *failing, third, TaskEnded("W1", "finished", 5.0, True))
+    assert log.tried_responses()[1:] == (
+        TriedResponse("insertion_jammed", Do.RETRY, helped=False),
+        TriedResponse("insertion_jammed", Do.NEW_PART, helped=True),
+    )
 
 
 def test_a_run_that_was_cut_short_is_found_until_it_has_ended(database):

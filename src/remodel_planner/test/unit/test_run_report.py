@@ -35,9 +35,9 @@ def story(name, *operations, placed=True, attempt=1):
     )
 
 
-def report(*stories, planned=None):
+def report(*stories, planned=None, before=0):
     order = Order("house", "A <house>", "house.qet", (Component("Q1", "", ()),), (), ("a guess",))
-    return Report(order, planned or len(stories), 12.3, stories, ())
+    return Report(order, planned or len(stories), 12.3, stories, (), before=before)
 
 
 def test_a_wire_that_failed_once_is_placed_but_not_at_first_pass():
@@ -58,6 +58,11 @@ def test_a_wire_that_was_fed_anew_is_placed_once_and_has_a_row_for_each_attempt(
 def test_a_wire_that_was_never_run_makes_the_report_incomplete():
     assert not report(story("W1", GOOD), planned=2).complete
     assert not report(story("W1", BAD, placed=False)).complete
+
+
+def test_wires_that_an_earlier_run_has_placed_count():
+    both = report(story("W2", GOOD), planned=2, before=1)
+    assert (both.placed, both.first_pass, both.complete) == (2, 1, True)
 
 
 def test_the_page_tells_each_wire_and_its_failures():

@@ -47,7 +47,8 @@ def begun(task, attempt, part=Part.WHOLE):
 
 def operation(outcome, code):
     said = "stuck at 4 mm" if code else "done"
-    return Operation("/Insert", "InsertCable", outcome, code, said, 5.0, 1.0)
+    asked, found = (("force_limit", "8.0"),), (("depth", "0.004"), ("peak_force", "8.2"))
+    return Operation("/Insert", "InsertCable", outcome, code, said, 5.0, 1.0, "", asked, found)
 
 
 STORY = (
@@ -64,7 +65,7 @@ STORY = (
         "stuck at 4 mm",
         Do.ASK_OPERATOR,
         (),
-        "tried: nothing else fits",
+        "nothing else fits",
         "policy",
         9.5,
     ),
@@ -116,8 +117,10 @@ def test_a_run_is_told_cause_by_cause(keep, url, capsys):
         "planned, since the run begins: W1 W2",
         "W1, attempt 1: Place Wire W1 ended failed after 8.5 s and 1 operation",
         "    /Insert: InsertCable, error 301: stuck at 4 mm",
+        "        asked for: force_limit 8.0",
+        "        found: depth 0.004, peak_force 8.2",
         "    it was insertion_jammed. " + FAULTS["insertion_jammed"].symptoms,
-        "    so: ask operator, since tried: nothing else fits",
+        "    so: ask operator, since nothing else fits",
         "question 1: W1 failed (retry, skip)",
         "ann answered retry to question 1",
         "W1: looked what is done of it: end a connected; 3 steps left",
@@ -125,6 +128,8 @@ def test_a_run_is_told_cause_by_cause(keep, url, capsys):
         "interrupted: the engine is gone",
         "W1, attempt 2: Place Wire W1 ended failed after 8.6 s and 1 operation",
         "    /Insert: InsertCable, error 204: stuck at 4 mm",
+        "        asked for: force_limit 8.0",
+        "        found: depth 0.004, peak_force 8.2",
         "W1: looked what is done of it: end a and end b connected; it is done",
         "ann asked for: pause",
         "ann asked for: resume",

@@ -127,6 +127,11 @@ def test_changed_parameters_reach_into_nested_behaviors(library):
     assert forces["FixCable"] == []
     other = next(node for node in chart.nodes if node.id == "Connect a")
     assert other in task.nodes
+    kept = replace(adjustable, keeps_stated=True)
+    assert with_parameters(chart, path, {"force_limit": 9.0}, kept) == chart
+    stating = replace(nested, nodes=inside.nodes)
+    kept = replace(kept, nested={nested.name: stating})
+    assert with_parameters(task, path, {"force_limit": 9.0}, kept) == task
 
 
 def test_a_shipped_behavior_leaves_to_supervisors_what_they_handle_first():

@@ -9,7 +9,8 @@ from house import HOUSE
 from sensor_msgs.msg import Image
 
 from remodel_planner.core.cell_order import USE_CASE, cell_order
-from remodel_planner.core.learning.learned_expectations import LearnedExpectations
+from remodel_planner.core.learning.experience import Experience
+from remodel_planner.core.learning.learned_responses import TriedResponse
 from remodel_planner.core.panel_layout import PanelRules, lay_out
 from remodel_planner.core.recovery.fault import Do
 from remodel_planner.core.run import Operation
@@ -31,7 +32,7 @@ from remodel_planner.core.supervision.events import (
     TaskBegun,
     TaskElsewhere,
 )
-from remodel_planner.core.supervision.state import Stage, state_after
+from remodel_planner.core.supervision.state import Stage, cause_of, state_after
 from remodel_planner.core.use_case.task_chart import content_mark
 from remodel_planner.edge.catalogue_file import read_catalogue
 from remodel_planner.edge.fault_file import read_faults
@@ -56,9 +57,13 @@ class FakeCell:
 
     def __init__(self):
         self.fed, self.loaded, self.trouble = [], [], None
+        self.at = "rosrpc://cell:1"
 
     def wait(self, limit_s):
         pass
+
+    def address(self):
+        return self.at
 
     def load(self, panel, *, keep):
         self.loaded.append(keep)
@@ -165,15 +170,15 @@ class FakeInspection:
 class Bench:
     """A supervisor of the order, with everything beside it faked but the database."""
 
-    def __init__(self, url, folder, attended=False, **options):
+    def __init__(self, url, folder, attended=False, frozen=True, **options):
         self.database = ProductionDatabase(url)
         self.log = RunLog(self.database)
         use_case = find_use_case(USE_CASE)
-        learned = LearnedExpectations(use_case.expectations)
+        experience = Experience(use_case, self.database.ability_calls(), frozen=frozen)
         self.peers = Peers(FakeCell(), FakeSynthesizer(), FakeTasks(), FakeInspection())
         self.leases = TaskLeases(self.database, "house", "cell", 30.0)
         self.work = Work(
-            WorkPlanner(cell_order(LAYOUT), use_case, learned, 0.0),
+            WorkPlanner(cell_order(LAYOUT), use_case, experience, 0.0),
             read_faults(),
             panel_message(LAYOUT, PanelRules()),
             keep_panel=False,
@@ -290,6 +295,33 @@ def test_what_is_connected_is_not_connected_again(bench):
     assert 'id="Pick b"' in chart
 
 
+def test_a_learning_supervisor_tells_what_it_chose_and_learns_from_it(url, tmp_path):
+    bench = Bench(url, tmp_path, frozen=False)
+    state = bench.run(*[JAM] * 3)
+    assert state.ended.ending is Ending.COMPLETE
+    chosen = [(event, each) for event in bench.events(TaskBegun) for each in event.chosen]
+    assert chosen, "one of five attempts at two ends tries another force"
+    for event, each in chosen:
+        assert (each.ability, each.parameter) == ("InsertCable", "force_limit")
+        assert 4.0 <= each.value <= 16.0
+        assert f'name="force_limit" value="{each.value}"' in event.chart
+    jams = [k for k in bench.events(OperationEnded) if k.operation.error_code == JAM]
+    assert bench.work.planner.experience.expectations.calls == len(jams) == 3
+    bench.database.close()
+
+
+def test_a_response_that_never_helped_is_not_given_again(url, tmp_path):
+    bench = Bench(url, tmp_path, frozen=False)
+    bench.log.tried_responses = lambda: (
+        (TriedResponse("insertion_jammed", Do.RETRY, helped=False),) * 30
+    )
+    bench.run(JAM)
+    decided = bench.events(Decided)
+    assert decided[0].do is Do.NEW_PART
+    assert "retry spared" in decided[0].because
+    bench.database.close()
+
+
 def test_a_run_goes_on_when_what_was_lost_comes_back(bench):
     state = bench.run(LostError("the engine is gone"))
     first = bench.events(Planned)[0].tasks[0]
@@ -298,6 +330,21 @@ def test_a_run_goes_on_when_what_was_lost_comes_back(bench):
     assert bench.peers.tasks.stopped >= 1
     assert state.ended.ending is Ending.COMPLETE
     assert bench.peers.cell.loaded == [False, True], "what is on the panel stays"
+
+
+def test_a_cell_that_was_started_anew_gets_its_panel_again(bench):
+    def start_anew():
+        bench.peers.cell.at = "rosrpc://cell:2"
+
+    assert bench.run(start_anew).ended.ending is Ending.COMPLETE
+    assert bench.peers.cell.loaded == [False, True], "before the second wire, with the first on it"
+
+
+def test_a_server_that_died_is_the_cause_and_not_what_its_heir_does_not_know():
+    lost = Operation("/Connect a/InsertCable", "InsertCable", "failed", LOST, "away", 2.0, 1.0)
+    unfed = Operation("/Lay down", "PlaceCable", "failed", 403, "not fed", 3.0, 1.0)
+    assert cause_of([lost, unfed]) is lost
+    assert cause_of([unfed]) is unfed
 
 
 def test_a_run_stops_when_what_was_lost_stays_away(bench):

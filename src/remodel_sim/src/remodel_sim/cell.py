@@ -14,8 +14,10 @@ from remodel_sim.core.cell_design import CellDesign
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.panel import End, Panel
+from remodel_sim.core.placed_wires import PlacedWires
 from remodel_sim.core.traffic import Traffic
 from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.plant import Plant
 
 T = TypeVar("T")
@@ -42,8 +44,12 @@ class Cell:
         gui: bool = False,
         solid_parked: bool = False,
         audience: Audience | None = None,
+        memory: CellMemory | None = None,
     ) -> None:
-        """Build a cell, one Panda unless a design is given, see Plant; raises PanelError."""
+        """Build a cell, one Panda unless a design is given, see Plant; raises PanelError.
+
+        `memory` keeps the wires that have their place for the next cell; None: they are lost.
+        """
         self.plant = Plant(
             design or read_cell(),
             panel,
@@ -53,7 +59,10 @@ class Cell:
             solid_parked=solid_parked,
         )
         self._audience = audience or Audience()
+        self._memory = memory
         self.stations = self._man()
+        if memory is not None:
+            self._restore(memory.placed(panel))
 
     def _man(self) -> dict[str, Station]:
         """Return new stations for the robots of a freshly built plant."""
@@ -77,10 +86,37 @@ class Cell:
             raise AbilityError(Code.UNKNOWN_NAME, f"no robot {robot!r}; there are: {there_are}")
         return self.stations[robot]
 
-    def load(self, panel: Panel) -> None:
-        """Build another panel; raises PanelError and changes nothing when it breaks the rules."""
+    def load(self, panel: Panel, *, keep: bool = False) -> None:
+        """Build a panel.
+
+        `keep` leaves the cell as it is if it has this very panel already; a cell that was started
+        anew puts back what it remembers of it.
+
+        Raises PanelError and changes nothing when it breaks the rules.
+        """
+        if keep and panel == self.plant.loaded:
+            return
+        placed = self._memory.placed(panel) if keep and self._memory else PlacedWires()
         self.plant.load(panel)
         self.stations = self._man()
+        self._restore(placed)
+        self._remember()
+
+    def _restore(self, placed: PlacedWires) -> None:
+        if placed.parked:
+            self.plant.restore(placed.parked)
+            self.stations = self._man()
+            self.station.book.restore(placed)
+
+    def _remember(self) -> None:
+        if self._memory is not None:
+            occupied = {
+                terminal: held
+                for terminal, held in self.station.book.occupied.items()
+                if held[0] in self.plant.parked
+            }
+            placed = PlacedWires(self.plant.parked, occupied)
+            self._memory.keep(self.plant.loaded, placed)
 
     def reset(self) -> None:
         """Build the same panel anew; every wire is taken away."""
@@ -108,6 +144,7 @@ class Cell:
         for station in self.stations.values():
             station.arm_restarted()
             station.book.start_wire(Feed(wire_id, channel_id, laying.direction), expected)
+        self._remember()
 
     def run(self, steps: Steps[T], *robots: str) -> T:
         """Run an ability of some robots, the first by default; raises what it raises."""
@@ -136,6 +173,7 @@ class Cell:
         placed = ends and all(state is EndState.FIXED for state in ends.values())
         if placed and all(book.grip is None for book in books):
             self.plant.park()
+            self._remember()
 
     def close(self) -> None:
         """Leave PyBullet."""

@@ -74,7 +74,7 @@ class CellTest(unittest.TestCase):
     def setUpClass(cls):
         names = (
             "LocateGearboxComponent InsertCable FixCable ExtractCable DetectCable PickCable "
-            "CheckConnection"
+            "CheckConnection PlaceConnector"
         )
         cls.on = {name: Client(name) for name in names.split()}
         for client in cls.on.values():
@@ -150,12 +150,15 @@ class CellTest(unittest.TestCase):
     def test_goals_that_cannot_be_done_are_rejected_with_the_reason(self):
         insert, socket = self.on["InsertCable"], PoseStamped()
         socket.pose.position.x = float("nan")
+        connector = {**self.at_terminal(), "connector_id": "P1", "force_limit": 30.0}
+        connector["socket_pose"] = self.locate()
         cases = [
             ("InsertCable", self.insertion(socket), ErrorCode.INVALID_GOAL, "not finite"),
             ("LocateGearboxComponent", {"component_id": "Q9"}, ErrorCode.UNKNOWN_NAME, "X1, "),
             ("DetectCable", {"cable_id": "W1", "timeout": -1.0}, ErrorCode.INVALID_GOAL, "timeout"),
             ("DetectCable", {"cable_id": "W2"}, ErrorCode.WIRE_NOT_FED, "W1"),
             ("FixCable", self.at_terminal(), ErrorCode.NOTHING_HELD, "pick"),
+            ("PlaceConnector", connector, ErrorCode.UNKNOWN_NAME, "'P1'; there are: none"),
         ]
         for name, fields, code, words in cases:
             result = self.on[name].do(**fields)

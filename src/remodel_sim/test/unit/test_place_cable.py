@@ -16,10 +16,12 @@ from remodel_sim.physics.truth import ground_truth
 
 # In the channel, beyond end b's terminal.
 BESIDE = Pose.level(0.50, 0.14, 0.028, 1.5707963)
+# So low that the fingers reach down to where the feeder's fork stands.
+LOW = Pose.level(0.50, 0.11, 0.008, 1.5707963)
 
 
-def lay_down(cell):
-    return do(cell, place_cable, PlaceGoal(ROBOT, "W1", BESIDE))
+def lay_down(cell, target=BESIDE):
+    return do(cell, place_cable, PlaceGoal(ROBOT, "W1", target))
 
 
 def hold_end_a_in_its_terminal(cell):
@@ -47,6 +49,6 @@ def test_an_end_that_is_fixed_is_let_go_in_its_terminal(cell):
     (truth,) = ground_truth(cell.plant, ["W1"])
     assert truth.a.seated and truth.a.fixed
     carry(cell, "W1", "A")
-    lay_down(cell)
+    lay_down(cell, LOW)
     (truth,) = ground_truth(cell.plant, ["W1"])
     assert truth.a.seated and truth.a.fixed, "the wire was not torn out at its other end"

@@ -33,6 +33,7 @@ from __future__ import annotations
 import rospy
 from actionlib_msgs.msg import GoalStatus
 from genpy import Message
+from geometry_msgs.msg import PoseStamped
 from remodel_msgs.msg import AbilityRecord, ErrorCode
 
 from flexbe_core import EventState, Logger
@@ -245,8 +246,8 @@ class AbilityCall:
             message=getattr(self.result, "message", ""),
             error_message=self.error_message,
             elapsed_time=(rospy.Time.now() - self._started).to_sec(),
-            parameters=_scalars(self._goal, frozenset({"id"})),
-            measurements=_scalars(self.result, _COMMON) if self.result else [],
+            parameters=_told(self._goal, frozenset({"id"})),
+            measurements=_told(self.result, _COMMON) if self.result else [],
         )
 
     def _behavior(self) -> str:
@@ -257,11 +258,23 @@ class AbilityCall:
         return node.name or "" if node is not None else ""
 
 
-def _scalars(message: Message, left_out: frozenset[str]) -> list[str]:
-    """Return the numbers, truth values and texts of a message as "name=value"."""
+def _told(message: Message, left_out: frozenset[str]) -> list[str]:
+    """Return the numbers, truth values, texts and poses of a message as "name=value"."""
     fields = {name: getattr(message, name) for name in message.__slots__ if name not in left_out}
-    return [
-        f"{name}={value}"
-        for name, value in fields.items()
-        if isinstance(value, bool | int | float | str)
-    ]
+    texts = {name: _text(value) for name, value in fields.items()}
+    return [f"{name}={text}" for name, text in texts.items() if text is not None]
+
+
+def _text(value: object) -> str | None:
+    """Return a value as text; None of what is neither plain nor a pose, or several."""
+    if isinstance(value, bool | int | float | str):
+        return str(value)
+    if isinstance(value, PoseStamped):
+        position, turn = value.pose.position, value.pose.orientation
+        numbers = (position.x, position.y, position.z, turn.x, turn.y, turn.z, turn.w)
+        return " ".join(
+            [value.header.frame_id or "-", *(f"{round(n, 6) + 0.0:g}" for n in numbers)]
+        )
+    if isinstance(value, list) and value and all(isinstance(item, PoseStamped) for item in value):
+        return "; ".join(str(_text(item)) for item in value)
+    return None

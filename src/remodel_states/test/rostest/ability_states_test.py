@@ -239,6 +239,8 @@ class AbilityStatesTest(unittest.TestCase):
         (record,) = recorder.came
         self.assertIn("force_limit=9.5", record.parameters)
         self.assertIn("cable_id=cable_id", record.parameters)
+        (pose,) = [text for text in record.parameters if text.startswith("socket_pose=")]
+        self.assertRegex(pose, r"^socket_pose=\S+( -?[0-9.]+){7}$")
         self.assertIn("peak_force=0.0", record.measurements)
         self.assertFalse([text for text in record.measurements if text.startswith("success")])
 

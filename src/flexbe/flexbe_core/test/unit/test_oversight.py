@@ -155,6 +155,12 @@ def test_attach_sets_the_level_and_names_the_behavior(bench):
     assert engine.record.autonomy_level == 1
 
 
+def test_who_attaches_is_asked_again_what_was_asked_before(bench):
+    _, engine = started(bench, level=1, required=1)
+    assert step(bench, engine) == [Requested("/a", 0)]
+    assert Requested("/a", 0) in step(bench, engine, Attach(1))
+
+
 def test_an_unsupervised_state_ignores_commands_but_preempt(bench):
     root = two_states(bench, script=[None])
     engine = bench.engine(root)

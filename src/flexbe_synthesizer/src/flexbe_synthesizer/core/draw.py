@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 
-from flexbe_synthesizer.core.error_routes import route_event
+from flexbe_synthesizer.core.error_routes import FAILED_EVENT, read_route_event, route_event
 from flexbe_synthesizer.core.model import (
     AnyNode,
     Behavior,
@@ -33,6 +33,7 @@ _RUNS = {
     ContainerKind.CONCURRENCY: "at the same time",
     ContainerKind.PRIORITY: "before all others",
 }
+_CODES_IN_LINE = 4  # of an arrow's label
 _SUCCESS_END = ("#e8f5e9", "#2e7d32")
 _FAILURE_END = ("#ffebee", _FAILURE)
 # Parts of words that say that an event or outcome is no success; only the drawing guesses so.
@@ -96,7 +97,8 @@ def chart_to_dot(
     lines.append("  { rank=sink;")
     lines += [_end(outcome.name, chart, "", run) for outcome in chart.outcomes]
     lines.append("  }")
-    lines.append(f'  "start" -> {_entry_of(chart, "", chart.initial)} [color="{_INK}"];')
+    if chart.initial:
+        lines.append(f'  "start" -> {_entry_of(chart, "", chart.initial)} [color="{_INK}"];')
     return "\n".join((*lines, "}\n"))
 
 
@@ -137,6 +139,7 @@ def _scope(chart: Chart, prefix: str, run: _Run) -> Iterator[str]:
             yield from _cluster(node, prefix, run)
         else:
             yield _node(node, f"{prefix}{node.id}", run)
+    yield from (_missing(target, prefix) for target in _missing_targets(chart))
     by_id = {node.id: node for node in chart.nodes}
     for arrow in _arrows(chart, prefix, run):
         yield _edge(arrow, chart, by_id[arrow.source], prefix, bool(run.steps))
@@ -219,6 +222,23 @@ def _node(node: State | Behavior, path: str, run: _Run) -> str:
     )
 
 
+def _missing_targets(chart: Chart) -> Iterator[str]:
+    """Yield what a chart leads to and does not have, once each."""
+    known = {node.id for node in chart.nodes} | {outcome.name for outcome in chart.outcomes}
+    led = dict.fromkeys(target for node in chart.nodes for _, target in _leads(node))
+    starts = [chart.initial] if chart.initial else []
+    yield from (target for target in {**dict.fromkeys(starts), **led} if target not in known)
+
+
+def _missing(name: str, prefix: str) -> str:
+    """Return the node of a target that there is not."""
+    return (
+        f'  {_id(f"{prefix}{name}")} [shape=box, style="rounded,dashed", color="{_FAILURE}", '
+        f'fontcolor="{_FAILURE}", label=<{escape(name)}?<br/><font point-size="9">there is none'
+        "</font>>];"
+    )
+
+
 def _notes(node: AnyNode) -> list[str]:
     """Return what limits a node, in words."""
     notes = []
@@ -267,7 +287,7 @@ def _arrows(chart: Chart, prefix: str, run: _Run) -> Iterator[_Arrow]:
 def _edge(arrow: _Arrow, chart: Chart, source: AnyNode, prefix: str, has_path: bool) -> str:
     """Return an arrow with its events as label; one out of a container starts at its ends."""
     color = _FAILURE if arrow.is_failure else _INK
-    width, text = 1.2, "<br/>".join(map(escape, arrow.events))
+    width, text = 1.2, "<br/>".join(map(escape, _lines(arrow.events)))
     if arrow.steps:
         color, width = _FAILURE if arrow.is_failure else _TAKEN, 2.6
         text = f"<b>{', '.join(map(str, arrow.steps))}</b>  {text}"
@@ -289,6 +309,15 @@ def _edge(arrow: _Arrow, chart: Chart, source: AnyNode, prefix: str, has_path: b
             attributes["ltail"] = _cluster_id(path)
     listed = ", ".join(f"{name}={value}" for name, value in attributes.items())
     return f"  {start} -> {_entry_of(chart, prefix, arrow.target)} [{listed}];"
+
+
+def _lines(events: Sequence[str]) -> Iterator[str]:
+    """Yield events line by line; routes of error codes together: `failed 3-5, 7-8`."""
+    yield from (event for event in events if read_route_event(event) is None)
+    codes = [e.removeprefix(f"{FAILED_EVENT} ") for e in events if read_route_event(e) is not None]
+    for first in range(0, len(codes), _CODES_IN_LINE):
+        word = "" if first else f"{FAILED_EVENT} "
+        yield word + ", ".join(codes[first : first + _CODES_IN_LINE])
 
 
 def _is_failure(name: str) -> bool:

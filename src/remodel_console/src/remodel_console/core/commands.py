@@ -45,7 +45,7 @@ class Verb(Enum):
         r"statemachine(?:[ (]['\"]?(?P<name>\w*)['\"]?\)?)?",
         "needs a selection on a canvas: refused here",
     )
-    SWITCH = ("switch", r"switch|goforit", "is on the page Runtime control: refused here")
+    SWITCH = ("switch", r"switch|goforit", "go on in the version that was saved meanwhile")
 
     def __init__(self, usage: str, pattern: str, help_text: str) -> None:
         """Name the parts of the value."""

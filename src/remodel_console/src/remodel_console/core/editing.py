@@ -49,6 +49,16 @@ def container_at(chart: Chart, path: Path) -> Chart:
     return chart
 
 
+def node_paths(chart: Chart) -> tuple[Path, ...]:
+    """Return the paths of all nodes of a chart, each before what is in it."""
+    paths: list[Path] = []
+    for node in chart.nodes:
+        paths.append((node.id,))
+        if isinstance(node, Container):
+            paths += [(node.id, *path) for path in node_paths(node.body)]
+    return tuple(paths)
+
+
 def change_at(chart: Chart, path: Path, change: Callable[[Chart], Chart]) -> Chart:
     """Return the chart with the content of a container changed.
 

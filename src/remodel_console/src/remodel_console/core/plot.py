@@ -25,28 +25,28 @@ def line_plot(label: str, names: Sequence[str], values: Sequence[float], top: fl
     return _frame(label, inside + _names(names, places), ("0 %", f"{top:.0%}"))
 
 
-def series_plot(label: str, points: Sequence[tuple[float, float]], now: float, end: float) -> str:
-    """Return values over time as steps, with a mark at a moment.
+def series_plot(label: str, points: Sequence[tuple[float, float]], end: float) -> str:
+    """Return values over time as steps.
 
     Args:
         label: what the values are.
         points: (time [s], value), in order.
-        now: the moment [s].
         end: time at the right edge [s].
     """
     values = [value for _, value in points]
     low, high = min([0.0, *values]), max([0.0, *values])
     top = high - low or 1.0
-    room = WIDTH - _LEFT
-    end = end or 1.0
     path = ""
     for time_s, value in points:
-        x, y = _LEFT + room * time_s / end, _height(value - low, top)
+        x, y = WIDTH * series_share(time_s, end), _height(value - low, top)
         path += f"H{x:.1f}V{y:.1f}" if path else f"M{x:.1f},{y:.1f}"
-    x = _LEFT + room * now / end
     inside = f'<path d="{path}" class="line"/>' if path else ""
-    inside += f'<line x1="{x:.1f}" y1="0" x2="{x:.1f}" y2="{HEIGHT - _BOTTOM}" class="now"/>'
     return _frame(label, inside, (f"{low:.3g}", f"{low + top:.3g}"))
+
+
+def series_share(time: float, end: float) -> float:
+    """Return where a time [s] is in `series_plot`, as a share of its width from the left."""
+    return (_LEFT + (WIDTH - _LEFT) * time / (end or 1.0)) / WIDTH
 
 
 def bar_plot(label: str, names: Sequence[str], values: Sequence[float], unit: str) -> str:

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 from remodel_console.core.use_case import TaskPhase, UseCase, fault_words
 
-_FINAL = ("ask_operator", "set_aside", "stop")  # decisions after which the cell itself gives up
-
 
 @dataclass(frozen=True)
 class Figures:
@@ -19,14 +17,12 @@ class Figures:
         yields: share of first passes among the tasks up to each one, 0 to 1.
         cycles_s: time that each of them took [s].
         recoveries: (cause, failures that were recovered from) by number, the largest first.
-        open_failures: failures that were not recovered from.
     """
 
     tasks: tuple[str, ...] = ()
     yields: tuple[float, ...] = ()
     cycles_s: tuple[float, ...] = ()
     recoveries: tuple[tuple[str, int], ...] = ()
-    open_failures: int = 0
 
     @property
     def first_pass_yield(self) -> float | None:
@@ -42,7 +38,7 @@ class Figures:
 def figures(use_case: UseCase) -> Figures:
     """Return the figures of a run.
 
-    A failure counts as recovered from if the cell went on by itself and the task is done.
+    A failure counts as recovered from once its task is done, with a person's help or without.
     """
     ended = [t for t in use_case.tasks if t.phase in (TaskPhase.DONE, TaskPhase.SET_ASIDE)]
     passes = 0
@@ -52,14 +48,11 @@ def figures(use_case: UseCase) -> Figures:
         yields.append(passes / number)
     done = {task.name for task in ended if task.phase is TaskPhase.DONE}
     recovered = Counter(
-        fault_words(failure.fault)
-        for failure in use_case.failures
-        if failure.task in done and failure.decision not in _FINAL
+        fault_words(failure.fault) for failure in use_case.failures if failure.task in done
     )
     return Figures(
         tasks=tuple(task.name for task in ended),
         yields=tuple(yields),
         cycles_s=tuple(task.taken_s for task in ended),
         recoveries=tuple(sorted(recovered.items(), key=lambda item: (-item[1], item[0]))),
-        open_failures=len(use_case.failures) - recovered.total(),
     )

@@ -76,7 +76,7 @@ class Moment:
         entry: what happened last.
         task: under way; empty between tasks.
         behavior: that ran last in the task; empty if none did.
-        state_path: its state that was active; empty if none was.
+        state_path: its state that was active, or has failed; empty if none was.
         passed: states that the task's behavior had entered by then, the active one too.
         feedback: what an ability had told last in this state; None if nothing.
         picture: position of the last picture; 0 if there was none.
@@ -93,7 +93,16 @@ class Moment:
     reasons: tuple[Entry, ...]
 
 
-_UNITS = {"n": "N", "nm": "N m", "m": "m", "s": "s", "rad": "rad", "percentage": "%"}
+# Units at the end of a value's name: how a person writes them, and how many make one of the name's.
+# What comes first here is shown first.
+_UNITS = {
+    "n": ("N", 1.0),
+    "nm": ("N m", 1.0),
+    "m": ("mm", 1000.0),
+    "rad": ("rad", 1.0),
+    "s": ("s", 1.0),
+    "percentage": ("%", 1.0),
+}
 
 
 def value_words(name: str) -> str:
@@ -101,7 +110,7 @@ def value_words(name: str) -> str:
     words, _, unit = name.rpartition("_")
     if not words or unit not in _UNITS:
         return name.replace("_", " ")
-    return f"{words.replace('_', ' ')} [{_UNITS[unit]}]"
+    return f"{words.replace('_', ' ')} [{_UNITS[unit][0]}]"
 
 
 @dataclass(frozen=True)
@@ -152,6 +161,8 @@ class Record:
                     passed.append(path)
             elif entry.kind in (Kind.FEEDBACK, Kind.RESULT):
                 feedback = entry
+            elif entry.kind is Kind.FAILURE:
+                path = entry.state_path or path
             picture = entry.position if entry.has_picture else picture
         reasons = tuple(e for e in reversed(self.entries[: index + 1]) if e.kind in REASONS)
         now = self.entries[index]
@@ -169,12 +180,23 @@ class Record:
         return next(found, index)
 
     def series(self, name: str) -> Iterator[tuple[float, float]]:
-        """Yield (time in the run [s], value) of all entries that have a value of a name."""
+        """Yield (time in the run [s], value) of all entries that have a value of a name.
+
+        The unit is that of `value_words`.
+        """
+        _, scale = _UNITS.get(name.rpartition("_")[2], ("", 1.0))
         for entry in self.entries:
             for own, value in entry.values:
                 if own == name:
-                    yield self.offset_s(entry), value
+                    yield self.offset_s(entry), value * scale
 
     def value_names(self) -> tuple[str, ...]:
-        """Return the names of the values in it, in the order of their first entries."""
-        return tuple(dict.fromkeys(name for entry in self.entries for name, _ in entry.values))
+        """Return the names of the values in it: forces first, then by their first entries."""
+        names = dict.fromkeys(name for entry in self.entries for name, _ in entry.values)
+        return tuple(sorted(names, key=_rank))
+
+
+def _rank(name: str) -> int:
+    """Return where a value stands by its unit."""
+    unit = name.rpartition("_")[2]
+    return list(_UNITS).index(unit) if unit in _UNITS else len(_UNITS)

@@ -182,7 +182,7 @@ def step(view: RunView, event: Event) -> RunView:
 
 def _on_engine(view: RunView, event: EngineSeen) -> RunView:
     if not event.is_there:
-        ending = "the engine went away while it ran" if view.phase is Phase.RUNNING else ""
+        ending = "was cut off, as the engine went away" if view.phase is Phase.RUNNING else ""
         return RunView(ending=ending or view.ending, is_ending_bad=bool(ending))
     return replace(view, phase=Phase.IDLE) if view.phase is Phase.AWAY else view
 

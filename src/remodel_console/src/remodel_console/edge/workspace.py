@@ -40,6 +40,18 @@ class Workspace:
         packages, _warnings = find_packages(self.ros_package_path)
         return (*(p.folder / "charts" for p in packages if p.has_behaviors), *self.more_folders())
 
+    def folder_words(self) -> Iterator[tuple[Path, str]]:
+        """Yield each chart folder, and what a person calls it."""
+        packages, _warnings = find_packages(self.ros_package_path)
+        owners = {package.folder / "charts": package.name for package in packages}
+        for folder in self.chart_folders:
+            if folder in owners:
+                yield folder, f"charts of the package {owners[folder]}"
+            elif folder.is_relative_to(Path.home()):
+                yield folder, f"~/{folder.relative_to(Path.home())}"
+            else:
+                yield folder, str(folder)
+
     def find(self, name: str) -> Chart:
         """Return the chart of a behavior; one without a chart is read back from its code.
 

@@ -1,13 +1,15 @@
 """The cell's cameras as the console sees them: every look of its own, and the scene for people.
 
 Overhead and wrist camera publish whenever the cell looks. The scene is rendered on request only,
-so it is asked for while a page shows it, and so seldom that the cell has most of its time.
+so it is asked for while a page shows it, and so seldom that a cell that works has most of its time.
 """
 
 from __future__ import annotations
 
+import contextlib
 import threading
 import time
+from collections.abc import Callable
 
 import rospy
 from remodel_msgs.srv import TakePicture, TakePictureRequest
@@ -23,15 +25,26 @@ LOOKS = ("overhead", "wrist")
 SCENE = "scene"
 _EVERY_S = 0.2  # between two pictures of one camera, at least
 _SCENE_EVERY_S = 2.0
-_SCENE_SHARE = 0.1  # of the cell's time, at most, goes into pictures for people
+_LOOK_EVERY_S = 0.2
+# Of the cell's time, at most so much goes into pictures for people.
+_SHARE_AT_WORK, _SHARE_AT_REST = 0.1, 0.5
 
 
 class CameraLink:
     """Subscribes to the cameras, and turns what they see into JPEG on threads of its own."""
 
-    def __init__(self, pictures: Pictures, end: threading.Event) -> None:
-        """Connect; until the event is set the scene is looked at too."""
+    def __init__(
+        self, pictures: Pictures, is_at_work: Callable[[], bool], end: threading.Event
+    ) -> None:
+        """Connect.
+
+        Args:
+            pictures: get what is seen.
+            is_at_work: tells whether the cell does something.
+            end: until this is set the scene is looked at too.
+        """
         self._pictures = pictures
+        self._is_at_work = is_at_work
         self._end = end
         self._waiting: dict[str, Image] = {}
         self._has_looked = threading.Event()
@@ -69,18 +82,17 @@ class CameraLink:
             rospy.logwarn_throttle(60, "camera %s: %s", camera, error)
 
     def _watch_scene(self) -> None:
-        rest_s = _SCENE_EVERY_S
-        while not self._end.wait(rest_s):
-            rest_s = _SCENE_EVERY_S
-            if not self._pictures.are_wanted:
+        begin_s = took_s = 0.0
+        while not self._end.wait(_LOOK_EVERY_S):
+            share = _SHARE_AT_WORK if self._is_at_work() else _SHARE_AT_REST
+            is_soon = time.monotonic() < begin_s + max(_SCENE_EVERY_S, took_s / share)
+            if is_soon or not self._pictures.are_wanted:
                 continue
             begin_s = time.monotonic()
-            try:
+            with contextlib.suppress(CommandError):  # no cell; the page says so
                 answer = call_service(
                     f"{topics.CELL}/take_picture", TakePicture, TakePictureRequest(SCENE)
                 )
-            except CommandError:
-                continue  # no cell; the page says so
-            if answer.success:
-                self._keep(SCENE, answer.image)
-            rest_s = max(rest_s, (time.monotonic() - begin_s) / _SCENE_SHARE)
+                if answer.success:
+                    self._keep(SCENE, answer.image)
+            took_s = time.monotonic() - begin_s

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
 from functools import partial
 
@@ -179,4 +180,4 @@ def _structure(message: ContainerStructure) -> Structure:
 
 
 def _log_line(message: BehaviorLog) -> LogLine:
-    return LogLine(rospy.Time.now().to_sec(), message.status_code, message.text)
+    return LogLine(time.time(), message.status_code, message.text)

@@ -10,6 +10,7 @@ import rosgraph
 import rospy
 
 from remodel_console.console import Console
+from remodel_console.core.run_view import Phase
 from remodel_console.desk import Journal
 from remodel_console.ros import topics
 from remodel_console.ros.camera_link import CameraLink
@@ -43,14 +44,14 @@ def join_ros(console: Console, journal: Journal, end: threading.Event) -> None:
         _end_process(end, f"could not join ROS: {error}")
         return
     rospy.on_shutdown(lambda: _end_process(end, "ROS has shut this node down"))
-    link = EngineLink(console.take, console.live.take_line)
-    console.engine = link
+    link = EngineLink(console.steering.take, console.live.take_line)
+    console.steering.engine = link
     supervisor = UseCaseLink(console.live.take_use_case)
     console.supervisor = supervisor
     console.recorder = RecordLink()
-    CameraLink(console.pictures, end)
+    CameraLink(console.pictures, lambda: console.live.world.run.phase is Phase.RUNNING, end)
     console.session.ask_server = ask_synthesis_server
-    CommandServer(console.session, Runtime(), lambda: console.settings.now, journal)
+    CommandServer(console.session, Runtime(console.steering), lambda: console.settings.now, journal)
     looking = threading.Thread(target=_look, args=(console, link, supervisor, end), daemon=True)
     looking.start()
     watch.watch(end)

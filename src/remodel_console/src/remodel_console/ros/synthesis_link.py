@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 
 import actionlib
@@ -23,6 +22,7 @@ from remodel_console.errors import CommandError
 
 _FOUND_S = 5.0  # in which a server is found; wall time, as a person waits
 _ANSWER_S = 65.0  # longer than our own server takes at most
+_LOST_S = 1.0  # after the end of a goal, in which its result comes if it does at all
 _LOOK_EVERY_S = 0.05
 
 
@@ -53,15 +53,6 @@ def _wait_for(client: actionlib.ActionClient, topic: str) -> None:
 
 
 def _result(client: actionlib.ActionClient, request: ServerRequest) -> tuple[Instantiation, ...]:
-    ended, told = threading.Event(), [""]
-
-    def on_change(handle: actionlib.ClientGoalHandle) -> None:
-        if handle.get_comm_state() == actionlib.CommState.DONE:
-            ended.set()
-
-    def on_feedback(_: actionlib.ClientGoalHandle, feedback: BehaviorSynthesisFeedback) -> None:
-        told[0] = feedback.status
-
     goal = BehaviorSynthesisGoal(
         SynthesisRequest(
             name=request.path,
@@ -70,15 +61,42 @@ def _result(client: actionlib.ActionClient, request: ServerRequest) -> tuple[Ins
             initial_condition=request.initial,
         )
     )
-    handle = client.send_goal(goal, on_change, on_feedback)
-    if not ended.wait(_ANSWER_S):
-        handle.cancel()
-        raise CommandError(f"the synthesis server has not answered within {_ANSWER_S:.0f} s")
+    told = [""]
+
+    def on_feedback(_: actionlib.ClientGoalHandle, feedback: BehaviorSynthesisFeedback) -> None:
+        told[0] = feedback.status
+
+    end_s = time.monotonic() + _ANSWER_S
+    handle = client.send_goal(goal, feedback_cb=on_feedback)
+    while not _has_result(handle, end_s):
+        handle = client.send_goal(goal, feedback_cb=on_feedback)
     result: BehaviorSynthesisResult | None = handle.get_result()
     if handle.get_goal_status() != GoalStatus.SUCCEEDED or result is None:
         reason = handle.get_goal_status_text() or told[0] or "it gave no reason"
         raise CommandError(f"the synthesis server refuses: {reason}")
     return tuple(map(_instantiation, result.states))
+
+
+def _has_result(handle: actionlib.ClientGoalHandle, end_s: float) -> bool:
+    """Wait until a goal has ended, and return whether its result has come.
+
+    A server that has just been connected may send a result before it knows that we listen.
+
+    Raises:
+        CommandError: if it has not ended at a wall time [s].
+    """
+    since_s = time.monotonic()  # since when only the result is missing
+    while (state := handle.get_comm_state()) != actionlib.CommState.DONE:
+        now_s = time.monotonic()
+        if now_s > end_s:
+            handle.cancel()
+            raise CommandError(f"the synthesis server has not answered within {_ANSWER_S:.0f} s")
+        if state != actionlib.CommState.WAITING_FOR_RESULT:
+            since_s = now_s
+        elif now_s - since_s > _LOST_S:
+            return False
+        time.sleep(_LOOK_EVERY_S)
+    return True
 
 
 def _instantiation(state: StateInstantiation) -> Instantiation:

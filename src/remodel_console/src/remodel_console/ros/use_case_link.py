@@ -45,13 +45,14 @@ class UseCaseLink:
         """Tell whether a supervisor publishes its state."""
         return bool(self._state.get_num_connections() > 0)
 
-    def run(self, order: str, tasks: int, by: str) -> str:
+    def run(self, order: str, tasks: int, by: str, *, again: bool) -> str:
         """Start an order, and return what the supervisor says.
 
         Args:
             order: its name.
             tasks: how many of its tasks, from the first; 0 for all.
             by: who starts it.
+            again: do those too that are done, on an empty panel.
 
         Raises:
             CommandError: if there is no supervisor, or it refuses.
@@ -67,7 +68,8 @@ class UseCaseLink:
             ):
                 decided.set()
 
-        goal = RunUseCaseGoal(id=f"{by}-{uuid.uuid4().hex[:8]}", order=order, tasks=tasks)
+        goal_id = f"{by}-{uuid.uuid4().hex[:8]}"
+        goal = RunUseCaseGoal(id=goal_id, order=order, tasks=tasks, again=again)
         handle = self._client.send_goal(goal, on_change)
         if not decided.wait(_ACCEPTED_S):
             handle.cancel()

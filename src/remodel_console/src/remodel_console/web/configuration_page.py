@@ -53,10 +53,10 @@ class ConfigurationPage(Page):
         self._always.clear()
         added = set(settings.chart_folders)
         with self._always:
-            for folder in map(str, self.console.workspace.chart_folders):
-                if folder not in added:
+            for folder, words in self.console.workspace.folder_words():
+                if str(folder) not in added:
                     with ui.element("li"):
-                        ui.label(folder)
+                        ui.label(words).tooltip(str(folder))
 
     def _box(self, label: str, name: str) -> None:
         box = ui.checkbox(label, value=getattr(self.console.settings.now, name))

@@ -19,7 +19,9 @@ class OrderForm:
     def __init__(self, page: OverviewPage) -> None:
         """Build the form."""
         self._page = page
-        self._ending = ui.label().classes("ending")
+        with ui.element("div").classes("ending") as self._ending:
+            self._words = ui.label()
+            self._link = ui.link("Replay it")
         self._order = ui.select(
             [], label="Order", with_input=True, new_value_mode="add-unique", clearable=True
         )
@@ -28,6 +30,8 @@ class OrderForm:
         self._tasks = ui.number("Number of tasks", min=1, step=1, placeholder="all of them")
         self._tasks.props("outlined dense stack-label").classes("wide")
         self._tasks.set_enabled(page.is_operator)
+        self._again = ui.checkbox("The panel is empty: do again what is done")
+        self._again.props("dense").set_enabled(page.is_operator)
         page.button("Start the order", self._start, icon="play_arrow")
 
     def show(self, now: UseCase) -> None:
@@ -36,7 +40,11 @@ class OrderForm:
         self._ending.set_visibility(is_over)
         is_all_done = now.count(TaskPhase.DONE) == len(now.tasks)
         self._ending.classes(replace="ending" if is_all_done else "ending bad")
-        self._ending.text = f"Order '{now.order}', run {now.run}: {now.message}"
+        self._words.text = f"Order '{now.order}', run {now.run}: {now.message}"
+        self._link.set_visibility(now.run > 0)
+        self._link.props(f'href="/replay?run={now.run}"')
+        if is_over and self._order.value is None:
+            self._order.set_options([now.order], value=now.order)  # to go on with what is left
 
     async def _list(self) -> None:
         """Offer the orders that the production database has."""
@@ -53,4 +61,5 @@ class OrderForm:
         if not order:
             ui.notify("Choose the order, or type its name.", type="warning")
             return
-        await self._page.start(order, int(self._tasks.value or 0))
+        tasks = int(self._tasks.value or 0)
+        await self._page.start(order, tasks, again=bool(self._again.value))

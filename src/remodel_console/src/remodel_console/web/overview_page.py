@@ -134,7 +134,7 @@ class OverviewPage(Page):
                 ui.label(str(number)).classes("number")
                 with ui.element("div").classes("level"):
                     ui.label(f"{word}: {level.name}" if level and level.name else word)
-                    if level is None:
+                    if level is None or not (level.name or level.doing):
                         ui.label("nothing").classes("soft")
                         continue
                     ui.label(level.doing).classes("soft")
@@ -159,32 +159,40 @@ class OverviewPage(Page):
 
     def _show_figures(self, found: Figures) -> None:
         self._figures.clear()
-        yield_words = "-" if found.first_pass_yield is None else f"{found.first_pass_yield:.0%}"
-        cycle = "-" if found.mean_cycle_s is None else duration_words(found.mean_cycle_s)
-        recovered = str(sum(count for _, count in found.recoveries))
+        if found.first_pass_yield is None or found.mean_cycle_s is None:
+            return
         with self._figures:
             _plot(
                 "First-pass yield",
-                yield_words,
+                f"{found.first_pass_yield:.0%}",
                 line_plot("First-pass yield over tasks", found.tasks, found.yields, 1.0),
             )
             _plot(
                 "Cycle time",
-                f"{cycle} on average" if found.tasks else cycle,
+                f"{duration_words(found.mean_cycle_s)} on average",
                 bar_plot("Time of each task", found.tasks, found.cycles_s, "s"),
             )
             _plot(
                 "Recoveries by cause",
-                recovered,
+                str(sum(count for _, count in found.recoveries)),
                 count_plot("Recoveries by cause", found.recoveries),
             )
 
     # Deeds
 
-    async def start(self, order: str, tasks: int) -> bool:
-        """Start an order; tell whether the supervisor took it."""
+    async def start(self, order: str, tasks: int, *, again: bool) -> bool:
+        """Start an order; tell whether the supervisor took it.
+
+        Args:
+            order: its name.
+            tasks: how many of its tasks, from the first; 0 for all.
+            again: those that are done too, on an empty panel.
+        """
         what = f"run order '{order}'" + (f", its first {tasks} tasks" if tasks else "")
-        return await self._give(what, lambda supervisor, by: supervisor.run(order, tasks, by))
+        what += ", on an empty panel" if again else ""
+        return await self._give(
+            what, lambda supervisor, by: supervisor.run(order, tasks, by, again=again)
+        )
 
     async def _give(self, what: str, deed: Callable[[Supervisor, str], str]) -> bool:
         """Give a command to the supervisor, and tell whether it was taken."""

@@ -13,6 +13,7 @@ from starlette.requests import Request
 from remodel_console.console import Console
 from remodel_console.core.access import Actor, Role, tidy_name
 from remodel_console.core.answer import DONE, Answer
+from remodel_console.core.commands import Command, Verb
 from remodel_console.core.world import Notice, World, notices
 from remodel_console.web.broadcast import Broadcast
 from remodel_console.web.guard import role_of
@@ -48,6 +49,7 @@ class Page:
         self._dark = ui.dark_mode(value=request.cookies.get(DARK_COOKIE) == "dark")
         self._shown_notices: tuple[object, ...] = ("not shown yet",)
         ui.page_title(f"{title} · REMODEL")
+        ui.run_javascript("watchConnection()")
         ui.colors(primary=_ACCENT)
         self._bar(title)
         self._notices = ui.column().classes("notices")
@@ -122,6 +124,20 @@ class Page:
                 button = ui.button(yes, on_click=deed).props("no-caps unelevated autofocus")
                 button.on_click(dialog.close)
                 ui.button("Cancel", on_click=dialog.close).props("no-caps flat")
+
+    async def load(self, name: str) -> None:
+        """Load a behavior into the session; ask first if something would be lost."""
+        session = self.console.session
+        command = Command(f"load {name}", Verb.LOAD, {"name": name})
+
+        async def do() -> None:
+            await self.give(command.text, lambda: session.carry_out(command))
+
+        if session.is_saved or session.chart is None:
+            await do()
+        else:
+            question = f"'{session.chart.name}' has changes that are not saved."
+            self.ask(question, "Load, and lose them", do)
 
     def _show(self) -> None:
         world = self.console.live.world

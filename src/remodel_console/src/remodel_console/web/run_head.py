@@ -46,7 +46,7 @@ class RunHead:
         self._done.style(f"width: {_percent(done, len(now.tasks))}")
         self._aside.style(f"width: {_percent(aside, len(now.tasks))}")
         self._message.text = now.message
-        self._message.set_visibility(bool(now.message))
+        self._message.set_visibility(bool(now.message) and now.phase is not Phase.ASKING)
         self._interruptions.text = _interruption_words(now.interruptions)
         self._interruptions.set_visibility(now.interruptions > 0)
         self._resume.set_visibility(now.phase is Phase.PAUSED)

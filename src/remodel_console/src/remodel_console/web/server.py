@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 from pathlib import Path
 
-from nicegui import app, ui
+from nicegui import app, core, ui
 from nicegui import run as on_thread
 from starlette.requests import Request
 from starlette.responses import RedirectResponse, Response
@@ -21,9 +21,13 @@ from remodel_console.web.replay_page import ReplayPage
 from remodel_console.web.runtime_page import RuntimePage
 
 _STATIC = Path(__file__).parent / "static"
-_HEAD = '<link rel="stylesheet" href="/console/console.css">'
+_HEAD = (
+    '<link rel="stylesheet" href="/console/console.css">'
+    '<script src="/console/connection.js"></script>'
+)
 _PNG = b"\x89PNG"  # how such a file begins
 _RECONNECT_S = 30.0  # for which the page of a browser that has lost us is kept
+_PING_S, _PONG_S = 2.0, 3.0  # a page whose network is gone says so after both
 
 
 def serve(console: Console, port: int) -> None:
@@ -32,6 +36,7 @@ def serve(console: Console, port: int) -> None:
     app.add_static_files("/console", _STATIC)
     app.add_middleware(Guard, door=console.door)
     app.on_startup(broadcast.bind)
+    app.on_startup(_look_often)
     console.live.on_change(broadcast.wake)
     console.pictures.on_change(broadcast.wake)
     console.session.tell = broadcast.wake
@@ -84,6 +89,11 @@ def serve(console: Console, port: int) -> None:
             reload=False,
             show_welcome_message=False,
         )
+
+
+def _look_often() -> None:
+    """Look whether pages are there more often than NiceGUI would by itself."""
+    core.sio.eio.ping_interval, core.sio.eio.ping_timeout = _PING_S, _PONG_S
 
 
 async def _recorded(console: Console, run: int, position: int) -> Response:

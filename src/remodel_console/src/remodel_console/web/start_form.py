@@ -41,7 +41,7 @@ class StartForm:
         self._level = ui.select(
             {level: word.capitalize() for level, word in LEVELS.items()},
             value=UNATTENDED,
-            label="Autonomy: what the engine does unasked",
+            label="Autonomy: what is done unasked",
         )
         self._level.props("outlined dense").classes("wide")
         chart = self._page.console.session.chart

@@ -5,50 +5,25 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-import uuid
 from pathlib import Path
 
 import rospy
-from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal, UseCaseState
-from tqdm import tqdm
 
 from remodel_planner.commands.database_option import add_database_option
+from remodel_planner.commands.run_follower import RunFollower
 from remodel_planner.commands.storyteller import Storyteller
 from remodel_planner.core.panel_layout import PanelRules, lay_out
-from remodel_planner.core.production import Order, Wire
-from remodel_planner.core.recovery.fault import Do
-from remodel_planner.core.run import Execution
-from remodel_planner.core.run_report import Report, failure_line
-from remodel_planner.core.supervision.attempts import Attempt, attempts_of
-from remodel_planner.core.supervision.events import Ending, Part, Planned
-from remodel_planner.core.supervision.state import RunState, Stage, state_after
+from remodel_planner.core.production import Order
+from remodel_planner.core.run_report import Report
+from remodel_planner.core.supervision.attempts import Attempt
+from remodel_planner.core.supervision.events import Ending, Part
+from remodel_planner.core.supervision.state import RunState, Stage
 from remodel_planner.edge.catalogue_file import read_catalogue
 from remodel_planner.edge.package_files import catalogue_file
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.report_files import write_report
 from remodel_planner.edge.run_log import RunLog
-from remodel_planner.errors import CellError, PlannerError
-from remodel_planner.ros.action_server import ActionServer, Goal
-
-# [s] wall time that the supervisor's node, with all that it needs, gets to come up.
-_START_LIMIT_S = 60.0
-
-# [s] wall time between two looks at what has happened; and that a supervisor may stay away.
-_LOOK_S = 0.2
-_AWAY_LIMIT_S = 60.0
-
-# What is done about a failed task, told to a person.
-DONE = {
-    Do.RETRY: "looking, then doing what is left",
-    Do.RETRY_WITH: "trying again with other parameters",
-    Do.LOOK_AGAIN: "looking again",
-    Do.OTHER_METHOD: "trying another method",
-    Do.NEW_PART: "feeding a new wire",
-    Do.REPLAN: "its turn comes later",
-    Do.SET_ASIDE: "set aside",
-    Do.ASK_OPERATOR: "asking the operator",
-    Do.STOP: "stopping",
-}
+from remodel_planner.errors import PlannerError
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -83,7 +58,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 2
     rospy.init_node("run_order", anonymous=True)
     print(f"order {order.name}: {len(order.wires)} wires, {len(order.components)} components")
-    follower = _Follower(RunLog(database), order)
+    follower = RunFollower(RunLog(database), order)
     started = time.monotonic()
     try:
         state = follower.run(options.again)
@@ -105,95 +80,6 @@ def main(arguments: list[str] | None = None) -> int:
     return 0 if report.complete else 1
 
 
-class _Follower:
-    """Asks for a run, and tells of it while it goes on; a supervisor that dies may come again.
-
-    Attributes:
-        number: of the run.
-        attempts: that have ended.
-    """
-
-    def __init__(self, log: RunLog, order: Order) -> None:
-        self._log = log
-        self._order = order
-        self._wires = {wire.name: wire for wire in order.wires}
-        self._server = ActionServer(
-            "remodel/run_use_case", RunUseCaseAction, "remodel_planner use_case_supervisor"
-        )
-        self._told: UseCaseState | None = None
-        self._heard_s = time.monotonic()
-        self._plans = 0
-        self.number = 0
-        self.attempts: tuple[Attempt, ...] = ()
-        rospy.Subscriber("remodel/use_case/state", UseCaseState, self._on_state)
-
-    def run(self, again: bool) -> RunState:
-        """Have the order done, and return how it ended.
-
-        Raises:
-            CellError: if the supervisor refuses, or goes away and does not come again.
-        """
-        goal = self._asked(again)
-        total = len(self._order.wires)
-        with tqdm(total=total, unit="wire", file=sys.stdout, leave=False, disable=None) as bar:
-            while True:
-                goal.wait(_LOOK_S)
-                state, lines = self._news()
-                for line in lines:
-                    bar.write(line)
-                bar.update(sum(task.stage.is_lasting for task in state.tasks.values()) - bar.n)
-                if state.ended is not None:
-                    return state
-                self._require_supervisor()
-
-    def _asked(self, again: bool) -> Goal:
-        """Send the goal until a supervisor has begun the run; one may die before it does."""
-        request = RunUseCaseGoal(
-            id=f"run_order {uuid.uuid4().hex[:8]}",
-            order=self._order.name,
-            tasks=len(self._order.wires),
-            again=again,
-        )
-        end = time.monotonic() + _START_LIMIT_S
-        while time.monotonic() < end:
-            self._server.wait(_START_LIMIT_S)
-            goal = self._server.send(request)
-            while self._server.is_there and time.monotonic() < end:
-                if goal.wait(_LOOK_S) and not goal.succeeded and not goal.lost:
-                    raise CellError(goal.ending)
-                told = self._told
-                if told is not None and told.run and told.order == self._order.name:
-                    self.number = told.run
-                    return goal
-        raise CellError(f"no run began within {_START_LIMIT_S:.0f} s")
-
-    def _require_supervisor(self) -> None:
-        away_s = time.monotonic() - self._heard_s
-        if away_s > _AWAY_LIMIT_S:
-            raise CellError(
-                f"the use case supervisor has been silent for {away_s:.0f} s; when it is started "
-                f"again, run {self.number} goes on by itself"
-            )
-
-    def _news(self) -> tuple[RunState, list[str]]:
-        """Return the run's state, and lines about what has ended since the last call."""
-        events = [kept.event for kept in self._log.events(self.number)]
-        lines = []
-        plans = [event for event in events if isinstance(event, Planned)]
-        lines += [f"plan: {' '.join(plan.tasks)}" for plan in plans[self._plans :]]
-        self._plans = len(plans)
-        attempts = attempts_of(events)
-        state = state_after(events)
-        if attempts and state.current and state.tasks[state.current].stage is Stage.FAILED:
-            attempts = attempts[:-1]  # what is done about it comes next
-        lines += [_line(attempt, self._wires) for attempt in attempts[len(self.attempts) :]]
-        self.attempts = attempts
-        return state, lines
-
-    def _on_state(self, state: UseCaseState) -> None:
-        self._told, self._heard_s = state, time.monotonic()
-
-
 def _report(
     order: Order,
     lengths: dict[str, float],
@@ -212,36 +98,17 @@ def _report(
     overview = teller.overview(attempts[-1]) if attempts else ()
     is_stopped = state.ended is not None and state.ended.ending is Ending.STOPPED
     stopped = state.ended.because if is_stopped and state.ended else ""
-    return Report(order, len(order.wires), wall_s, stories, overview, stopped)
-
-
-def _line(attempt: Attempt, wires: dict[str, Wire]) -> str:
-    wire, execution = wires[attempt.execution.wire], attempt.execution
-    result = "placed" if execution.placed else f"NOT placed ({execution.outcome})"
-    if attempt.because:
-        result = f"interrupted ({attempt.because})"
-    if attempt.part is Part.CLEAR:
-        result = "hand emptied"
-    if execution.attempt > 1:
-        result += f" at attempt {execution.attempt}"
-    if attempt.decision:
-        result += f", {DONE[attempt.decision.do]} ({attempt.decision.because})"
-    head = (
-        f"{wire.name:>4}  {wire.a!s:>12} to {wire.b!s:<14} {wire.colour} "
-        f"{wire.section_mm2:g} mm2  {result}, {_insertions(execution)}, {execution.cell_s:.1f} s"
-    )
-    return "\n".join([head, *(f"        {failure_line(f)}" for f in execution.failures)])
-
-
-def _insertions(execution: Execution) -> str:
-    count = execution.tries("InsertCable")
-    return f"{count} insertion" + ("" if count == 1 else "s")
+    here = {attempt.execution.wire for attempt in attempts}
+    done = [name for name, task in state.tasks.items() if task.stage is Stage.DONE]
+    before = sum(name not in here for name in done)
+    return Report(order, len(order.wires), wall_s, stories, overview, stopped, before)
 
 
 def _sum_up(report: Report, page: Path) -> None:
+    before = f" ({report.before} of them before)" if report.before else ""
     print(
-        f"{report.placed} of {report.planned} wires placed, {report.first_pass} without a failed "
-        f"operation; {report.failures} failed operations; {report.cell_s:.0f} s in the cell, "
-        f"{report.wall_s:.0f} s on the clock"
+        f"{report.placed} of {report.planned} wires placed{before}, {report.first_pass} without a "
+        f"failed operation; {report.failures} failed operations; "
+        f"{report.cell_s:.0f} s in the cell, {report.wall_s:.0f} s on the clock"
     )
     print(f"report: {page}")

@@ -61,6 +61,11 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument(
         "--search", type=float, default=0.3, metavar="S", help="for the best order (default 0.3)"
     )
+    parser.add_argument(
+        "--frozen",
+        action="store_true",
+        help="do what the use case states, whatever runs have taught",
+    )
     add_database_option(parser)
     options = parser.parse_args(rospy.myargv()[1:] if arguments is None else arguments)
     for name in ("patience", "lease"):
@@ -85,6 +90,7 @@ def main(arguments: list[str] | None = None) -> int:
         options.patience,
         options.lease,
         options.search,
+        options.frozen,
     )
     peers = Peers(Cell(), BehaviorSynthesizer(), TaskSupervisor(), Inspection())
     servers = (

@@ -83,7 +83,7 @@ class _Wiring:
             ),
             tasks=tuple(self._task(wire, slots[wire.name]) for wire in self._wires),
             access={
-                self._names[ref]: _access(terminal)
+                self._names[ref]: _access(component, terminal)
                 for component in components
                 for terminal in component.terminals
                 if (ref := TerminalRef(component.name, terminal.name)) in self._names
@@ -155,5 +155,10 @@ class _Wiring:
         return declared(said, self._use_case.component_characteristics)
 
 
-def _access(terminal: DesignTerminal) -> Access:
-    return Access(terminal.insertion_force_limit_n, terminal.clearance_m, terminal.approach)
+def _access(component: Component, terminal: DesignTerminal) -> Access:
+    return Access(
+        terminal.insertion_force_limit_n,
+        terminal.clearance_m,
+        terminal.approach,
+        component.type_of(terminal),
+    )

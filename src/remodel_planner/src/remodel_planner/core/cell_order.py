@@ -4,10 +4,16 @@ from __future__ import annotations
 
 import math
 
-from remodel_planner.core.panel_layout import CutWire, PanelLayout, PlacedChannel
+from remodel_planner.core.panel_layout import (
+    CutWire,
+    PanelLayout,
+    PlacedChannel,
+    PlacedComponent,
+    PlacedTerminal,
+)
 from remodel_planner.core.planning.problem import Arm, End, Point, Terminal
 from remodel_planner.core.production import TerminalRef
-from remodel_planner.core.use_case.work_order import Task, Way, WorkOrder
+from remodel_planner.core.use_case.work_order import Access, Task, Way, WorkOrder
 
 USE_CASE = "switchgear"
 
@@ -48,6 +54,11 @@ def cell_order(layout: PanelLayout) -> WorkOrder:
         terminals=tuple(
             Terminal(str(ref), ref.component, position) for ref, position in mouths.items()
         ),
+        access={
+            str(TerminalRef(placed.component.name, terminal.name)): _access(placed, terminal)
+            for placed in layout.components
+            for terminal in placed.terminals
+        },
         tasks=tuple(
             _task(cut, mouths[cut.first], mouths[cut.second], channels[cut.channel])
             for cut in layout.wires
@@ -76,6 +87,11 @@ def _task(cut: CutWire, first: Point, second: Point, channel: PlacedChannel) -> 
             ("lay_down_pose", _past_second(cut, channel, LAY_DOWN_HEIGHT_M)),
         ),
     )
+
+
+def _access(placed: PlacedComponent, terminal: PlacedTerminal) -> Access:
+    design = placed.component.terminal(terminal.name)
+    return Access(approach=design.approach, kind=placed.component.type_of(design))
 
 
 def _past_second(cut: CutWire, channel: PlacedChannel, height_m: float) -> tuple[float, ...]:

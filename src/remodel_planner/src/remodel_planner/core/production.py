@@ -125,6 +125,15 @@ class Component:
         """Return the terminal of that name; KeyError if there is none."""
         return {terminal.name: terminal for terminal in self.terminals}[name]
 
+    def type_of(self, terminal: Terminal) -> str:
+        """Return what its terminal is a case of, for whoever learns from one about another."""
+        return terminal_type(terminal.kind, self.part_number, self.kind)
+
+
+def terminal_type(kind: str, part_number: str, component_kind: str) -> str:
+    """Return the type of a terminal: its own, else its component's article, else its kind."""
+    return kind or part_number or component_kind
+
 
 @dataclass(frozen=True)
 class Cable:

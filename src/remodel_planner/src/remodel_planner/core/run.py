@@ -5,6 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 
+def step_of(state_path: str) -> str:
+    """Return the title of the step of a task that a state is of: the first name in its path."""
+    return state_path.strip("/").split("/")[0]
+
+
 @dataclass(frozen=True)
 class Operation:
     """One execution of an ability by a state.

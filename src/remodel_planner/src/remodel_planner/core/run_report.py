@@ -91,6 +91,7 @@ class Report:
         wall_s: [s] wall time from the first task's start to the last one's end.
         overview: pictures of the whole cell.
         stopped: why the run ended before its time; empty if it did not.
+        before: number of those wires that earlier runs, or other cells, have placed.
     """
 
     order: Order
@@ -99,11 +100,12 @@ class Report:
     stories: tuple[WireStory, ...]
     overview: tuple[Picture, ...]
     stopped: str = ""
+    before: int = 0
 
     @property
     def placed(self) -> int:
-        """The number of wires placed, by the cell's ground truth."""
-        return sum(story.execution.placed for story in self.stories)
+        """The number of wires placed; this run's by the cell's ground truth."""
+        return self.before + sum(story.execution.placed for story in self.stories)
 
     @property
     def first_pass(self) -> int:

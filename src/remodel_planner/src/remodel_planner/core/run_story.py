@@ -22,6 +22,7 @@ from remodel_planner.core.supervision.events import (
     Planned,
     RunEnded,
     Settled,
+    TaskBegun,
     TaskElsewhere,
     TaskEnded,
     TaskReturned,
@@ -76,6 +77,9 @@ def _ended(execution: Execution) -> Iterator[str]:
     )
     for failure in execution.failures:
         yield f"    {failure.state_path}: {failure_line(failure)}"
+        for how, pairs in (("asked for", failure.parameters), ("found", failure.measurements)):
+            if pairs:
+                yield f"        {how}: {', '.join(f'{name} {value}' for name, value in pairs)}"
     if execution.failures and execution.outcome == "finished":
         yield "    the behavior itself put it right"
 
@@ -89,6 +93,15 @@ def _line(_event: Event) -> Iterator[str]:
 @_line.register
 def _(event: Planned) -> Iterator[str]:
     yield f"planned, since {event.because}: {' '.join(event.tasks)}"
+
+
+@_line.register
+def _(event: TaskBegun) -> Iterator[str]:
+    for chosen in event.chosen:
+        yield (
+            f"{event.task}, attempt {event.attempt}: {chosen.step} with {chosen.parameter} "
+            f"{chosen.value:g}, chosen by learning"
+        )
 
 
 @_line.register

@@ -21,14 +21,11 @@ from remodel_planner.edge.database_versions import NEWEST, upgrade, version_of
 from remodel_planner.edge.preference_rows import add_preference_rows, preferences_of_rows
 from remodel_planner.edge.production_models import (
     AbilityParameterRow,
-    AbilityRecordRow,
     AbilityRow,
-    ExecutionRow,
     OrderRow,
-    TaskRow,
-    WireRow,
 )
 from remodel_planner.edge.production_rows import add_order_rows, order_of_row
+from remodel_planner.edge.recorded_lessons import recorded_calls
 from remodel_planner.errors import LostError, OrderError
 
 # [s] that a program waits for another one's transaction; an import takes one second.
@@ -114,23 +111,7 @@ class ProductionDatabase:
     def ability_calls(self) -> tuple[Call, ...]:
         """Return all calls of abilities that any run has recorded, in their order."""
         with self.reading() as session:
-            rows = session.execute(
-                select(
-                    AbilityRecordRow.ability,
-                    WireRow.section_mm2,
-                    WireRow.colour,
-                    AbilityRecordRow.error_code,
-                    AbilityRecordRow.elapsed_s,
-                )
-                .join(ExecutionRow, AbilityRecordRow.execution_id == ExecutionRow.id)
-                .join(TaskRow, ExecutionRow.task_id == TaskRow.id)
-                .join(WireRow, TaskRow.wire_id == WireRow.id)
-                .order_by(AbilityRecordRow.id)
-            )
-            return tuple(
-                Call(ability, {"section_mm2": section, "colour": colour}, code, elapsed_s)
-                for ability, section, colour, code, elapsed_s in rows
-            )
+            return recorded_calls(session)
 
     def _writing(self) -> Engine:
         """Return an engine whose transactions wait for each other from their start (SQLite)."""

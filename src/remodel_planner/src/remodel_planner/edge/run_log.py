@@ -12,6 +12,7 @@ from datetime import UTC, datetime
 from sqlalchemy import func, select, update
 from sqlalchemy.orm import Session
 
+from remodel_planner.core.learning.learned_responses import TriedResponse
 from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.attempts import INTERRUPTED
 from remodel_planner.core.supervision.event_form import data_of, event_from, kind_of
@@ -35,6 +36,7 @@ from remodel_planner.edge.production_models import (
     TaskRow,
     WireRow,
 )
+from remodel_planner.edge.recorded_lessons import recorded_responses
 from remodel_planner.errors import OrderError
 
 _STORED = {Stage.DONE: "done", Stage.SET_ASIDE: "set aside"}
@@ -159,6 +161,11 @@ class RunLog:
             return tuple(
                 RunHead(row.id, order, row.cell, row.started, row.ended) for row, order in rows
             )
+
+    def tried_responses(self) -> tuple[TriedResponse, ...]:
+        """Return what was done about faults in any run, and whether it helped."""
+        with self._database.reading() as session:
+            return recorded_responses(session)
 
     def unfinished(self, cell: str) -> int | None:
         """Return the number of a cell's run that has not ended; None if all have."""

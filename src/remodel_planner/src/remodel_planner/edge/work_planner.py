@@ -6,11 +6,13 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from flexbe_synthesizer.core.model import Chart
+from remodel_planner.core.learning.experience import Experience
+from remodel_planner.core.learning.learned_expectations import Call, numbers_from
 from remodel_planner.core.recovery.fault import Do
-from remodel_planner.core.supervision.events import Decided, Part
+from remodel_planner.core.run import Operation, step_of
+from remodel_planner.core.supervision.events import Chosen, Decided, Part
 from remodel_planner.core.use_case.changed_parameters import Adjustable, with_parameters
 from remodel_planner.core.use_case.escalation import escalating
-from remodel_planner.core.use_case.expectation import Expectations
 from remodel_planner.core.use_case.model import UseCase
 from remodel_planner.core.use_case.planned_tasks import (
     PlannedTask,
@@ -31,7 +33,7 @@ class WorkPlanner:
         self,
         order: WorkOrder,
         use_case: UseCase,
-        expectations: Expectations,
+        experience: Experience,
         search_s: float,
         documents: Sequence[tuple[str, object]] = (),
         escalated: Collection[int] = (),
@@ -41,14 +43,14 @@ class WorkPlanner:
         Args:
             order: what is to be done.
             use_case: how such work is done.
-            expectations: of abilities.
+            experience: what runs have taught; it learns from this one too.
             search_s: [s] of wall time that a search for the best order gets.
             documents: preferences, parsed, with what to call them in errors.
             escalated: error codes after which a behavior gives up at once, for its supervisor.
         """
         self.order = order
         self.use_case = use_case
-        self._expectations = expectations
+        self.experience = experience
         self._search_s = search_s
         self._documents = documents
         self._escalated = escalated
@@ -67,7 +69,8 @@ class WorkPlanner:
         """
         tasks = tuple(task for task in self.order.tasks if task.name in names)
         order = replace(self.order, tasks=tasks)
-        prepared = prepare(order, self.use_case, self._documents, expectations=self._expectations)
+        expectations = self.experience.expectations
+        prepared = prepare(order, self.use_case, self._documents, expectations=expectations)
         search_s = self._search_s if len(tasks) > 1 else 0.0
         planned = plan_problem(prepared.preferred.problem, search_s)
         found = {task.name: task for task in planned_tasks(prepared, planned.plan)}
@@ -100,8 +103,56 @@ class WorkPlanner:
         """Tell whether the step of a task that a state is of can be done by another method."""
         return self._otherwise(self.task(name, decisions), state_path) is not None
 
+    def learn(self, name: str, operation: Operation) -> None:
+        """Learn from an operation of a task."""
+        steps = self._tasks[name].decomposition.steps if name in self._tasks else ()
+        title = step_of(operation.state_path)
+        step = next((step for step in steps if step.title == title), None)
+        if step is not None:
+            self.experience.learn(
+                Call(
+                    operation.ability,
+                    step.features,
+                    operation.error_code,
+                    operation.elapsed_s,
+                    numbers_from(operation.parameters),
+                )
+            )
+
+    def choose(self, name: str, decisions: Sequence[Decided], seed: str) -> tuple[Chosen, ...]:
+        """Return the parameters by which a task is to be done, other than its use case's own.
+
+        What a chart itself says of a parameter stays.
+
+        Args:
+            name: of the task.
+            decisions: about the task so far.
+            seed: of what is left to chance.
+        """
+        task = self.task(name, decisions)
+        chosen = (
+            Chosen(step.title, ability, parameter, value)
+            for step in task.decomposition.steps
+            for ability in step.action.abilities
+            for parameter, value in self.experience.parameters(
+                ability, step.features, task.bounds(step.title), f"{seed} {step.title}"
+            ).items()
+        )
+        return tuple(each for each in chosen if self._with(each, task.chart) != task.chart)
+
+    def _with(self, chosen: Chosen, chart: Chart) -> Chart:
+        """Return a chart with a parameter, unless the chart itself states it."""
+        parameters = {chosen.ability: {chosen.parameter}}
+        adjustable = replace(self._adjustable, parameters=parameters, keeps_stated=True)
+        return with_parameters(chart, chosen.step, {chosen.parameter: chosen.value}, adjustable)
+
     def chart(
-        self, name: str, part: Part, connected: Collection[str], decisions: Sequence[Decided]
+        self,
+        name: str,
+        part: Part,
+        connected: Collection[str],
+        decisions: Sequence[Decided],
+        chosen: Sequence[Chosen] = (),
     ) -> Chart:
         """Return the chart of a part of a task.
 
@@ -109,12 +160,15 @@ class WorkPlanner:
             name: of the task.
             part: which.
             connected: letters of the ends that sit in their terminals.
-            decisions: about the task so far.
+            decisions: about the task so far; they outdo what was chosen.
+            chosen: parameters.
         """
         task = self.task(name, decisions)
         if part is Part.CLEAR:
             return task.clear()
         chart = task.rest(connected) if part is Part.REST else task.chart
+        for each in chosen:
+            chart = self._with(each, chart)
         for decision in decisions:
             if decision.change:
                 values, where = dict(decision.change), decision.state_path

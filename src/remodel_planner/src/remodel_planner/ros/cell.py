@@ -36,13 +36,24 @@ class Cell:
         # rospy.wait_for_service counts ROS time, which stands still until the cell runs.
         end = time.monotonic() + limit_s
         for name in _SERVICES:
-            while not _answers(name):
+            while not _address(name):
                 if time.monotonic() > end or rospy.is_shutdown():
                     raise LostError(
                         f"service {rospy.resolve_name(f'cell/{name}')} is not there after "
                         f"{limit_s:.0f} s: start the cell (roslaunch remodel_sim cell.launch)"
                     )
                 time.sleep(_LOOK_S)
+
+    def address(self) -> str:
+        """Return where the cell answers; a cell that was started anew answers somewhere else.
+
+        Raises:
+            LostError: if it does not answer.
+        """
+        address = _address("load_panel")
+        if not address:
+            raise LostError("the cell does not answer")
+        return address
 
     def load(self, panel: Panel, *, keep: bool) -> None:
         """Build the panel; CellError with every problem found if the cell can't.
@@ -67,16 +78,16 @@ class Cell:
         return _ask("take_picture", f"take a picture from {camera}", camera=camera).image
 
 
-def _answers(name: str) -> bool:
-    """Tell whether the node that offers a service lives: the master remembers dead ones."""
+def _address(name: str) -> str:
+    """Return where a service answers; empty if nobody does: the master remembers dead nodes."""
     try:
         uri = rospy.get_master().lookupService(rospy.resolve_name(f"cell/{name}"))[2]
         _, _, address = uri.partition("://")
         host, _, port = address.rpartition(":")
         with socket.create_connection((host, int(port)), timeout=1.0):
-            return True
+            return address
     except (OSError, ValueError):
-        return False
+        return ""
 
 
 def _ask(name: str, what: str, **request: object) -> Message:

@@ -83,7 +83,8 @@ class _Writer:
     @_of.register
     def _(self, event: TaskBegun) -> Iterable[RunEntry]:
         self.now_s, self.name = event.at_s, event.behavior
-        text = f"attempt {event.attempt}: {event.part.value}"
+        learned = [f"{each.parameter} {each.value:g} at {each.step}" for each in event.chosen]
+        text = ", ".join([f"attempt {event.attempt}: {event.part.value}", *learned])
         entry = RunEntry(kind=RunEntry.TASK, task=event.task, behavior=event.behavior, text=text)
         self.behavior = []
         return [entry]

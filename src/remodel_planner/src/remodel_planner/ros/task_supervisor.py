@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
@@ -38,6 +39,9 @@ _LOOK_S = 0.02
 
 # [s] wall time that a behavior gets to stop when it is told to.
 _STOP_LIMIT_S = 20.0
+
+# [s] wall time that the engine's topic may lag behind the end of a behavior.
+_LAG_LIMIT_S = 2.0
 
 Keep = Callable[[Operation], None]
 
@@ -120,11 +124,20 @@ class TaskSupervisor:
         Raises:
             LostError: if engine or action server are lost; the behavior is in doubt.
         """
-        self._sights, self._path, self._keep = [], [], keep
+        self._sights, self._path = [], []
+        worked: Counter[str] = Counter()
+
+        def note(operation: Operation) -> None:
+            keep(operation)
+            worked[operation.state_path] += 1
+
+        self._keep = note
         self._heard_s = time.monotonic()
         try:
             goal = self._server.send(BehaviorExecutionGoal(behavior_name=behavior))
-            return self._watch(goal, is_to_stop)
+            outcome = self._watch(goal, is_to_stop)
+            self._await_path(worked)
+            return outcome
         finally:
             with self._lock:
                 self._keep = None
@@ -175,6 +188,12 @@ class TaskSupervisor:
         if goal.lost:
             raise LostError("the engine's action server does not know the behavior any more")
         return goal.result.outcome if goal.succeeded else goal.ending
+
+    def _await_path(self, worked: Counter[str]) -> None:
+        """Wait until the engine has told, on another topic, of the states that have worked."""
+        end = time.monotonic() + _LAG_LIMIT_S
+        while worked - Counter(self._path) and time.monotonic() < end:
+            time.sleep(_LOOK_S)
 
     def _require_alive(self) -> None:
         for peer in (self._engine, self._runner):

@@ -21,6 +21,7 @@ from remodel_planner.core.supervision.events import (
     Answered,
     AsLeft,
     Blocked,
+    Chosen,
     Command,
     Commanded,
     Event,
@@ -170,7 +171,8 @@ class UseCaseSupervisor:
         self._begun_s = 0.0
         # A run whose order of tasks is decided was taken up by a supervisor before.
         self._began_before = not state.to_plan
-        self._loaded = False
+        # Where the cell answered that has the panel.
+        self._loaded_at = ""
 
     @property
     def doing_now(self) -> Doing | None:
@@ -263,13 +265,21 @@ class UseCaseSupervisor:
             return
         task = self.state.tasks[name]
         self._await_server(task)
-        chart = self.work.planner.chart(name, part, task.connected, task.decisions)
+        chosen = self._chosen(task, part)
+        chart = self.work.planner.chart(name, part, task.connected, task.decisions, chosen)
         with self._renewed(name):
             self._synthesize(chart)
             self._load_panel()
             if part is Part.WHOLE:
                 self._peers.cell.feed(name, self.work.channels.get(name, ""))
-            self._run(name, part, chart)
+            self._run(name, part, chart, chosen)
+
+    def _chosen(self, task: TaskProgress, part: Part) -> tuple[Chosen, ...]:
+        """Return the parameters by which a task is tried that learning chose."""
+        if part is Part.CLEAR:
+            return ()
+        seed = f"run {self.run}, {task.name}, attempt {task.attempts + 1}"
+        return self.work.planner.choose(task.name, task.decisions, seed)
 
     def _await_server(self, task: TaskProgress) -> None:
         """Give the ability server that a task has lost a while to come back before the next try."""
@@ -285,15 +295,16 @@ class UseCaseSupervisor:
             self._changed.clear()
             self._changed.wait(_SERVER_LOOK_S)
 
-    def _run(self, name: str, part: Part, chart: Chart) -> None:
+    def _run(self, name: str, part: Part, chart: Chart, chosen: tuple[Chosen, ...]) -> None:
         """Run a behavior of a task, and keep what it does."""
         # Clearing the hand belongs to the attempt before.
         attempt = self.state.tasks[name].attempts + (part is not Part.CLEAR)
-        begun = TaskBegun(name, attempt, part, chart.name, write_chart(chart), rospy.get_time())
-        self._append(begun)
+        xml, begun_s = write_chart(chart), rospy.get_time()
+        self._append(TaskBegun(name, attempt, part, chart.name, xml, begun_s, chosen))
 
         def keep(operation: Operation) -> None:
             self._append(OperationEnded(name, operation))
+            self.work.planner.learn(name, operation)
 
         def is_to_stop() -> bool:
             state = self.state
@@ -319,6 +330,7 @@ class UseCaseSupervisor:
         if not self._has(name):
             return
         self._peers.tasks.stop_all()
+        self._load_panel()
         planned = self.work.planner.task(name, self.state.tasks[name].decisions)
         task = planned.decomposition.task
         connected = []
@@ -349,7 +361,11 @@ class UseCaseSupervisor:
             possible.add(Do.OTHER_METHOD)
         policy = planner.use_case.recovery
         bounds = planner.task(name, task.decisions).bounds(failure.state_path)
-        self._append(judged(state, name, self.work.faults, policy, possible, now_s, bounds))
+        unpromising = planner.experience.unpromising(
+            failure.fault.name, possible, self._log.tried_responses()
+        )
+        faults = self.work.faults
+        self._append(judged(state, name, faults, policy, possible, now_s, bounds, unpromising))
 
     def _ask(self, name: str) -> None:
         self._append(question_about(self.state, name, self.work.faults))
@@ -414,17 +430,19 @@ class UseCaseSupervisor:
             self._peers.synthesizer.synthesize(str(chart_file), chart.name)
 
     def _load_panel(self) -> None:
-        if self.work.panel is not None and not self._loaded:
-            begun = any(task.attempts for task in self.state.tasks.values())
-            self._peers.cell.load(self.work.panel, keep=self.work.keep_panel or begun)
-        self._loaded = True
+        """Have the cell build the panel, unless it has: a cell that was started anew has not."""
+        if self.work.panel is None or self._peers.cell.address() == self._loaded_at:
+            return
+        begun = any(task.attempts for task in self.state.tasks.values())
+        self._peers.cell.load(self.work.panel, keep=self.work.keep_panel or begun)
+        self._loaded_at = self._peers.cell.address()
 
     def _recover(self, because: str) -> None:
         """Wait for what was lost, and stop what runs; what it was doing is in doubt."""
         rospy.logwarn("run %d: %s", self.run, because)
         self._append(Interrupted(because))
         self._say_doing(f"waiting, since {because}")
-        self._loaded = False
+        self._loaded_at = ""
         try:
             self._peers.wait(self.work.patience_s)
             self._peers.tasks.stop_all()

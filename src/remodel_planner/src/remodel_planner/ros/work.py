@@ -11,7 +11,7 @@ from remodel_msgs.msg import Panel
 from remodel_planner.core.board.board import board_of
 from remodel_planner.core.board_order import board_order
 from remodel_planner.core.cell_order import USE_CASE, cell_order
-from remodel_planner.core.learning.learned_expectations import LearnedExpectations
+from remodel_planner.core.learning.experience import Experience
 from remodel_planner.core.panel_layout import PanelRules, lay_out
 from remodel_planner.core.production import Order
 from remodel_planner.core.recovery.fault import FaultTable
@@ -42,6 +42,7 @@ class WorkMaker:
         patience_s: [s] wall time that a lost process gets to come back.
         lease_s: [s] wall time for which a task is taken.
         search_s: [s] wall time that the search for the best order of tasks gets.
+        frozen: do what the use case states, and learn nothing from runs.
         descriptions: of the tasks made last, for a person, by name.
     """
 
@@ -54,6 +55,7 @@ class WorkMaker:
     patience_s: float
     lease_s: float
     search_s: float
+    frozen: bool = False
     descriptions: Mapping[str, str] = field(default_factory=dict)
 
     def work(self, name: str, tasks: int, timeout_s: float) -> Work:
@@ -72,7 +74,8 @@ class WorkMaker:
         use_case = find_use_case(self.use_case)
         use_case.recovery.require_known(self.faults)
         order, panel, channels = _in_cell(stored, use_case)
-        learned = LearnedExpectations(use_case.expectations, self.database.ability_calls())
+        calls = () if self.frozen else self.database.ability_calls()
+        experience = Experience(use_case, calls, frozen=self.frozen)
         leases = TaskLeases(self.database, name, self.cell, self.lease_s)
         self.descriptions = {
             wire.name: f"{wire.a} to {wire.b}, {wire.colour}, {wire.section_mm2:g} mm2"
@@ -82,7 +85,7 @@ class WorkMaker:
             planner=WorkPlanner(
                 order,
                 use_case,
-                learned,
+                experience,
                 self.search_s,
                 escalated=self.faults.codes_above_behaviors,
             ),

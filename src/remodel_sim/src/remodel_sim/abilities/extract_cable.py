@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from remodel_sim.abilities.grasping import FLOOR_CLEARANCE_M, close_on_wire, holds
-from remodel_sim.abilities.insert_cable import tool_before
 from remodel_sim.abilities.motions import (
     APPROACH_SPEED,
     FREE_SPEED,
@@ -21,6 +20,7 @@ from remodel_sim.abilities.motions import (
 )
 from remodel_sim.abilities.place_cable import lay_down, tip_of
 from remodel_sim.abilities.pulling_out import pull_out
+from remodel_sim.abilities.pushing import tool_before
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.book import EndState, Grip
@@ -107,8 +107,10 @@ def _regrasp(station: Station, end: End, goal: ExtractGoal) -> Steps[bool]:
     """Grasp the wire at the mouth; return whether it is there."""
     station.report("grasping the wire at the mouth", 0.1)
     terminal = station.panel.component(goal.component_id).terminal(goal.terminal_id)
+    connector = station.wire.connector_at(end)
+    inside = terminal.depth if connector is None else connector.pin_length
     try:
-        yield from _grasp_at_mouth(station, end, goal.socket, terminal.depth)
+        yield from _grasp_at_mouth(station, end, goal.socket, inside)
     except AbilityError as error:
         if error.code is not Code.GRASP_MISSED:
             raise

@@ -10,6 +10,7 @@ from remodel_sim.abilities.motions import (
     CARRY_Z,
     FREE_SPEED,
     HAND_OPEN_M,
+    TRAVEL_Z,
     choose_flip,
     move_to,
     rise,
@@ -17,18 +18,19 @@ from remodel_sim.abilities.motions import (
 )
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.arm import Arm, ToolPose
-from remodel_sim.core.book import Grip
+from remodel_sim.core.book import EndState, Grip
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.layout import GRASP_DISTANCE_M, WORLD_FROM_PANEL
-from remodel_sim.core.panel import End, unit_x
-from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M
+from remodel_sim.core.mouths import TerminalKey
+from remodel_sim.core.panel import End, Wire, unit_x
+from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M, PAD_LENGTH_M
 
 # The pads stop so far above the plate.
 FLOOR_CLEARANCE_M = 0.0003
 CLOSE_TIMEOUT_S = 1.5
-# A gap of less than this share of the wire's diameter means that it is not between the pads.
+# A gap of less than this share of the wire's or connector's width means that it is not there.
 MISSED_SHARE = 0.45
 # Fingers that hold a wire feel tens of newtons; without one, nothing.
 HELD_LOAD_N = 4.0
@@ -51,11 +53,11 @@ def pick_end(
     Args:
         station: the cell; its hand is empty.
         end: of the live wire.
-        distance: from the tip to the grasp along the wire [m]; 0: the default.
+        distance: from the tip to the grasp along the wire [m]; 0: `grasp_distance`.
         socket: where the end is to go: the hand is turned so that it can insert there.
         shares: of the ability's progress at the start and at the end.
     """
-    distance = distance or GRASP_DISTANCE_M
+    distance = distance or grasp_distance(station.wire, end)
     first, last = shares
     station.report(f"looking for end {end.value} of {station.wire.id}", first)
     seen = yield from look_at_end(station, end, distance)
@@ -69,9 +71,17 @@ def pick_end(
     height = float(seen.point[2]) - tool.z
     station.book.tips.pop(end, None)
     yield from close_on_wire(station, Grip(end, distance, height, flip, tool))
+    if station.book.ends[end.other] is not EndState.LOOSE:
+        station.lower_fork()  # it has nothing more to keep, and the wire could hang on it
     station.report(f"lifting end {end.value}", first + 0.9 * (last - first))
     yield from move_to(station, station.commanded.at(z=CARRY_Z), LIFT_SPEED)
     check_grip(station)
+
+
+def grasp_distance(wire: Wire, end: End) -> float:
+    """Return where an end is grasped, from its tip [m]: a connector at its body's rear."""
+    connector = wire.connector_at(end)
+    return GRASP_DISTANCE_M if connector is None else connector.length - PAD_LENGTH_M / 2
 
 
 def _check_room(station: Station, seen: GraspSighting) -> None:
@@ -102,21 +112,23 @@ def _grasp_pose(
 
 def close_on_wire(station: Station, grip: Grip) -> Steps[None]:
     """Close the fingers until they press on the wire; raises GRASP_MISSED, the hand open again."""
-    station.drive_fingers(0.0)
+    wire = station.wire
+    connector = wire.connector_at(grip.end)
+    thickness = wire.diameter if connector is None else connector.body_width
+    station.close_fingers(thickness)
     gap = math.inf
     for _ in range(math.ceil(CLOSE_TIMEOUT_S / station.tick_s)):
         yield
         before, gap = gap, station.finger_gap
         if abs(before - gap) < 1e-5:
             break
-    wire = station.wire
-    if gap < MISSED_SHARE * wire.diameter:
+    if gap < MISSED_SHARE * thickness:
         station.drive_fingers(HAND_OPEN_M)
         yield from wait(station, 0.2)
         yield from rise(station)
         raise AbilityError(
             Code.GRASP_MISSED,
-            f"the fingers closed to {gap * 1e3:.1f} mm on a wire of {wire.diameter * 1e3:.1f} mm: "
+            f"the fingers closed to {gap * 1e3:.1f} mm on {thickness * 1e3:.1f} mm of {wire.id!r}: "
             "it is not between them; detect it again",
         )
     station.book.grip = grip
@@ -154,3 +166,16 @@ def release(station: Station, opening: float) -> Steps[None]:
         yield
     clear = station.commanded.z + CLEAR_OF_WIRE_M
     yield from move_to(station, station.commanded.at(z=clear), CLEAR_SPEED)
+
+
+def let_go_fixed(station: Station, end: End, terminal: TerminalKey) -> Steps[None]:
+    """Note that a terminal holds the end in the hand, let go, and lift the hand off."""
+    book = station.book
+    if book.feed is not None and book.occupant(terminal) != (book.feed.wire_id, end):
+        book.seat(end, terminal)
+    book.ends[end] = EndState.FIXED
+    station.report("letting go", 0.8)
+    yield from release(station, RELEASE_OPENING_M)
+    yield from move_to(station, station.commanded.at(z=TRAVEL_Z), APPROACH_SPEED * 2)
+    if book.ends[end.other] is EndState.LOOSE and end.other in book.expected:
+        book.tips.pop(end.other, None)

@@ -18,7 +18,6 @@ from remodel_sim.abilities.grasping import (
     pick_end,
     release,
 )
-from remodel_sim.abilities.insert_cable import BLIND_S, axial, tool_before
 from remodel_sim.abilities.looking import OverheadSighting, look_from_above, mark_end
 from remodel_sim.abilities.motions import (
     APPROACH_SPEED,
@@ -31,6 +30,7 @@ from remodel_sim.abilities.motions import (
     rise,
     wait,
 )
+from remodel_sim.abilities.pushing import BLIND_S, axial, tool_before
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.abilities.together import together
 from remodel_sim.core.arm import ToolPose

@@ -23,10 +23,13 @@ from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.panel import Panel, Wire
 from remodel_sim.core.traffic import Traffic
 from remodel_sim.physics.plant import Plant
-from remodel_sim.physics.robot import Robot
+from remodel_sim.physics.robot import TOUCH_GAP, Robot
 
 # Commands to the arm and checks of its sensors [1/s].
 TICK_HZ = 120.0
+
+# The fingers are slow from so much before what they grip [m].
+TOUCH_BEFORE_M = 0.002
 
 T = TypeVar("T")
 # An ability is a generator: each `yield` lets the cell advance by one tick; what it returns is its
@@ -211,12 +214,14 @@ class Station:
         self.commanded = self.arm.tool_of(joints)
 
     def drive_fingers(self, opening: float) -> None:
-        """Send each finger to a distance from the middle [m].
-
-        Closing, they stop on what they grip.
-        """
+        """Send each finger to a distance from the middle [m]."""
         self._robot.drive_fingers(opening)
         self.fingers_open_to = opening
+
+    def close_fingers(self, thickness: float) -> None:
+        """Close the fingers until they stop on what they grip, about so thick [m]."""
+        self._robot.drive_fingers(0.0, max(TOUCH_GAP, thickness + TOUCH_BEFORE_M))
+        self.fingers_open_to = 0.0
 
     @property
     def tool(self) -> ToolPose:
@@ -277,6 +282,10 @@ class Station:
         It runs along the middle of a channel.
         """
         self._plant.move_fork(x, y)
+
+    def lower_fork(self) -> None:
+        """Draw the feeder's fork in."""
+        self._plant.lower_fork()
 
     def close_clamp(self, component_id: str, terminal_id: str) -> bool:
         """Close a terminal's clamp.

@@ -9,6 +9,7 @@ from remodel_sim.core.arm import PANDA_AT_ORIGIN, Arm, ToolPose
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.mouths import TerminalKey
 from remodel_sim.core.panel import End
+from remodel_sim.core.placed_wires import PlacedWires
 
 
 class EndState(Enum):
@@ -131,6 +132,11 @@ class Book:
             del self.occupied[key]
         if feed.wire_id not in self.fed:
             self.fed.append(feed.wire_id)
+
+    def restore(self, placed: PlacedWires) -> None:
+        """Note the wires that lay on the panel before the cell was started anew."""
+        self.occupied.update(placed.occupied)
+        self.fed.extend(placed.parked)
 
     def occupant(self, terminal: TerminalKey) -> tuple[str, End] | None:
         """Return the wire and end that a terminal holds."""

@@ -2,10 +2,10 @@
 
 The flexible part is cut into cells of length l. A cell is one rigid link; its joints to its
 neighbours stand for the half cells around them, so that two cells share a bending stiffness of EI/l
-and a torsional stiffness of GJ/l. A ferrule is one rigid link with no flexible half: its joint has
-2 EI/l. PyBullet reports a limited number of joints per body; a longer wire is made of several
-bodies, cut in the middle of a cell, whose two halves are bolted together. So the cut changes
-nothing in the mechanics.
+and a torsional stiffness of GJ/l. A ferrule, or a connector, is one rigid link with no flexible
+half: its joint has 2 EI/l. PyBullet reports a limited number of joints per body; a longer wire is
+made of several bodies, cut in the middle of a cell, whose two halves are bolted together. So the
+cut changes nothing in the mechanics.
 
 Beyond the yield curvature a joint takes a set: kinematic hardening, by return mapping (Simo and
 Hughes, Computational Inelasticity, 1.5). Torsion stays elastic.
@@ -24,7 +24,7 @@ from itertools import pairwise
 import numpy as np
 
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.panel import Wire
+from remodel_sim.core.panel import End, Wire
 
 # PyBullet reports at most 31 spherical joints of one body.
 MAX_LINKS = 32
@@ -35,6 +35,8 @@ MAX_CELL_M = 0.026
 # Joint damping c = K tau with tau = dt/4; more is unstable in an explicit step.
 DAMPING_STEPS = 0.25
 INERTIA_STEPS = 4.0
+# A plug of 5.08 mm pitch with its metal weighs some 1.7 g a way [kg/m^3 of its body]; estimated.
+CONNECTOR_DENSITY = 2300.0
 
 
 @dataclass(frozen=True)
@@ -132,9 +134,15 @@ class CableModel:
 
 def discretise(wire: Wire, time_step: float) -> CableModel:
     """Cut a wire into links for a time step [s]."""
-    flexible = wire.length - 2 * wire.ferrule_length
-    ferrule = Piece(wire.ferrule_length - wire.radius, 0.0)  # the tip's cap is the rest of it
-    return chain(wire, [ferrule, *_cells(flexible), ferrule], time_step)
+    rigid = [wire.rigid_length(end) for end in (End.A, End.B)]
+    cells = _cells(wire.length - sum(rigid))
+    # A ferrule's cap is the rest of it; so far beyond its link's end a connector's pins reach.
+    first, last = (Piece(length - wire.radius, 0.0) for length in rigid)
+    model = chain(wire, [first, *cells, last], time_step)
+    for connector in wire.connectors:
+        body = connector.body_length * connector.body_width * wire.diameter
+        model.masses[0 if connector.end is End.A else -1] = CONNECTOR_DENSITY * body
+    return model
 
 
 def _cells(flexible: float) -> list[Piece]:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -72,7 +72,7 @@ def _housing(component: Component) -> Iterator[Box]:
     cut = {}
     for side in (-1, 1):
         terminals = sorted(
-            (t for t in component.terminals if opens_forward(t) == (side > 0)),
+            (bore for bore in _bores(component) if opens_forward(bore) == (side > 0)),
             key=lambda t: t.mouth[1],
         )
         cut[side] = max((t.depth for t in terminals), default=0.0)
@@ -80,6 +80,14 @@ def _housing(component: Component) -> Iterator[Box]:
             yield from _side(side, terminals, cut[side], component.size)
     core = depth - cut[-1] - cut[1]
     yield Box(((cut[-1] - cut[1]) / 2, 0, height / 2), (core, width, height), HOUSING)
+
+
+def _bores(component: Component) -> Iterator[Terminal]:
+    """Yield every bore, those of a header one by one."""
+    for terminal in component.terminals:
+        x, y, z = terminal.mouth
+        for offset in terminal.offsets:
+            yield replace(terminal, mouth=(x, y + offset, z), ways=1)
 
 
 def _side(side: int, terminals: list[Terminal], cut: float, size: Vector) -> Iterator[Box]:
@@ -149,6 +157,8 @@ def _screws(component: Component) -> Iterator[Box]:
     """A screw head on top of each clamp, to be seen only."""
     height = component.size[2]
     for terminal in component.terminals:
+        if terminal.is_header:
+            continue
         x, y, _ = terminal.mouth
         inward = -0.007 if opens_forward(terminal) else 0.007
         side = min(0.006, terminal.bore)

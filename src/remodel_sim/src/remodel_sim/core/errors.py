@@ -48,6 +48,10 @@ class FilmError(CellError):
     """A run cannot be filmed."""
 
 
+class MemoryFileError(CellError):
+    """What a cell has kept of its world cannot be read or written."""
+
+
 class PictureFileError(CellError):
     """A file is no picture, or not all of one."""
 

@@ -26,6 +26,8 @@ from remodel_sim.core.panel import End, Panel, unit_x
 ROBOT = "robot_1"
 # What the grip holds safely by friction [N].
 MAX_FORCE_N = 25.0
+# A connector's ribs give a better hold.
+MAX_MATING_FORCE_N = 40.0
 GRASP_RANGE_M = (0.030, 0.080)
 # A tool pose may tilt so much and still counts as level [rad].
 LEVEL_RAD = math.radians(2.0)
@@ -143,7 +145,7 @@ class CheckGoal:
     def check(self, panel: Panel, book: Book) -> None:
         """Raise when a name is unknown."""
         panel.wire(self.cable_id)
-        panel.component(self.component_id).terminal(self.terminal_id)
+        check_clamp(self.component_id, self.terminal_id, panel)
 
 
 @dataclass(frozen=True)
@@ -267,22 +269,48 @@ class InsertGoal:
     def check(self, panel: Panel, book: Book) -> None:
         """Raise when the end cannot go there."""
         check_live(self.cable_id, panel, book)
-        check_socket(self.component_id, self.terminal_id, self.socket, panel, book)
-        check_mouth(self.component_id, self.terminal_id, self.socket, panel, book)
-        check_hand(book, self.end)
-        if book.ends[self.end].value != "loose":
+        check_clamp(self.component_id, self.terminal_id, panel)
+        connector = panel.wire(self.cable_id).connector_at(self.end)
+        if connector is not None:
             raise AbilityError(
                 Code.INVALID_GOAL,
-                f"end {self.end.value} of {self.cable_id!r} is {book.ends[self.end].value} in a "
-                "terminal; extract it first",
+                f"end {self.end.value} of {self.cable_id!r} is connector {connector.id!r}; place "
+                "it with PlaceConnector",
             )
-        occupant = book.occupant((self.component_id, self.terminal_id))
-        if occupant is not None:
+        check_free(self, self.end, panel, book)
+
+
+@dataclass(frozen=True)
+class ConnectGoal:
+    """Push a connector into the header whose face is at `socket`, x into it."""
+
+    robot_name: str
+    connector_id: str
+    cable_id: str
+    component_id: str
+    terminal_id: str
+    socket: Pose
+    force_limit: float
+
+    def __post_init__(self) -> None:
+        """Refuse unknown robots, tilted poses, and forces that the grip does not hold."""
+        require_robot(self.robot_name)
+        require_pose("socket_pose", self.socket)
+        require_number("force_limit", self.force_limit, 1.0, MAX_MATING_FORCE_N, "N")
+
+    def check(self, panel: Panel, book: Book) -> None:
+        """Raise when the connector does not fit, or cannot go there."""
+        check_live(self.cable_id, panel, book)
+        connector = panel.wire(self.cable_id).connector(self.connector_id)
+        header = panel.component(self.component_id).terminal(self.terminal_id)
+        if not connector.fits(header):
             raise AbilityError(
-                Code.TERMINAL_OCCUPIED,
-                f"terminal '{self.component_id}/{self.terminal_id}' holds end "
-                f"{occupant[1].value} of {occupant[0]!r}",
+                Code.INVALID_GOAL,
+                f"connector {connector.id!r} has {connector.ways} ways, "
+                f"{connector.pitch * 1e3:.2f} mm apart; '{self.component_id}/{self.terminal_id}' "
+                f"takes {header.ways}, {header.pitch * 1e3:.2f} mm apart",
             )
+        check_free(self, connector.end, panel, book)
 
 
 @dataclass(frozen=True)
@@ -303,7 +331,7 @@ class FixGoal:
     def check(self, panel: Panel, book: Book) -> None:
         """Raise when nothing is held."""
         check_live(self.cable_id, panel, book)
-        panel.component(self.component_id).terminal(self.terminal_id)
+        check_clamp(self.component_id, self.terminal_id, panel)
         check_held(book)
 
 
@@ -326,6 +354,36 @@ class ExtractGoal:
         """Raise when the wire or the socket is not there."""
         check_live(self.cable_id, panel, book)
         check_socket(self.component_id, self.terminal_id, self.socket, panel, book)
+
+
+def check_clamp(component_id: str, terminal_id: str, panel: Panel) -> None:
+    """Raise unless a terminal is a clamp for one wire's end."""
+    if panel.component(component_id).terminal(terminal_id).is_header:
+        raise AbilityError(
+            Code.INVALID_GOAL,
+            f"'{component_id}/{terminal_id}' is a header, which takes a connector and latches by "
+            "itself; use PlaceConnector",
+        )
+
+
+def check_free(goal: InsertGoal | ConnectGoal, end: End, panel: Panel, book: Book) -> None:
+    """Raise unless a loose end, in the hand or to be picked, may go into a mouth as it is now."""
+    key = (goal.component_id, goal.terminal_id)
+    check_socket(*key, goal.socket, panel, book)
+    check_mouth(*key, goal.socket, panel, book)
+    check_hand(book, end)
+    if book.ends[end] is not EndState.LOOSE:
+        raise AbilityError(
+            Code.INVALID_GOAL,
+            f"end {end.value} of {goal.cable_id!r} is {book.ends[end].value} in a terminal; "
+            "extract it first",
+        )
+    occupant = book.occupant(key)
+    if occupant is not None:
+        raise AbilityError(
+            Code.TERMINAL_OCCUPIED,
+            f"terminal '{'/'.join(key)}' holds end {occupant[1].value} of {occupant[0]!r}",
+        )
 
 
 def check_socket(

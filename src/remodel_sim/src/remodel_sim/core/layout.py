@@ -14,6 +14,7 @@ from remodel_sim.core.panel import (
     Channel,
     Clip,
     Component,
+    Connector,
     Duct,
     End,
     Named,
@@ -62,6 +63,15 @@ FRICTION = (0.1, 1.5)
 REST_CURVATURE_1_M = (0.0, 2.0)
 YIELD_CURVATURE_1_M = (2.0, 1000.0)  # less, and a wire folds where the hand turns it
 HARDENING = (0.0, 0.95)
+WAYS = (2, 3)  # more are wider than the open hand
+PIN_DIAMETER_M = (0.001, 0.003)
+PIN_LENGTH_M = (0.006, 0.012)
+BODY_LENGTH_M = (0.021, 0.030)  # the pads hold it behind its face
+BODY_WIDTH_M = (0.006, 0.018)  # the open hand goes over it
+MATING_N = (1.0, 30.0)
+# A header holds more than the pull that proves its latch; its bores are deeper than the pins.
+LATCH_N = (15.0, 200.0)
+DEPTH_BEYOND_PINS_M = 0.0005
 CLIP_FLOOR_M = 0.002  # under the wire
 CLIP_MAX_HEIGHT_M = 0.030
 CLIP_LENGTH_M = (0.004, 0.030)
@@ -126,6 +136,7 @@ def _names(panel: Panel) -> Iterator[str]:
         ("wires", panel.wires),
         ("clips", panel.clips),
         ("ducts", panel.ducts),
+        ("connectors", [c for wire in panel.wires for c in wire.connectors]),
     ]
     groups += [(f"terminals of {c.id!r}", c.terminals) for c in panel.components]
     for noun, items in groups:
@@ -190,7 +201,7 @@ def _component(component: Component, panel: Panel, arms: Sequence[Arm]) -> Itera
             key=lambda t: t.mouth[1],
         )
         for left, right in pairwise(row):
-            gap = right.mouth[1] - left.mouth[1] - _mouth_half(left) - _mouth_half(right)
+            gap = right.mouth[1] - left.mouth[1] - _half_row(left) - _half_row(right)
             if gap < MOUTH_GAP_M:
                 yield (
                     f"{name}: the mouths of terminals {left.id!r} and {right.id!r} are "
@@ -212,6 +223,21 @@ def _mouth_half(terminal: Terminal) -> float:
     return terminal.bore / 2 + terminal.chamfer
 
 
+def _half_row(terminal: Terminal) -> float:
+    """Return how far a terminal's mouths reach from their middle [m]."""
+    return terminal.offsets[-1] + _mouth_half(terminal)
+
+
+def _header(terminal: Terminal, name: str) -> Iterator[str]:
+    yield from _within(f"{name}: ways", terminal.ways, WAYS, "")
+    yield from _within(f"{name}: retention_force", terminal.retention_force, LATCH_N, "N")
+    gap = terminal.pitch - 2 * _mouth_half(terminal)
+    if gap < MOUTH_GAP_M:
+        yield (
+            f"{name}: its mouths are {gap * 1e3:.1f} mm apart; at least {MOUTH_GAP_M * 1e3:.1f} mm"
+        )
+
+
 def _terminal(
     terminal: Terminal, component: Component, panel: Panel, arms: Sequence[Arm]
 ) -> Iterator[str]:
@@ -224,12 +250,14 @@ def _terminal(
     face = -math.cos(yaw) * component.size[0] / 2
     if abs(x - face) > 0.0005:
         yield f"{name}: its mouth is at x {x:.4f} m; the side it opens to is at {face:.4f} m"
-    if abs(y) + _mouth_half(terminal) > component.size[1] / 2:
+    if abs(y) + _half_row(terminal) > component.size[1] / 2:
         yield f"{name}: its mouth reaches beyond the component's side"
     yield from _within(f"{name}: height of the mouth", z, MOUTH_HEIGHT_M)
     yield from _within(f"{name}: depth", terminal.depth, DEPTH_M)
     yield from _within(f"{name}: chamfer", terminal.chamfer, CHAMFER_M)
     yield from _within(f"{name}: retention_force", terminal.retention_force, RETENTION_N, "N")
+    if terminal.is_header:
+        yield from _header(terminal, name)
     if not panel.channels:
         return
     socket = component.panel_from_component @ terminal.component_from_socket
@@ -293,6 +321,7 @@ def _wire(wire: Wire, panel: Panel) -> Iterator[str]:
     yield from _within(f"{name}: rest_curvature", wire.rest_curvature, REST_CURVATURE_1_M, "1/m")
     yield from _within(f"{name}: yield_curvature", wire.yield_curvature, YIELD_CURVATURE_1_M, "1/m")
     yield from _within(f"{name}: hardening", wire.hardening, HARDENING, "")
+    yield from _connectors(wire)
     sockets = {}
     for end in End:
         component_id, terminal_id = wire.goes_to(end)
@@ -309,10 +338,11 @@ def _wire(wire: Wire, panel: Panel) -> Iterator[str]:
             )
             continue
         sockets[end] = component.panel_from_component @ terminal.component_from_socket
-        clearance = (terminal.bore - wire.diameter) * 1e3
-        limits = (BORE_CLEARANCE_M[0] * 1e3, BORE_CLEARANCE_M[1] * 1e3)
-        what = f"{name}: bore of '{component_id}/{terminal_id}' minus diameter"
-        yield from _within(what, clearance, limits, "mm")
+        connector = wire.connector_at(end)
+        if terminal.is_header or connector is not None:
+            yield from _mates(name, end, connector, terminal, f"'{component_id}/{terminal_id}'")
+            continue
+        yield from _clearance(name, terminal, wire.diameter, f"'{component_id}/{terminal_id}'")
         if terminal.depth < wire.ferrule_length + DEPTH_BEYOND_FERRULE_M - 1e-9:
             yield (
                 f"{name}: the ferrule of {wire.ferrule_length:.4f} m does not hide in "
@@ -321,6 +351,51 @@ def _wire(wire: Wire, panel: Panel) -> Iterator[str]:
             )
     if len(sockets) == 2 and panel.channels:
         yield from _wire_length(name, wire, sockets, panel)
+
+
+def _clearance(name: str, terminal: Terminal, diameter: float, where: str) -> Iterator[str]:
+    limits = (BORE_CLEARANCE_M[0] * 1e3, BORE_CLEARANCE_M[1] * 1e3)
+    what = f"{name}: bore of {where} minus diameter"
+    yield from _within(what, (terminal.bore - diameter) * 1e3, limits, "mm")
+
+
+def _mates(
+    name: str, end: End, connector: Connector | None, terminal: Terminal, where: str
+) -> Iterator[str]:
+    """Check that a connector goes into a header, and nothing else does."""
+    if connector is None:
+        yield f"{name}: end {end.value} has no connector, and {where} is a header"
+        return
+    if not connector.fits(terminal):
+        yield (
+            f"{name}: connector {connector.id!r} has {connector.ways} ways, "
+            f"{connector.pitch * 1e3:.2f} mm apart, and {where} has {terminal.ways}, "
+            f"{terminal.pitch * 1e3:.2f} mm apart"
+        )
+    yield from _clearance(name, terminal, connector.pin_diameter, where)
+    if terminal.depth < connector.pin_length + DEPTH_BEYOND_PINS_M - 1e-9:
+        yield (
+            f"{name}: the pins of connector {connector.id!r}, {connector.pin_length:.4f} m long, "
+            f"do not go into {where}, {terminal.depth:.4f} m deep; it must be "
+            f"{DEPTH_BEYOND_PINS_M} m deeper"
+        )
+
+
+def _connectors(wire: Wire) -> Iterator[str]:
+    for end in End:
+        count = sum(connector.end is end for connector in wire.connectors)
+        if count > 1:
+            yield f"wire {wire.id!r}: {count} connectors are at end {end.value}"
+    for connector in wire.connectors:
+        name = f"connector {connector.id!r}"
+        yield from _within(f"{name}: ways", connector.ways, WAYS, "")
+        yield from _within(f"{name}: pin_diameter", connector.pin_diameter, PIN_DIAMETER_M)
+        yield from _within(f"{name}: pin_length", connector.pin_length, PIN_LENGTH_M)
+        yield from _within(f"{name}: body_length", connector.body_length, BODY_LENGTH_M)
+        row = 2 * connector.offsets[-1] + connector.pin_diameter
+        width = (max(row, BODY_WIDTH_M[0]), BODY_WIDTH_M[1])
+        yield from _within(f"{name}: body_width", connector.body_width, width)
+        yield from _within(f"{name}: mating_force", connector.mating_force, MATING_N, "N")
 
 
 def length_limits(

@@ -22,6 +22,8 @@ class Named(Protocol):
 
 
 Item = TypeVar("Item", bound=Named)
+# Pitches that differ by less are the same [m].
+PITCH_TOLERANCE_M = 1e-5
 
 
 class End(Enum):
@@ -38,7 +40,7 @@ class End(Enum):
 
 @dataclass(frozen=True)
 class Terminal:
-    """A clamp: a square bore with a chamfered mouth; component frame."""
+    """A clamp: a square bore with a chamfered mouth; a header: a row of them; component frame."""
 
     id: str
     mouth: tuple[float, float, float]
@@ -47,11 +49,23 @@ class Terminal:
     depth: float
     chamfer: float
     retention_force: float
+    ways: int = 1
+    pitch: float = 0.0
 
     @property
     def component_from_socket(self) -> Pose:
-        """The mouth's frame: x points into the bore."""
+        """The mouth's frame, in the middle of a row: x points into the bore."""
         return Pose.level(*self.mouth, self.insertion_yaw)
+
+    @property
+    def is_header(self) -> bool:
+        """Whether it takes a connector."""
+        return self.ways > 1
+
+    @property
+    def offsets(self) -> tuple[float, ...]:
+        """Where its bores are along y from the middle of the row [m]."""
+        return row(self.ways, self.pitch)
 
 
 @dataclass(frozen=True)
@@ -124,8 +138,42 @@ class Duct:
 
 
 @dataclass(frozen=True)
+class Connector:
+    """A connector at a wire's end, as thick as the wire: a row of pins before a body."""
+
+    id: str
+    end: End
+    ways: int
+    pitch: float
+    pin_diameter: float
+    pin_length: float
+    body_length: float
+    body_width: float
+    mating_force: float
+
+    @property
+    def length(self) -> float:
+        """From the pins' tips to where the wire begins [m]."""
+        return self.pin_length + self.body_length
+
+    @property
+    def offsets(self) -> tuple[float, ...]:
+        """Where its pins are across the wire, from the middle [m]."""
+        return row(self.ways, self.pitch)
+
+    def fits(self, terminal: Terminal) -> bool:
+        """Return whether a terminal is a header with a bore for each pin."""
+        return self.ways == terminal.ways and abs(self.pitch - terminal.pitch) < PITCH_TOLERANCE_M
+
+
+def row(count: int, pitch: float) -> tuple[float, ...]:
+    """Return the places of things in a row around its middle [m]."""
+    return tuple((i - (count - 1) / 2) * pitch for i in range(count))
+
+
+@dataclass(frozen=True)
 class Wire:
-    """A wire with a ferrule on both ends; all properties known."""
+    """A wire with a ferrule or a connector on each end; all properties known."""
 
     id: str
     a_component: str
@@ -144,6 +192,7 @@ class Wire:
     rest_curvature: float
     yield_curvature: float
     hardening: float
+    connectors: tuple[Connector, ...] = ()
 
     @property
     def radius(self) -> float:
@@ -155,6 +204,19 @@ class Wire:
         if end is End.A:
             return self.a_component, self.a_terminal
         return self.b_component, self.b_terminal
+
+    def connector_at(self, end: End) -> Connector | None:
+        """Return the connector at an end; None where a ferrule is."""
+        return next((c for c in self.connectors if c.end is end), None)
+
+    def connector(self, connector_id: str) -> Connector:
+        """Return the connector of that name, or say which there are."""
+        return _named(self.connectors, connector_id, f"connector of wire {self.id!r}")
+
+    def rigid_length(self, end: End) -> float:
+        """Return the length of the ferrule or the connector at an end [m]."""
+        connector = self.connector_at(end)
+        return self.ferrule_length if connector is None else connector.length
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from types import MappingProxyType
 
 import numpy as np
 
 from remodel_sim.core.cable import CableModel
+from remodel_sim.core.connector_shape import Solid
 from remodel_sim.core.geometry import Array, rotation_matrix
 from remodel_sim.core.panel import End
 from remodel_sim.core.wire_colours import FERRULE_RGB, GREEN_AND_YELLOW, WIRE_RGB, Rgb
@@ -24,13 +27,32 @@ Link = tuple[int, int]
 class Cable:
     """A wire of links from end a to end b."""
 
-    def __init__(self, world: World, model: CableModel, colour: str) -> None:
-        """Make the wire, straight along x, its tip a at the origin; see `lay`."""
+    def __init__(
+        self,
+        world: World,
+        model: CableModel,
+        colour: str,
+        connectors: Mapping[End, Sequence[Solid]] = MappingProxyType({}),
+    ) -> None:
+        """Make the wire, straight along x, its tip a at the origin; see `lay`.
+
+        Ends that are not among the `connectors` have ferrules.
+        """
         self._world = world
         self.model = model
         colours = link_colours(colour, len(model.lengths))
+        at = {End.A: 0, End.B: len(model.lengths) - 1}
         self._parts = [
-            CableBody(world, model.part(first, last), colours[first:last])
+            CableBody(
+                world,
+                model.part(first, last),
+                colours[first:last],
+                {
+                    at[end] - first: solids
+                    for end, solids in connectors.items()
+                    if first <= at[end] < last
+                },
+            )
             for first, last in model.bodies
         ]
         self.lay(np.zeros(3), 0.0, np.zeros(len(model.spans)))
@@ -90,7 +112,7 @@ class Cable:
         return nodes
 
     def ferrule(self, end: End) -> Link:
-        """Return the link that is an end's ferrule."""
+        """Return the link that is an end's ferrule or connector."""
         if end is End.A:
             return self._parts[0].body, -1
         last = self._parts[-1]

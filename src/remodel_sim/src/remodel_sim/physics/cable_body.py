@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 
 from remodel_sim.core.cable import CableModel, rotation_vectors
+from remodel_sim.core.connector_shape import BODY_FRICTION, Solid
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.wire_colours import Rgb
 from remodel_sim.physics.world import MASS_SCALE, World
@@ -26,10 +29,17 @@ class CableBody:
         body: PyBullet's number of it; its base is the first link.
     """
 
-    def __init__(self, world: World, model: CableModel, colours: list[Rgb]) -> None:
-        """Make the links, straight; see `place`."""
+    def __init__(
+        self,
+        world: World,
+        model: CableModel,
+        colours: list[Rgb],
+        connectors: Mapping[int, Sequence[Solid]],
+    ) -> None:
+        """Make the links, straight; see `place`. Some of them, by index, are connectors."""
         self._bullet = world.bullet
         self.model = model
+        self._connectors = connectors
         joints = len(model.spans)
         self._joints = list(range(joints))
         self._rest = np.zeros((joints, 3))
@@ -72,6 +82,8 @@ class CableBody:
         # centre.
         length, radius = self.model.lengths[i], self.model.radius
         offset = [0, 0, 0] if i == 0 else [0, 0, length / 2]
+        if i in self._connectors:
+            return connector_shapes(self._bullet, self._connectors[i], offset[2])
         capsule = self._bullet.GEOM_CAPSULE
         return (
             self._bullet.createCollisionShape(
@@ -95,7 +107,7 @@ class CableBody:
                 angularDamping=DRAG,
                 jointDamping=0,
                 localInertiaDiagonal=list(inertia),
-                lateralFriction=self.model.friction,
+                lateralFriction=BODY_FRICTION if i in self._connectors else self.model.friction,
                 rollingFriction=0,
                 spinningFriction=0,
                 restitution=0,
@@ -166,3 +178,28 @@ class CableBody:
             np.array([base[0], *[s[0] for s in states]]),
             np.array([base[1], *[s[1] for s in states]]),
         )
+
+
+def connector_shapes(bullet, solids: Sequence[Solid], along: float) -> tuple[int, int]:  # noqa: ANN001
+    """Return the shapes that collide and are seen of a connector, `along` z from a frame [m]."""
+    touched, seen = (
+        {
+            "shapeTypes": [bullet.GEOM_CAPSULE if s.capsule else bullet.GEOM_BOX for s in parts],
+            "halfExtents": [[size / 2 for size in s.size] for s in parts],
+            "radii": [s.size[0] / 2 for s in parts],
+            "lengths": [s.size[2] - s.size[0] for s in parts],
+        }
+        for parts in ([s for s in solids if s.solid], solids)
+    )
+    collision = bullet.createCollisionShapeArray(
+        **touched,
+        collisionFramePositions=[[*s.centre[:2], s.centre[2] + along] for s in solids if s.solid],
+        collisionFrameOrientations=[IDENTITY] * len(touched["radii"]),
+    )
+    visual = bullet.createVisualShapeArray(
+        **seen,
+        rgbaColors=[[*s.rgb, 1] for s in solids],
+        visualFramePositions=[[*s.centre[:2], s.centre[2] + along] for s in solids],
+        visualFrameOrientations=[IDENTITY] * len(solids),
+    )
+    return collision, visual

@@ -9,6 +9,7 @@ import numpy as np
 
 from remodel_sim.core.cable import discretise
 from remodel_sim.core.component_shape import Box
+from remodel_sim.core.connector_shape import connector_solids
 from remodel_sim.core.feeding import Feeder, Laying, plan_laying
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.panel import Channel, Panel, Wire
@@ -46,7 +47,8 @@ def lay(
     model = discretise(wire, world.time_step)
     laying = plan_laying(feeder, panel, wire, channel, len(model.lengths) - 1, noise)
     fork = _make_fork(world, feeder, wire, laying)
-    cable = Cable(world, model, wire.colour)
+    connectors = {c.end: connector_solids(wire, c) for c in wire.connectors}
+    cable = Cable(world, model, wire.colour, connectors)
     yaw = laying.direction * math.pi / 2
     cable.lay(np.array([*laying.tip_a, 0.0]), yaw, laying.curvature)
     height = _free_height(cable.nodes(), wire, parked)

@@ -11,9 +11,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from remodel_sim.core.connector_shape import connector_solids
 from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.panel import Wire
+from remodel_sim.core.panel import Connector, End, Wire
 from remodel_sim.core.wire_colours import FERRULE_RGB, WIRE_RGB
+from remodel_sim.physics.cable_body import connector_shapes
 from remodel_sim.physics.static_body import add_described
 from remodel_sim.physics.world import World
 
@@ -29,14 +31,15 @@ DAMPING_NS_M = 1.0
 
 def draw_parked(world: World, nodes: Array, wire: Wire) -> None:
     """Draw a wire as smooth tubes that touch nothing; nodes (n, 3) [m] go from tip to tip."""
-    ferrule = wire.ferrule_length
     line = _smooth(nodes)
-    along = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
-    inner = (along > ferrule) & (along < along[-1] - ferrule)
-    parts = [
-        (line[inner], WIRE_RGB[wire.colour]),
-        (line[along <= ferrule + STEP_M], FERRULE_RGB),
-        (line[along >= along[-1] - ferrule - STEP_M], FERRULE_RGB),
+    from_a = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
+    to_tip = {End.A: from_a, End.B: from_a[-1] - from_a}
+    inner = np.all([to_tip[end] > wire.rigid_length(end) for end in End], axis=0)
+    parts = [(line[inner], WIRE_RGB[wire.colour])]
+    parts += [
+        (line[to_tip[end] <= wire.ferrule_length + STEP_M], FERRULE_RGB)
+        for end in End
+        if wire.connector_at(end) is None
     ]
     bullet = world.bullet
     for points, rgb in parts:
@@ -49,6 +52,19 @@ def draw_parked(world: World, nodes: Array, wire: Wire) -> None:
             rgbaColor=[*rgb, 1],
         )
         bullet.createMultiBody(0, -1, shape, [0, 0, 0])
+    for connector in wire.connectors:
+        _draw_connector(world, nodes, wire, connector)
+
+
+def _draw_connector(world: World, nodes: Array, wire: Wire, connector: Connector) -> None:
+    tip, inner = (nodes[0], nodes[1]) if connector.end is End.A else (nodes[-1], nodes[-2])
+    out = (tip - inner) / np.linalg.norm(tip - inner)
+    along = -out if connector.end is End.A else out
+    bullet = world.bullet
+    _, shape = connector_shapes(bullet, connector_solids(wire, connector), 0.0)
+    middle = tip - out * (connector.length + wire.radius) / 2
+    turned = bullet.getQuaternionFromEuler([0.0, *_pitch_yaw(along)])
+    bullet.createMultiBody(0, -1, shape, middle.tolist(), turned)
 
 
 def add_solid(world: World, nodes: Array, wire: Wire) -> None:
@@ -69,9 +85,7 @@ def _add_capsules(world: World, nodes: Array, radius: float) -> int:
     for start, end in pairwise(nodes):
         axis = end - start
         length = float(np.linalg.norm(axis))
-        # The capsule's own axis is z: turn by the pitch about y, then by the yaw about z.
-        pitch = math.acos(float(np.clip(axis[2] / length, -1.0, 1.0)))
-        yaw = math.atan2(axis[1], axis[0])
+        pitch, yaw = _pitch_yaw(axis)
         x, y, z = (start + end) / 2
         parts.append(
             f'<collision><origin xyz="{x:.6f} {y:.6f} {z:.6f}" rpy="0 {pitch:.8f} {yaw:.8f}"/>'
@@ -79,6 +93,12 @@ def _add_capsules(world: World, nodes: Array, radius: float) -> int:
             "</collision>"
         )
     return add_described(world.bullet, parts, Pose.level(0.0, 0.0, 0.0))
+
+
+def _pitch_yaw(axis: Array) -> tuple[float, float]:
+    """Return the turns that bring z to an axis (3,): about y, then about z [rad]."""
+    pitch = math.acos(float(np.clip(axis[2] / np.linalg.norm(axis), -1.0, 1.0)))
+    return pitch, math.atan2(axis[1], axis[0])
 
 
 def _smooth(nodes: Array) -> Array:

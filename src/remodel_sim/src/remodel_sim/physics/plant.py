@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -20,13 +21,15 @@ from remodel_sim.core.component_shape import Box
 from remodel_sim.core.errors import FaultError, PanelError
 from remodel_sim.core.faults import Disturbances, Stray, check_fault
 from remodel_sim.core.feeding import Laying
-from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.core.geometry import Pose
 from remodel_sim.core.layout import WORLD_FROM_PANEL, find_problems
-from remodel_sim.core.panel import End, Panel, Wire
+from remodel_sim.core.panel import Connector, End, Panel, Wire
+from remodel_sim.core.placed_wires import ParkedWire
 from remodel_sim.physics import cameras
 from remodel_sim.physics.cable import Cable
 from remodel_sim.physics.clamps import Clamp, close_clamp
 from remodel_sim.physics.feeder import lay
+from remodel_sim.physics.latches import Header, Latch
 from remodel_sim.physics.panel_scene import PanelScene
 from remodel_sim.physics.parked_wire import add_solid, draw_parked
 from remodel_sim.physics.robot import Robot
@@ -38,6 +41,8 @@ FILM_WIDTH_PX = 640
 STRAY_LENGTH_M = 0.12
 STRAY_DROP_M = 0.02
 STRAY_COLOUR = "GY"
+# Where the fork is out of everything's way [m].
+FORK_DOWN_M = -0.1
 PLUG_RGB = (0.5, 0.1, 0.1)
 # A plug begins this deep in the bore.
 PLUG_FROM_M = 0.005
@@ -50,19 +55,12 @@ class LiveWire:
     wire: Wire
     cable: Cable
     clamps: dict[End, Clamp]
+    latches: tuple[Latch, ...] = ()
 
-
-@dataclass(frozen=True, eq=False)
-class ParkedWire:
-    """A wire that stays where it is.
-
-    Attributes:
-        nodes: (n, 3) from tip to tip [m], world frame.
-        clamps: closed on its ends when it was parked.
-    """
-
-    nodes: Array
-    clamps: dict[End, Clamp]
+    @property
+    def fixed(self) -> frozenset[End]:
+        """The ends that closed clamps hold."""
+        return frozenset(end for end, clamp in self.clamps.items() if clamp.holds)
 
 
 class Plant:
@@ -119,6 +117,11 @@ class Plant:
         self._disturbances = Disturbances()
         self._build({robot.name: robot.home for robot in design.robots})
 
+    def restore(self, parked: Mapping[str, ParkedWire]) -> None:
+        """Put wires back where they were parked, onto the panel as it was loaded."""
+        self.parked = dict(parked)
+        self._build({robot.name: robot.home for robot in self.design.robots})
+
     def _build(self, tools: Mapping[str, ToolPose]) -> None:
         """Build the world from what the plant knows, without a live wire.
 
@@ -168,12 +171,37 @@ class Plant:
         cable, laying, self._fork = lay(
             self.world, self.design.feeder, self.panel, wire, channel, lying, self._noise
         )
-        self.live = LiveWire(wire, cable, {})
+        clamps: dict[End, Clamp] = {}
+        latches = tuple(
+            Latch(self.world, cable, connector, self._headers(connector), clamps)
+            for connector in wire.connectors
+        )
+        self.live = LiveWire(wire, cable, clamps, latches)
         return laying
+
+    def _headers(self, connector: Connector) -> list[Header]:
+        """Return the headers that a connector fits into."""
+        return [
+            Header(
+                terminal,
+                self._scene.body_of(component.id),
+                partial(self.world_from_socket, component.id, terminal.id),
+            )
+            for component in self.panel.components
+            for terminal in component.terminals
+            if connector.fits(terminal)
+        ]
 
     def move_fork(self, x: float, y: float) -> None:
         """Bring the feeder's fork up somewhere else, world frame [m]."""
-        self.world.bullet.resetBasePositionAndOrientation(self._fork, [x, y, 0.0], [0, 0, 0, 1])
+        self._put_fork(x, y, 0.0)
+
+    def lower_fork(self) -> None:
+        """Draw the feeder's fork in under the plate."""
+        self._put_fork(0.0, 0.0, FORK_DOWN_M)
+
+    def _put_fork(self, x: float, y: float, z: float) -> None:
+        self.world.bullet.resetBasePositionAndOrientation(self._fork, [x, y, z], [0, 0, 0, 1])
 
     def park(self) -> None:
         """Freeze the live wire where it is."""
@@ -182,6 +210,8 @@ class Plant:
         live = self.live
         self._keep_shape()
         self._add_parked(live.wire, self.parked[live.wire.id])
+        for latch in live.latches:
+            latch.remove()
         for clamp in live.clamps.values():
             clamp.release_constraint()
         live.cable.remove()
@@ -194,7 +224,7 @@ class Plant:
     def _keep_shape(self) -> None:
         if self.live is not None:
             nodes = self.live.cable.nodes()
-            self.parked[self.live.wire.id] = ParkedWire(nodes, self.live.clamps)
+            self.parked[self.live.wire.id] = ParkedWire(nodes, self.live.fixed)
             self.live = None
 
     def close_clamp(self, component_id: str, terminal_id: str) -> bool:
@@ -295,7 +325,7 @@ class Plant:
         cable.lay(tip, middle.yaw, np.zeros(len(cable.model.spans)))
 
     def block_socket(self, component_id: str, terminal_id: str) -> None:
-        """Push a plug into a bore; it leaves the first millimetres free."""
+        """Push a plug into a bore, of a header the first; it leaves the first millimetres free."""
         self.panel.component(component_id).terminal(terminal_id)
         if (component_id, terminal_id) not in self._blocked:
             self._blocked.add((component_id, terminal_id))
@@ -313,7 +343,8 @@ class Plant:
         length = terminal.depth - PLUG_FROM_M
         size = (length, terminal.bore, terminal.bore)
         plug = Box((PLUG_FROM_M + length / 2, 0, 0), size, PLUG_RGB)
-        pose = self.world_from_socket(component_id, terminal_id)
+        first_bore = Pose.level(0.0, terminal.offsets[0], 0.0)
+        pose = self.world_from_socket(component_id, terminal_id) @ first_bore
         self._plugs[component_id, terminal_id] = add_static(self.world.bullet, [plug], pose)
 
     def look_overhead(self) -> Picture:

@@ -85,6 +85,7 @@ class Robot:
         self.grip_force = gripper.grip_force
         self._force = np.zeros(3)
         self._opening = self._target = MAX_OPENING
+        self._touch_gap = TOUCH_GAP
         self._grips = False
         self._correction = 0.0
         joints = arm.joints_for(start)
@@ -128,12 +129,13 @@ class Robot:
         for finger in self._fingers:
             self._bullet.changeDynamics(self.body, finger, lateralFriction=pads)
 
-    def drive_fingers(self, opening: float) -> None:
+    def drive_fingers(self, opening: float, touch_gap: float = TOUCH_GAP) -> None:
         """Send each finger to a distance from the middle [m].
 
-        Closing, they stop on what they grip.
+        Closing, they stop on what they grip, slow where the pads are within `touch_gap` [m].
         """
         self._target = opening
+        self._touch_gap = touch_gap
 
     def _move_fingers(self) -> None:
         if self._target == self._opening:
@@ -144,7 +146,7 @@ class Robot:
         self._grips = closing and self.finger_load >= self.grip_force
         if self._grips:
             self._target, self._correction = self._opening, 0.0
-        near = closing and 2 * self._opening < TOUCH_GAP
+        near = closing and 2 * self._opening < self._touch_gap
         step = (FINGER_TOUCH_SPEED if near else FINGER_SPEED) * self._time_step
         self._opening += max(-step, min(step, self._target - self._opening))
         self._drive_fingers()

@@ -9,7 +9,6 @@ import numpy as np
 from remodel_sim.core.course import world_from_clip
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.panel import Clip, End
-from remodel_sim.physics.clamps import Clamp
 from remodel_sim.physics.plant import Plant
 
 # A tip that is so near to the bottom sits at it; InsertCable judges by the same distance. The
@@ -55,14 +54,14 @@ def ground_truth(plant: Plant, wire_ids: list[str]) -> list[WireTruth]:
     truths = []
     for wire_id in wire_ids:
         if plant.live is not None and plant.live.wire.id == wire_id:
-            nodes, clamps = plant.live.cable.nodes(), plant.live.clamps
+            nodes, fixed = plant.live.cable.nodes(), plant.live.fixed
         elif wire_id in plant.parked:
             parked = plant.parked[wire_id]
-            nodes, clamps = parked.nodes, parked.clamps
+            nodes, fixed = parked.nodes, parked.fixed
         else:
             continue
-        a = _end_truth(plant, wire_id, End.A, nodes[0], clamps.get(End.A))
-        b = _end_truth(plant, wire_id, End.B, nodes[-1], clamps.get(End.B))
+        a = _end_truth(plant, wire_id, End.A, nodes[0], fixed)
+        b = _end_truth(plant, wire_id, End.B, nodes[-1], fixed)
         truths.append(WireTruth(wire_id, a, b))
     return truths
 
@@ -79,15 +78,17 @@ def lies_in(plant: Plant, wire_id: str, clip: Clip) -> bool:
     return bool(x.min() < 0 < x.max()) and max(abs(aside), abs(height - clip.height)) < IN_CLIP_M
 
 
-def _end_truth(plant: Plant, wire_id: str, end: End, tip: Array, clamp: Clamp | None) -> EndTruth:
-    own = plant.panel.wire(wire_id).goes_to(end)
+def _end_truth(plant: Plant, wire_id: str, end: End, tip: Array, fixed: frozenset[End]) -> EndTruth:
+    wire = plant.panel.wire(wire_id)
+    own, connector = wire.goes_to(end), wire.connector_at(end)
     for component in plant.panel.components:
         for terminal in component.terminals:
             socket = plant.world_from_socket(component.id, terminal.id)
             depth, *aside = socket.inverse().apply(tip)
             if 0 < depth <= terminal.depth + BOTTOM_M and np.abs(aside).max() < terminal.bore / 2:
-                at_bottom = depth >= terminal.depth - BOTTOM_M
+                bottom = terminal.depth if connector is None else connector.pin_length
+                at_bottom = depth >= bottom - BOTTOM_M
                 seated = at_bottom and (component.id, terminal.id) == own
-                fixed = clamp is not None and clamp.holds
-                return EndTruth(f"{component.id}/{terminal.id}", float(depth), fixed, bool(seated))
+                at = f"{component.id}/{terminal.id}"
+                return EndTruth(at, float(depth), end in fixed, bool(seated))
     return EndTruth("", 0.0, False, False)

@@ -16,6 +16,7 @@ from remodel_sim.abilities.insert_cable import insert_cable
 from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
 from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.abilities.place_cable import place_cable
+from remodel_sim.abilities.place_connector import place_connector
 from remodel_sim.abilities.place_pin import place_pin
 from remodel_sim.abilities.route_wire import route_wire
 from remodel_sim.abilities.station import Steps
@@ -88,6 +89,19 @@ ABILITIES = (
             m.force_limit,
         ),
         insert_cable,
+    ),
+    Ability(
+        "PlaceConnector",
+        lambda m: goals.ConnectGoal(
+            m.robot_name,
+            m.connector_id,
+            m.cable_id,
+            m.component_id,
+            m.terminal_id,
+            pose_from("socket_pose", m.socket_pose),
+            m.force_limit,
+        ),
+        place_connector,
     ),
     Ability(
         "FixCable",

@@ -24,7 +24,17 @@ from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError, MaterialError, PanelError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.layout import WORLD_FROM_PANEL
-from remodel_sim.core.panel import Channel, Clip, Component, Duct, Panel, Terminal, Wire
+from remodel_sim.core.panel import (
+    Channel,
+    Clip,
+    Component,
+    Connector,
+    Duct,
+    End,
+    Panel,
+    Terminal,
+    Wire,
+)
 from remodel_sim.core.wire_materials import PROPERTIES, WireMaterials
 from remodel_sim.physics.truth import WireTruth
 
@@ -37,7 +47,7 @@ def read_panel(path: Path, materials: WireMaterials) -> Panel:
 
     Raises:
         OSError, yaml.YAMLError, genpy.MessageException: when the file is no such text.
-        PanelError: when a wire's material is not known.
+        PanelError: when a wire's material is not known, or a connector's end is none.
     """
     message = PanelMsg()
     fill_message_args(message, [yaml.safe_load(path.read_text())])
@@ -48,7 +58,7 @@ def panel_from(message: PanelMsg, materials: WireMaterials) -> Panel:
     """Return the panel of a message, its wires' materials completed from the table.
 
     Raises:
-        PanelError: when a wire's material is not known.
+        PanelError: when a wire's material is not known, or a connector's end is none.
     """
     problems, wires = [], []
     for wire in message.wires:
@@ -56,6 +66,8 @@ def panel_from(message: PanelMsg, materials: WireMaterials) -> Panel:
             wires.append(_wire_from(wire, materials))
         except MaterialError as error:
             problems.append(f"wire {wire.id!r}: {error}")
+        except PanelError as error:
+            problems += [f"wire {wire.id!r}: {problem}" for problem in error.problems]
     if problems:
         raise PanelError(message.name, tuple(problems))
     return Panel(
@@ -78,11 +90,19 @@ def _pose2d(message: Pose2D) -> tuple[float, float, float]:
 
 def _wire_from(message: object, materials: WireMaterials) -> Wire:
     values = {name: getattr(message, name) for name in Wire.__dataclass_fields__}
+    values["connectors"] = tuple(_connector_from(c) for c in message.connectors)
     unsaid = [name for name in PROPERTIES if values[name] == 0]
     if unsaid:
         material = materials.find(message.construction, message.section)
         values.update({name: getattr(material, name) for name in unsaid})
     return Wire(**values)
+
+
+def _connector_from(message: object) -> Connector:
+    values = {name: getattr(message, name) for name in Connector.__dataclass_fields__}
+    if message.end not in ("a", "b"):
+        raise PanelError("", (f"connector {message.id!r}: end is {message.end!r}; allowed: a, b",))
+    return Connector(**{**values, "end": End(message.end)})
 
 
 def _component_from(message: object) -> Component:
@@ -96,6 +116,8 @@ def _component_from(message: object) -> Component:
             t.depth,
             t.chamfer,
             t.retention_force,
+            max(1, t.ways),
+            t.pitch,
         )
         for t in message.terminals
     )

@@ -18,6 +18,7 @@ from remodel_sim.core.errors import CellError
 from remodel_sim.core.panel import End
 from remodel_sim.core.wire_materials import WireMaterials
 from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.edge.film import Film
 from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.ros.abilities import ABILITIES
@@ -61,7 +62,8 @@ def _build(materials: WireMaterials, closing: ExitStack) -> Owner:
     panel = read_panel(Path(rospy.get_param("~panel")), materials)
     design = read_cell(str(rospy.get_param("~cell", "one_panda")))
     record, camera = _recording(design)
-    clock = SimClock()
+    memory = _memory(closing)
+    clock = SimClock(memory)
     fixed = FixedFrames(clock)
     cell = Cell(
         panel,
@@ -71,10 +73,11 @@ def _build(materials: WireMaterials, closing: ExitStack) -> Owner:
         gui=bool(rospy.get_param("~gui", False)),
         solid_parked=bool(rospy.get_param("~solid_parked", False)),
         audience=Audience(Pictures(design, clock), fixed),
+        memory=memory,
     )
     closing.callback(cell.close)
     wire_id = str(rospy.get_param("~feed", ""))
-    if wire_id:
+    if wire_id and wire_id not in cell.plant.parked:
         mouth = panel.panel_from_socket(*panel.wire(wire_id).goes_to(End.A)).position
         cell.feed(wire_id, panel.channel_in_front_of(mouth).id)
     publishers: list[Callable[[], None]] = [
@@ -86,6 +89,18 @@ def _build(materials: WireMaterials, closing: ExitStack) -> Owner:
         closing.callback(film.close)
         publishers.append(Filming(cell, clock, film, camera))
     return Owner(cell, clock, publishers)
+
+
+def _memory(closing: ExitStack) -> CellMemory | None:
+    """Return what the cell keeps of its world; None if it keeps nothing."""
+    folder = str(rospy.get_param("~memory", ""))
+    if folder and not Path(folder).is_absolute():
+        raise ValueError(f"memory is {folder!r}; name an absolute path, such as $PWD/{folder}")
+    if not folder:
+        return None
+    memory = CellMemory(Path(folder))
+    closing.callback(memory.close)
+    return memory
 
 
 def _recording(design: CellDesign) -> tuple[Path | None, str]:

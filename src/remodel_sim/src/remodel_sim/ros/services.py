@@ -60,8 +60,7 @@ class Services:
         def load() -> None:
             self._require_idle()
             panel = panel_from(request.panel, self._materials)
-            if not (request.keep and panel == self._owner.cell.plant.panel):
-                self._owner.cell.load(panel)
+            self._owner.cell.load(panel, keep=request.keep)
 
         return srv.LoadPanelResponse(*self._done(load, f"panel {request.panel.name!r} built"))
 

@@ -7,6 +7,8 @@ import time
 import rospy
 from rosgraph_msgs.msg import Clock
 
+from remodel_sim.edge.cell_memory import CellMemory
+
 # How often the clock is told [s of simulated time].
 PERIOD_S = 0.01
 # A pause of the process, as for a render, is not made up for by more than this at once [s].
@@ -19,9 +21,15 @@ class SimClock:
     As fast as it can while an ability runs, at the pace of the wall between goals.
     """
 
-    def __init__(self) -> None:
-        """Start at one second: zero means "no time yet" in ROS."""
-        self.now_s = 1.0
+    def __init__(self, memory: CellMemory | None = None) -> None:
+        """Start at one second: zero means "no time yet" in ROS.
+
+        `memory` keeps the time; with it a cell that is started anew goes on where it was, since
+        nodes take time that goes back for a new beginning.
+        """
+        self._memory = memory
+        kept_s = memory.time_s if memory else 0.0
+        self.now_s = kept_s + PERIOD_S if kept_s else 1.0
         self._published_s = 0.0
         self._wall = time.monotonic()
         self._publisher = rospy.Publisher("/clock", Clock, queue_size=10)
@@ -50,4 +58,6 @@ class SimClock:
 
     def _publish(self) -> None:
         self._published_s = self.now_s
+        if self._memory is not None:
+            self._memory.keep_time(self.now_s)
         self._publisher.publish(Clock(self.now))

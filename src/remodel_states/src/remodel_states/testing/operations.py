@@ -225,9 +225,9 @@ def _extract(world: World, cell: str, goal: Any) -> Effect:  # noqa: ANN401
     return Effect(after, f"end {end} of {goal.cable_id} out of {seat.terminal}", (entry,))
 
 
-def _mate(world: World, _: str, goal: Any) -> Effect:  # noqa: ANN401
+def _mate(world: World, cell: str, goal: Any) -> Effect:  # noqa: ANN401
     found = {"depth": DEPTH_M, "peak_force": min(PUSH_N, goal.force_limit)}
-    return Effect(world, f"{goal.connector_id} mated", found=found)
+    return Effect(_let_go(world, cell), f"{goal.connector_id} mated", found=found)
 
 
 def _place_pin(world: World, _: str, __: Any) -> Effect:  # noqa: ANN401

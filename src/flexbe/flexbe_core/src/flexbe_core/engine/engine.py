@@ -107,7 +107,8 @@ class Engine:
             self.record = replace(self.record, autonomy_level=command.level)
             self.facts.append(Answered("autonomy"))
         elif isinstance(command, commands.Attach):
-            self.record = replace(self.record, autonomy_level=command.level)
+            # Who attaches is asked again what another may have been asked before.
+            self.record = replace(self.record, autonomy_level=command.level, requested=None)
             self.facts.append(Answered("attach", (self.root.definition._name or "",)))
             self.sync_pending = True
         elif isinstance(command, commands.Sync):

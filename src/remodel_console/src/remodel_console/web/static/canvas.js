@@ -1,5 +1,5 @@
 // The drawing of a chart. `draw` gets an SVG that the server made; all else only changes classes and the view box.
-const READABLE = 0.75; // [screen pixels per unit of the drawing] below this, text is too small to read
+const READABLE = 0.8; // [screen pixels per unit of the drawing] below this, text is too small to read
 const LARGEST = 3.0;
 const REST_MS = 400; // between two moves of the drawing after what is active
 
@@ -45,6 +45,7 @@ export default {
       this.svg.removeAttribute("width");
       this.svg.removeAttribute("height");
       this.svg.setAttribute("preserveAspectRatio", "xMidYMid meet");
+      this.centre();
       const map = this.svg.cloneNode(true);
       this.$refs.map.replaceChildren(map);
       this.frame = document.createElementNS("http://www.w3.org/2000/svg", "rect");
@@ -66,6 +67,16 @@ export default {
       this.select(this.selected || "");
       this.lightUp(this.active, [...this.passed], true, this.asked);
       if (this.active) this.reveal(this.active);
+    },
+    centre() { // Graphviz has guessed how wide texts are
+      for (const node of this.svg.querySelectorAll("g.node")) {
+        const shape = node.querySelector("path, polygon, ellipse");
+        const { x, width } = shape.getBBox();
+        for (const text of node.querySelectorAll("text")) {
+          text.setAttribute("text-anchor", "middle");
+          text.setAttribute("x", x + width / 2);
+        }
+      }
     },
     light(active, passed, isNewRun, asked) {
       this.lightUp(active, passed, isNewRun, asked);

@@ -9,6 +9,7 @@
     parameter_choice.py      which setting of parameters to try next, within a guard rail
     learned_parameters.py    the same for all abilities, from recorded calls
     learned_responses.py     which responses to a fault are worth trying
+    experience.py            all of it for one use case, as a supervisor asks for it
 
 All models are folds over records in their order: the same records give the same model.
 """

@@ -16,15 +16,15 @@ from remodel_planner.core.recovery.fault import Do
 # [1] A response that surely helps less often costs more time than it saves.
 LEAST_HELP = 0.2
 
-# [1], [answers] What is assumed of a response that nothing is known about, and the weight of that.
+# [1], [responses] What is assumed of one that nothing is known about, and the weight of that.
 _UNKNOWN, _UNKNOWN_WEIGHT = 0.5, 2.0
 
-# [answers] to the same fault over which each is remembered.
+# [responses] to the same fault over which each is remembered.
 _MEMORY = 100.0
 
 
 @dataclass(frozen=True)
-class Answer:
+class TriedResponse:
     """A response that was given to a fault.
 
     Attributes:
@@ -38,42 +38,44 @@ class Answer:
     helped: bool
 
 
-def answers_of(decisions: Sequence[tuple[str, Do]], finished: bool) -> tuple[Answer, ...]:
-    """Return the answers that the decisions about one task were.
+def tried_responses(
+    decisions: Sequence[tuple[str, Do]], finished: bool
+) -> tuple[TriedResponse, ...]:
+    """Return the responses that the decisions about one task were.
 
     Args:
         decisions: fault and response, in their order; what follows one tells whether it helped.
-        finished: whether the task was done after the last one; if it is still under way, leave
-            that one out.
+        finished: whether the task was done after the last one; if not, it is still under way, and
+            nobody knows yet.
     """
     later = [fault for fault, _ in decisions[1:]]
-    answers = [
-        Answer(fault, do, following != fault)
+    responses = [
+        TriedResponse(fault, do, following != fault)
         for (fault, do), following in zip(decisions, later, strict=False)
     ]
-    if decisions:
-        answers.append(Answer(*decisions[-1], finished))
-    return tuple(answer for answer in answers if not answer.do.is_lasting)
+    if decisions and finished:
+        responses.append(TriedResponse(*decisions[-1], helped=True))
+    return tuple(response for response in responses if not response.do.is_lasting)
 
 
 class LearnedResponses:
     """What is known about all faults and responses."""
 
-    def __init__(self, answers: Iterable[Answer] = ()) -> None:
-        """Take in answers, in their order."""
+    def __init__(self, responses: Iterable[TriedResponse] = ()) -> None:
+        """Take in responses, in their order."""
         self._models = {do: SuccessModel(_MEMORY) for do in Do if not do.is_lasting}
-        for answer in answers:
-            self.learn(answer)
+        for response in responses:
+            self.learn(response)
 
-    def learn(self, answer: Answer) -> None:
-        """Take in an answer; lasting ones tell nothing."""
-        if answer.do not in self._models:
+    def learn(self, response: TriedResponse) -> None:
+        """Take in a response; lasting ones tell nothing."""
+        if response.do not in self._models:
             return
         for do, model in self._models.items():
-            if do is answer.do:
-                model.learn((answer.fault,), answer.helped)
+            if do is response.do:
+                model.learn((response.fault,), response.helped)
             else:
-                model.age((answer.fault,))
+                model.age((response.fault,))
 
     def belief(self, fault: str, do: Do) -> Belief:
         """Return what is believed about how often a response that is not lasting helps."""

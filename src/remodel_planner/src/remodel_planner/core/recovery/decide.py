@@ -34,11 +34,12 @@ def decide(
     spent: Spent,
     policy: Policy,
     possible: Collection[Do] = tuple(Do),
+    unpromising: Collection[Do] = (),
 ) -> Decision:
     """Return what to do about a failure.
 
     The responses to its fault are taken in order, each as often as it says; those that are not
-    possible now are passed over. A task or run beyond its limits is ended.
+    possible now, or hardly ever help, are passed over. A task or run beyond its limits is ended.
 
     Args:
         failure: what happened.
@@ -46,6 +47,7 @@ def decide(
         spent: attempts and time so far, this failure's attempt included.
         policy: the use case's.
         possible: what can be done now; asking is not if nobody is there.
+        unpromising: what has hardly ever helped against this fault.
     """
     reason = _run_is_over(spent, policy.limits)
     if reason:
@@ -55,18 +57,20 @@ def decide(
     reason = _task_is_over(spent, policy.limits)
     if reason:
         return _lasting(failure, responses[-1].do, reason, policy, possible)
+    spared = [each.do for each in responses if each.do in unpromising and each.do in possible]
+    without = f"; {_listed(spared)} spared, which hardly ever helps" if spared else ""
     for response in responses:
         done = same.count(response.do)
         if response.do.is_lasting:
-            tried = ", ".join(_counted(same)) or "nothing else fits"
-            return _lasting(failure, response.do, f"tried: {tried}", policy, possible)
-        if response.do in possible and done < response.times:
+            tried = f"{', '.join(_counted(same))} did not help" if same else "nothing else fits"
+            return _lasting(failure, response.do, f"{tried}{without}", policy, possible)
+        if response.do in possible and response.do not in spared and done < response.times:
             change = _changed(response, failure, done)
             if response.do is Do.RETRY_WITH and not change:
                 continue
-            turn = f"{done + 1} of {response.times}"
-            return Decision(failure, response.do, change, f"answer {turn} to {failure.fault.name}")
-    return _lasting(failure, policy.unattended, "no response is left", policy, possible)
+            because = f"answer {done + 1} of {response.times} to {failure.fault.name}{without}"
+            return Decision(failure, response.do, change, because)
+    return _lasting(failure, policy.unattended, f"no response is left{without}", policy, possible)
 
 
 def _run_is_over(spent: Spent, limits: Limits) -> str:
@@ -94,8 +98,11 @@ def _lasting(
 
 
 def _counted(done: Sequence[Do]) -> list[str]:
-    counts = Counter(done)
-    return [f"{do.value.replace('_', ' ')} x {count}" for do, count in counts.items()]
+    return [f"{_listed([do])} x {count}" for do, count in Counter(done).items()]
+
+
+def _listed(done: Sequence[Do]) -> str:
+    return ", ".join(do.value.replace("_", " ") for do in done)
 
 
 def _changed(response: Response, failure: Failure, done: int) -> tuple[tuple[str, float], ...]:

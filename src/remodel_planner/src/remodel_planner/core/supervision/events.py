@@ -83,12 +83,28 @@ class Planned:
 
 
 @dataclass(frozen=True)
+class Chosen:
+    """A parameter with which a step's ability is called, as learning chose it.
+
+    Attributes:
+        step: title of the step of the task.
+        ability: such as "InsertCable".
+    """
+
+    step: str
+    ability: str
+    parameter: str
+    value: float
+
+
+@dataclass(frozen=True)
 class TaskBegun:
     """A behavior of a task is about to be started.
 
     Attributes:
         attempt: at the task, from 1; clearing the hand counts as part of the attempt before.
         chart: the behavior's chart, XML.
+        chosen: parameters that are not those of the use case.
     """
 
     task: str
@@ -97,6 +113,7 @@ class TaskBegun:
     behavior: str
     chart: str
     at_s: float
+    chosen: tuple[Chosen, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from remodel_planner.core.recovery.decide import decide
 from remodel_planner.core.recovery.failure import Failure, Spent
 from remodel_planner.core.recovery.fault import Do, FaultTable
 from remodel_planner.core.recovery.policy import Policy
-from remodel_planner.core.run import Operation
+from remodel_planner.core.run import Operation, step_of
 from remodel_planner.core.supervision.events import Decided
 from remodel_planner.core.supervision.state import UNTOLD, RunState, TaskProgress, cause_of
 
@@ -53,13 +53,9 @@ def _parameters(task: TaskProgress, cause: Operation) -> tuple[tuple[str, str], 
     """Return the parameters of the step that failed: a fixing fails by its insertion's force."""
     values: dict[str, str] = {}
     for operation in task.operations:
-        if _step_of(operation) == _step_of(cause):
+        if step_of(operation.state_path) == step_of(cause.state_path):
             values |= operation.parameters
     return tuple({**values, **dict(cause.parameters)}.items())
-
-
-def _step_of(operation: Operation) -> str:
-    return operation.state_path.strip("/").split("/")[0]
 
 
 def judged(
@@ -70,6 +66,7 @@ def judged(
     possible: Collection[Do],
     at_s: float,
     bounds: Mapping[str, float] = NO_BOUNDS,
+    unpromising: Collection[Do] = (),
 ) -> Decided:
     """Return what is done about a task that failed.
 
@@ -81,12 +78,13 @@ def judged(
         possible: what can be done now.
         at_s: [s] ROS time.
         bounds: parameter -> what it must not exceed here.
+        unpromising: what has hardly ever helped.
     """
     task = state.tasks[name]
     failure = failure_of(task, faults, at_s, bounds)
     spent = Spent(task.attempts - task.interruptions, task.cell_s, state.failures, state.cell_s)
     earlier = [(decision.fault, decision.do) for decision in task.decisions]
-    decision = decide(failure, earlier, spent, policy, possible)
+    decision = decide(failure, earlier, spent, policy, possible, unpromising)
     do, because, by = decision.do, decision.because, POLICY
     if name in state.skipped:
         do, by = Do.SET_ASIDE, state.skipped[name]

@@ -17,12 +17,14 @@ def question_about(state: RunState, name: str, faults: FaultTable) -> Asked:
     """
     task = state.tasks[name]
     last = task.decisions[-1]
-    tried = [d.do.value.replace("_", " ") for d in task.decisions[:-1]]
-    there = f" Connected: end {' and end '.join(task.connected)}." if task.connected else ""
-    text = (
-        f"{name} failed: {last.text}. That is {last.fault.replace('_', ' ')}: "
-        f"{faults[last.fault].symptoms} Tried: {', '.join(tried) or 'nothing'}.{there}"
-    )
+    tried = ", ".join(d.do.value.replace("_", " ") for d in task.decisions[:-1])
+    parts = [
+        f"{last.fault.replace('_', ' ').capitalize()}: {last.text}.",
+        faults[last.fault].symptoms,
+        f"Tried so far: {tried}." if tried else "",
+        f"Connected: end {' and end '.join(task.connected)}." if task.connected else "",
+    ]
+    text = " ".join(filter(None, parts))
     choices = [Answer.RETRY, Answer.FIXED, Answer.MARK_DONE, Answer.SKIP]
     if state.waiting:
         choices.append(Answer.REPLAN)

@@ -14,6 +14,7 @@ from flexbe_synthesizer.core.model import (
     Param,
     State,
 )
+from remodel_planner.core.run import step_of
 from remodel_planner.core.use_case.task_chart import marked
 
 
@@ -24,10 +25,12 @@ class Adjustable:
     Attributes:
         parameters: ability -> names of its goal's parameters.
         nested: charts of the behaviors that tasks nest, by name.
+        keeps_stated: whether what a chart itself says of a parameter stays.
     """
 
     parameters: Mapping[str, Collection[str]]
     nested: Mapping[str, Chart]
+    keeps_stated: bool = False
 
 
 def with_parameters(
@@ -43,7 +46,7 @@ def with_parameters(
         values: parameter -> value.
         adjustable: see Adjustable.
     """
-    failed = state_path.strip("/").split("/")[0]
+    failed = step_of(state_path)
     nodes = tuple(
         _changed(node, values, adjustable) if node.id == failed else node for node in chart.nodes
     )
@@ -53,17 +56,25 @@ def with_parameters(
 def _changed(node: AnyNode, values: Mapping[str, float], adjustable: Adjustable) -> AnyNode:
     if isinstance(node, State):
         taken = adjustable.parameters.get(node.type.removesuffix("State"), ())
-        new = tuple(Param(name, value) for name, value in values.items() if name in taken)
+        stated = {param.name for param in node.params} if adjustable.keeps_stated else set()
+        new = tuple(
+            Param(name, value)
+            for name, value in values.items()
+            if name in taken and name not in stated
+        )
         kept = tuple(p for p in node.params if p.name not in {param.name for param in new})
         return replace(node, params=(*kept, *new))
     if isinstance(node, Behavior) and node.type in adjustable.nested:
         inner = adjustable.nested[node.type]
+        nodes = tuple(_changed(each, values, adjustable) for each in inner.nodes)
+        if nodes == inner.nodes:
+            return node
         body = replace(
             inner,
             name=node.id,
             description="",
             inputs=tuple(replace(each, default=None) for each in inner.inputs),
-            nodes=tuple(_changed(each, values, adjustable) for each in inner.nodes),
+            nodes=nodes,
         )
         return Container(
             node.id,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from remodel_planner.core.condition import Features
 from remodel_planner.core.planning.problem import End
 from remodel_planner.core.use_case.expectation import Expectation
 from remodel_planner.core.use_case.model import Action, Macro
@@ -57,6 +58,7 @@ class Step:
         methods: the chosen method of each task above it, from the macro operation down.
         expected: of all its attempts.
         access: to the terminal that it is about.
+        features: by which its expectation was asked for.
     """
 
     macro: Macro
@@ -67,6 +69,7 @@ class Step:
     methods: tuple[tuple[str, str], ...]
     expected: Expectation
     access: Access
+    features: Features = field(compare=False)
 
     @property
     def force_n(self) -> float:

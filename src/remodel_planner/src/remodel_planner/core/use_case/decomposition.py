@@ -108,7 +108,7 @@ class Decomposer:
             for characteristic in use_case.component_characteristics.values():
                 value = component.get(characteristic.name, characteristic.default)
                 features[f"component.{characteristic.name}"] = value
-        return features
+        return {**features, **self.access(task, end).features}
 
     def expected(self, action: Action, features: Features) -> Expectation:
         """Return what is expected of all attempts at an action."""
@@ -263,7 +263,15 @@ class _Run:
         expected = self._d.expected(action, features)
         access = self._d.access(self._task, head.end)
         step = Step(
-            head.macro, action, head.end, head.clip, head.way, head.methods, expected, access
+            head.macro,
+            action,
+            head.end,
+            head.clip,
+            head.way,
+            head.methods,
+            expected,
+            access,
+            features,
         )
         why = self._forbidden(step, features, state)
         if why:

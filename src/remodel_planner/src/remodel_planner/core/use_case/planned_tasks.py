@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from flexbe_synthesizer.core.model import Chart
 from remodel_planner.core.planning.listing import listing_of
 from remodel_planner.core.planning.problem import Plan
+from remodel_planner.core.run import step_of
 from remodel_planner.core.use_case.decomposed import Decomposition, Limits, Step
 from remodel_planner.core.use_case.model import Macro, UseCase
 from remodel_planner.core.use_case.preparation import Prepared
@@ -42,7 +43,7 @@ class PlannedTask:
 
     def bounds(self, state_path: str) -> dict[str, float]:
         """Return what the terminal bears that a state is about, by the name of the parameter."""
-        title = state_path.strip("/").split("/")[0]
+        title = step_of(state_path)
         limits = [
             step.access.force_limit_n
             for step in self.decomposition.steps
@@ -107,7 +108,7 @@ def done_otherwise(prepared: Prepared, planned: PlannedTask, state_path: str) ->
         state_path: of the state that failed, in the task's behavior.
     """
     decomposition = planned.decomposition
-    failed = state_path.strip("/").split("/")[0]
+    failed = step_of(state_path)
     steps = [step for step in decomposition.steps if step.title == failed]
     methods = {steps[0].methods[-1]: "it has failed"} if steps and steps[0].methods else {}
     if not methods:

@@ -10,7 +10,8 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 
-from remodel_planner.core.condition import Value, is_number
+from remodel_planner.core.condition import Features, Value, is_number
+from remodel_planner.core.learning.context import terminal_features
 from remodel_planner.core.planning.fields import Fields
 from remodel_planner.core.planning.instance import arm_from, characteristics_of, terminal_from
 from remodel_planner.core.planning.problem import Arm, End, Point, Terminal, Under, Wish
@@ -121,11 +122,18 @@ class Access:
         force_limit_n: [N] that an insertion must not exceed.
         clearance_m: [m] around the mouth that belongs to it.
         approach: unit vector along which an end goes in, in the component's frame.
+        kind: of the terminal, such as the article of its contact; empty if it is not known.
     """
 
     force_limit_n: float | None = None
     clearance_m: float | None = None
     approach: tuple[float, float, float] | None = None
+    kind: str = ""
+
+    @property
+    def features(self) -> Features:
+        """What an end's success may depend on, as far as it is known."""
+        return terminal_features(self.kind, self.approach)
 
 
 @dataclass(frozen=True)
@@ -189,6 +197,7 @@ def _access(item: Fields) -> Access:
         _amount(item, "force_limit_n"),
         _amount(item, "clearance_m"),
         _direction(item) if item.has("approach") else None,
+        item.text("kind") if item.has("kind") else "",
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -48,6 +48,12 @@ class EndSighting:
     tip: TipSighting
     ferrule: Ferrule
 
+    def ahead(self, length: float) -> EndSighting:
+        """Return the sighting of a tip so far before the mark [m]: a connector's pins."""
+        yaw = self.tip.out_yaw
+        out = np.array([math.cos(yaw), math.sin(yaw), 0.0])
+        return replace(self, tip=TipSighting(self.tip.tip + length * out, yaw))
+
 
 def find_ends(
     picture: Picture, wire: Wire, expected: dict[End, Array]
@@ -91,8 +97,9 @@ def find_ends(
                 f"{1 + len(rivals)} ends of that colour lie where end {end.value} of {wire.id!r} "
                 "may be",
             )
-        found[end] = near[0]
-    if len(found) == 2 and found[End.A] is found[End.B]:
+        connector = wire.connector_at(end)
+        found[end] = near[0] if connector is None else near[0].ahead(connector.pin_length)
+    if len(found) == 2 and found[End.A].ferrule is found[End.B].ferrule:
         worse = max(found, key=lambda e: _apart(found[e], expected[e]))
         del found[worse]
     return found, likelihood

@@ -1,0 +1,113 @@
+"""The behavior that runs: which it is, and orders to the engine about it."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from remodel_console.core.order import Attach, Order, SetAutonomy, ShowStructure, Start, Switch
+from remodel_console.core.run_view import Event, Ordered, Phase
+from remodel_console.edge.catalogue import Catalogue
+from remodel_console.errors import CommandError
+from remodel_console.live import Live
+from remodel_console.session import Session
+
+
+class Engine(Protocol):
+    """The way to the engine."""
+
+    def send(self, order: Order) -> None:
+        """Send an order."""
+
+    def userdata(self) -> tuple[tuple[str, str, str, str], ...]:
+        """Return (where, key, type, value) of the userdata of what runs."""
+
+
+class Steering:
+    """Steers what runs, for pages and commands alike.
+
+    Attributes:
+        engine: None until ROS is there.
+    """
+
+    def __init__(self, live: Live, session: Session, catalogue: Catalogue) -> None:
+        """Join what runs, what is loaded, and what is installed."""
+        self.live = live
+        self.session = session
+        self.catalogue = catalogue
+        self.engine: Engine | None = None
+        self._names: dict[int, str] = {}  # of behaviors, by the checksums of their sources
+        self._unknown = 0  # checksum of what runs, once nothing installed was found to have it
+        self._structure_asked = 0
+
+    def take(self, event: Event) -> None:
+        """Take in what the engine tells, and ask for the structure of what is watched over."""
+        self.live.take(event)
+        run = self.live.world.run
+        if not run.is_supervised:
+            self._structure_asked = 0
+        elif not run.has_structure and self._structure_asked != run.behavior_id:
+            self._structure_asked = run.behavior_id
+            self.order(ShowStructure())
+
+    def order(self, order: Order) -> None:
+        """Send an order to the engine.
+
+        Raises:
+            CommandError: if it cannot be sent.
+        """
+        if self.engine is None:
+            raise CommandError("ROS is away; start it: roscore")
+        if isinstance(order, Start | Switch):
+            self.live.take(Ordered(order.level, order.source_checksum))
+        elif isinstance(order, Attach | SetAutonomy):
+            self.live.take(Ordered(order.level))
+        self.engine.send(order)
+
+    def attach(self, level: int) -> None:
+        """Watch over what runs.
+
+        Raises:
+            CommandError: if another behavior is loaded, or nothing runs.
+        """
+        run = self.live.world.run
+        if run.phase is not Phase.RUNNING:
+            raise CommandError("no behavior runs")
+        name, chart = self.running_name(), self.session.chart
+        loaded = f"'{chart.name}'" if chart else "nothing"
+        if name and (chart is None or chart.name != name):
+            raise CommandError(f"'{name}' runs, and {loaded} is loaded; load '{name}' first")
+        self.order(Attach(level))
+
+    def newer_version(self) -> Switch | None:
+        """Return the way to the saved version of what this console watches over, if it differs."""
+        run = self.live.world.run
+        if not run.is_supervised or run.level is None:
+            return None
+        name = self.running_name()
+        found = next((one for one in self.catalogue.behaviors() if one.name == name), None)
+        if found is None or found.source_checksum == run.behavior_id:
+            return None
+        return Switch(name, found.behavior_id, found.source_checksum, run.level)
+
+    def version_to_switch_to(self) -> Switch:
+        """Return the way to the saved version of what this console watches over.
+
+        Raises:
+            CommandError: if there is none that differs, or it does not watch over what runs.
+        """
+        if not self.live.world.run.is_supervised:
+            raise CommandError("nothing runs that this console watches over; attach to it first")
+        version = self.newer_version()
+        if version is None:
+            raise CommandError("the version that is saved runs already; 'save' saves another one")
+        return version
+
+    def running_name(self) -> str:
+        """Return the display name of what runs; empty if its version is not installed here."""
+        run = self.live.world.run
+        if run.attached_name:
+            return run.attached_name
+        if run.behavior_id not in (self._unknown, *self._names):
+            self._names |= {one.source_checksum: one.name for one in self.catalogue.behaviors()}
+            self._unknown = 0 if run.behavior_id in self._names else run.behavior_id
+        return self._names.get(run.behavior_id, "")

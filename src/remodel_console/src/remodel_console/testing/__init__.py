@@ -1,0 +1,1 @@
+"""What browser tests of the console need; other packages' tests use it too."""

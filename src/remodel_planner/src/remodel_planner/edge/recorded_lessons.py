@@ -1,0 +1,106 @@
+"""What the records of all runs teach: calls of abilities, and responses to faults."""
+
+from __future__ import annotations
+
+from itertools import groupby
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from remodel_planner.core.condition import Value
+from remodel_planner.core.learning.context import terminal_features
+from remodel_planner.core.learning.learned_expectations import Call, numbers_from
+from remodel_planner.core.learning.learned_responses import TriedResponse, tried_responses
+from remodel_planner.core.production import terminal_type
+from remodel_planner.core.recovery.fault import Do
+from remodel_planner.core.use_case.task_chart import FINISHED
+from remodel_planner.edge.production_models import (
+    AbilityRecordRow,
+    ComponentRow,
+    DecisionRow,
+    ExecutionRow,
+    TaskRow,
+    TerminalRow,
+    WireRow,
+)
+
+# A product's number, a component and its terminal, by name.
+_Place = tuple[int, str, str]
+
+
+def recorded_calls(session: Session) -> tuple[Call, ...]:
+    """Return all calls of abilities that any run has recorded, in their order."""
+    terminals = _terminal_features(session)
+    rows = session.execute(
+        select(
+            AbilityRecordRow.ability,
+            WireRow.product_id,
+            WireRow.section_mm2,
+            WireRow.colour,
+            AbilityRecordRow.error_code,
+            AbilityRecordRow.elapsed_s,
+            AbilityRecordRow.parameters,
+        )
+        .join(ExecutionRow, AbilityRecordRow.execution_id == ExecutionRow.id)
+        .join(TaskRow, ExecutionRow.task_id == TaskRow.id)
+        .join(WireRow, TaskRow.wire_id == WireRow.id)
+        .order_by(AbilityRecordRow.id)
+    )
+    calls = []
+    for ability, product, section, colour, code, elapsed_s, parameters in rows:
+        given = dict(parameters)
+        place = (product, given.get("component_id", ""), given.get("terminal_id", ""))
+        features = {"section_mm2": section, "colour": colour, **terminals.get(place, {})}
+        calls.append(Call(ability, features, code, elapsed_s, numbers_from(given.items())))
+    return tuple(calls)
+
+
+def recorded_responses(session: Session) -> tuple[TriedResponse, ...]:
+    """Return what was done about faults in any run, and whether it helped, in order of the tasks.
+
+    A response whose task is still under way is left out.
+    """
+    rows = session.execute(
+        select(
+            ExecutionRow.run_id,
+            ExecutionRow.task_id,
+            ExecutionRow.attempt,
+            ExecutionRow.outcome,
+            DecisionRow.fault,
+            DecisionRow.response,
+        )
+        .outerjoin(DecisionRow, DecisionRow.execution_id == ExecutionRow.id)
+        .order_by(ExecutionRow.run_id, ExecutionRow.task_id, ExecutionRow.id)
+    )
+    responses: list[TriedResponse] = []
+    for _, of_task in groupby(rows, key=lambda row: (row.run_id, row.task_id)):
+        executions = list(of_task)
+        decided = [row for row in executions if row.fault is not None]
+        # Emptying the hand belongs to the attempt before.
+        last = max((row.attempt for row in decided), default=0)
+        finished = any(row.outcome == FINISHED and row.attempt > last for row in executions)
+        decisions = [(row.fault, Do(row.response)) for row in decided]
+        responses += tried_responses(decisions, finished=finished)
+    return tuple(responses)
+
+
+def _terminal_features(session: Session) -> dict[_Place, dict[str, Value]]:
+    rows = session.execute(
+        select(
+            ComponentRow.product_id,
+            ComponentRow.name,
+            TerminalRow.name,
+            TerminalRow.kind,
+            ComponentRow.part_number,
+            ComponentRow.kind,
+            TerminalRow.approach_x,
+            TerminalRow.approach_y,
+            TerminalRow.approach_z,
+        ).join(ComponentRow, TerminalRow.component_id == ComponentRow.id)
+    )
+    return {
+        (product, component, terminal): terminal_features(
+            terminal_type(*kinds), None if x is None else (x, y, z)
+        )
+        for product, component, terminal, *kinds, x, y, z in rows
+    }

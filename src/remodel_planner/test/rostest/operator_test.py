@@ -1,0 +1,104 @@
+#!/usr/bin/env python3
+"""An operator, at the console, has a wire placed that cannot be until a hand clears its bore."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import rospy
+import rostest
+import yaml
+from playwright.sync_api import expect
+from remodel_msgs.srv import InjectFault
+
+from remodel_console.testing.browser_test import BrowserTest
+from remodel_planner.core.panel_layout import PanelRules, lay_out
+from remodel_planner.edge.catalogue_file import read_catalogue
+from remodel_planner.edge.package_files import catalogue_file, use_case_folder
+from remodel_planner.edge.production_database import ProductionDatabase
+
+DESIGN = "/usr/share/qelectrotech/examples/tableau_domestique.qet"
+OUTPUT = Path(sys.argv[1])
+DATABASE = f"sqlite:///{OUTPUT}/production.sqlite"
+WORK_MS = 120_000.0  # in which the cell tries a wire, on a machine that is busy
+
+
+class OperatorTest(BrowserTest):
+    @classmethod
+    def prepare(cls):
+        """Import an order, and have an operator asked at once about an end that jams."""
+        (OUTPUT / "use_cases").mkdir(parents=True)
+        cls.addClassCleanup(shutil.rmtree, OUTPUT, ignore_errors=True)
+        line = ["rosrun", "remodel_planner", "import", DESIGN, "--order", "house"]
+        subprocess.run([*line, "--database", DATABASE], check=True, timeout=60)
+        use_case = yaml.safe_load((use_case_folder() / "switchgear.yaml").read_text())
+        use_case["recovery"] = {"responses": {"insertion_jammed": [{"do": "ask_operator"}]}}
+        (OUTPUT / "use_cases" / "switchgear.yaml").write_text(yaml.safe_dump(use_case))
+        rospy.wait_for_service("cell/inject_fault", 60.0)
+
+    def first_bore(self):
+        """Return component/terminal of the end that is inserted first."""
+        order = ProductionDatabase(DATABASE).order("house").in_cabinet().first(1)
+        end = lay_out(order, read_catalogue(catalogue_file()), PanelRules()).wires[0].first
+        return f"{end.component}/{end.terminal}"
+
+    def disturb(self, kind, target):
+        done = rospy.ServiceProxy("cell/inject_fault", InjectFault)(kind, target, [])
+        self.assertTrue(done.success, done.message)
+
+    def test_a_failed_wire_is_recovered_and_its_run_replayed(self):
+        page, bore, behavior = self.page, self.first_bore(), self.open_page("/runtime")
+        expect(page.locator(".notice")).to_have_count(0, timeout=WORK_MS)
+        self.choose(page, "Order", "house")
+        page.get_by_label("Number of tasks").fill("2")
+        self.press(page, "Start the order")
+        expect(page.locator("tr.task.running")).to_have_count(1, timeout=WORK_MS)
+        self.disturb("socket_blocked", bore)
+        self.watch(behavior)
+
+        question = page.locator(".request")
+        expect(question).to_contain_text("Insertion jammed:", timeout=WORK_MS)
+        expect(question).to_contain_text(bore)
+        for name in ("From above", "From the hand", "The cell"):
+            expect(page.get_by_role("img", name=name)).to_be_visible()
+        self.take_picture(page, "overview")
+        self.take_picture(
+            self.open_tablet_in_the_dark("/overview", "img[alt='The cell']"), "overview-dark-1024"
+        )
+        self.disturb("socket_cleared", bore)
+        page.get_by_role("button", name="I have fixed it").click()
+        expect(question).to_have_count(0)
+        expect(page.locator(".ending")).to_contain_text("all tasks are done", timeout=WORK_MS)
+        expect(page.locator("tr.task.done")).to_have_count(2)
+        expect(page.locator(".figures")).to_contain_text("Insertion jammed")
+        scene = page.get_by_role("img", name="The cell")
+        expect(scene).not_to_have_attribute("src", scene.get_attribute("src"))  # it is live
+        self.take_picture(page, "overview-done")
+        self.replay()
+
+    def watch(self, page):
+        """See on another page what the engine does."""
+        expect(page.locator(".headline .title")).to_contain_text("Place Wire W1", timeout=WORK_MS)
+        expect(page.locator(".where")).to_contain_text("Connect a", timeout=WORK_MS)
+        expect(page.locator(".state")).to_have_text("runs unattended")
+        expect(page.locator("g.node.active").first).to_be_visible()
+        self.take_picture(page, "runtime")
+
+    def replay(self):
+        """See where the run has failed, with which forces, and why it took its course."""
+        page = self.page
+        page.get_by_role("link", name="Replay it").click()
+        expect(page.locator(".clock")).to_contain_text("entry 1 of")
+        for told in ("The cell planned: W1", "Insertion jammed", "The cell asks you"):
+            page.keyboard.press("n")
+            expect(page.locator(".entry-words")).to_contain_text(told)
+        expect(page.locator(".where")).to_contain_text("InsertCable")
+        expect(page.get_by_role("img", name="What a camera saw last")).to_be_visible()
+        expect(page.get_by_role("img", name="peak force [N]")).to_be_visible()
+        self.take_picture(page, "replay")
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_operator")
+    rostest.rosrun("remodel_planner", "test_operator", OperatorTest)

@@ -1,0 +1,95 @@
+"""Whoever asks for a run follows that one, whatever the supervisor says of earlier ones."""
+
+import threading
+
+import pytest
+from house import HOUSE
+from remodel_msgs.msg import UseCaseState
+
+from remodel_planner.commands import run_follower
+from remodel_planner.commands.run_follower import RunFollower
+from remodel_planner.core.supervision.events import Ending, RunBegun, RunEnded
+from remodel_planner.core.supervision.state import state_after
+from remodel_planner.edge.production_database import ProductionDatabase
+from remodel_planner.edge.run_log import RunLog
+from remodel_planner.errors import CellError
+
+
+class FakeGoal:
+    """A goal that is under way, or was refused."""
+
+    succeeded, lost, ending = False, False, "rejected: run 1 is under way"
+
+    def __init__(self, refused):
+        self.refused = refused
+
+    def wait(self, limit_s):
+        return self.refused or threading.Event().wait(0.001)
+
+
+class FakeServer:
+    """Takes each goal, or refuses it, and tells what a test has it tell then."""
+
+    is_there, refuses = True, False
+    on_goal = staticmethod(lambda: None)
+
+    def __init__(self, name, action, node):
+        pass
+
+    def wait(self, limit_s):
+        pass
+
+    def send(self, goal):
+        self.on_goal()
+        return FakeGoal(self.refuses)
+
+
+BEGUN = RunBegun("house", "switchgear", "cell", ("W1", "W2"))
+
+
+class Supervised:
+    """An order's runs, and somebody who follows them."""
+
+    def __init__(self, url, monkeypatch):
+        self.hear = None
+        monkeypatch.setattr(run_follower, "ActionServer", FakeServer)
+        monkeypatch.setattr(run_follower.rospy, "Subscriber", self.subscribe)
+        self.database = ProductionDatabase(url)
+        self.database.add_order(HOUSE)
+        self.log = RunLog(self.database)
+        self.do_run()
+        self.follower = RunFollower(self.log, HOUSE)
+        self.tell(1)
+
+    def subscribe(self, topic, kind, callback):
+        self.hear = callback
+
+    def tell(self, run):
+        self.hear(UseCaseState(run=run, order="house"))
+
+    def do_run(self):
+        """Begin a run and end it, and return its number."""
+        run = self.log.begin(BEGUN)
+        self.log.append(run, RunEnded(Ending.COMPLETE, f"run {run}"), state_after([BEGUN]))
+        return run
+
+
+@pytest.fixture
+def supervised(monkeypatch, tmp_path):
+    made = Supervised(f"sqlite:///{tmp_path}/production.sqlite", monkeypatch)
+    yield made
+    made.database.close()
+
+
+def test_what_is_said_of_an_earlier_run_is_not_followed(supervised, monkeypatch):
+    begins = threading.Timer(0.05, lambda: supervised.tell(supervised.do_run()))
+    monkeypatch.setattr(FakeServer, "on_goal", staticmethod(begins.start))
+    state = supervised.follower.run(again=False)
+    assert supervised.follower.number == 2
+    assert state.ended.because == "run 2"
+
+
+def test_a_refusal_is_told(supervised, monkeypatch):
+    monkeypatch.setattr(FakeServer, "refuses", True)
+    with pytest.raises(CellError, match="run 1 is under way"):
+        supervised.follower.run(again=False)

@@ -1,0 +1,91 @@
+"""PlaceConnector: push a connector into its header until it latches, prove it, and let go."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from remodel_sim.abilities.grasping import check_grip, let_go_fixed, pick_end
+from remodel_sim.abilities.motions import disengage
+from remodel_sim.abilities.proving import prove_by_pull
+from remodel_sim.abilities.pushing import (
+    CONNECTOR,
+    Push,
+    bring_before,
+    judge_bore,
+    judge_depth,
+    push_in,
+)
+from remodel_sim.abilities.station import Station, Steps
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Pose
+from remodel_sim.core.goals import ConnectGoal
+from remodel_sim.core.mouths import mouth_of
+
+# Resistance so far before the pins are in whole is not the body's on the header's face: a connector
+# bends less than a wire.
+SHORT_OF_FACE_M = 0.0015
+# A latch holds more; pins without one hold some newtons by friction.
+PROOF_N = 10.0
+
+
+@dataclass(frozen=True)
+class ConnectorPlaced:
+    """A connector that has latched.
+
+    Attributes:
+        message: for a person.
+        depth: from the header's face to the pins' tips, by the arm [m].
+        peak_force: largest axial force at the wrist during the push [N].
+    """
+
+    message: str
+    depth: float
+    peak_force: float
+
+
+def place_connector(station: Station, goal: ConnectGoal) -> Steps[ConnectorPlaced]:
+    """Pick the connector if the hand is empty, push, judge by travel and force, pull, let go."""
+    book = station.book
+    connector = station.wire.connector(goal.connector_id)
+    key = (goal.component_id, goal.terminal_id)
+    where = f"'{goal.component_id}/{goal.terminal_id}'"
+    yield from disengage(station)
+    if book.grip is None:
+        yield from pick_end(station, connector.end, 0.0, goal.socket, (0.0, 0.45))
+    station.report(f"carrying {connector.id} to {where}", 0.5)
+    yield from bring_before(station, goal.socket)
+    check_grip(station)
+    station.report("pushing", 0.75)
+    book.engaged = goal.socket
+    bottom, limit = connector.pin_length, goal.force_limit
+    push = yield from push_in(station, goal.socket, bottom, limit, CONNECTOR)
+    check_grip(station)
+    header = station.panel.component(goal.component_id).terminal(goal.terminal_id)
+    judge_bore(push, mouth_of(key, station.panel, book.seen), header, where)
+    judge_depth(push, bottom, where, SHORT_OF_FACE_M)
+    station.report(f"pulling with {PROOF_N:.0f} N", 0.9)
+    yield from _prove_latched(station, goal.socket, push, where)
+    check_grip(station)
+    yield from let_go_fixed(station, connector.end, key)
+    message = (
+        f"{connector.id} of {goal.cable_id} latched in {goal.component_id}/{goal.terminal_id}, "
+        f"{push.depth * 1e3:.1f} mm deep, {push.peak_force:.1f} N"
+    )
+    return ConnectorPlaced(message, push.depth, push.peak_force)
+
+
+def _prove_latched(station: Station, socket: Pose, push: Push, where: str) -> Steps[None]:
+    """Pull; raises INSUFFICIENT_FORCE when the connector comes out again."""
+    try:
+        yield from prove_by_pull(station, socket, PROOF_N, where)
+    except AbilityError as error:
+        if error.code is not Code.PULLED_OUT:
+            raise
+        raise AbilityError(
+            Code.INSUFFICIENT_FORCE,
+            f"the connector was pressed home in {where} with {push.peak_force:.1f} N and did not "
+            f"latch: it came out at less than {PROOF_N:.0f} N; place it again with a higher force "
+            "limit",
+            **push.readings,
+        ) from error

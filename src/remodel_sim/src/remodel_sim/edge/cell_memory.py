@@ -1,0 +1,102 @@
+"""What a cell that is killed finds again, as a real one does: the wires in their places, the time.
+
+The live wire is not among it: who handled it is dead, and the feeder presents a new one.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import struct
+from pathlib import Path
+
+import numpy as np
+
+from remodel_sim.core.errors import MemoryFileError
+from remodel_sim.core.panel import End, Panel
+from remodel_sim.core.placed_wires import ParkedWire, PlacedWires
+
+_TIME = struct.Struct("<d")
+
+
+class CellMemory:
+    """A folder with the wires of one panel, and the time."""
+
+    def __init__(self, folder: Path) -> None:
+        """Open a folder, or make it.
+
+        Raises:
+            MemoryFileError: if it cannot be made or written to.
+        """
+        self._wires = folder / "wires.json"
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            self._clock = os.open(folder / "clock", os.O_RDWR | os.O_CREAT, 0o644)
+        except OSError as error:
+            raise MemoryFileError(f"memory: {folder} cannot be written to: {error}") from error
+
+    def close(self) -> None:
+        """Close the folder; what is in it stays."""
+        os.close(self._clock)
+
+    @property
+    def time_s(self) -> float:
+        """The simulated time that was kept last [s]; 0 if none was."""
+        kept = os.pread(self._clock, _TIME.size, 0)
+        return float(_TIME.unpack(kept)[0]) if len(kept) == _TIME.size else 0.0
+
+    def keep_time(self, now_s: float) -> None:
+        """Keep the simulated time [s]."""
+        os.pwrite(self._clock, _TIME.pack(now_s), 0)
+
+    def keep(self, panel: Panel, placed: PlacedWires) -> None:
+        """Keep the wires that lie on a panel, all or none of them."""
+        content = {
+            "panel": _mark(panel),
+            "parked": {
+                name: {
+                    "nodes": wire.nodes.tolist(),
+                    "fixed": sorted(end.value for end in wire.fixed),
+                }
+                for name, wire in placed.parked.items()
+            },
+            "occupied": [
+                [*terminal, wire, end.value] for terminal, (wire, end) in placed.occupied.items()
+            ],
+        }
+        written = self._wires.with_suffix(".new")
+        written.write_text(json.dumps(content), encoding="utf-8")
+        written.replace(self._wires)
+
+    def placed(self, panel: Panel) -> PlacedWires:
+        """Return the wires that lie on a panel; none if another panel, or nothing, was kept.
+
+        Raises:
+            MemoryFileError: if the file is not what `keep` has written.
+        """
+        try:
+            content = json.loads(self._wires.read_text(encoding="utf-8"))
+            if content["panel"] != _mark(panel):
+                return PlacedWires()
+            return PlacedWires(
+                {
+                    name: ParkedWire(np.array(wire["nodes"]), frozenset(map(End, wire["fixed"])))
+                    for name, wire in content["parked"].items()
+                },
+                {
+                    (component, terminal): (wire, End(end))
+                    for component, terminal, wire, end in content["occupied"]
+                },
+            )
+        except FileNotFoundError:
+            return PlacedWires()
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise MemoryFileError(
+                f"memory: {self._wires} is not what a cell has kept: {error!r}; take it away"
+            ) from error
+
+
+def _mark(panel: Panel) -> str:
+    """Return what tells a panel from others: all that its message says."""
+    return hashlib.sha256(repr(panel).encode()).hexdigest()
