@@ -51,7 +51,7 @@ from remodel_planner.errors import OrderError
 
 FAULTS = read_faults()
 POSSIBLE = frozenset(Do) - {Do.OTHER_METHOD, Do.RETRY_WITH}
-JAM, LOST, NOTHING_HELD, NOT_SEATED = 301, 4, 202, 304
+JAM, LOST, NOTHING_HELD, NOT_SEATED, CONTRADICTORY = 301, 4, 202, 304, 8
 
 
 class Run:
@@ -227,7 +227,32 @@ def test_a_server_that_was_lost_may_have_left_something_in_the_hand(run):
         run.decide("W1")
         assert run.next == Execute("W1", Part.CLEAR)
         run.begin("W1", Part.CLEAR)
-        assert run.end("W1", "failed", LOST) == after
+        assert run.end("W1", "failed", LOST) == Settle("W1"), "it may be done all the same"
+        assert run.add(Settled("W1", (), 5)) == after
+
+
+@pytest.mark.parametrize("do", [Do.NEW_PART, Do.REPLAN, Do.SET_ASIDE])
+def test_what_is_done_though_its_server_said_otherwise_is_not_given_up(run, do):
+    run.policy = Policy({"result_contradictory": (Response(do), Response(Do.SET_ASIDE))})
+    run.begin("W1")
+    run.add(OperationEnded("W1", operation(CONTRADICTORY)))
+    run.add(OperationEnded("W1", replace(operation(NOTHING_HELD), ability="PlaceCable")))
+    run.end("W1", "failed")
+    run.decide("W1")
+    assert run.next == Settle("W1")
+    assert run.add(Settled("W1", ("a", "b"), 0)) == Execute("W2", Part.WHOLE)
+    assert run.state.tasks["W1"].stage is Stage.DONE
+
+
+def test_what_cannot_be_seen_is_given_up_as_it_was_decided(run):
+    run.policy = Policy({"result_contradictory": (Response(Do.SET_ASIDE),)})
+    run.begin("W1")
+    run.add(OperationEnded("W1", operation(CONTRADICTORY)))
+    run.add(OperationEnded("W1", replace(operation(NOTHING_HELD), ability="PlaceCable")))
+    run.end("W1", "failed")
+    run.decide("W1")
+    assert run.add(Settled("W1", (), 1, 101, "a hand is before it")) == Execute("W2", Part.WHOLE)
+    assert run.state.tasks["W1"].stage is Stage.SET_ASIDE
 
 
 def test_what_is_put_off_is_done_when_the_rest_is(run):

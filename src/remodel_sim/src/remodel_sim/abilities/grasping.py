@@ -71,6 +71,8 @@ def pick_end(
     height = float(seen.point[2]) - tool.z
     station.book.tips.pop(end, None)
     yield from close_on_wire(station, Grip(end, distance, height, flip, tool))
+    if station.book.ends[end.other] is not EndState.LOOSE:
+        station.lower_fork()  # it has nothing more to keep, and the wire could hang on it
     station.report(f"lifting end {end.value}", first + 0.9 * (last - first))
     yield from move_to(station, station.commanded.at(z=CARRY_Z), LIFT_SPEED)
     check_grip(station)

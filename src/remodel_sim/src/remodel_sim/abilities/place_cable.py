@@ -91,18 +91,15 @@ def lay_down(
 ) -> Steps[None]:
     """Carry the held end to a tool pose, let go, and lift the empty hand.
 
-    `fork`: whether the feeder's fork, unless a loose other end lies in it, may come up around it.
+    `fork`: whether the feeder's fork may come up around it.
     """
     first, last = shares
     station.report("carrying the end to where it is laid down", first)
     yield from carry_over(station, target)
     check_grip(station)
     station.report("laying the end down", first + 0.6 * (last - first))
-    grip = station.book.grip
-    fork = fork and grip is not None and station.book.ends[grip.end.other] is not EndState.LOOSE
-    if fork:
-        station.lower_fork()
     yield from move_to(station, target, APPROACH_SPEED)
+    grip = station.book.grip
     if grip is not None:
         tip = tip_of(target, grip)
         station.book.expected[grip.end] = tip
@@ -119,7 +116,7 @@ def _bring_fork(station: Station, tool: ToolPose, grip: Grip) -> None:
     A wire that is fixed at the other end would spring to a side.
     """
     book = station.book
-    if book.feed is None:
+    if book.feed is None or book.ends[grip.end.other] is EndState.LOOSE:
         return
     channel = station.panel.channel(book.feed.channel_id)
     middle = WORLD_FROM_PANEL.position[0] + channel.x

@@ -8,7 +8,7 @@ from remodel_sim.abilities.grasping import check_grip, let_go_fixed, pick_end
 from remodel_sim.abilities.motions import disengage
 from remodel_sim.abilities.proving import prove_by_pull
 from remodel_sim.abilities.pushing import (
-    CONNECTOR_SPEEDS,
+    CONNECTOR,
     Push,
     bring_before,
     judge_bore,
@@ -59,7 +59,7 @@ def place_connector(station: Station, goal: ConnectGoal) -> Steps[ConnectorPlace
     station.report("pushing", 0.75)
     book.engaged = goal.socket
     bottom, limit = connector.pin_length, goal.force_limit
-    push = yield from push_in(station, goal.socket, bottom, limit, CONNECTOR_SPEEDS)
+    push = yield from push_in(station, goal.socket, bottom, limit, CONNECTOR)
     check_grip(station)
     header = station.panel.component(goal.component_id).terminal(goal.terminal_id)
     judge_bore(push, mouth_of(key, station.panel, book.seen), header, where)

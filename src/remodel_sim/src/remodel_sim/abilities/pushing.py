@@ -16,6 +16,7 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.layout import STANDOFF_M
 from remodel_sim.core.panel import Terminal, unit_x
+from remodel_sim.core.push_feel import PushFeel
 
 # The tip goes to the mouth faster than into the bore [m/s]: what stops it there must not hurt it.
 APPROACH_MOUTH_SPEED = 0.04
@@ -38,18 +39,20 @@ STILL_S = 0.15
 
 
 @dataclass(frozen=True)
-class Speeds:
-    """How fast a push goes, such that the arm stops soon enough after the force has been felt.
+class Manner:
+    """How something is pushed; so slowly that the arm stops in time once the force is felt.
 
     Attributes:
-        inside: in the bore [m/s].
-        home: near the bottom [m/s].
+        inside: speed in the bore [m/s].
+        home: speed near the bottom [m/s].
+        buckles: whether it may give way at the bottom.
     """
 
     inside: float
     home: float
+    buckles: bool
 
-    def at(self, ahead: float, bottom: float) -> float:
+    def speed_at(self, ahead: float, bottom: float) -> float:
         """Return the speed of a tip so far beyond the mouth [m/s]."""
         if ahead > bottom - HOME_BEFORE_M:
             return self.home
@@ -57,8 +60,8 @@ class Speeds:
 
 
 # A wire gives; a connector and its header do not, some 200 N a millimetre.
-WIRE_SPEEDS = Speeds(inside=0.02, home=0.02)
-CONNECTOR_SPEEDS = Speeds(inside=0.01, home=0.002)
+WIRE = Manner(inside=0.02, home=0.02, buckles=True)
+CONNECTOR = Manner(inside=0.01, home=0.002, buckles=False)
 
 
 @dataclass(frozen=True)
@@ -69,7 +72,8 @@ class Push:
         tip: where it brought the tip, by the arm, (3,) [m], world frame.
         depth: of the tip beyond the mouth [m].
         peak_force: [N].
-        stopped: whether the force limit stopped it.
+        stopped: whether it was stopped by the force limit, or by a wire that gave way at the
+            bottom.
     """
 
     tip: Array
@@ -105,36 +109,35 @@ def _grip(station: Station) -> Grip:
 
 
 def push_in(
-    station: Station, socket: Pose, bottom: float, limit: float, speeds: Speeds = WIRE_SPEEDS
+    station: Station, socket: Pose, bottom: float, limit: float, manner: Manner = WIRE
 ) -> Steps[Push]:
-    """Push the held end from in front of a mouth until a force stops it.
+    """Push the held end from in front of a mouth until a force stops it, or gives way.
 
     Args:
         station: the cell; its hand holds the end.
         socket: the mouth's frame, x into the bore.
         bottom: how deep the tip should come [m].
         limit: force at which the push stops [N].
-        speeds: of the push.
+        manner: how it is pushed.
     """
     into, grip = unit_x(socket), _grip(station)
     station.free_force = station.force
-    peak, ahead, ticks = 0.0, -STANDOFF_M, 0
-    stopped = False
-    while ahead < bottom + OVERTRAVEL_M and not stopped:
+    feel = PushFeel(limit, manner.buckles)
+    ahead, ticks = -STANDOFF_M, 0
+    while ahead < bottom + OVERTRAVEL_M and not feel.stopped:
         ticks += 1
-        ahead += speeds.at(ahead, bottom) * station.tick_s
+        ahead += manner.speed_at(ahead, bottom) * station.tick_s
         station.drive(tool_before(socket, grip, ahead))
         yield
         force = axial(station.force - station.free_force, into)
         if ticks * station.tick_s > BLIND_S:
-            peak = max(peak, force)
-            stopped = force >= limit
+            feel = feel.then(force, near_bottom=ahead >= bottom - SHORT_OF_BOTTOM_M)
         station.report("pushing", 0.75 + 0.2 * np.clip(ahead / bottom, 0, 1))
     at = station.tool
     station.drive(tool_before(socket, grip, ahead - RELAX_M))
     yield from wait(station, 0.1)
     tip = at.position + into * grip.distance + np.array([0.0, 0.0, grip.height])
-    return Push(tip, float((tip - socket.position) @ into), peak, stopped)
+    return Push(tip, float((tip - socket.position) @ into), feel.peak, feel.stopped)
 
 
 def axial(force: Array, into: Array) -> float:

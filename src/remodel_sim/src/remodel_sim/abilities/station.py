@@ -284,7 +284,7 @@ class Station:
         self._plant.move_fork(x, y)
 
     def lower_fork(self) -> None:
-        """Draw the feeder's fork in: the hand may reach down where it stood."""
+        """Draw the feeder's fork in."""
         self._plant.lower_fork()
 
     def close_clamp(self, component_id: str, terminal_id: str) -> bool:

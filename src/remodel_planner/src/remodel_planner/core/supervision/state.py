@@ -74,7 +74,8 @@ class TaskProgress:
         unseen: why it could not be seen what is done; empty if it could.
         operations: of the behavior that was begun last.
         failures: operations of all attempts that failed.
-        then: what is done when the hand is empty; None if nothing was decided yet.
+        then: what is done when the hand is empty, or it was looked what is done; None: nothing was
+            decided yet.
         codes: that attempts ended with, the latest last.
         decisions: about it, the latest last.
         began_s: [s] ROS time of the behavior that was begun last.
@@ -256,11 +257,13 @@ def _(event: Interrupted, state: RunState) -> RunState:
 @applied.register
 def _(event: Settled, state: RunState) -> RunState:
     task = replace(state.tasks[event.task], connected=event.connected, unseen=event.unseen)
+    if not event.left and not event.unseen:
+        return _left(state, replace(task, stage=Stage.DONE, then=None))
+    if task.then is not None:
+        return _do(task.then, state, replace(task, then=None), "it was looked what is done")
     if event.unseen:
         failed = replace(task, stage=Stage.FAILED, codes=(*task.codes, event.code))
         return _under_way(state, failed)
-    if not event.left:
-        return _left(state, replace(task, stage=Stage.DONE))
     part = Part.REST if event.connected else task.part
     return _under_way(state, replace(task, stage=Stage.READY, part=part))
 
@@ -355,12 +358,21 @@ _AS_LEFT = {
 }
 _AFTER_LOOKING = (Do.RETRY, Do.RETRY_WITH, Do.LOOK_AGAIN, Do.OTHER_METHOD)
 
+# What a task may be done without: after trouble with a server it is looked first whether it is.
+_GIVES_PART_UP = (Do.NEW_PART, Do.REPLAN, Do.SET_ASIDE)
+
 
 def _act(do: Do, state: RunState, task: TaskProgress, because: str) -> RunState:
     """Return the state in which something is to be done about a task that failed."""
     if task.hand_in_doubt and do not in (Do.ASK_OPERATOR, Do.STOP):
         return state.having(replace(task, stage=Stage.READY, part=Part.CLEAR, then=do))
-    task = replace(task, then=None)
+    in_doubt = task.codes[-1] in _SERVER_TROUBLE and task.name not in state.skipped
+    if do in _GIVES_PART_UP and in_doubt:
+        return state.having(replace(task, stage=Stage.DOUBTFUL, then=do))
+    return _do(do, state, replace(task, then=None), because)
+
+
+def _do(do: Do, state: RunState, task: TaskProgress, because: str) -> RunState:
     if do in _AFTER_LOOKING:
         return state.having(replace(task, stage=Stage.DOUBTFUL, part=Part.AGAIN))
     if do is Do.NEW_PART:

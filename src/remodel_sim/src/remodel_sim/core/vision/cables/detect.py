@@ -102,7 +102,7 @@ def _detect(rgb: Pixels, scale: int, small: Pixels, foreground: Foreground) -> D
     cables.sort(key=lambda c: -len(c.centreline))
     doubts = (
         *exposure_doubts(small),
-        *cable_doubts(cables),
+        *cable_doubts(rgb, cables),
         *rest_doubts(foreground, cables, scale),
     )
     return Detection(tuple(cables), find_crossings(rgb, cables), doubts)

@@ -26,6 +26,12 @@ SKELETON_SHORT = 0.4
 # Nearer to the border than this, a cable goes on beyond it [widths].
 BORDER_WIDTHS = 0.8
 
+# To see whether it goes on all the same: before and beyond its tip, across it and beside it
+# [widths].
+BEYOND = np.concatenate([np.linspace(-2.5, -1.0, 4), np.linspace(1.0, 2.5, 4)])
+SIDEWAYS = np.array([-1.2, -1.05, -0.9, -0.2, -0.1, 0.0, 0.1, 0.2, 0.9, 1.05, 1.2])
+MIDDLE = np.abs(SIDEWAYS) < 0.5
+
 
 def find_end(rgb: Pixels, line: Array, width: float) -> Tip:
     """Return how a cable ends at the first point of its centreline (n, 2) [px], in even steps."""
@@ -73,3 +79,19 @@ def _find_tip(rgb: Pixels, expected: Array, outward: Array, width: float) -> Tip
     shift = min(max(0.5 * (before - after) / curve, -1.0), 1.0) if curve < 0 else 0.0
     place = along[best + 1] + shift * (along[1] - along[0])
     return Tip(expected + place * outward, outward, End.TIP)
+
+
+def goes_on(rgb: Pixels, tip: Tip, width: float) -> float:
+    """Return what share of a cable's contrast is left beyond its tip.
+
+    Pieces of the picture are averaged that are so large that noise does not matter.
+    """
+    beside = np.array([-tip.outward[1], tip.outward[0]])
+    grid = (BEYOND * width)[:, None, None] * tip.outward + (SIDEWAYS * width)[:, None] * beside
+    x, y = cv2.split((tip.point + grid).astype(np.float32))
+    colours = cv2.remap(rgb, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    within, beyond = np.split(colours.astype(np.float64), 2)
+    strip, table = within[:, MIDDLE].mean(axis=(0, 1)), within[:, ~MIDDLE].mean(axis=(0, 1))
+    way = strip - table
+    left = beyond[:, MIDDLE].mean(axis=(0, 1)) - beyond[:, ~MIDDLE].mean(axis=(0, 1))
+    return float(left @ way) / max(float(way @ way), 1.0)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from remodel_sim.core.vision.cables.polyline import arc_lengths
 from remodel_sim.core.vision.cables.refining import Refined
@@ -32,6 +33,8 @@ OTHER_HUE = 0.5
 # Share of the ribs with a shadow on one side, deeper than that share of the light.
 SHADOWS = (0.30, 0.10)
 DEEP = 0.75
+# Share of the ribs whose two halves are of different hues: half cable, half a hard shadow.
+TWO_HUES = (0.65, 0.35)
 # How far the edges stretch when the picture is blurred [px], and what part of a width is harmless.
 SOFT_PX = (6.2, 5.0)
 SOFT_WIDTHS = 0.42
@@ -90,7 +93,13 @@ def weigh(refined: Refined, spread: float) -> Evidence:
         ramp(long, LENGTH_WIDTHS),
         ramp(refined.spread, UNEVEN),
         _of_one_hue(ribs.middle, contrast),
-        min(ramp(float(np.mean(ribs.shadow < DEEP)), SHADOWS), _sharp(refined)),
+        min(
+            ramp(float(np.mean(ribs.shadow < DEEP)), SHADOWS),
+            ramp(
+                float(np.mean(_other_hue(ribs.inside[:, 0], ribs.inside[:, 1], contrast))), TWO_HUES
+            ),
+            _sharp(refined),
+        ),
         usual,
     )
 
@@ -103,11 +112,17 @@ def _sharp(refined: Refined) -> float:
 
 def _of_one_hue(colours: Pixels, contrast: Pixels) -> float:
     """Return how far colours (n, 3) are shades of their median: all along, and at the ends."""
-    own = median_colour(colours)
-    shade = limited(colours @ own / max(float(own @ own), 1.0), *SHADES)
-    same = length(colours - shade[:, None] * own) < OTHER_HUE * median(contrast)
+    same = ~_other_hue(colours, median_colour(colours)[None], contrast)
     ends = min(float(same[:END_RIBS].mean()), float(same[-END_RIBS:].mean()))
     return min(ramp(float(same.mean()), ONE_HUE), ramp(ends, END_HUE))
+
+
+def _other_hue(a: Pixels, b: Pixels, contrast: Pixels) -> npt.NDArray[np.bool_]:
+    """Return where colours (n, 3) are no shades of others."""
+    shade = limited(
+        np.einsum("ij,ij->i", a, b) / np.maximum(np.einsum("ij,ij->i", b, b), 1.0), *SHADES
+    )
+    return length(a - shade[:, None] * b) >= OTHER_HUE * median(contrast)
 
 
 def ramp(value: float, limits: tuple[float, float]) -> float:

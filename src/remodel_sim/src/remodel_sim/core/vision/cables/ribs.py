@@ -69,6 +69,7 @@ class Ribs:
             negative; infinite where there is none.
         contrast: (n, 2) how far the colour just inside is from the surroundings [grey levels].
         middle: (n, 3) colour of the cable.
+        inside: (n, 2, 3) the same just inside the left and the right edge.
         beside: (n, 2, 3) colour of the surroundings, left and right.
         shadow: (n,) how bright the darker side is, as a share of the other; 1 where that is no
             shadow of the same hue.
@@ -78,6 +79,7 @@ class Ribs:
     edges: Pixels
     contrast: Pixels
     middle: Pixels
+    inside: Pixels
     beside: Pixels
     shadow: Pixels
     softness: Pixels
@@ -88,6 +90,7 @@ class Ribs:
             self.edges[of],
             self.contrast[of],
             self.middle[of],
+            self.inside[of],
             self.beside[of],
             self.shadow[of],
             self.softness[of],
@@ -137,6 +140,7 @@ def find_edges(
         np.stack([-width * edge[:half], width * edge[half:]], axis=1),
         contrast.reshape(2, -1).T,
         middle.T,
+        means[1].T.reshape(2, half, 3).transpose(1, 0, 2),
         np.stack([left.T, right.T], axis=1),
         shadow,
         softness,
