@@ -32,7 +32,7 @@ LIMIT_S = 0.25  # what a page may lag behind at most
 SLOWER = 0.05  # by which the engine may be slower with the console
 WARM_S = 10.0  # before the memory of the node is looked at
 WAIT_S = 30.0
-AHEAD_MS = 50.0  # by which a page may learn of a state before this process does
+AHEAD_MS = 500.0  # by which a page may learn of a state before this process does, which may be busy
 
 
 class Load(ConsoleTest):
