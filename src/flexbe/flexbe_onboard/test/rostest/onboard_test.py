@@ -509,6 +509,7 @@ class OnboardTest(unittest.TestCase):
         self.assertEqual(server.cancelled.messages, [])
         engine.send("command/unlock", String("/Goal"))
         self.assertEqual(engine.ended().args, ["failed"])
+        engine.log.wait(lambda m: m.text == "stop of the goal state")  # on a topic of its own
         told = [m.text for _, m in engine.log.messages]
         self.assertEqual(told.count("exit of the goal state"), 1)
         self.assertEqual(told.count("stop of the goal state"), 1)
