@@ -358,7 +358,8 @@ _AS_LEFT = {
 }
 _AFTER_LOOKING = (Do.RETRY, Do.RETRY_WITH, Do.LOOK_AGAIN, Do.OTHER_METHOD)
 
-# What a task may be done without: after trouble with a server it is looked first whether it is.
+# These give up the part, or its turn. After trouble with a server it is looked first: the task may
+# be done, whatever the server said.
 _GIVES_PART_UP = (Do.NEW_PART, Do.REPLAN, Do.SET_ASIDE)
 
 
