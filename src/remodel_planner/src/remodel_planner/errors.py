@@ -34,6 +34,14 @@ class LostError(PlannerError):
     """A process that a run needs is gone, or silent: what it was doing is in doubt."""
 
 
+class OwnerError(PlannerError):
+    """Another supervisor owns the run or the cell now: this one must not act or record any more."""
+
+
+class RecordLostError(PlannerError):
+    """The production database has lost what a run needs: a row, a table, or the whole file."""
+
+
 class InstanceError(PlannerError):
     """A planning problem or a plan is malformed, or the problem has no plan."""
 

@@ -66,12 +66,17 @@ class Answer(Enum):
 
 @dataclass(frozen=True)
 class RunBegun:
-    """A run began."""
+    """A run began.
+
+    Attributes:
+        serial: serial number of the product that is wired, such as "house-0003".
+    """
 
     order: str
     use_case: str
     cell: str
     tasks: tuple[str, ...]
+    serial: str = ""
 
 
 @dataclass(frozen=True)
