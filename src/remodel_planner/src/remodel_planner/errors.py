@@ -55,6 +55,14 @@ class LeavingError(PlannerError):
     """This process is shutting down; the run goes on when it is started again."""
 
 
+class OwnerError(PlannerError):
+    """Another supervisor owns the run or the cell now: this one must not act or record any more."""
+
+
+class RecordLostError(PlannerError):
+    """The production database has lost what a run needs: a row, a table, or the whole file."""
+
+
 class InstanceError(PlannerError):
     """A planning problem or a plan is malformed, or the problem has no plan."""
 
