@@ -8,6 +8,7 @@ from pathlib import Path
 
 import rospy
 
+from flexbe_core.ros.master import NoMasterError, require_master
 from remodel_planner.commands.database_option import add_database_option
 from remodel_planner.core.cell_order import USE_CASE
 from remodel_planner.edge.fault_file import read_faults
@@ -29,7 +30,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="use_case_supervisor",
         description="Carry out orders of the production database: action remodel/run_use_case.",
-        epilog="Exit code: 0 ended, 2 wrong usage or no such database.",
+        epilog="Exit code: 0 ended, 2 wrong usage, no such database or no ROS master, "
+        "130 interrupted before it served.",
     )
     parser.add_argument("--cell", default="cell", help="name of this cell (default cell)")
     parser.add_argument(
@@ -75,9 +77,12 @@ def main(arguments: list[str] | None = None) -> int:
         database = ProductionDatabase(options.database)
         faults = read_faults()
         find_use_case(options.use_case)
-    except PlannerError as error:
+        require_master()
+    except (PlannerError, NoMasterError) as error:
         print(f"use_case_supervisor: {error}", file=sys.stderr)
         return 2
+    except KeyboardInterrupt:
+        return 130
     rospy.init_node("use_case_supervisor")
     output = options.output.resolve()
     maker = WorkMaker(
