@@ -3,26 +3,34 @@
 from __future__ import annotations
 
 import argparse
+import os
+import socket
 import sys
 from pathlib import Path
 
+import rosgraph
 import rospy
 
-from flexbe_core.ros.master import NoMasterError, require_master
+from flexbe_core.ros.master import NoMasterError, require_master, spin
 from remodel_planner.commands.database_option import add_database_option
 from remodel_planner.core.cell_order import USE_CASE
+from remodel_planner.edge.cell_ownership import CellOwnership
 from remodel_planner.edge.fault_file import read_faults
 from remodel_planner.edge.production_database import ProductionDatabase
+from remodel_planner.edge.run_log import RunLog
 from remodel_planner.edge.use_case_files import find_use_case
 from remodel_planner.errors import PlannerError
+from remodel_planner.ros.ability_watch import AbilityWatch
 from remodel_planner.ros.behavior_synthesizer import BehaviorSynthesizer
 from remodel_planner.ros.cell import Cell
+from remodel_planner.ros.engine_link import EngineLink
+from remodel_planner.ros.event_loop import RosEventLoop
 from remodel_planner.ros.inspection import Inspection
+from remodel_planner.ros.pictures import CellPictures
 from remodel_planner.ros.record_server import RecordServer
 from remodel_planner.ros.run_server import RunServer
-from remodel_planner.ros.task_supervisor import TaskSupervisor
-from remodel_planner.ros.use_case_supervisor import Peers
 from remodel_planner.ros.work import WorkMaker
+from remodel_planner.supervisors.use_case_supervisor import Peers
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -47,11 +55,12 @@ def main(arguments: list[str] | None = None) -> int:
         "--unattended", action="store_true", help="nobody is there who could answer a question"
     )
     parser.add_argument(
-        "--patience",
+        "--reconnect-timeout",
         type=float,
         default=600.0,
         metavar="S",
-        help="how long a lost process may stay away before the run stops (default 600)",
+        help="how long a process that is lost or silent may take to answer again before the run "
+        "stops (default 600)",
     )
     parser.add_argument(
         "--lease",
@@ -70,9 +79,10 @@ def main(arguments: list[str] | None = None) -> int:
     )
     add_database_option(parser)
     options = parser.parse_args(rospy.myargv()[1:] if arguments is None else arguments)
-    for name in ("patience", "lease"):
-        if not 0 < getattr(options, name) < float("inf"):
-            parser.error(f"--{name} must be a number > 0, found {getattr(options, name)}")
+    for name in ("reconnect-timeout", "lease"):
+        value = getattr(options, name.replace("-", "_"))
+        if not 0 < value < float("inf"):
+            parser.error(f"--{name} must be a number > 0, found {value}")
     try:
         database = ProductionDatabase(options.database)
         faults = read_faults()
@@ -89,20 +99,44 @@ def main(arguments: list[str] | None = None) -> int:
         database,
         faults,
         options.cell,
-        output / "charts",
         options.use_case,
         not options.unattended,
-        options.patience,
+        options.reconnect_timeout,
         options.lease,
         options.search,
         options.frozen,
     )
-    peers = Peers(Cell(), BehaviorSynthesizer(), TaskSupervisor(), Inspection())
+    loop = RosEventLoop()
+    cell = Cell(loop.background)
+    peers = Peers(
+        cell,
+        BehaviorSynthesizer(loop, output / "charts"),
+        EngineLink(loop),
+        AbilityWatch(),
+        Inspection(loop),
+        CellPictures(cell, output / "runs"),
+    )
+    ownership = CellOwnership(database, options.cell, _station(), _holder(), options.lease)
     servers = (
         RecordServer(database, output / "runs"),
-        RunServer(database, maker, peers, options.cell, output / "runs"),
+        RunServer(RunLog(database), maker, peers, ownership, loop),
     )
-    rospy.spin()
+    exit_code = spin()
     del servers
     database.close()
-    return 0
+    return exit_code
+
+
+def _station() -> str:
+    """Return what identifies this station: a supervisor that is restarted on it is the same."""
+    machine = Path("/etc/machine-id")
+    known = machine.read_text(encoding="ascii").strip() if machine.is_file() else ""
+    return f"{known} {socket.gethostname()} {rosgraph.get_master_uri()}"
+
+
+def _holder() -> str:
+    """Return who this supervisor is, for a person."""
+    return (
+        f"{rospy.get_name()} on {socket.gethostname()}, process {os.getpid()}, ROS master "
+        f"{rosgraph.get_master_uri()}"
+    )

@@ -81,11 +81,12 @@ class RunLog:
         """Take the database that keeps them."""
         self._database = database
 
-    def begin(self, event: RunBegun, owner: int, *, again: bool = False) -> tuple[int, str]:
-        """Begin a run, and return its number and the serial number of its product.
+    def begin(self, event: RunBegun, owner: int, *, again: bool = False) -> tuple[int, RunBegun]:
+        """Begin a run, and return its number and its first event, completed.
 
         Alone on its order, it tries again what was set aside. Beside runs of other cells it
-        leaves all tasks as they are. The event is kept with the serial number.
+        leaves all tasks as they are. The event is completed with the
+        serial number, and whether wires of that product may be on its panel already.
 
         Args:
             event: its beginning.
@@ -117,8 +118,8 @@ class RunLog:
                     .where(TaskRow.order_id == order.id, TaskRow.state.in_(states))
                     .values(state="open", cell="", token=0, lease_until=None)
                 )
-            if again or not order.units:
-                order.units += 1
+            is_new = again or not order.units
+            order.units += is_new
             serial = f"{order.name}-{order.units:04d}"
             row = RunRow(
                 order_id=order.id,
@@ -131,8 +132,9 @@ class RunLog:
             )
             session.add(row)
             session.flush()
-            session.add(_event_row(row.id, 0, replace(event, serial=serial)))
-            return int(row.id), serial
+            completed = replace(event, serial=serial, keep_panel=not is_new)
+            session.add(_event_row(row.id, 0, completed))
+            return int(row.id), completed
 
     def take_up(self, run: int, owner: int) -> None:
         """Take up a run that has not ended: from now on only this owner adds events to it.

@@ -218,6 +218,11 @@ class UseCaseSupervisor:
         """The path of the state in which the engine is; empty if none is known."""
         return self._peers.engine.state_path
 
+    @property
+    def is_moving(self) -> bool:
+        """Whether something moves that has passed the gate."""
+        return not self._gate.is_still
+
     def supervise(self) -> RunState:
         """Do what comes next until the run has ended, and return how it ended.
 
