@@ -100,7 +100,7 @@ class Cell:
         self.plant.load(panel)
         self.stations = self._man()
         self._restore(placed)
-        self._remember()
+        self.keep()
 
     def _restore(self, placed: PlacedWires) -> None:
         if placed.parked:
@@ -108,15 +108,28 @@ class Cell:
             self.stations = self._man()
             self.station.book.restore(placed)
 
-    def _remember(self) -> None:
-        if self._memory is not None:
-            occupied = {
-                terminal: held
-                for terminal, held in self.station.book.occupied.items()
-                if held[0] in self.plant.parked
-            }
-            placed = PlacedWires(self.plant.parked, occupied)
-            self._memory.keep(self.plant.loaded, placed)
+    def keep(self) -> None:
+        """Keep the wires that have their place, the live one too if it is finished.
+
+        Raises MemoryFileError when there is a memory and it cannot be written to.
+        """
+        if self._memory is None:
+            return
+        parked = dict(self.plant.parked)
+        if self.plant.live is not None and self._is_finished():
+            parked[self.plant.live.wire.id] = self.plant.live.shape
+        occupied = {
+            terminal: held
+            for terminal, held in self.station.book.occupied.items()
+            if held[0] in parked
+        }
+        self._memory.keep(self.plant.loaded, PlacedWires(parked, occupied))
+
+    def _is_finished(self) -> bool:
+        """Return whether both ends of the live wire are fixed, and no hand holds it."""
+        book = self.station.book
+        fixed = bool(book.ends) and all(state is EndState.FIXED for state in book.ends.values())
+        return fixed and not book.hands
 
     def reset(self) -> None:
         """Build the same panel anew; every wire is taken away."""
@@ -144,7 +157,7 @@ class Cell:
         for station in self.stations.values():
             station.arm_restarted()
             station.book.start_wire(Feed(wire_id, channel_id, laying.direction), expected)
-        self._remember()
+        self.keep()
 
     def run(self, steps: Steps[T], *robots: str) -> T:
         """Run an ability of some robots, the first by default; raises what it raises."""
@@ -168,12 +181,9 @@ class Cell:
         for _ in range(round(SETTLE_S / time_step)):
             self.plant.step()
             yield time_step
-        books = [station.book for station in self.stations.values()]
-        ends = books[0].ends
-        placed = ends and all(state is EndState.FIXED for state in ends.values())
-        if placed and all(book.grip is None for book in books):
+        if self._is_finished():
             self.plant.park()
-            self._remember()
+            self.keep()
 
     def close(self) -> None:
         """Leave PyBullet."""

@@ -3,12 +3,16 @@
 import place_wire as do
 import pytest
 from panels import panel
+from remodel_msgs.msg import FixCableGoal
 
+from remodel_sim.abilities.runner import advance
 from remodel_sim.cell import Cell
 from remodel_sim.core.errors import MemoryFileError
 from remodel_sim.core.panel import End
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.truth import ground_truth
+from remodel_sim.ros.abilities import ABILITIES
+from remodel_sim.ros.job import Job
 
 OTHER = panel(name="other")
 
@@ -35,6 +39,49 @@ def test_a_placed_wire_is_there_after_the_cell_was_killed(memory):
         assert again.station.book.occupant(("X1", "1")) == ("W1", End.A)
         do.place(again, "W2")
         assert all(truth.placed for truth in ground_truth(again.plant, ["W1", "W2"]))
+    finally:
+        again.close()
+
+
+class KilledError(Exception):
+    """The process ends here."""
+
+
+class DyingHandle:
+    """A goal's handle in a process that is killed as soon as the result is published."""
+
+    def __init__(self, goal):
+        self._goal = goal
+
+    def get_goal(self):
+        return self._goal
+
+    def publish_feedback(self, feedback):
+        pass
+
+    def set_succeeded(self, result, text):
+        raise KilledError(text)
+
+
+def test_a_wire_whose_last_end_is_reported_fixed_is_there_after_a_kill_at_that_moment(memory):
+    cell = Cell(panel(), seed=1, memory=memory)
+    cell.feed("W1", "A")
+    do.connect(cell, "W1", End.A)
+    do.carry(cell, "W1", "A")
+    do.insert(cell, "W1", End.B, "X2", "1", do.locate(cell, "X2", "1"))
+    goal = FixCableGoal("17:fix b", do.ROBOT, "W1", "X2", "1", 10.0, 60.0)
+    fix = next(ability for ability in ABILITIES if ability.name == "FixCable")
+    job = Job(fix, fix.parse(goal), DyingHandle(goal), [cell.station], 0.0, cell.keep)
+    with pytest.raises(KilledError, match="end b of W1 fixed"):
+        while not job.step(0.0):
+            advance(cell.plant, cell.station)
+    cell.close()
+
+    again = Cell(panel(), seed=1, memory=memory)
+    try:
+        (truth,) = ground_truth(again.plant, again.station.book.fed)
+        assert truth.wire_id == "W1" and truth.placed
+        assert again.station.book.occupant(("X2", "1")) == ("W1", End.B)
     finally:
         again.close()
 

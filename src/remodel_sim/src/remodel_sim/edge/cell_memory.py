@@ -30,15 +30,18 @@ class CellMemory:
             MemoryFileError: if it cannot be made or written to.
         """
         self._wires = folder / "wires.json"
+        self._stored: dict[Path, str] = {}
         try:
             folder.mkdir(parents=True, exist_ok=True)
             self._clock = os.open(folder / "clock", os.O_RDWR | os.O_CREAT, 0o644)
+            self._folder = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
         except OSError as error:
             raise MemoryFileError(f"memory: {folder} cannot be written to: {error}") from error
 
     def close(self) -> None:
         """Close the folder; what is in it stays."""
         os.close(self._clock)
+        os.close(self._folder)
 
     @property
     def time_s(self) -> float:
@@ -51,7 +54,11 @@ class CellMemory:
         os.pwrite(self._clock, _TIME.pack(now_s), 0)
 
     def keep(self, panel: Panel, placed: PlacedWires) -> None:
-        """Keep the wires that lie on a panel, all or none of them."""
+        """Keep the wires that lie on a panel, all or none of them.
+
+        Raises:
+            MemoryFileError: if the folder cannot be written to.
+        """
         content = {
             "panel": _mark(panel),
             "parked": {
@@ -65,9 +72,23 @@ class CellMemory:
                 [*terminal, wire, end.value] for terminal, (wire, end) in placed.occupied.items()
             ],
         }
-        written = self._wires.with_suffix(".new")
-        written.write_text(json.dumps(content), encoding="utf-8")
-        written.replace(self._wires)
+        self._store(self._wires, json.dumps(content))
+
+    def _store(self, file: Path, content: str) -> None:
+        """Replace a file's content, so that neither a kill nor a power cut leaves half of it."""
+        if self._stored.get(file) == content:
+            return
+        written = file.with_suffix(".new")
+        try:
+            with written.open("w", encoding="utf-8") as stream:
+                stream.write(content)
+                stream.flush()
+                os.fsync(stream.fileno())
+            written.replace(file)
+            os.fsync(self._folder)
+        except OSError as error:
+            raise MemoryFileError(f"memory: {file} cannot be written to: {error}") from error
+        self._stored[file] = content
 
     def placed(self, panel: Panel) -> PlacedWires:
         """Return the wires that lie on a panel; none if another panel, or nothing, was kept.

@@ -62,6 +62,11 @@ class LiveWire:
         """The ends that closed clamps hold."""
         return frozenset(end for end, clamp in self.clamps.items() if clamp.holds)
 
+    @property
+    def shape(self) -> ParkedWire:
+        """The wire as it would be parked now."""
+        return ParkedWire(self.cable.nodes(), self.fixed)
+
 
 class Plant:
     """The world of one cell. Everything random comes from the seed and the order of what is asked.
@@ -223,8 +228,7 @@ class Plant:
 
     def _keep_shape(self) -> None:
         if self.live is not None:
-            nodes = self.live.cable.nodes()
-            self.parked[self.live.wire.id] = ParkedWire(nodes, self.live.fixed)
+            self.parked[self.live.wire.id] = self.live.shape
             self.live = None
 
     def close_clamp(self, component_id: str, terminal_id: str) -> bool:

@@ -56,7 +56,8 @@ class AbilityServer:
             self._refuse(handle, Code.INTERNAL, f"{type(error).__name__}: {error}")
             return
         handle.set_accepted()
-        self._owner.jobs.append(Job(self._ability, goal, handle, stations, self._owner.clock.now_s))
+        now_s, keep = self._owner.clock.now_s, self._owner.cell.keep
+        self._owner.jobs.append(Job(self._ability, goal, handle, stations, now_s, keep))
 
     def _stations(self, message: Message) -> list[Station]:
         """Return the robots that a goal names, or the one that is free for it when it names none.
