@@ -13,6 +13,7 @@ from remodel_sim.core.book import Book, EndState, Feed
 from remodel_sim.core.cell_design import CellDesign
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.ownership import NO_OWNER, check_owner
 from remodel_sim.core.panel import End, Panel
 from remodel_sim.core.placed_wires import PlacedWires
 from remodel_sim.core.traffic import Traffic
@@ -60,6 +61,7 @@ class Cell:
         )
         self._audience = audience or Audience()
         self._memory = memory
+        self._newest_owner = memory.owner if memory else NO_OWNER
         self.stations = self._man()
         if memory is not None:
             self._restore(memory.placed(panel))
@@ -86,11 +88,22 @@ class Cell:
             raise AbilityError(Code.UNKNOWN_NAME, f"no robot {robot!r}; there are: {there_are}")
         return self.stations[robot]
 
+    def admit(self, owner: int) -> None:
+        """Admit whoever holds an owner's token; NO_OWNER is always admitted.
+
+        Raises STALE_OWNER when the cell has seen a newer token.
+        """
+        check_owner(owner, self._newest_owner)
+        if owner > self._newest_owner:
+            if self._memory is not None:
+                self._memory.keep_owner(owner)
+            self._newest_owner = owner
+
     def load(self, panel: Panel, *, keep: bool = False) -> None:
         """Build a panel.
 
-        `keep` leaves the cell as it is if it has this very panel already; a cell that was started
-        anew puts back what it remembers of it.
+        `keep` leaves the cell as it is if it has this very panel, of this serial number, already;
+        a cell that was restarted puts back what it remembers of it.
 
         Raises PanelError and changes nothing when it breaks the rules.
         """

@@ -1,4 +1,4 @@
-"""What a cell that is killed finds again, as a real one does: the wires in their places, the time.
+"""What a cell that is killed finds again: placed wires, as a real one does, its owner, the time.
 
 The live wire is not among it: who handled it is dead, and the feeder presents a new one.
 """
@@ -21,7 +21,7 @@ _TIME = struct.Struct("<d")
 
 
 class CellMemory:
-    """A folder with the wires of one panel, and the time."""
+    """A folder with the wires of one panel, the newest owner's token, and the time."""
 
     def __init__(self, folder: Path) -> None:
         """Open a folder, or make it.
@@ -30,6 +30,7 @@ class CellMemory:
             MemoryFileError: if it cannot be made or written to.
         """
         self._wires = folder / "wires.json"
+        self._owner = folder / "owner"
         self._stored: dict[Path, str] = {}
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -52,6 +53,26 @@ class CellMemory:
     def keep_time(self, now_s: float) -> None:
         """Keep the simulated time [s]."""
         os.pwrite(self._clock, _TIME.pack(now_s), 0)
+
+    @property
+    def owner(self) -> int:
+        """The newest token of an owner that was kept; 0 if none was.
+
+        Raises:
+            MemoryFileError: if the file is not what `keep_owner` has written.
+        """
+        try:
+            return int(self._owner.read_text(encoding="ascii"))
+        except FileNotFoundError:
+            return 0
+        except (OSError, ValueError) as error:
+            raise MemoryFileError(
+                f"memory: {self._owner} is not what a cell has kept: {error}; remove it"
+            ) from error
+
+    def keep_owner(self, owner: int) -> None:
+        """Keep the newest token of an owner; raises MemoryFileError."""
+        self._store(self._owner, str(owner))
 
     def keep(self, panel: Panel, placed: PlacedWires) -> None:
         """Keep the wires that lie on a panel, all or none of them.

@@ -15,6 +15,7 @@ from remodel_sim.abilities.station import Station
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import Goal, require, require_number
+from remodel_sim.core.ownership import owner_of
 from remodel_sim.ros.abilities import Ability
 from remodel_sim.ros.job import Job, common_result
 from remodel_sim.ros.owner import Owner
@@ -46,6 +47,7 @@ class AbilityServer:
             handle.set_canceled(self._refusal(message, Code.PREEMPTED, "cancelled before it began"))
             return
         try:
+            self._owner.cell.admit(owner_of(message.id))
             stations = self._stations(message)
             goal = self._checked(message, stations)
         except AbilityError as error:
