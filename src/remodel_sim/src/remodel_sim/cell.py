@@ -13,6 +13,7 @@ from remodel_sim.core.book import Book, EndState, Feed
 from remodel_sim.core.cell_design import CellDesign
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.goals import check_hands_empty, check_not_in_cell
 from remodel_sim.core.ownership import NO_OWNER, check_owner
 from remodel_sim.core.panel import End, Panel
 from remodel_sim.core.placed_wires import PlacedWires
@@ -149,20 +150,19 @@ class Cell:
         self.load(self.plant.loaded)
 
     def feed(self, wire_id: str, channel_id: str) -> None:
-        """Lay a wire into a channel.
+        """Lay a new piece of a wire into a channel, unless one lies there that nobody has touched.
 
-        Raises AbilityError when a name is unknown or a hand holds a wire.
+        Raises AbilityError when a name is unknown, a hand holds a wire, or another piece of the
+        wire is in the cell.
         """
         wire = self.plant.panel.wire(wire_id)
         self.plant.panel.channel(channel_id)
-        for station in self.stations.values():
-            book = station.book
-            if book.grip is not None and book.feed is not None:
-                raise AbilityError(
-                    Code.OTHER_CABLE_HELD,
-                    f"{station.name} holds end {book.grip.end.value} of {book.feed.wire_id!r}; "
-                    "place it first",
-                )
+        book = self.station.book
+        check_hands_empty(book)
+        if book.presents(wire_id, channel_id):
+            return
+        check_not_in_cell(wire_id, book)
+        leaves_wire = self.plant.live is not None
         tools = {name: station.commanded for name, station in self.stations.items()}
         laying = self.plant.feed(wire_id, channel_id, tools)
         straight = np.array([0.0, laying.direction * wire.length])
@@ -170,7 +170,8 @@ class Cell:
         for station in self.stations.values():
             station.arm_restarted()
             station.book.start_wire(Feed(wire_id, channel_id, laying.direction), expected)
-        self.keep()
+        if leaves_wire:
+            self.keep()
 
     def run(self, steps: Steps[T], *robots: str) -> T:
         """Run an ability of some robots, the first by default; raises what it raises."""

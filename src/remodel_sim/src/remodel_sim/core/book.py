@@ -84,7 +84,7 @@ class Book:
         expected: where its loose ends should lie, (2,) [m], world frame, by the cell's own doing.
         picked_at: where each end was last grasped: there it can be laid down again.
         occupied: which wire end each terminal holds, over all wires.
-        fed: every wire fed so far, in order.
+        fed: every wire of which a piece is in the cell, in the order of feeding.
         in_clips: where clips hold the live wire, (3,) [m] each, world frame; nearest to its loose
             end the last.
         seen: frames of components in the world, as they were last located.
@@ -119,6 +119,17 @@ class Book:
         if grip is not None:
             self.hands[self.robot] = grip
 
+    @property
+    def is_touched(self) -> bool:
+        """Whether a hand has gripped the live wire since it was fed."""
+        return bool(self.picked_at)
+
+    def presents(self, wire_id: str, channel_id: str) -> bool:
+        """Return whether a piece of a wire lies in a channel as the feeder has laid it."""
+        feed = self.feed
+        lies_there = feed is not None and (feed.wire_id, feed.channel_id) == (wire_id, channel_id)
+        return lies_there and not self.is_touched
+
     def start_wire(self, feed: Feed, expected: dict[End, Array]) -> None:
         """Note that a wire lies in its channel, both ends loose."""
         self.feed = feed
@@ -128,8 +139,6 @@ class Book:
         self.ends.update({End.A: EndState.LOOSE, End.B: EndState.LOOSE})
         self.tips.clear()
         self.in_clips.clear()
-        for key in [k for k, v in self.occupied.items() if v[0] == feed.wire_id]:
-            del self.occupied[key]
         if feed.wire_id not in self.fed:
             self.fed.append(feed.wire_id)
 

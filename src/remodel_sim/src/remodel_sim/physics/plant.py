@@ -160,17 +160,12 @@ class Plant:
         self.world.close()
 
     def feed(self, wire_id: str, channel_id: str, tools: Mapping[str, ToolPose]) -> Laying:
-        """Lay a wire into a channel.
-
-        The wire before is parked, or taken away when it is the same one.
+        """Lay a wire of which no piece is in the cell into a channel; the wire before is parked.
 
         Each robot starts from where it was sent last, `tools`, with open fingers.
         """
         wire, channel = self.panel.wire(wire_id), self.panel.channel(channel_id)
-        if self.live is not None and self.live.wire.id == wire_id:
-            self.live = None
         self._keep_shape()
-        self.parked.pop(wire_id, None)
         self._build(tools)
         lying = [other.nodes for other in self.parked.values()] if self._solid_parked else []
         cable, laying, self._fork = lay(
