@@ -217,7 +217,7 @@ class PickGoal:
 
 @dataclass(frozen=True)
 class PlaceGoal:
-    """Lay the held end down.
+    """Lay the held end down, of whatever wire when `cable_id` is empty.
 
     `target` has the tool centre at release, x along the wire towards the tip.
     """
@@ -233,7 +233,8 @@ class PlaceGoal:
 
     def check(self, panel: Panel, book: Book) -> None:
         """Raise when nothing is held or the place is out of reach."""
-        check_live(self.cable_id, panel, book)
+        if self.cable_id:
+            check_live(self.cable_id, panel, book)
         check_held(book)
         check_tool_path((self.target,), book)
 
