@@ -111,7 +111,8 @@ class RunServer:
     def close(self) -> None:
         """Stop what moves, and end; the run goes on when the node is started again."""
         self._loop.leave()
-        self._thread.join(_LEAVE_LIMIT_S)
+        if threading.current_thread() is not self._thread:
+            self._thread.join(_LEAVE_LIMIT_S)
 
     @property
     def _supervisor(self) -> UseCaseSupervisor | None:
