@@ -12,6 +12,7 @@ from remodel_console.core.use_case import (
     Failure,
     Level,
     Phase,
+    Question,
     Task,
     TaskPhase,
     UseCase,
@@ -37,6 +38,9 @@ def failure(name, fault, decision):
 
 RUN = UseCase(
     Phase.RUNNING,
+    total=6,
+    done=3,
+    set_aside=1,
     tasks=(
         task("W1", TaskPhase.DONE, passed=True, taken_s=40),
         task("W2", TaskPhase.DONE, taken_s=80),
@@ -77,9 +81,22 @@ def test_before_anything_has_ended_there_are_no_figures():
 
 def test_progress():
     assert RUN.left_s == 70
-    assert RUN.count(TaskPhase.DONE) == 3
     assert RUN.is_under_way
     assert not UseCase(Phase.ENDED).is_under_way
+    assert not UseCase(Phase.STARTING).is_under_way
+
+
+def test_a_run_that_is_held_is_resumed_by_a_person():
+    held = {phase for phase in Phase if UseCase(phase).is_held}
+    assert held == {Phase.PAUSING, Phase.PAUSED, Phase.PROTECTIVE_STOP}
+    assert UseCase(Phase.PROTECTIVE_STOP).is_under_way
+
+
+def test_the_time_left_to_answer_a_question():
+    question = Question(1, "W4", "It jams.", (Choice.RETRY,), asked_s=100.0, timeout_s=600.0)
+    assert question.left_s(now_s=130.0) == 570.0
+    assert question.left_s(now_s=900.0) == 0.0
+    assert Question(1, "W4", "It jams.", (Choice.RETRY,)).left_s(now_s=130.0) is None
 
 
 def test_the_four_levels_are_always_there():

@@ -55,6 +55,7 @@ class _Row:
     """A task."""
 
     def __init__(self, task: Task, deeds: dict[str, Deed], is_operator: bool) -> None:
+        self._shown: tuple[Task, bool] | None = None
         with ui.element("tr") as self._row:
             with ui.element("td").classes("name"):
                 ui.label(task.name)
@@ -66,6 +67,9 @@ class _Row:
 
     def show(self, task: Task, *, is_under_way: bool) -> None:
         """Show what may have changed."""
+        if self._shown == (task, is_under_way):
+            return
+        self._shown = (task, is_under_way)
         self._row.classes(replace=f"task {task.phase.value}")
         self._phase.text = _WORDS[task.phase]
         self._tries.text = str(task.attempts or "")

@@ -191,18 +191,24 @@ class RunLog:
             _project(session, run, event, before, after)
         return after
 
-    def events(self, run: int) -> tuple[KeptEvent, ...]:
+    def events(self, run: int, first: int = 0) -> tuple[KeptEvent, ...]:
         """Return what happened in a run, in order.
+
+        Args:
+            run: number of the run.
+            first: how many events, from the first, are left out since they are known.
 
         Raises:
             OrderError: if there is no run of that number, or its events were not kept.
         """
         with self._database.reading() as session:
             rows = session.scalars(
-                select(RunEventRow).where(RunEventRow.run_id == run).order_by(RunEventRow.position)
+                select(RunEventRow)
+                .where(RunEventRow.run_id == run, RunEventRow.position >= first)
+                .order_by(RunEventRow.position)
             )
             events = tuple(KeptEvent(row.at, event_from(row.kind, row.data)) for row in rows)
-        if not events:
+        if not events and not first:
             known = ", ".join(str(head.number) for head in self.heads()) or "none"
             raise OrderError(f"there is no record of run {run}; there are {known}")
         return events

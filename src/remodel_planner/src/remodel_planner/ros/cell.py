@@ -93,7 +93,43 @@ class Cell:
         """Return a fresh picture; RefusedError if there is no such camera."""
         return self._ask("take_picture", f"take a picture from {camera}", camera=camera).image
 
-    def _called(name: str, what: str, request: dict[str, object]) -> Message:
+    def _ask(self, name: str, what: str, **request: object) -> Message:
+        response = self._call(name, what, **request)
+        if not response.success:
+            code = getattr(response, "error_code", 0)
+            raise RefusedError(code, f"cannot {what}: {response.message}")
+        return response
+
+    def _call(self, name: str, what: str, **request: object) -> Message:
+        return self._background(lambda: _called(name, what, request))
+
+
+def _wait(limit_s: float) -> None:
+    # rospy.wait_for_service counts ROS time, which does not pass until the cell runs.
+    end = time.monotonic() + limit_s
+    for name in _SERVICES:
+        while not _address(name):
+            if time.monotonic() > end or rospy.is_shutdown():
+                raise LostError(
+                    f"service {rospy.resolve_name(f'cell/{name}')} is not there after "
+                    f"{limit_s:.0f} s: start the cell (roslaunch remodel_sim cell.launch)"
+                )
+            time.sleep(_LOOK_S)
+
+
+def _address(name: str) -> str:
+    """Return where a service answers; empty if nobody does: the master remembers dead nodes."""
+    try:
+        uri = rospy.get_master().lookupService(rospy.resolve_name(f"cell/{name}"))[2]
+        _, _, address = uri.partition("://")
+        host, _, port = address.rpartition(":")
+        with socket.create_connection((host, int(port)), timeout=1.0):
+            return address
+    except (OSError, ValueError):
+        return ""
+
+
+def _called(name: str, what: str, request: dict[str, object]) -> Message:
     try:
         return rospy.ServiceProxy(f"cell/{name}", _SERVICES[name])(**request)
     except (rospy.ServiceException, rospy.ROSException, OSError) as error:

@@ -1,4 +1,4 @@
-"""The event loop of a node: one thread on which everything is done, in the order in which it came."""
+"""The event loop of a node: one thread that does everything, in the order in which it arrived."""
 
 from __future__ import annotations
 

@@ -474,7 +474,7 @@ class UseCaseSupervisor:
 
     def _ask(self, name: str) -> None:
         policy = self.work.planner.use_case.recovery
-        now_s, limit_s = self._loop.now_s(), policy.question_timeout_s
+        now_s, limit_s = self._loop.now_s(), policy.question.timeout_s
         self._append(question_about(self.state, name, self.work.faults, now_s, limit_s))
 
     def _wait(self) -> None:
