@@ -10,6 +10,7 @@ import rospy
 
 from remodel_planner.commands.database_option import add_database_option
 from remodel_planner.core.cell_order import USE_CASE
+from remodel_planner.edge.escalation_hook import EscalationHook
 from remodel_planner.edge.fault_file import read_faults
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.use_case_files import find_use_case
@@ -62,9 +63,17 @@ def main(arguments: list[str] | None = None) -> int:
         "--search", type=float, default=0.3, metavar="S", help="for the best order (default 0.3)"
     )
     parser.add_argument(
-        "--frozen",
+        "--explore",
         action="store_true",
-        help="do what the use case states, whatever runs have taught",
+        help="try other parameters, such as forces, than the use case states, within its bounds,"
+        " and learn which are best (default: those of the use case)",
+    )
+    parser.add_argument(
+        "--escalate",
+        default="",
+        metavar="HOOK",
+        help="who is notified of questions: 'command:/path/to/program' gets JSON on its standard"
+        " input, 'https://...' as a POST (default nobody)",
     )
     add_database_option(parser)
     options = parser.parse_args(rospy.myargv()[1:] if arguments is None else arguments)
@@ -72,6 +81,7 @@ def main(arguments: list[str] | None = None) -> int:
         if not 0 < getattr(options, name) < float("inf"):
             parser.error(f"--{name} must be a number > 0, found {getattr(options, name)}")
     try:
+        hook = EscalationHook.from_option(options.escalate, rospy.logwarn)
         database = ProductionDatabase(options.database)
         faults = read_faults()
         find_use_case(options.use_case)
@@ -90,7 +100,8 @@ def main(arguments: list[str] | None = None) -> int:
         options.patience,
         options.lease,
         options.search,
-        options.frozen,
+        options.explore,
+        hook,
     )
     peers = Peers(Cell(), BehaviorSynthesizer(), TaskSupervisor(), Inspection())
     servers = (
@@ -99,5 +110,7 @@ def main(arguments: list[str] | None = None) -> int:
     )
     rospy.spin()
     del servers
+    if hook is not None:
+        hook.close()
     database.close()
     return 0
