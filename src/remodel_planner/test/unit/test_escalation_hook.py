@@ -6,15 +6,20 @@ import os
 import stat
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from remodel_planner.core.recovery.notice import NoticeKind, QuestionNotice
 from remodel_planner.edge.escalation_hook import EscalationHook
 from remodel_planner.errors import HookError
 
-ASKED = {"event": "question_asked", "run": 7, "task": "W1", "text": "Größe: a ' \" $HOME; `id`"}
-TIMED_OUT = {"event": "question_timed_out", "run": 7, "task": "W1", "then": "set_aside"}
+NOTICE = QuestionNotice(
+    NoticeKind.ASKED, "cell", "house", 7, "W1", 1, "Größe: a ' \" $HOME; `id`", ("retry", "skip"),
+    600.0, "set_aside",
+)  # fmt: skip
+ASKED, TIMED_OUT = NOTICE.data(), replace(NOTICE, event=NoticeKind.TIMED_OUT).data()
 
 
 @pytest.fixture
@@ -177,6 +182,14 @@ def test_too_many_events_are_dropped_and_what_is_not_json_is_reported(reports):
     go_on.set()
     hook.close(30.0)
     assert [event["number"] for event in delivered] == list(range(101))
+
+
+def test_a_notice_has_what_docs_supervision_lists():
+    assert list(ASKED) == [
+        "event", "cell", "order", "run", "task", "question", "text", "choices", "timeout_s", "then",
+    ]  # fmt: skip
+    assert (ASKED["event"], TIMED_OUT["event"]) == ("question_asked", "question_timed_out")
+    assert json.loads(json.dumps(ASKED)) == ASKED
 
 
 def test_without_an_option_there_is_no_hook():
