@@ -11,10 +11,15 @@ from remodel_planner.core.learning.learned_expectations import Call, numbers_fro
 from remodel_planner.core.planning.listing import listing_of
 from remodel_planner.core.planning.modes import Mode
 from remodel_planner.core.planning.part import put_off
+from remodel_planner.core.recovery.decide import VIEW
 from remodel_planner.core.recovery.fault import Do
 from remodel_planner.core.run import Operation, step_of
 from remodel_planner.core.supervision.events import Chosen, Decided, Part
-from remodel_planner.core.use_case.changed_parameters import Adjustable, with_parameters
+from remodel_planner.core.use_case.changed_parameters import (
+    Adjustable,
+    observing_from,
+    with_parameters,
+)
 from remodel_planner.core.use_case.escalation import escalating
 from remodel_planner.core.use_case.model import UseCase
 from remodel_planner.core.use_case.planned_tasks import (
@@ -58,6 +63,7 @@ class WorkPlanner:
         search_s: float,
         documents: Sequence[tuple[str, object]] = (),
         escalated: Collection[int] = (),
+        undone: Collection[int] = (),
     ) -> None:
         """Take the order.
 
@@ -68,6 +74,7 @@ class WorkPlanner:
             search_s: [s] of wall time that a search for the best order gets.
             documents: preferences, parsed, with what to call them in errors.
             escalated: error codes after which a behavior gives up at once, for its supervisor.
+            undone: those of them before which it undoes what the step that failed has left.
         """
         self.order = order
         self.use_case = use_case
@@ -75,6 +82,7 @@ class WorkPlanner:
         self._search_s = search_s
         self._documents = documents
         self._escalated = escalated
+        self._undone = undone
         self._adjustable = Adjustable(
             {each.name: {p.name for p in each.parameters} for each in read_abilities()},
             nested_charts(),
@@ -221,10 +229,12 @@ class WorkPlanner:
         for each in chosen:
             chart = self._with(each, chart)
         for decision in decisions:
-            if decision.change:
-                values, where = dict(decision.change), decision.state_path
+            values, where = dict(decision.change), decision.state_path
+            if decision.do is Do.LOOK_AGAIN and values:
+                chart = observing_from(chart, int(values[VIEW]), self._adjustable)
+            elif values:
                 chart = with_parameters(chart, where, values, self._adjustable)
-        return escalating(chart, self._escalated) if self._escalated else chart
+        return escalating(chart, self._escalated, self._undone) if self._escalated else chart
 
     def _otherwise(self, task: PlannedTask, state_path: str) -> PlannedTask | None:
         return done_otherwise(self._place(task.name).prepared, task, state_path)

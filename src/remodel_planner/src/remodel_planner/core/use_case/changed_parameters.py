@@ -1,4 +1,4 @@
-"""Change the parameters of a task's states, for another try."""
+"""Change the parameters of a task's states, for another attempt."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from flexbe_synthesizer.core.model import (
     Param,
     State,
 )
+from remodel_planner.core.recovery.decide import VIEW
 from remodel_planner.core.run import step_of
 from remodel_planner.core.use_case.task_chart import marked
 
@@ -50,6 +51,21 @@ def with_parameters(
     nodes = tuple(
         _changed(node, values, adjustable) if node.id == failed else node for node in chart.nodes
     )
+    return marked(replace(chart, nodes=nodes))
+
+
+def observing_from(chart: Chart, view: int, adjustable: Adjustable) -> Chart:
+    """Return a task's chart in which everything is observed from another viewpoint.
+
+    All observations change, not only those of the step that failed: a step often fails by what
+    another one before it has seen. Behaviors that nest observations become containers.
+
+    Args:
+        chart: of the task.
+        view: 0 the usual viewpoint, 1 and up others.
+        adjustable: see Adjustable.
+    """
+    nodes = tuple(_changed(node, {VIEW: view}, adjustable) for node in chart.nodes)
     return marked(replace(chart, nodes=nodes))
 
 
