@@ -31,7 +31,7 @@ from remodel_planner.edge.order_planner import plan_problem, replan_problem
 
 # [s] wall time that the search gets when the rest of an order is planned again: what it starts from
 # is the result of a longer search, and the robot waits.
-REPLAN_SEARCH_S = 0.05
+REPLAN_SEARCH_S = 0.03
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class WorkPlanner:
         self._documents = documents
         self._escalated = escalated
         self._adjustable = Adjustable(
-            {each.name: {p.name for p in each.parameters} for each in read_abilities()},
+            {each.name: {p.name: p.type for p in each.parameters} for each in read_abilities()},
             nested_charts(),
         )
         self._prepared: Prepared | None = None
@@ -189,11 +189,13 @@ class WorkPlanner:
                 ability, step.features, task.bounds(step.title), f"{seed} {step.title}"
             ).items()
         )
-        return tuple(each for each in chosen if self._with(each, task.chart) != task.chart)
+        chart = task.chart
+        return tuple(each for each in chosen if self._with(each, chart) != chart)
 
     def _with(self, chosen: Chosen, chart: Chart) -> Chart:
         """Return a chart with a parameter, unless the chart itself states it."""
-        parameters = {chosen.ability: {chosen.parameter}}
+        types = self._adjustable.parameters.get(chosen.ability, {})
+        parameters = {chosen.ability: {p: t for p, t in types.items() if p == chosen.parameter}}
         adjustable = replace(self._adjustable, parameters=parameters, keeps_stated=True)
         return with_parameters(chart, chosen.step, {chosen.parameter: chosen.value}, adjustable)
 
@@ -217,14 +219,28 @@ class WorkPlanner:
         task = self.task(name, decisions)
         if part is Part.CLEAR:
             return task.clear()
+        if part.value == "discard":
+            return task.discard()
         chart = task.rest(connected) if part is Part.REST else task.chart
         for each in chosen:
             chart = self._with(each, chart)
         for decision in decisions:
-            if decision.change:
-                values, where = dict(decision.change), decision.state_path
-                chart = with_parameters(chart, where, values, self._adjustable)
+            chart = self._changed(chart, task, decision)
         return escalating(chart, self._escalated) if self._escalated else chart
+
+    def _changed(self, chart: Chart, task: PlannedTask, decision: Decided) -> Chart:
+        """Return a chart with the parameters that a decision changes.
+
+        A step that does not look for itself is preceded by others that do: another view is theirs.
+        """
+        values, failed = dict(decision.change), decision.state_path
+        if not values:
+            return chart
+        changed = with_parameters(chart, failed, values, self._adjustable)
+        if changed == chart and decision.do is Do.LOOK_AGAIN:
+            for state in task.looking_for(failed):
+                changed = with_parameters(changed, state, values, self._adjustable)
+        return changed
 
     def _otherwise(self, task: PlannedTask, state_path: str) -> PlannedTask | None:
         return done_otherwise(self._place(task.name).prepared, task, state_path)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 from flexbe_synthesizer.core.model import Chart
 from remodel_planner.core.planning.listing import listing_of
@@ -11,10 +12,10 @@ from remodel_planner.core.planning.modes import Mode
 from remodel_planner.core.planning.problem import Plan
 from remodel_planner.core.run import step_of
 from remodel_planner.core.use_case.decomposed import Decomposition, Limits, Step
-from remodel_planner.core.use_case.model import Macro, UseCase
+from remodel_planner.core.use_case.model import Action, Macro, UseCase
 from remodel_planner.core.use_case.preparation import Prepared
-from remodel_planner.core.use_case.task_chart import task_chart
-from remodel_planner.errors import InstanceError
+from remodel_planner.core.use_case.task_chart import node_ids, task_chart
+from remodel_planner.errors import InstanceError, UseCaseError
 
 
 @dataclass(frozen=True)
@@ -51,15 +52,43 @@ class PlannedTask:
         ]
         return {"force_limit": min(limits)} if limits else {}
 
+    def looking_for(self, state_path: str) -> tuple[str, ...]:
+        """Return the states that reveal what the step of a state needs; none for an unknown one."""
+        steps = self.decomposition.steps
+        nodes = list(node_ids(steps))
+        failed = step_of(state_path)
+        if failed not in nodes:
+            return ()
+        at = nodes.index(failed)
+        found = (
+            [nodes[i] for i in range(at) if fact in dict(steps[i].action.reveals)][-1:]
+            for fact, _ in steps[at].action.needs
+        )
+        return tuple(dict.fromkeys(chain.from_iterable(found)))
+
     def rest(self, connected: Collection[str]) -> Chart:
         """Return the chart of what is left when the ends with these letters are connected."""
         return self._part(self.left(connected), " Rest")
 
     def clear(self) -> Chart:
-        """Return the chart that empties the hand of the task's part."""
+        """Return the chart that lays down whatever part the hand holds."""
         give_up = self.use_case.actions[self.use_case.give_up]
-        last = self.decomposition.steps[-1]
-        return self._part((replace(last, action=give_up, end=None, clip=None),), " Clear")
+        inputs = tuple((key, "" if value == "$task" else value) for key, value in give_up.inputs)
+        return self._alone(replace(give_up, inputs=inputs), " Clear")
+
+    def discard(self) -> Chart:
+        """Return the chart that takes the task's part off the panel into the scrap bin.
+
+        Raises:
+            UseCaseError: if the use case has no action for it.
+        """
+        name = self.use_case.discard
+        if not name:
+            raise UseCaseError(
+                f"task {self.name}: use case {self.use_case.name} states no `discard` action, so "
+                "its part cannot be discarded: take it out by hand, or add the action"
+            )
+        return self._alone(self.use_case.actions[name], " Discard")
 
     def left(self, connected: Collection[str]) -> tuple[Step, ...]:
         """Return the steps that are left when the ends with these letters are connected.
@@ -74,6 +103,11 @@ class PlannedTask:
         ]
         begin = max(done, default=0)
         return (*_looks(steps[:begin], steps[begin:]), *steps[begin:])
+
+    def _alone(self, action: Action, suffix: str) -> Chart:
+        """Return the chart of one action that is about no end and no clip."""
+        last = self.decomposition.steps[-1]
+        return self._part((replace(last, action=action, end=None, clip=None),), suffix)
 
     def _part(self, steps: tuple[Step, ...], suffix: str) -> Chart:
         done = replace(self.decomposition, steps=steps)
