@@ -8,6 +8,7 @@ import pytest
 from house import HOUSE
 from sensor_msgs.msg import Image
 
+from flexbe_synthesizer.core.names import behavior_file
 from remodel_planner.core.cell_order import USE_CASE, cell_order
 from remodel_planner.core.learning.experience import Experience
 from remodel_planner.core.learning.learned_responses import TriedResponse
@@ -500,7 +501,7 @@ def test_a_behavior_that_exists_with_the_same_content_is_not_made_again(
     (manifests / "broken.xml").write_text("<behavior")
     for name, mark in ((first, content_mark(charts[first])), (second, "Content 0000.")):
         text = MANIFEST.format(name=charts[name].name, mark=mark)
-        (manifests / f"{name}.xml").write_text(text)
+        (manifests / f"{behavior_file(charts[name].name)}.xml").write_text(text)
     monkeypatch.setenv("ROS_PACKAGE_PATH", f"{tmp_path}:{os.environ['ROS_PACKAGE_PATH']}")
     bench.run()
     assert bench.peers.synthesizer.asked == [charts[second].name]

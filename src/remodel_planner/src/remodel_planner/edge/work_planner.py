@@ -36,7 +36,7 @@ from remodel_planner.edge.order_planner import plan_problem, replan_problem
 
 # [s] wall time that the search gets when the rest of an order is planned again: what it starts from
 # is the result of a longer search, and the robot waits.
-REPLAN_SEARCH_S = 0.05
+REPLAN_SEARCH_S = 0.03
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ class WorkPlanner:
         self._escalated = escalated
         self._undone = undone
         self._adjustable = Adjustable(
-            {each.name: {p.name for p in each.parameters} for each in read_abilities()},
+            {each.name: {p.name: p.type for p in each.parameters} for each in read_abilities()},
             nested_charts(),
         )
         self._prepared: Prepared | None = None
@@ -197,11 +197,13 @@ class WorkPlanner:
                 ability, step.features, task.bounds(step.title), f"{seed} {step.title}"
             ).items()
         )
-        return tuple(each for each in chosen if self._with(each, task.chart) != task.chart)
+        chart = task.chart
+        return tuple(each for each in chosen if self._with(each, chart) != chart)
 
     def _with(self, chosen: Chosen, chart: Chart) -> Chart:
         """Return a chart with a parameter, unless the chart itself states it."""
-        parameters = {chosen.ability: {chosen.parameter}}
+        types = self._adjustable.parameters.get(chosen.ability, {})
+        parameters = {chosen.ability: {p: t for p, t in types.items() if p == chosen.parameter}}
         adjustable = replace(self._adjustable, parameters=parameters, keeps_stated=True)
         return with_parameters(chart, chosen.step, {chosen.parameter: chosen.value}, adjustable)
 
@@ -225,6 +227,8 @@ class WorkPlanner:
         task = self.task(name, decisions)
         if part is Part.CLEAR:
             return task.clear()
+        if part.value == "discard":
+            return task.discard()
         chart = task.rest(connected) if part is Part.REST else task.chart
         for each in chosen:
             chart = self._with(each, chart)
