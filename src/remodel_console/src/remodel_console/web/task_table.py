@@ -7,7 +7,7 @@ from functools import partial
 
 from nicegui import ui
 
-from remodel_console.core.use_case import Task, TaskPhase, duration_words
+from remodel_console.core.use_case import Task, TaskPhase, duration_words, shown_tasks
 
 _WORDS = {
     TaskPhase.WAITING: "waiting",
@@ -28,10 +28,14 @@ class TaskTable:
         self._deeds = {"Skip": skip, "Retry": retry}
         self._is_operator = is_operator
         self._area = ui.element("div").classes("tasks")
+        self._more = ui.label().classes("soft")
         self._rows: dict[str, _Row] = {}
 
-    def show(self, tasks: tuple[Task, ...], *, is_under_way: bool) -> None:
-        """Show tasks, in their order."""
+    def show(self, all_tasks: tuple[Task, ...], *, is_under_way: bool) -> None:
+        """Show tasks, in their order; of many, those around the current one."""
+        tasks = shown_tasks(all_tasks)
+        self._more.text = f"{len(tasks)} of {len(all_tasks)} tasks are shown."
+        self._more.set_visibility(len(tasks) < len(all_tasks))
         if [task.name for task in tasks] != list(self._rows):
             self._build(tasks)
         for task in tasks:
