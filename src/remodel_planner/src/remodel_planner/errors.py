@@ -34,6 +34,35 @@ class LostError(PlannerError):
     """A process that a run needs is gone, or silent: what it was doing is in doubt."""
 
 
+class RefusedError(CellError):
+    """The cell refused a request.
+
+    Attributes:
+        code: remodel_msgs/ErrorCode.
+    """
+
+    def __init__(self, code: int, text: str) -> None:
+        """Keep the code and the reason."""
+        super().__init__(text)
+        self.code = code
+
+
+class HaltedError(PlannerError):
+    """The gate is closed: what was about to begin does not begin."""
+
+
+class LeavingError(PlannerError):
+    """This process is shutting down; the run goes on when it is started again."""
+
+
+class OwnerError(PlannerError):
+    """Another supervisor owns the run or the cell now: this one must not act or record any more."""
+
+
+class RecordLostError(PlannerError):
+    """The production database has lost what a run needs: a row, a table, or the whole file."""
+
+
 class InstanceError(PlannerError):
     """A planning problem or a plan is malformed, or the problem has no plan."""
 

@@ -1,6 +1,7 @@
-"""A small order that tests run."""
+"""A small order that tests run, and a cell to run it."""
 
 from remodel_planner.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
+from remodel_planner.edge.cell_ownership import CellOwnership
 
 HOUSE = Order(
     "house",
@@ -15,3 +16,8 @@ HOUSE = Order(
         Wire("W2", TerminalRef("Q1", "B2"), TerminalRef("Q2", "T2"), "BU", 1.5, "line 2"),
     ),
 )
+
+
+def owner_of(database, cell="cell", station="station"):
+    """Acquire a cell, and return the token."""
+    return CellOwnership(database, cell, station, f"supervisor at {station}", 60.0).acquire().token

@@ -5,6 +5,7 @@ from alembic.autogenerate import compare_metadata
 from alembic.config import Config
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
+from house import owner_of
 from sqlalchemy import create_engine, inspect, text
 
 from remodel_planner.core.production import Component, Side, Terminal, TerminalRef, Wire
@@ -114,7 +115,8 @@ def test_an_unversioned_database_keeps_its_orders_and_records(url):
         " JOIN executions e ON e.id = r.execution_id JOIN tasks t ON t.id = e.task_id"
         " JOIN wires w ON w.id = t.wire_id",
     ) == [("W1", 2, "InsertCable")]
-    RunLog(database).begin(RunBegun("house", "switchgear", "cell", ("W1", "W2")))
+    begun = RunBegun("house", "switchgear", "cell", ("W1", "W2"))
+    assert RunLog(database).begin(begun, owner_of(database)) == (41, "house-0001")
     database.close()
     assert execute(url, "SELECT max(id) FROM runs") == [(41,)]
 
@@ -122,7 +124,9 @@ def test_an_unversioned_database_keeps_its_orders_and_records(url):
 def test_a_database_of_a_newer_program_is_refused_and_left_alone(url):
     open_and_close(url)
     execute(url, "UPDATE alembic_version SET version_num = '0999'")
-    with pytest.raises(OrderError, match=r"is of version 0999; .* versions 0001, 0002, 0003, 0004"):
+    with pytest.raises(
+        OrderError, match=r"is of version 0999; .* versions 0001, 0002, 0003, 0004, 0005"
+    ):
         ProductionDatabase(url)
     assert execute(url, "SELECT version_num FROM alembic_version") == [("0999",)]
 

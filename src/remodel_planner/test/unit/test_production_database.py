@@ -22,6 +22,7 @@ from remodel_planner.core.production import (
     TerminalRef,
     Wire,
 )
+from remodel_planner.edge.database_versions import NEWEST
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.errors import OrderError
 
@@ -183,7 +184,7 @@ def test_two_programs_may_open_a_new_database_at_once(url):
     with ThreadPoolExecutor(4) as pool:
         for database in pool.map(ProductionDatabase, [url] * 4):
             database.close()
-    assert rows(url, "SELECT version_num FROM alembic_version") == [("0004",)]
+    assert rows(url, "SELECT version_num FROM alembic_version") == [(NEWEST,)]
 
 
 @pytest.mark.parametrize(

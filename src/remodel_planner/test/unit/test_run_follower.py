@@ -3,7 +3,7 @@
 import threading
 
 import pytest
-from house import HOUSE
+from house import HOUSE, owner_of
 from remodel_msgs.msg import OperatorQuestion, UseCaseState
 
 from remodel_planner.commands import run_follower
@@ -57,6 +57,7 @@ class Supervised:
         self.database = ProductionDatabase(url)
         self.database.add_order(HOUSE)
         self.log = RunLog(self.database)
+        self.owner = owner_of(self.database)
         self.do_run()
         self.follower = RunFollower(self.log, HOUSE)
         self.tell(1)
@@ -69,8 +70,9 @@ class Supervised:
 
     def do_run(self):
         """Begin a run and end it, and return its number."""
-        run = self.log.begin(BEGUN)
-        self.log.append(run, RunEnded(Ending.COMPLETE, f"run {run}"), state_after([BEGUN]))
+        run, _ = self.log.begin(BEGUN, self.owner)
+        ended = RunEnded(Ending.COMPLETE, f"run {run}")
+        self.log.append(run, ended, state_after([BEGUN]), self.owner)
         return run
 
 

@@ -6,7 +6,7 @@ from collections import Counter
 from dataclasses import replace
 
 import pytest
-from house import HOUSE
+from house import HOUSE, owner_of
 from sqlalchemy import create_engine, text
 
 from remodel_planner.core.learning.learned_responses import TriedResponse
@@ -14,6 +14,7 @@ from remodel_planner.core.production import Component, Order, Side, Terminal, Te
 from remodel_planner.core.recovery.fault import Do
 from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.events import (
+    AsLeft,
     Decided,
     Ending,
     Interrupted,
@@ -23,13 +24,16 @@ from remodel_planner.core.supervision.events import (
     RunBegun,
     RunEnded,
     TaskBegun,
+    TaskElsewhere,
     TaskEnded,
 )
 from remodel_planner.core.supervision.state import state_after
+from remodel_planner.edge import production_database
+from remodel_planner.edge.cell_ownership import database_time_s
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.run_log import RunLog
 from remodel_planner.edge.task_leases import Holding, TaskLeases
-from remodel_planner.errors import LostError, OrderError
+from remodel_planner.errors import LostError, OrderError, OwnerError, RecordLostError
 
 BEGUN = RunBegun("house", "switchgear", "cell", ("W1", "W2"))
 JAM = Operation(
@@ -76,17 +80,32 @@ def rows(url, query):
     return found
 
 
-def keep(log, *events):
-    """Keep a run, and return its number."""
-    run = log.begin(BEGUN)
-    state = state_after([BEGUN])
-    for event in events:
-        state = log.append(run, event, state)
-    return run
+@pytest.fixture
+def owner(database):
+    """Return the token of the owner of the cell that does the runs."""
+    return owner_of(database)
 
 
-def test_events_come_back_in_order(database):
-    log = RunLog(database)
+@pytest.fixture
+def log(database):
+    return RunLog(database)
+
+
+@pytest.fixture
+def keep(log, owner):
+    """Return a function that keeps a run of some events, and returns its number."""
+
+    def keep(*events):
+        run, _ = log.begin(BEGUN, owner)
+        state = state_after([BEGUN])
+        for event in events:
+            state = log.append(run, event, state, owner)
+        return run
+
+    return keep
+
+
+def test_events_come_back_in_order(keep, log):
     events = (
         Planned(("W2", "W1"), "the run begins"),
         WHOLE,
@@ -95,14 +114,13 @@ def test_events_come_back_in_order(database):
         DECIDED,
         Interrupted("killed"),
     )
-    run = keep(log, *events)
-    assert [kept.event for kept in log.events(run)] == [BEGUN, *events]
+    run = keep(*events)
+    begun = replace(BEGUN, serial="house-0001")
+    assert [kept.event for kept in log.events(run)] == [begun, *events]
 
 
-def test_tables_made_for_questions_follow(database, url):
-    log = RunLog(database)
+def test_tables_made_for_questions_follow(keep, url):
     keep(
-        log,
         Planned(("W1", "W2"), ""),
         WHOLE,
         OperationEnded("W1", JAM),
@@ -117,24 +135,17 @@ def test_tables_made_for_questions_follow(database, url):
     assert rows(url, "SELECT state FROM tasks ORDER BY id") == [("set aside",), ("open",)]
 
 
-def test_an_interrupted_behavior_keeps_its_operations(database, url):
-    keep(
-        RunLog(database),
-        Planned(("W1", "W2"), ""),
-        WHOLE,
-        OperationEnded("W1", JAM),
-        Interrupted(""),
-    )
+def test_an_interrupted_behavior_keeps_its_operations(keep, database, url):
+    keep(Planned(("W1", "W2"), ""), WHOLE, OperationEnded("W1", JAM), Interrupted(""))
     assert rows(url, "SELECT outcome, ended_s FROM executions") == [("interrupted", 2.0)]
     assert len(database.ability_calls()) == 1
 
 
-def test_a_call_is_told_with_its_parameters_and_what_it_depends_on(database):
+def test_a_call_is_returned_with_its_parameters_and_what_it_depends_on(keep, database):
     here = (("component_id", "Q1"), ("terminal_id", "B1"), ("force_limit", "8.0"))
     there = (("component_id", "Q9"), ("terminal_id", "B1"))
     calls = [replace(JAM, parameters=parameters) for parameters in (here, there)]
     keep(
-        RunLog(database),
         Planned(("W1", "W2"), ""),
         WHOLE,
         *(OperationEnded("W1", call) for call in calls),
@@ -147,68 +158,166 @@ def test_a_call_is_told_with_its_parameters_and_what_it_depends_on(database):
     assert known.features["section_mm2"] == HOUSE.wires[0].section_mm2
 
 
-def test_an_answer_is_told_once_it_is_known_whether_it_helped(database):
-    log = RunLog(database)
+def test_a_response_is_returned_once_it_is_known_whether_it_helped(keep, log):
     jammed = (OperationEnded("W1", JAM), TaskEnded("W1", "failed", 3.0, False))
     retried = replace(DECIDED, do=Do.RETRY)
     renewed = replace(DECIDED, do=Do.NEW_PART)
     again, third = (replace(WHOLE, attempt=number) for number in (2, 3))
     cleared = replace(WHOLE, part=Part.CLEAR), TaskEnded("W1", "finished", 4.0, False)
     failing = (Planned(("W1", "W2"), ""), WHOLE, *jammed, retried, again, *jammed, renewed)
-    keep(log, *failing, *cleared)
+    keep(*failing, *cleared)
     assert log.tried_responses() == (TriedResponse("insertion_jammed", Do.RETRY, helped=False),)
-    keep(log, *failing, third, TaskEnded("W1", "finished", 5.0, True))
+    keep(*failing, third, TaskEnded("W1", "finished", 5.0, True))
     assert log.tried_responses()[1:] == (
         TriedResponse("insertion_jammed", Do.RETRY, helped=False),
         TriedResponse("insertion_jammed", Do.NEW_PART, helped=True),
     )
 
 
-def test_a_run_that_was_cut_short_is_found_until_it_has_ended(database):
-    log = RunLog(database)
-    run = keep(log)
+def test_a_run_that_was_cut_short_is_found_until_it_has_ended(keep, log, owner):
+    run = keep()
     assert (log.unfinished("cell"), log.unfinished("other")) == (run, None)
-    log.append(run, RunEnded(Ending.STOPPED, "x"), state_after([BEGUN]))
+    log.append(run, RunEnded(Ending.STOPPED, "x"), state_after([BEGUN]), owner)
     assert log.unfinished("cell") is None
     assert [(head.number, head.order, head.ended) for head in log.heads()] == [(run, "house", True)]
+    with pytest.raises(OwnerError, match="run 1 has ended: nothing can be added to it"):
+        log.append(run, Interrupted("late"), state_after([BEGUN]), owner)
 
 
-def test_a_database_that_is_gone_counts_as_lost(tmp_path):
-    database = ProductionDatabase(f"sqlite:///{tmp_path}/production.sqlite")
-    database.add_order(HOUSE)
-    log = RunLog(database)
-    run = keep(log)
-    with database.transaction() as session:
-        session.execute(text("DROP TABLE run_events"))
-    with pytest.raises(LostError, match="the production database does not answer: "):
-        log.append(run, Interrupted("killed"), state_after([BEGUN]))
-    database.close()
-
-
-def test_a_run_without_a_record_is_told_with_those_there_are(database):
-    log = RunLog(database)
-    keep(log)
+def test_a_run_without_a_record_is_reported_with_those_there_are(keep, log):
+    keep()
     with pytest.raises(OrderError, match="there is no record of run 7; there are 1"):
         log.events(7)
 
 
-def test_an_order_done_again_begins_from_nothing_but_not_beside_others(database, url):
-    log = RunLog(database)
-    run = keep(log, Planned(("W1", "W2"), ""), WHOLE, TaskEnded("W1", "finished", 2.0, True))
+def test_an_order_done_again_begins_from_nothing_but_not_beside_others(
+    keep, log, owner, database, url
+):
+    run = keep(Planned(("W1", "W2"), ""), WHOLE, TaskEnded("W1", "finished", 2.0, True))
     other = RunBegun("house", "switchgear", "other", ("W1", "W2"))
+    other_owner = owner_of(database, "other", "another station")
     with pytest.raises(OrderError, match="cannot be done again: cell cell works on it"):
-        log.begin(other, again=True)
-    log.append(run, RunEnded(Ending.STOPPED, ""), state_after([BEGUN]))
-    log.begin(other)
+        log.begin(other, other_owner, again=True)
+    log.append(run, RunEnded(Ending.STOPPED, ""), state_after([BEGUN]), owner)
+    assert log.begin(other, other_owner) == (2, "house-0001")
     assert rows(url, "SELECT state FROM tasks ORDER BY id") == [("done",), ("open",)]
-    log.append(2, RunEnded(Ending.STOPPED, ""), state_after([other]))
-    log.begin(BEGUN, again=True)
+    log.append(2, RunEnded(Ending.STOPPED, ""), state_after([other]), other_owner)
+    assert log.begin(BEGUN, owner, again=True) == (3, "house-0002")
     assert rows(url, "SELECT state FROM tasks ORDER BY id") == [("open",), ("open",)]
+    assert next(iter(log.events(3))).event.serial == "house-0002"
+
+
+def test_cells_that_share_an_order_wire_the_same_product(log, owner, database):
+    other = replace(BEGUN, cell="other")
+    assert log.begin(BEGUN, owner) == (1, "house-0001")
+    assert log.begin(other, owner_of(database, "other", "b")) == (2, "house-0001")
+
+
+def test_an_owner_that_was_replaced_adds_nothing_to_its_run(keep, log, owner, database, url):
+    run = keep()
+    newer = owner_of(database)
+    with pytest.raises(
+        OwnerError, match=r"cell cell is owned by another .* \(token 2; this one ha"
+    ):
+        log.append(run, Interrupted("late"), state_after([BEGUN]), owner)
+    with pytest.raises(OwnerError, match=r"belongs to another owner .*: take it up first"):
+        log.append(run, Interrupted("early"), state_after([BEGUN]), newer)
+    with pytest.raises(OwnerError, match="owned by another supervisor now: supervisor at station"):
+        log.take_up(run, owner)
+    with pytest.raises(OwnerError, match="owned by another"):
+        log.begin(BEGUN, owner)
+    assert rows(url, "SELECT count(*) FROM run_events") == [(1,)]
+    log.take_up(run, newer)
+    log.append(run, Interrupted("resumed"), state_after([BEGUN]), newer)
+    assert rows(url, "SELECT position, kind FROM run_events ORDER BY id") == [
+        (0, "RunBegun"),
+        (1, "Interrupted"),
+    ]
+
+
+def test_only_a_run_that_has_not_ended_is_taken_up(keep, log, owner):
+    run = keep(RunEnded(Ending.STOPPED, ""))
+    with pytest.raises(OwnerError, match="run 1 has ended"):
+        log.take_up(run, owner)
+    with pytest.raises(RecordLostError, match="no longer has run 7; restore a backup"):
+        log.take_up(7, owner)
+
+
+def test_a_task_that_another_cell_ends_stays_its_own(keep, url):
+    keep(Planned(("W1", "W2"), ""), TaskElsewhere("W1", "other", AsLeft.DONE))
+    assert rows(url, "SELECT state, cell FROM tasks ORDER BY id") == [("open", ""), ("open", "")]
+
+
+def test_a_task_that_another_cell_has_taken_over_is_not_ended_for_it(keep, database, url):
+    leases = TaskLeases(database, "house", "other", 30.0, owner_of(database, "other", "b"))
+    leases.claim("W1")
+    keep(Planned(("W1", "W2"), ""), WHOLE, TaskEnded("W1", "finished", 2.0, True))
+    assert rows(url, "SELECT state, cell FROM tasks ORDER BY id")[0] == ("begun", "other")
+
+
+@pytest.mark.parametrize(
+    ("damage", "reported"),
+    [
+        ("DELETE FROM runs", "no longer has run 1; restore a backup"),
+        ("DELETE FROM tasks", "no longer has task W1 of run 1; restore a backup"),
+        ("DROP TABLE run_events", "cannot be used: .*run_events.*; restore a backup"),
+    ],
+)
+def test_rows_and_tables_that_are_gone_are_reported(keep, log, owner, database, damage, reported):
+    run = keep(Planned(("W1", "W2"), ""), WHOLE)
+    with database.transaction() as session:
+        session.execute(text(damage))
+    state = state_after([BEGUN, Planned(("W1", "W2"), ""), WHOLE])
+    with pytest.raises(RecordLostError, match=reported):
+        log.append(run, TaskEnded("W1", "finished", 2.0, True), state, owner)
+
+
+@pytest.fixture
+def file(tmp_path):
+    return tmp_path / "production.sqlite"
+
+
+@pytest.fixture
+def in_file(file):
+    database = ProductionDatabase(f"sqlite:///{file}")
+    database.add_order(HOUSE)
+    yield database
+    database.close()
+
+
+def test_a_file_that_was_deleted_is_reported_and_not_made_again(in_file, file):
+    log, owner = RunLog(in_file), owner_of(in_file)
+    run, _ = log.begin(BEGUN, owner)
+    for each in file.parent.glob("production.sqlite*"):
+        each.unlink()
+    with pytest.raises(RecordLostError, match=r"production\.sqlite is gone; restore a backup"):
+        log.append(run, Interrupted("killed"), state_after([BEGUN]), owner)
+    assert not file.exists()
+
+
+@pytest.mark.parametrize("content", [b"", b"no database " * 1000])
+def test_a_file_that_was_damaged_is_reported(in_file, file, content):
+    log, owner = RunLog(in_file), owner_of(in_file)
+    run, _ = log.begin(BEGUN, owner)
+    for each in file.parent.glob("production.sqlite-*"):
+        each.unlink()
+    file.write_bytes(content)
+    with pytest.raises(RecordLostError, match="the production database cannot be used: "):
+        log.append(run, Interrupted("killed"), state_after([BEGUN]), owner)
+
+
+def test_a_database_that_does_not_answer_counts_as_lost(in_file, monkeypatch):
+    monkeypatch.setattr(production_database, "_WAIT_S", 0)
+    log, owner = RunLog(in_file), owner_of(in_file)
+    with in_file.transaction() as session:
+        session.execute(text("SELECT 1"))
+        with pytest.raises(LostError, match="does not answer: database is locked"):
+            log.begin(BEGUN, owner)
 
 
 def test_a_task_is_one_cells_until_its_lease_runs_out(database):
-    mine = TaskLeases(database, "house", "mine", 0.3)
-    other = TaskLeases(database, "house", "other", 30.0)
+    mine = TaskLeases(database, "house", "mine", 0.3, owner_of(database, "mine", "a"))
+    other = TaskLeases(database, "house", "other", 0.3, owner_of(database, "other", "b"))
     assert mine.claim("W1").holding is Holding.MINE
     taken = other.claim("W1")
     assert (taken.holding, taken.cell) == (Holding.ELSEWHERE, "mine")
@@ -219,6 +328,38 @@ def test_a_task_is_one_cells_until_its_lease_runs_out(database):
     assert mine.claim("W1").holding is Holding.MINE
     with pytest.raises(OrderError, match="order house has no task W9"):
         mine.claim("W9")
+
+
+def test_a_task_is_taken_over_a_third_of_a_lease_after_it_ran_out(database, url):
+    mine = TaskLeases(database, "house", "mine", 30.0, owner_of(database, "mine", "a"))
+    other = TaskLeases(database, "house", "other", 30.0, owner_of(database, "other", "b"))
+    mine.claim("W1")
+    for since_s, holding in ((9.0, Holding.ELSEWHERE), (11.0, Holding.MINE_IN_DOUBT)):
+        with database.transaction() as session:
+            until = database_time_s(session) - since_s
+            session.execute(text(f"UPDATE tasks SET lease_until = {until} WHERE cell = 'mine'"))
+        assert other.claim("W1").holding is holding
+
+
+def test_a_supervisor_that_was_replaced_neither_claims_nor_renews(database, url):
+    old, new = (
+        TaskLeases(database, "house", "cell", 30.0, owner_of(database, "cell")) for _ in range(2)
+    )
+    assert new.claim("W1").holding is Holding.MINE
+    assert rows(url, "SELECT token FROM tasks ORDER BY id") == [(2,), (0,)]
+    with pytest.raises(OwnerError, match=r"token 2; this one has 1"):
+        old.claim("W2")
+    assert not old.renew("W1")
+    old.give_back("W1")
+    assert new.renew("W1")
+
+
+def test_a_restarted_supervisor_renews_the_task_of_its_predecessor(database, url):
+    first = TaskLeases(database, "house", "cell", 30.0, owner_of(database, "cell"))
+    first.claim("W1")
+    second = TaskLeases(database, "house", "cell", 30.0, owner_of(database, "cell"))
+    assert second.renew("W1")
+    assert rows(url, "SELECT token FROM tasks ORDER BY id") == [(2,), (0,)]
 
 
 def wait_until(holds):
@@ -248,15 +389,16 @@ def test_cells_share_an_order_and_one_that_dies_loses_nothing(url, cells):
     database = ProductionDatabase(url)
     database.add_order(long_order())
     done, lock = Counter(), threading.Lock()
-    dead = TaskLeases(database, "long", "dead", 0.5)
+    dead = TaskLeases(database, "long", "dead", 0.5, owner_of(database, "dead", "dead"))
     assert dead.claim("W3").holding is Holding.MINE
     names = [f"W{i}" for i in range(MANY)]
 
     def work(cell):
         own = ProductionDatabase(url)
-        leases, log = TaskLeases(own, "long", cell, 30.0), RunLog(own)
+        owner = owner_of(own, cell, cell)
+        leases, log = TaskLeases(own, "long", cell, 3.0, owner), RunLog(own)
         begun = RunBegun("long", "switchgear", cell, tuple(names))
-        run, state = log.begin(begun), state_after([begun])
+        (run, _), state = log.begin(begun, owner), state_after([begun])
         end = time.monotonic() + 60.0
         left = list(names)
         while left:
@@ -273,7 +415,7 @@ def test_cells_share_an_order_and_one_that_dies_loses_nothing(url, cells):
                     done[name] += 1
                 begin = TaskBegun(name, 1, Part.WHOLE, name, "", 0.0)
                 for event in (begin, TaskEnded(name, "finished", 1.0, True)):
-                    state = log.append(run, event, state)
+                    state = log.append(run, event, state, owner)
         own.close()
 
     threads = [threading.Thread(target=work, args=(f"cell_{i}",)) for i in range(cells)]

@@ -1,7 +1,7 @@
 """A recorded run is told cause by cause, and plays back to itself."""
 
 import pytest
-from house import HOUSE
+from house import HOUSE, owner_of
 
 from remodel_planner.commands import explain, replay
 from remodel_planner.core.recovery.fault import Do
@@ -99,9 +99,10 @@ def keep(url):
         database.add_order(HOUSE)
         first = RunBegun("house", "switchgear", "cell", ("W1", "W2"))
         log, state = RunLog(database), state_after([first])
-        run = log.begin(first)
+        owner = owner_of(database)
+        run, _ = log.begin(first, owner)
         for event in events:
-            state = log.append(run, event, state)
+            state = log.append(run, event, state, owner)
         database.close()
 
     return keep

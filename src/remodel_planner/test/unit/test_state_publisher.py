@@ -27,8 +27,8 @@ from remodel_planner.core.supervision.events import (
 )
 from remodel_planner.core.supervision.state import FINISHED, state_after
 from remodel_planner.ros import state_publisher
-from remodel_planner.ros.ability_feedback import Doing
 from remodel_planner.ros.state_publisher import RunView, StatePublisher
+from remodel_planner.supervisors.ports import Doing
 
 
 class FakeTopic:

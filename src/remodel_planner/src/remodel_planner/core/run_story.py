@@ -17,7 +17,9 @@ from remodel_planner.core.supervision.events import (
     Blocked,
     Commanded,
     Decided,
+    Escalated,
     Event,
+    FeedRefused,
     Interrupted,
     Planned,
     RunEnded,
@@ -107,11 +109,11 @@ def _(event: TaskBegun) -> Iterator[str]:
 @_line.register
 def _(event: Settled) -> Iterator[str]:
     if event.unseen:
-        yield f"{event.task}: it cannot be seen what is done of it: {event.unseen}"
+        yield f"{event.task}: the inspection failed: {event.unseen}"
         return
     seen = f"end {' and end '.join(event.connected)} connected" if event.connected else "no end in"
     left = f"{_count(event.left, 'step')} left" if event.left else "it is done"
-    yield f"{event.task}: looked what is done of it: {seen}; {left}"
+    yield f"{event.task}: inspected: {seen}; {left}"
 
 
 @_line.register
@@ -126,8 +128,19 @@ def _(event: Answered) -> Iterator[str]:
 
 
 @_line.register
+def _(event: Escalated) -> Iterator[str]:
+    yield f"nobody answered question {event.number} in time: {event.do.value.replace('_', ' ')}"
+
+
+@_line.register
+def _(event: FeedRefused) -> Iterator[str]:
+    yield f"{event.task}: no piece was presented: error {event.code}: {event.text}"
+
+
+@_line.register
 def _(event: Commanded) -> Iterator[str]:
-    yield f"{event.by} asked for: {event.command.value} {event.task}".rstrip()
+    command = event.command.value.replace("_", " ")
+    yield f"{event.by} asked for: {command} {event.task}".rstrip()
 
 
 @_line.register

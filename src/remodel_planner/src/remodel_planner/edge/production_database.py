@@ -6,17 +6,20 @@ half. docs/production-database.md tells and draws the tables.
 
 from __future__ import annotations
 
+import json
+import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 from sqlalchemy import create_engine, event, select
 from sqlalchemy.engine import Connection, Engine
-from sqlalchemy.exc import OperationalError, SQLAlchemyError
+from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session
 
 from remodel_planner.core.ability import Ability, AbilityParameter
 from remodel_planner.core.learning.learned_expectations import Call
 from remodel_planner.core.production import Order
+from remodel_planner.edge.database_errors import record_lost, reported
 from remodel_planner.edge.database_versions import NEWEST, upgrade, version_of
 from remodel_planner.edge.preference_rows import add_preference_rows, preferences_of_rows
 from remodel_planner.edge.production_models import (
@@ -26,7 +29,7 @@ from remodel_planner.edge.production_models import (
 )
 from remodel_planner.edge.production_rows import add_order_rows, order_of_row
 from remodel_planner.edge.recorded_lessons import recorded_calls
-from remodel_planner.errors import LostError, OrderError
+from remodel_planner.errors import OrderError, RecordLostError
 
 # [s] that a program waits for another one's transaction; an import takes one second.
 _WAIT_S = 30
@@ -50,11 +53,13 @@ class ProductionDatabase:
                     upgrade(connection)
         except OrderError as error:
             raise OrderError(f"database {_shown(url)}: {error}") from error
+        except RecordLostError as error:
+            raise RecordLostError(f"database {_shown(url)}: {error}") from error
         except (SQLAlchemyError, ImportError) as error:
             raise OrderError(f"database {_shown(url)}: {str(error).splitlines()[0]}") from error
 
     def close(self) -> None:
-        """Let go of the database."""
+        """Close the connections to the database."""
         self._engine.dispose()
 
     def add_order(
@@ -122,34 +127,46 @@ class ProductionDatabase:
         """Give a session whose changes are stored together, or not at all.
 
         Raises:
-            LostError: if the database has gone away.
+            LostError: if the database does not answer.
+            RecordLostError: if it is damaged, or lacks tables.
         """
-        with _there(), Session(self._writing(), future=True) as session, session.begin():
+        with reported(), Session(self._writing(), future=True) as session, session.begin():
             yield session
 
     @contextmanager
     def reading(self) -> Iterator[Session]:
-        """Give a session that changes nothing; LostError if the database has gone away."""
-        with _there(), Session(self._engine, future=True) as session:
+        """Give a session that changes nothing; raises what `transaction` raises."""
+        with reported(), Session(self._engine, future=True) as session:
             yield session
 
 
-@contextmanager
-def _there() -> Iterator[None]:
-    """Tell of a database that does not answer, as of any other part of a run."""
-    try:
-        yield
-    except OperationalError as error:
-        text = str(error).splitlines()[0]
-        raise LostError(f"the production database does not answer: {text}") from error
-
-
 def _engine(url: str) -> Engine:
-    engine = create_engine(url, future=True)
+    engine = create_engine(url, future=True, json_serializer=_compact)
     if engine.dialect.name == "sqlite":
         event.listen(engine, "connect", _prepare_sqlite)
         event.listen(engine, "begin", _begin_sqlite)
+        _require_file(engine)
     return engine
+
+
+def _compact(value: object) -> str:
+    return json.dumps(value, separators=(",", ":"), ensure_ascii=False)
+
+
+def _require_file(engine: Engine) -> None:
+    """Report a database file that has vanished; SQLite would begin an empty one in its place."""
+    file = engine.url.database
+    if not file or file == ":memory:":
+        return
+    opened = False
+
+    def on_connect(*_: object) -> None:
+        nonlocal opened
+        if opened and not os.path.exists(file):
+            raise record_lost(f"{file} is gone")
+        opened = True
+
+    event.listen(engine, "do_connect", on_connect)
 
 
 def _prepare_sqlite(connection: object, _record: object) -> None:
@@ -172,9 +189,10 @@ def _shown(url: str) -> str:
     return f"{head.rpartition(':')[0]}:***@{tail}" if at and ":" in head.split("//")[-1] else url
 
 
-def order_row(session: Session, name: str) -> OrderRow:
-    """Return an order's row; OrderError if there is none of that name."""
-    row = session.scalar(select(OrderRow).filter_by(name=name))
+def order_row(session: Session, name: str, *, lock: bool = False) -> OrderRow:
+    """Return an order's row, locked on request; OrderError if there is none of that name."""
+    asked = select(OrderRow).filter_by(name=name)
+    row = session.scalar(asked.with_for_update() if lock else asked)
     if row is None:
         known = ", ".join(session.scalars(select(OrderRow.name).order_by(OrderRow.id))) or "none"
         raise OrderError(f"the database has no order {name}; it has: {known}")

@@ -246,6 +246,9 @@ class OrderRow(Base):
     id = _key()
     name = _text("by which people call the order")
     product_id = _of("products.id", "that is to be built")
+    units = Column(
+        Integer, nullable=False, default=0, comment="how many products of it were begun so far"
+    )
 
 
 class PreferenceRow(Base):
@@ -296,6 +299,9 @@ class TaskRow(Base):
     lease_until = _number(
         "[s] since 1970 by the database's clock, until which the cell has it for itself"
     )
+    token = Column(
+        Integer, nullable=False, default=0, comment="of the cell's owner that has begun it; or 0"
+    )
 
 
 class AbilityRow(Base):
@@ -321,6 +327,25 @@ class AbilityParameterRow(Base):
     description = _text("with unit and frame, for a person")
 
 
+class CellRow(Base):
+    """A cell."""
+
+    __tablename__ = "cells"
+    __table_args__ = _table("which supervisor owns each cell; one at a time may act and record")
+    name = Column(String, primary_key=True, comment="of the cell")
+    token = Column(
+        Integer, nullable=False, comment="number of the ownership, which grows by 1 with each"
+    )
+    station = _text("that owns it, or owned it last; it may take over from itself at once")
+    holder = _text("the supervisor's host, process and ROS master, for persons")
+    lease_until = Column(
+        Float,
+        nullable=True,
+        comment="[s] since 1970 by the database's clock, until which no other station may own it; "
+        "null if nobody owns it",
+    )
+
+
 class RunRow(Base):
     """A run."""
 
@@ -331,6 +356,17 @@ class RunRow(Base):
     started = Column(DateTime, nullable=False, comment="wall time, UTC")
     cell = _text("name of the cell that does it")
     ended = Column(Boolean, nullable=False, comment="or not")
+    owner = Column(
+        Integer, nullable=False, default=0, comment="token of the cell's owner that does it"
+    )
+    events = Column(Integer, nullable=False, default=0, comment="how many it has so far")
+    serial = Column(
+        String,
+        nullable=False,
+        default="",
+        index=True,
+        comment="serial number of the product; empty if not known",
+    )
 
 
 class RunEventRow(Base):

@@ -6,10 +6,10 @@ ability records and decisions, and the state of each task. They change in the sa
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 
-from sqlalchemy import func, select, update
+from sqlalchemy import exists, func, select, update
 from sqlalchemy.orm import Session
 
 from remodel_planner.core.learning.learned_responses import TriedResponse
@@ -22,12 +22,17 @@ from remodel_planner.core.supervision.events import (
     Interrupted,
     RunBegun,
     RunEnded,
+    TaskElsewhere,
     TaskEnded,
+    TaskReturned,
 )
 from remodel_planner.core.supervision.state import RunState, Stage, TaskProgress, applied
+from remodel_planner.edge.cell_ownership import require_owner
+from remodel_planner.edge.database_errors import record_lost
 from remodel_planner.edge.production_database import ProductionDatabase, order_row
 from remodel_planner.edge.production_models import (
     AbilityRecordRow,
+    CellRow,
     DecisionRow,
     ExecutionRow,
     OrderRow,
@@ -37,7 +42,7 @@ from remodel_planner.edge.production_models import (
     WireRow,
 )
 from remodel_planner.edge.recorded_lessons import recorded_responses
-from remodel_planner.errors import OrderError
+from remodel_planner.errors import OrderError, OwnerError, PlannerError
 
 _STORED = {Stage.DONE: "done", Stage.SET_ASIDE: "set aside"}
 
@@ -76,21 +81,25 @@ class RunLog:
         """Take the database that keeps them."""
         self._database = database
 
-    def begin(self, event: RunBegun, *, again: bool = False) -> int:
-        """Begin a run, and return its number.
+    def begin(self, event: RunBegun, owner: int, *, again: bool = False) -> tuple[int, RunBegun]:
+        """Begin a run, and return its number and its first event, completed.
 
         Alone on its order, it tries again what was set aside. Beside runs of other cells it
-        leaves all tasks as they are.
+        leaves all tasks as they are. The event is completed with the
+        serial number, and whether wires of that product may be on its panel already.
 
         Args:
             event: its beginning.
-            again: do again what is done, as if nothing had been done.
+            owner: token of the cell's ownership.
+            again: wire the next product of the order; otherwise the current one, or the first.
 
         Raises:
             OrderError: if there is no such order, or other cells work on one to be done again.
+            OwnerError: if another supervisor owns the cell now.
         """
         with self._database.transaction() as session:
-            order = order_row(session, event.order)
+            require_owner(session, event.cell, owner, lock=True)
+            order = order_row(session, event.order, lock=True)
             others = session.scalars(
                 select(RunRow.cell).where(
                     RunRow.order_id == order.id,
@@ -107,28 +116,78 @@ class RunLog:
                 session.execute(
                     update(TaskRow)
                     .where(TaskRow.order_id == order.id, TaskRow.state.in_(states))
-                    .values(state="open", cell="", lease_until=None)
+                    .values(state="open", cell="", token=0, lease_until=None)
                 )
-            row = RunRow(order_id=order.id, started=_now(), cell=event.cell, ended=False)
+            is_new = again or not order.units
+            order.units += is_new
+            serial = f"{order.name}-{order.units:04d}"
+            row = RunRow(
+                order_id=order.id,
+                started=_now(),
+                cell=event.cell,
+                ended=False,
+                owner=owner,
+                events=1,
+                serial=serial,
+            )
             session.add(row)
             session.flush()
-            session.add(_event_row(row.id, 0, event))
-            return int(row.id)
+            completed = replace(event, serial=serial, keep_panel=not is_new)
+            session.add(_event_row(row.id, 0, completed))
+            return int(row.id), completed
 
-    def append(self, run: int, event: Event, before: RunState) -> RunState:
+    def take_up(self, run: int, owner: int) -> None:
+        """Take up a run that has not ended: from now on only this owner adds events to it.
+
+        Args:
+            run: number of the run.
+            owner: token of the ownership of its cell.
+
+        Raises:
+            OwnerError: if another supervisor owns the cell now, or the run has ended.
+            RecordLostError: if the run is gone.
+        """
+        with self._database.transaction() as session:
+            taken = session.execute(
+                update(RunRow)
+                .where(RunRow.id == run, RunRow.ended.is_(False), _owns_cell(owner))
+                .values(owner=owner)
+                .execution_options(synchronize_session=False)
+            )
+            if not taken.rowcount:
+                raise _refusal(session, run, owner)
+
+    def append(self, run: int, event: Event, before: RunState, owner: int) -> RunState:
         """Keep an event, and return the state after it.
 
         Args:
             run: number of the run.
             event: that happened.
             before: the state in which it happened.
+            owner: token of the ownership of its cell.
+
+        Raises:
+            OwnerError: if another supervisor owns the run or the cell now; nothing is kept.
+            LostError: if the database does not answer.
+            RecordLostError: if the run is gone.
         """
         after = applied(event, before)
         with self._database.transaction() as session:
-            last = session.scalar(
-                select(func.max(RunEventRow.position)).where(RunEventRow.run_id == run)
+            counted = session.execute(
+                update(RunRow)
+                .where(
+                    RunRow.id == run,
+                    RunRow.owner == owner,
+                    RunRow.ended.is_(False),
+                    _owns_cell(owner),
+                )
+                .values(events=RunRow.events + 1)
+                .execution_options(synchronize_session=False)
             )
-            session.add(_event_row(run, last + 1, event))
+            if not counted.rowcount:
+                raise _refusal(session, run, owner)
+            count = session.scalar(select(RunRow.events).where(RunRow.id == run))
+            session.add(_event_row(run, count - 1, event))
             _project(session, run, event, before, after)
         return after
 
@@ -194,6 +253,25 @@ def kept_run(url: str, run: int) -> tuple[KeptEvent, ...]:
         database.close()
 
 
+def _owns_cell(owner: int) -> object:
+    """Return the condition that the cell of a run has this owner."""
+    return exists().where(CellRow.name == RunRow.cell, CellRow.token == owner)
+
+
+def _refusal(session: Session, run: int, owner: int) -> PlannerError:
+    """Return why nothing can be added to a run."""
+    row = session.get(RunRow, run)
+    if row is None:
+        return record_lost(f"no longer has run {run}")
+    require_owner(session, row.cell, owner)
+    if row.ended:
+        return OwnerError(f"run {run} has ended: nothing can be added to it")
+    return OwnerError(
+        f"run {run} belongs to another owner of cell {row.cell} (token {row.owner}; this one has "
+        f"{owner}): take it up first"
+    )
+
+
 def _event_row(run: int, position: int, event: Event) -> RunEventRow:
     return RunEventRow(
         run_id=run, position=position, at=_now(), kind=kind_of(event), data=data_of(event)
@@ -202,11 +280,12 @@ def _event_row(run: int, position: int, event: Event) -> RunEventRow:
 
 def _project(session: Session, run: int, event: Event, before: RunState, after: RunState) -> None:
     """Bring the tables that are made for questions up to date."""
-    for name, task in after.tasks.items():
-        stage = before.tasks[name].stage
-        if task.stage is not stage and task.stage in _STORED:
-            row = _task_row(session, run, name)
-            row.state, row.cell, row.lease_until = _STORED[task.stage], after.cell, None
+    # What other cells do with a task is theirs to keep.
+    if not isinstance(event, TaskElsewhere | TaskReturned):
+        for name in _touched(event, before):
+            stage = after.tasks[name].stage
+            if stage is not before.tasks[name].stage and stage in _STORED:
+                _end_task(_task_row(session, run, name), _STORED[stage], after.cell)
     current = before.tasks.get(before.current)
     match event:
         case TaskEnded():
@@ -232,13 +311,30 @@ def _project(session: Session, run: int, event: Event, before: RunState, after: 
             session.get(RunRow, run).ended = True
 
 
+def _touched(event: Event, before: RunState) -> set[str]:
+    """Return the names of the tasks that an event may change."""
+    names = {getattr(event, "task", ""), before.current}
+    if before.question is not None:
+        names.add(before.question.task)
+    return names & before.tasks.keys()
+
+
+def _end_task(row: TaskRow, state: str, cell: str) -> None:
+    """Note that a cell has ended a task, unless another one has taken it over."""
+    if row.cell in ("", cell):
+        row.state, row.cell, row.lease_until = state, cell, None
+
+
 def _task_row(session: Session, run: int, task: str) -> TaskRow:
-    order = session.get(RunRow, run).order_id
-    return session.scalars(
+    row = session.scalar(
         select(TaskRow)
         .join(WireRow, TaskRow.wire_id == WireRow.id)
-        .where(TaskRow.order_id == order, WireRow.name == task)
-    ).one()
+        .join(RunRow, RunRow.order_id == TaskRow.order_id)
+        .where(RunRow.id == run, WireRow.name == task)
+    )
+    if row is None:
+        raise record_lost(f"no longer has task {task} of run {run}")
+    return row
 
 
 def _execution_row(

@@ -20,9 +20,13 @@ from remodel_planner.core.supervision.events import (
     Blocked,
     Commanded,
     Decided,
+    Escalated,
     Event,
+    FeedRefused,
     Interrupted,
     OperationEnded,
+    PanelLoaded,
+    PartRequested,
     Planned,
     RunBegun,
     RunEnded,
@@ -113,7 +117,7 @@ class _Writer:
     @_of.register
     def _(self, event: Settled) -> Iterable[RunEntry]:
         seen = event.unseen or f"connected: {' '.join(event.connected) or 'no end'}"
-        text = f"looked what is done: {seen}"
+        text = f"inspected: {seen}"
         return [RunEntry(kind=RunEntry.TASK, task=event.task, text=text, error_code=event.code)]
 
     @_of.register
@@ -146,6 +150,25 @@ class _Writer:
     def _(self, event: Answered) -> Iterable[RunEntry]:
         text = f"answered: {event.choice.value}"
         return [RunEntry(kind=RunEntry.OPERATOR, text=text, because=event.by)]
+
+    @_of.register
+    def _(self, event: Escalated) -> Iterable[RunEntry]:
+        text = f"nobody answered in time: {event.do.value}"
+        return [RunEntry(kind=RunEntry.OPERATOR, task=event.task, text=text)]
+
+    @_of.register
+    def _(self, event: PanelLoaded) -> Iterable[RunEntry]:
+        return [RunEntry(kind=RunEntry.RUN, text=f"panel of {event.serial or 'the order'} loaded")]
+
+    @_of.register
+    def _(self, event: PartRequested) -> Iterable[RunEntry]:
+        return [RunEntry(kind=RunEntry.TASK, task=event.task, text="a new piece is presented")]
+
+    @_of.register
+    def _(self, event: FeedRefused) -> Iterable[RunEntry]:
+        self.now_s = event.at_s
+        text = f"no piece was presented: {event.text}"
+        return [RunEntry(kind=RunEntry.TASK, task=event.task, text=text, error_code=event.code)]
 
     @_of.register
     def _(self, event: Commanded) -> Iterable[RunEntry]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 
 from remodel_msgs.msg import Panel
 
@@ -25,7 +24,7 @@ from remodel_planner.edge.use_case_files import find_use_case
 from remodel_planner.edge.work_planner import WorkPlanner
 from remodel_planner.ros.board_message import MAGAZINE, board_message
 from remodel_planner.ros.panel_message import panel_message
-from remodel_planner.ros.use_case_supervisor import Work
+from remodel_planner.supervisors.use_case_supervisor import Work
 
 
 @dataclass
@@ -36,10 +35,9 @@ class WorkMaker:
         database: that has the orders.
         faults: that there are.
         cell: name of the cell.
-        charts: folder of the task charts; one that the synthesizer may read.
         use_case: name of the use case by which orders are done.
         attended: whether there is an operator who can be asked.
-        patience_s: [s] wall time that a lost process gets to come back.
+        reconnect_s: [s] wall time that a process that is lost or silent gets to answer again.
         lease_s: [s] wall time for which a task is taken.
         search_s: [s] wall time that the search for the best order of tasks gets.
         frozen: do what the use case states, and learn nothing from runs.
@@ -49,22 +47,21 @@ class WorkMaker:
     database: ProductionDatabase
     faults: FaultTable
     cell: str
-    charts: Path
     use_case: str
     attended: bool
-    patience_s: float
+    reconnect_s: float
     lease_s: float
     search_s: float
     frozen: bool = False
     descriptions: Mapping[str, str] = field(default_factory=dict)
 
-    def work(self, name: str, tasks: int, timeout_s: float) -> Work:
+    def work(self, name: str, tasks: int, owner: int) -> Work:
         """Make the work of an order.
 
         Args:
             name: of the order.
             tasks: how many, from the first; 0 for all.
-            timeout_s: [s] ROS time that the run gets; 0: as long as it takes.
+            owner: token of the ownership of the cell.
 
         Raises:
             PlannerError: if there is no such order, or the cell cannot do it.
@@ -76,7 +73,7 @@ class WorkMaker:
         order, panel, channels = _in_cell(stored, use_case)
         calls = () if self.frozen else self.database.ability_calls()
         experience = Experience(use_case, calls, frozen=self.frozen)
-        leases = TaskLeases(self.database, name, self.cell, self.lease_s)
+        leases = TaskLeases(self.database, name, self.cell, self.lease_s, owner)
         self.descriptions = {
             wire.name: f"{wire.a} to {wire.b}, {wire.colour}, {wire.section_mm2:g} mm2"
             for wire in stored.wires
@@ -91,13 +88,10 @@ class WorkMaker:
             ),
             faults=self.faults,
             panel=panel,
-            keep_panel=leases.any_begun(),
             channels=channels,
             leases=leases,
-            charts=self.charts,
             attended=self.attended,
-            patience_s=self.patience_s,
-            timeout_s=timeout_s,
+            reconnect_s=self.reconnect_s,
         )
 
 

@@ -20,6 +20,7 @@ from remodel_states.testing.nonsense import nonsense
 ABILITIES = (
     "CheckConnection",
     "DetectCable",
+    "DiscardCable",
     "ExtractCable",
     "FixCable",
     "InsertCable",

@@ -64,7 +64,7 @@ class Attempts:
             case OperationEnded():
                 self._operations.append(event.operation)
             case TaskEnded() if begun is not None:
-                if begun.part is Part.CLEAR and event.placed:
+                if not begun.part.is_attempt and event.placed:
                     _note_placed(ended, event.task)
                 execution = _execution(
                     begun, event.outcome, event.placed, event.at_s, self._operations

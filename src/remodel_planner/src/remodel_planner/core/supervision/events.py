@@ -16,15 +16,21 @@ from remodel_planner.core.run import Operation
 class Part(Enum):
     """What of a task a behavior does.
 
-    WHOLE: all of it, with a new part. AGAIN: all of it, with the part that is there. REST: what is
-    left after an end is connected. CLEAR: nothing but emptying the hand, of what an interrupted
-    behavior has left in it.
+    WHOLE: all of it, with a new piece. AGAIN: all of it, with the piece that is in the cell. REST:
+    what is left after an end is connected. CLEAR: lay down whatever the hand holds. DISCARD: take
+    the piece off the panel, into the scrap bin.
     """
 
     WHOLE = "whole"
     AGAIN = "again"
     REST = "rest"
     CLEAR = "clear"
+    DISCARD = "discard"
+
+    @property
+    def is_attempt(self) -> bool:
+        """Whether it works towards the task, and counts as an attempt at it."""
+        return self not in (Part.CLEAR, Part.DISCARD)
 
 
 class Ending(Enum):
@@ -44,9 +50,14 @@ class AsLeft(Enum):
 
 
 class Command(Enum):
-    """What an operator asks of a run."""
+    """What an operator, or a safety controller, asks of a run.
+
+    PAUSE lets the operation under way end; PROTECTIVE_STOP and STOP cancel it. After a pause or a
+    protective stop the run goes on with RESUME.
+    """
 
     PAUSE = "pause"
+    PROTECTIVE_STOP = "protective_stop"
     RESUME = "resume"
     STOP = "stop"
     SKIP = "skip"
@@ -66,12 +77,28 @@ class Answer(Enum):
 
 @dataclass(frozen=True)
 class RunBegun:
-    """A run began."""
+    """A run began.
+
+    Attributes:
+        serial: serial number of the product that is wired, such as "house-0003".
+        keep_panel: whether wires of this product may be on its panel already.
+        timeout_s: [s] ROS time after which the run stops; 0: never.
+    """
 
     order: str
     use_case: str
     cell: str
     tasks: tuple[str, ...]
+    serial: str = ""
+    keep_panel: bool = False
+    timeout_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class PanelLoaded:
+    """The cell has the panel of the product."""
+
+    serial: str
 
 
 @dataclass(frozen=True)
@@ -98,11 +125,32 @@ class Chosen:
 
 
 @dataclass(frozen=True)
+class PartRequested:
+    """The feeder is about to be asked for a piece of the task's wire."""
+
+    task: str
+
+
+@dataclass(frozen=True)
+class FeedRefused:
+    """The feeder did not present the piece.
+
+    Attributes:
+        code: remodel_msgs/ErrorCode.
+    """
+
+    task: str
+    code: int
+    text: str
+    at_s: float
+
+
+@dataclass(frozen=True)
 class TaskBegun:
     """A behavior of a task is about to be started.
 
     Attributes:
-        attempt: at the task, from 1; clearing the hand counts as part of the attempt before.
+        attempt: at the task, from 1; clearing the hand and discarding belong to the one before.
         chart: the behavior's chart, XML.
         chosen: parameters that are not those of the use case.
     """
@@ -129,10 +177,11 @@ class TaskEnded:
     """The behavior of the task under way ended by itself.
 
     Attributes:
-        placed: whether the cell's ground truth finds the wire placed: a score, nothing follows
-            from it.
-        path: of the states that were entered, as the engine told them.
+        placed: whether the cell's ground truth finds the wire placed.
+        path: of the states that were entered, as the engine published them.
         pictures: names of files in the run's folder.
+        denied: whether the cell knows the wire, and knows that it is not placed: a task that ended
+            well is then inspected before it counts as done.
     """
 
     task: str
@@ -141,6 +190,7 @@ class TaskEnded:
     placed: bool
     path: tuple[str, ...] = ()
     pictures: tuple[str, ...] = ()
+    denied: bool = False
 
 
 @dataclass(frozen=True)
@@ -175,7 +225,7 @@ class Decided:
     Attributes:
         ability: that failed; empty if none did.
         state_path: of the state that asked for it; empty without one.
-        change: parameter -> new value; only with Do.RETRY_WITH.
+        change: parameter -> new value; only with Do.RETRY_WITH and Do.LOOK_AGAIN.
         by: who decided: "policy", or an operator's name.
     """
 
@@ -194,12 +244,32 @@ class Decided:
 
 @dataclass(frozen=True)
 class Asked:
-    """An operator was asked."""
+    """An operator was asked.
+
+    Attributes:
+        at_s: [s] ROS time.
+        timeout_s: [s] ROS time after which the question escalates; 0: never.
+    """
 
     number: int
     task: str
     text: str
     choices: tuple[Answer, ...]
+    at_s: float = 0.0
+    timeout_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class Escalated:
+    """Nobody answered a question in time.
+
+    Attributes:
+        do: what is done instead.
+    """
+
+    number: int
+    task: str
+    do: Do
 
 
 @dataclass(frozen=True)
@@ -213,7 +283,7 @@ class Answered:
 
 @dataclass(frozen=True)
 class Commanded:
-    """An operator asked for something; the task is empty where it is about the run."""
+    """A command was given; the task is empty where it is about the run."""
 
     command: Command
     task: str
@@ -258,7 +328,10 @@ class RunEnded:
 
 Event = (
     RunBegun
+    | PanelLoaded
     | Planned
+    | PartRequested
+    | FeedRefused
     | TaskBegun
     | OperationEnded
     | TaskEnded
@@ -267,6 +340,7 @@ Event = (
     | Decided
     | Asked
     | Answered
+    | Escalated
     | Commanded
     | TaskElsewhere
     | TaskReturned

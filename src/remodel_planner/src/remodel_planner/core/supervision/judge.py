@@ -11,7 +11,13 @@ from remodel_planner.core.recovery.fault import Do, FaultTable
 from remodel_planner.core.recovery.policy import Policy
 from remodel_planner.core.run import Operation, step_of
 from remodel_planner.core.supervision.events import Decided
-from remodel_planner.core.supervision.state import UNTOLD, RunState, TaskProgress, cause_of
+from remodel_planner.core.supervision.state import (
+    STUCK_HAND_LIMIT,
+    UNTOLD,
+    RunState,
+    TaskProgress,
+    cause_of,
+)
 
 POLICY = "policy"
 NO_BOUNDS: Mapping[str, float] = MappingProxyType({})
@@ -86,7 +92,10 @@ def judged(
     earlier = [(decision.fault, decision.do) for decision in task.decisions]
     decision = decide(failure, earlier, spent, policy, possible, unpromising)
     do, because, by = decision.do, decision.because, POLICY
-    if name in state.skipped:
+    if task.stuck_hand > STUCK_HAND_LIMIT:
+        do = Do.ASK_OPERATOR if Do.ASK_OPERATOR in possible else Do.STOP
+        because = f"the hand could not be emptied in {task.stuck_hand} attempts"
+    elif name in state.skipped:
         do, by = Do.SET_ASIDE, state.skipped[name]
         because = f"{by} skipped it"
     return Decided(
@@ -97,7 +106,7 @@ def judged(
         failure.state_path,
         failure.text,
         do,
-        decision.change if do is Do.RETRY_WITH else (),
+        decision.change if do is decision.do else (),
         because,
         by,
         at_s,

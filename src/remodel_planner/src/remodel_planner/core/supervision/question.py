@@ -7,13 +7,17 @@ from remodel_planner.core.supervision.events import Answer, Asked
 from remodel_planner.core.supervision.state import RunState
 
 
-def question_about(state: RunState, name: str, faults: FaultTable) -> Asked:
+def question_about(
+    state: RunState, name: str, faults: FaultTable, at_s: float, timeout_s: float = 0.0
+) -> Asked:
     """Return the question about a task whose last decision was to ask.
 
     Args:
         state: of the run.
         name: of the task.
         faults: that there are.
+        at_s: [s] ROS time.
+        timeout_s: [s] ROS time after which it escalates; 0: never.
     """
     task = state.tasks[name]
     last = task.decisions[-1]
@@ -22,10 +26,11 @@ def question_about(state: RunState, name: str, faults: FaultTable) -> Asked:
         f"{last.fault.replace('_', ' ').capitalize()}: {last.text}.",
         faults[last.fault].symptoms,
         f"Tried so far: {tried}." if tried else "",
+        "The hand may hold a wire that could not be laid down." if task.stuck_hand else "",
         f"Connected: end {' and end '.join(task.connected)}." if task.connected else "",
     ]
     text = " ".join(filter(None, parts))
     choices = [Answer.RETRY, Answer.FIXED, Answer.MARK_DONE, Answer.SKIP]
     if state.waiting:
         choices.append(Answer.REPLAN)
-    return Asked(state.questions + 1, name, text, (*choices, Answer.STOP))
+    return Asked(state.questions + 1, name, text, (*choices, Answer.STOP), at_s, timeout_s)

@@ -17,9 +17,14 @@ from remodel_planner.core.supervision.events import (
     Blocked,
     Commanded,
     Decided,
+    Escalated,
     Event,
+    FeedRefused,
     Interrupted,
     OperationEnded,
+    PanelLoaded,
+    Part,
+    PartRequested,
     Planned,
     RunBegun,
     RunEnded,
@@ -43,7 +48,7 @@ from remodel_planner.core.supervision.step import (
 from remodel_planner.core.trace import trace
 
 # What may happen at any time, whatever comes next.
-_ANY_TIME = (Interrupted, Commanded, Blocked, TaskElsewhere, TaskReturned)
+_ANY_TIME = (Interrupted, Commanded, Blocked, TaskElsewhere, TaskReturned, PanelLoaded)
 
 
 @dataclass(frozen=True)
@@ -100,6 +105,14 @@ def _difference(event: Event, state: RunState) -> str:
         task = state.tasks.get(event.task)
         running = task is not None and task.stage is Stage.RUNNING
         return "" if running else f"{event.task} was not under way"
+    if isinstance(event, FeedRefused):
+        task = state.tasks.get(event.task)
+        requested = task is not None and task.name == state.current and task.piece
+        return "" if requested else f"no piece of {event.task} was asked for"
+    if isinstance(event, Escalated):
+        asked = state.question
+        is_open = asked is not None and (asked.number, asked.task) == (event.number, event.task)
+        return "" if is_open else f"question {event.number} was not open"
     if isinstance(event, Answered):
         asked = state.question
         fits = asked is not None and asked.number == event.number and event.choice in asked.choices
@@ -112,6 +125,8 @@ def _fits(event: Event, step: Step | None) -> bool:
     match event, step:
         case Planned(), Plan():
             return True
+        case PartRequested(), Execute():
+            return (event.task, Part.WHOLE) == (step.task, step.part)
         case TaskBegun(), Execute():
             return (event.task, event.part) == (step.task, step.part)
         case Settled(), Settle():

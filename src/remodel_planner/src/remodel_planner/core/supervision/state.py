@@ -18,10 +18,14 @@ from remodel_planner.core.supervision.events import (
     Command,
     Commanded,
     Decided,
+    Escalated,
     Event,
+    FeedRefused,
     Interrupted,
     OperationEnded,
+    PanelLoaded,
     Part,
+    PartRequested,
     Planned,
     RunBegun,
     RunEnded,
@@ -41,7 +45,7 @@ class Stage(Enum):
     """How far a task is.
 
     WAITING: for its turn. READY: its next behavior may begin. RUNNING: its behavior runs.
-    DOUBTFUL: it is to be looked what is done of it. FAILED: it is to be decided what to do.
+    DOUBTFUL: what is done of it is to be inspected. FAILED: what to do is to be decided.
     ASKING: an operator is to decide. ELSEWHERE: another cell has it.
     """
 
@@ -71,11 +75,16 @@ class TaskProgress:
         attempts: begun so far.
         interruptions: so far.
         connected: letters of the ends that were seen in their terminals.
-        unseen: why it could not be seen what is done; empty if it could.
+        unseen: why the inspection of what is done failed; empty if it did not.
+        piece: whether a piece of its wire may be in the cell.
+        hand_in_doubt: whether the hand may hold something: the last behavior did not end by itself,
+            lost a server, or did not lay down what it held.
+        stuck_hand: how often in a row the hand could not be emptied.
+        undiscarded: whether the piece could not be discarded.
         operations: of the behavior that was begun last.
         failures: operations of all attempts that failed.
-        then: what is done when the hand is empty, or it was looked what is done; None: nothing was
-            decided yet.
+        then: what is done when the hand is empty, the ends are inspected, and the piece is
+            discarded; None: nothing was decided yet.
         codes: that attempts ended with, the latest last.
         decisions: about it, the latest last.
         began_s: [s] ROS time of the behavior that was begun last.
@@ -90,6 +99,10 @@ class TaskProgress:
     interruptions: int = 0
     connected: tuple[str, ...] = ()
     unseen: str = ""
+    piece: bool = False
+    hand_in_doubt: bool = False
+    stuck_hand: int = 0
+    undiscarded: bool = False
     outcome: str = ""
     operations: tuple[Operation, ...] = ()
     failures: int = 0
@@ -98,12 +111,6 @@ class TaskProgress:
     decisions: tuple[Decided, ...] = ()
     began_s: float = 0.0
     cell_s: float = 0.0
-
-    @property
-    def hand_in_doubt(self) -> bool:
-        """Whether its behavior may have ended with something in the hand: it lost its server."""
-        last = self.operations[-1].error_code if self.operations else 0
-        return self.part is not Part.CLEAR and last in _SERVER_TROUBLE
 
     @property
     def first_pass(self) -> bool:
@@ -117,10 +124,15 @@ class RunState:
     """What is known of a run.
 
     Attributes:
+        serial: serial number of the product.
+        keep_panel: whether wires of this product may be on its panel.
+        timeout_s: [s] ROS time after which the run stops; 0: never.
         tasks: all tasks of the run, by name.
         waiting: names of those that wait for their turn, in the order of the plan.
         current: name of the task under way; empty between tasks.
-        to_plan: why the order of the waiting tasks is to be decided anew; empty if it is not.
+        to_plan: why the order of the waiting tasks is to be decided again; empty if it is not.
+        paused: whether nothing new may begin.
+        protective: who asked for the protective stop that is in force; empty if none is.
         skipped: names of tasks that an operator wants to be set aside, by whom.
         stop: why the run is to end; empty if it is not.
         question: that an operator is to answer; None if there is none.
@@ -132,11 +144,15 @@ class RunState:
     order: str = ""
     use_case: str = ""
     cell: str = ""
+    serial: str = ""
+    keep_panel: bool = False
+    timeout_s: float = 0.0
     tasks: Mapping[str, TaskProgress] = field(default_factory=dict)
     waiting: tuple[str, ...] = ()
     current: str = ""
     to_plan: str = ""
     paused: bool = False
+    protective: str = ""
     skipped: Mapping[str, str] = field(default_factory=dict)
     stop: str = ""
     question: Asked | None = None
@@ -146,7 +162,7 @@ class RunState:
     cell_s: float = 0.0
     ended: RunEnded | None = None
 
-    def having(self, task: TaskProgress, **changes: object) -> RunState:
+    def with_task(self, task: TaskProgress, **changes: object) -> RunState:
         """Return this state with other progress of a task, and other changes."""
         return replace(self, tasks={**self.tasks, task.name: task}, **changes)  # type: ignore[arg-type]
 
@@ -167,7 +183,7 @@ def cause_of(operations: Sequence[Operation]) -> Operation | None:
     """Return the operation that a behavior failed with: the last that failed; None if none did.
 
     A behavior that gives up empties the hand last. That the hand is empty by then, or that a cell
-    which was started anew knows nothing of the wire, is not the cause.
+    which was restarted does not know the wire, is not the cause.
     """
     failed = [operation for operation in operations if operation.error_code]
     gave_up = failed[1:] and failed[-1] is operations[-1]
@@ -185,8 +201,44 @@ def applied(event: Event, state: RunState) -> RunState:
 @applied.register
 def _(event: RunBegun, state: RunState) -> RunState:
     tasks = {name: TaskProgress(name) for name in event.tasks}
-    named = replace(state, order=event.order, use_case=event.use_case, cell=event.cell)
-    return replace(named, tasks=tasks, waiting=event.tasks, to_plan="the run begins")
+    return replace(
+        state,
+        order=event.order,
+        use_case=event.use_case,
+        cell=event.cell,
+        serial=event.serial,
+        keep_panel=event.keep_panel,
+        timeout_s=event.timeout_s,
+        tasks=tasks,
+        waiting=event.tasks,
+        to_plan="the run begins",
+    )
+
+
+@applied.register
+def _(_: PanelLoaded, state: RunState) -> RunState:
+    return replace(state, keep_panel=True)
+
+
+@applied.register
+def _(event: PartRequested, state: RunState) -> RunState:
+    return _under_way(state, replace(state.tasks[event.task], stage=Stage.READY, piece=True))
+
+
+@applied.register
+def _(event: FeedRefused, state: RunState) -> RunState:
+    task = state.tasks[event.task]
+    refused = Operation("", "FeedWire", "refused", event.code, event.text, event.at_s, 0.0)
+    task = replace(
+        task,
+        stage=Stage.FAILED,
+        attempts=task.attempts + 1,
+        operations=(refused,),
+        codes=(*task.codes, event.code),
+        piece=event.code == _LEFT_BEHIND,
+        hand_in_doubt=event.code == _OTHER_CABLE_HELD,
+    )
+    return state.with_task(task, failures=state.failures + 1)
 
 
 @applied.register
@@ -214,7 +266,7 @@ def _(event: OperationEnded, state: RunState) -> RunState:
     task, operation = state.tasks[event.task], event.operation
     failed = operation.error_code not in (0, _PREEMPTED_CODE)
     operations = (*task.operations, operation)
-    return state.having(
+    return state.with_task(
         replace(task, operations=operations, failures=task.failures + failed),
     )
 
@@ -224,21 +276,18 @@ def _(event: TaskEnded, state: RunState) -> RunState:
     task = state.tasks[event.task]
     took_s = max(0.0, event.at_s - task.began_s)
     task = replace(task, outcome=event.outcome, cell_s=task.cell_s + took_s)
-    cell_s = state.cell_s + took_s
-    if task.part is Part.CLEAR:
-        state = replace(state, cell_s=cell_s)
-        if task.then is not None:
-            return _act(task.then, state, replace(task, operations=()), "the hand is empty")
-        return state.having(replace(task, stage=Stage.DOUBTFUL, part=Part.WHOLE))
-    if event.outcome == FINISHED:
-        return _left(state, replace(task, stage=Stage.DONE), cell_s=cell_s)
-    cause = cause_of(task.operations)
-    code = cause.error_code if cause else UNTOLD
-    task = replace(task, stage=Stage.FAILED, codes=(*task.codes, code))
-    stop = state.stop
-    if event.outcome == PREEMPTED and not stop and task.name not in state.skipped:
-        stop = f"somebody stopped the behavior of task {task.name}"
-    return state.having(task, cell_s=cell_s, failures=state.failures + 1, stop=stop)
+    task = replace(task, hand_in_doubt=_may_hold_something(task))
+    state = replace(state, cell_s=state.cell_s + took_s)
+    if task.part is Part.CLEAR and not task.hand_in_doubt:
+        return _with_empty_hand(state, replace(task, stuck_hand=0))
+    if task.part is Part.DISCARD and event.outcome == FINISHED:
+        task = replace(task, piece=False, undiscarded=False, connected=())
+        return _do(task.then or Do.NEW_PART, state, task, "the piece is discarded")
+    if task.part.is_attempt and event.outcome == FINISHED:
+        if event.denied:
+            return state.with_task(replace(task, stage=Stage.DOUBTFUL, part=Part.AGAIN))
+        return _leave(state, replace(task, stage=Stage.DONE))
+    return _failed(state, task)
 
 
 @applied.register
@@ -247,20 +296,20 @@ def _(event: Interrupted, state: RunState) -> RunState:
     if not state.current or state.tasks[state.current].stage is not Stage.RUNNING:
         return state
     task = state.tasks[state.current]
-    task = replace(task, interruptions=task.interruptions + 1)
+    task = replace(task, interruptions=task.interruptions + 1, hand_in_doubt=True)
     if task.interruptions > INTERRUPTION_LIMIT:
         task = replace(task, stage=Stage.FAILED, codes=(*task.codes, _LOST))
-        return state.having(task, failures=state.failures + 1)
-    return state.having(replace(task, stage=Stage.READY, part=Part.CLEAR))
+        return state.with_task(task, failures=state.failures + 1)
+    return state.with_task(replace(task, stage=Stage.READY, part=Part.CLEAR))
 
 
 @applied.register
 def _(event: Settled, state: RunState) -> RunState:
     task = replace(state.tasks[event.task], connected=event.connected, unseen=event.unseen)
     if not event.left and not event.unseen:
-        return _left(state, replace(task, stage=Stage.DONE, then=None))
+        return _leave(state, replace(task, stage=Stage.DONE, then=None))
     if task.then is not None:
-        return _do(task.then, state, replace(task, then=None), "it was looked what is done")
+        return _do(task.then, state, task, "what is done was inspected")
     if event.unseen:
         failed = replace(task, stage=Stage.FAILED, codes=(*task.codes, event.code))
         return _under_way(state, failed)
@@ -283,42 +332,70 @@ def _(event: Asked, state: RunState) -> RunState:
 def _(event: Answered, state: RunState) -> RunState:
     if state.question is None:
         return state
-    task = state.tasks[state.question.task]
+    task = replace(state.tasks[state.question.task], stuck_hand=0)
     state = replace(state, question=None)
     because = f"{event.by} answered {event.choice.value} to question {event.number}"
     if event.choice is Answer.MARK_DONE:
-        return _left(state, replace(task, stage=Stage.DONE))
+        return _leave(state, replace(task, stage=Stage.DONE, hand_in_doubt=False))
     return _act(_ANSWERED[event.choice], state, task, because)
 
 
 @applied.register
+def _(event: Escalated, state: RunState) -> RunState:
+    if state.question is None or state.question.number != event.number:
+        return state
+    because = f"nobody answered question {event.number} in time"
+    return _act(event.do, replace(state, question=None), state.tasks[event.task], because)
+
+
+@applied.register
 def _(event: Commanded, state: RunState) -> RunState:
-    if event.command is Command.PAUSE:
-        return replace(state, paused=True)
-    if event.command is Command.RESUME:
-        return replace(state, paused=False)
-    if event.command is Command.STOP:
-        return replace(state, stop=f"{event.by} stopped it")
-    task = state.tasks[event.task]
-    if event.command is Command.RETRY and task.stage is Stage.SET_ASIDE:
-        again = replace(task, stage=Stage.DOUBTFUL, part=Part.WHOLE)
-        return state.having(again, waiting=(*state.waiting, task.name))
-    if event.command is Command.SKIP and task.name in state.waiting:
-        return _left(state, replace(task, stage=Stage.SET_ASIDE))
-    if event.command is Command.SKIP and task.name == state.current:
-        return replace(state, skipped={**state.skipped, task.name: event.by})
+    match event.command:
+        case Command.PAUSE:
+            return replace(state, paused=True)
+        case Command.PROTECTIVE_STOP:
+            return replace(state, paused=True, protective=event.by)
+        case Command.RESUME:
+            return replace(state, paused=False, protective="")
+        case Command.STOP:
+            return replace(state, stop=f"{event.by} stopped it")
+        case Command.RETRY:
+            return _retried(state, state.tasks[event.task])
+        case Command.SKIP:
+            return _skipped(state, state.tasks[event.task], event.by)
+
+
+def _retried(state: RunState, task: TaskProgress) -> RunState:
+    if task.stage is not Stage.SET_ASIDE:
+        return state
+    part = Part.AGAIN if task.piece else Part.WHOLE
+    task = replace(task, stage=Stage.DOUBTFUL, part=part, then=None)
+    return state.with_task(task, waiting=(*state.waiting, task.name))
+
+
+def _skipped(state: RunState, task: TaskProgress, by: str) -> RunState:
+    if task.name in state.waiting:
+        return _leave(state, replace(task, stage=Stage.SET_ASIDE))
+    if task.name != state.current:
+        return state
+    state = replace(state, skipped={**state.skipped, task.name: by})
+    if task.stage is Stage.RUNNING and not task.part.is_attempt:
+        return state.with_task(replace(task, then=Do.SET_ASIDE))
+    if task.stage in (Stage.READY, Stage.DOUBTFUL) and not task.stuck_hand:
+        return _act(Do.SET_ASIDE, state, task, f"{by} skipped it")
     return state
 
 
 @applied.register
 def _(event: TaskElsewhere, state: RunState) -> RunState:
-    return _left(state, replace(state.tasks[event.task], stage=_AS_LEFT[event.as_left]))
+    return _leave(state, replace(state.tasks[event.task], stage=_AS_LEFT[event.as_left]))
 
 
 @applied.register
 def _(event: TaskReturned, state: RunState) -> RunState:
-    task = replace(state.tasks[event.task], stage=Stage.DOUBTFUL, part=Part.WHOLE)
-    return state.having(task, waiting=(*state.waiting, task.name))
+    task = replace(state.tasks[event.task], stage=Stage.DOUBTFUL, part=Part.AGAIN, piece=True)
+    waiting = tuple(name for name in state.waiting if name != task.name)
+    return state.with_task(task, waiting=(*waiting, task.name))
 
 
 @applied.register
@@ -331,18 +408,28 @@ def _(event: RunEnded, state: RunState) -> RunState:
     return replace(state, ended=event)
 
 
-# How often a task may be interrupted before that counts as its failure.
+# How often a task may be interrupted before that counts as its failure, and how often in a row the
+# hand may fail to be emptied before nothing more is tried without a person.
 INTERRUPTION_LIMIT = 20
+STUCK_HAND_LIMIT = 2
 
 # remodel_msgs/ErrorCode: TIMEOUT, SERVER_LOST, INTERNAL, BUSY, SERVER_HUNG, CONTRADICTORY_RESULT.
-_SERVER_TROUBLE = frozenset({1, 4, 5, 6, 7, 8})
+SERVER_TROUBLE = frozenset({1, 4, 5, 6, 7, 8})
 
-# remodel_msgs/ErrorCode: NOTHING_HELD and WIRE_NOT_FED; PREEMPTED; SERVER_LOST; INTERNAL, of a
-# task that failed though no ability told of an error.
+# remodel_msgs/ErrorCode: NOTHING_HELD and WIRE_NOT_FED; PREEMPTED; SERVER_LOST; OTHER_CABLE_HELD;
+# EXTRACTION_STUCK; WIRE_LEFT_BEHIND; INTERNAL, of a task that failed though no ability reported
+# an error.
 _NOTHING_TO_LAY_DOWN = (202, 403)
+_NOT_FED = 403
 _PREEMPTED_CODE = 2
 _LOST = 4
+_OTHER_CABLE_HELD = 203
+_STUCK = 306
+_LEFT_BEHIND = 405
 UNTOLD = 5
+
+# The abilities that end with an empty hand.
+_EMPTYING = ("PlaceCable", "DiscardCable")
 
 _ANSWERED = {
     Answer.RETRY: Do.RETRY,
@@ -356,46 +443,102 @@ _AS_LEFT = {
     AsLeft.DONE: Stage.DONE,
     AsLeft.SET_ASIDE: Stage.SET_ASIDE,
 }
-_AFTER_LOOKING = (Do.RETRY, Do.RETRY_WITH, Do.LOOK_AGAIN, Do.OTHER_METHOD)
+_AFTER_INSPECTING = (Do.RETRY, Do.RETRY_WITH, Do.LOOK_AGAIN, Do.OTHER_METHOD)
+_WITHOUT_MOTION = (Do.ASK_OPERATOR, Do.STOP)
 
-# These give up the part, or its turn. After trouble with a server it is looked first: the task may
-# be done, whatever the server said.
-_GIVES_PART_UP = (Do.NEW_PART, Do.REPLAN, Do.SET_ASIDE)
+# These give up the piece, or its turn. After trouble with a server the ends are inspected first:
+# the task may be done, whatever the server reported.
+_GIVES_PIECE_UP = (Do.NEW_PART, Do.REPLAN, Do.SET_ASIDE)
+
+
+def _may_hold_something(task: TaskProgress) -> bool:
+    """Return whether the hand may hold something after the behavior that ended."""
+    if task.outcome == PREEMPTED:
+        return True
+    if not task.operations:
+        return task.part is Part.CLEAR and task.outcome != FINISHED
+    last = task.operations[-1]
+    if last.error_code in _NOTHING_TO_LAY_DOWN or not last.error_code:
+        return False
+    in_trouble = last.error_code in SERVER_TROUBLE or last.error_code == _OTHER_CABLE_HELD
+    return in_trouble or last.ability in _EMPTYING
+
+
+def _failed(state: RunState, task: TaskProgress) -> RunState:
+    """Return the state after a behavior that did not do what it should."""
+    cause = cause_of(task.operations)
+    code = cause.error_code if cause else UNTOLD
+    stop = state.stop
+    if task.outcome == PREEMPTED and not stop and task.name not in state.skipped:
+        stop = f"somebody stopped the behavior of task {task.name}"
+    if task.part is Part.CLEAR:
+        task = replace(task, stuck_hand=task.stuck_hand + 1)
+        if task.stuck_hand <= STUCK_HAND_LIMIT:
+            return state.with_task(replace(task, stage=Stage.READY), stop=stop)
+    undiscarded = task.undiscarded or task.part is Part.DISCARD
+    task = replace(task, stage=Stage.FAILED, codes=(*task.codes, code), undiscarded=undiscarded)
+    return state.with_task(task, failures=state.failures + 1, stop=stop)
 
 
 def _act(do: Do, state: RunState, task: TaskProgress, because: str) -> RunState:
     """Return the state in which something is to be done about a task that failed."""
-    if task.hand_in_doubt and do not in (Do.ASK_OPERATOR, Do.STOP):
-        return state.having(replace(task, stage=Stage.READY, part=Part.CLEAR, then=do))
-    in_doubt = task.codes[-1] in _SERVER_TROUBLE and task.name not in state.skipped
-    if do in _GIVES_PART_UP and in_doubt:
-        return state.having(replace(task, stage=Stage.DOUBTFUL, then=do))
-    return _do(do, state, replace(task, then=None), because)
+    if task.hand_in_doubt and do not in _WITHOUT_MOTION:
+        return state.with_task(replace(task, stage=Stage.READY, part=Part.CLEAR, then=do))
+    if do in _GIVES_PIECE_UP and _is_to_be_inspected(do, task):
+        return state.with_task(replace(task, stage=Stage.DOUBTFUL, then=do))
+    return _do(do, state, task, because)
+
+
+def _with_empty_hand(state: RunState, task: TaskProgress) -> RunState:
+    """Return the state after the hand was emptied."""
+    if task.then is None:
+        return state.with_task(replace(task, stage=Stage.DOUBTFUL, part=Part.AGAIN))
+    return _act(task.then, state, replace(task, part=Part.AGAIN), "the hand is empty")
+
+
+def _is_to_be_inspected(do: Do, task: TaskProgress) -> bool:
+    in_trouble = bool(task.codes) and task.codes[-1] in SERVER_TROUBLE
+    loose = do is Do.SET_ASIDE and task.piece and not task.undiscarded
+    return in_trouble or loose
 
 
 def _do(do: Do, state: RunState, task: TaskProgress, because: str) -> RunState:
-    if do in _AFTER_LOOKING:
-        return state.having(replace(task, stage=Stage.DOUBTFUL, part=Part.AGAIN))
+    if do in _AFTER_INSPECTING:
+        is_there = task.piece and task.codes[-1:] != (_NOT_FED,)
+        part = Part.AGAIN if is_there else Part.WHOLE
+        return state.with_task(replace(task, stage=Stage.DOUBTFUL, part=part, then=None))
+    if do in _GIVES_PIECE_UP and _is_to_be_discarded(do, task):
+        return state.with_task(replace(task, stage=Stage.READY, part=Part.DISCARD, then=do))
+    task = replace(task, then=None)
     if do is Do.NEW_PART:
-        return state.having(replace(task, stage=Stage.READY, part=Part.WHOLE, connected=()))
+        return state.with_task(replace(task, stage=Stage.READY, part=Part.WHOLE, connected=()))
     if do is Do.ASK_OPERATOR:
-        return state.having(replace(task, stage=Stage.ASKING))
+        return state.with_task(replace(task, stage=Stage.ASKING))
     if do is Do.REPLAN:
         task = replace(task, stage=Stage.WAITING, part=Part.WHOLE, connected=())
         waiting = (*state.waiting, task.name)
-        return state.having(task, current="", waiting=waiting, to_plan=f"{task.name}: {because}")
-    state = _left(state, replace(task, stage=Stage.SET_ASIDE))
+        return state.with_task(task, current="", waiting=waiting, to_plan=f"{task.name}: {because}")
+    state = _leave(state, replace(task, stage=Stage.SET_ASIDE))
     return replace(state, stop=f"{task.name}: {because}") if do is Do.STOP else state
+
+
+def _is_to_be_discarded(do: Do, task: TaskProgress) -> bool:
+    """Return whether the piece is taken away first; of a task that is left only a loose one."""
+    if not task.piece:
+        return False
+    if do is not Do.SET_ASIDE:
+        return True
+    return not (task.connected or task.unseen or task.undiscarded or _STUCK in task.codes)
 
 
 def _under_way(state: RunState, task: TaskProgress) -> RunState:
     waiting = tuple(name for name in state.waiting if name != task.name)
-    return state.having(task, waiting=waiting, current=task.name)
+    return state.with_task(task, waiting=waiting, current=task.name)
 
 
-def _left(state: RunState, task: TaskProgress, **changes: object) -> RunState:
+def _leave(state: RunState, task: TaskProgress, **changes: object) -> RunState:
     """Return the state after a task was done, set aside, or begun by another cell."""
     waiting = tuple(name for name in state.waiting if name != task.name)
     current = "" if state.current == task.name else state.current
     skipped = {name: by for name, by in state.skipped.items() if name != task.name}
-    return state.having(task, waiting=waiting, current=current, skipped=skipped, **changes)
+    return state.with_task(task, waiting=waiting, current=current, skipped=skipped, **changes)

@@ -25,7 +25,7 @@ class Execute:
 
 @dataclass(frozen=True)
 class Settle:
-    """Look what of a task is done."""
+    """Inspect what of a task is done."""
 
     task: str
 
@@ -59,7 +59,7 @@ class End:
     because: str
 
 
-def said(step: Step) -> str:
+def description_of(step: Step) -> str:
     """Return what a step does, for a person."""
     match step:
         case Plan():
@@ -67,7 +67,7 @@ def said(step: Step) -> str:
         case Execute():
             return f"{step.task}: {_PARTS[step.part]}"
         case Settle():
-            return f"{step.task}: looking what of it is done"
+            return f"{step.task}: inspecting what of it is done"
         case Decide():
             return f"{step.task}: deciding what to do about its failure"
         case Ask():
@@ -79,22 +79,21 @@ def said(step: Step) -> str:
 
 
 _PARTS = {
-    Part.WHOLE: "doing it with a new part",
-    Part.AGAIN: "doing it again",
-    Part.REST: "doing what is left of it",
+    Part.WHOLE: "placing a new wire",
+    Part.AGAIN: "placing the wire again",
+    Part.REST: "finishing what is left of it",
     Part.CLEAR: "emptying the hand",
+    Part.DISCARD: "discarding the wire",
 }
 
 Step = Plan | Execute | Settle | Decide | Ask | Wait | End
-
-_PAUSED = "paused by an operator"
 
 
 def next_step(state: RunState) -> Step | None:
     """Return what comes next; None if the run has ended.
 
-    A supervisor that takes a run up keeps first that it was interrupted, so that a behavior which
-    it knows nothing about does not count as running.
+    A supervisor that takes a run up records first that it was interrupted, so that a behavior of
+    which it knows nothing does not count as running.
     """
     if state.ended is not None:
         return None
@@ -103,7 +102,7 @@ def next_step(state: RunState) -> Step | None:
     if state.current:
         return _about(state, state.current)
     if state.paused:
-        return Wait(_PAUSED)
+        return Wait(_why_paused(state))
     if state.to_plan and state.waiting:
         return Plan(state.to_plan)
     if state.waiting:
@@ -115,6 +114,12 @@ def next_step(state: RunState) -> Step | None:
     if aside:
         return End(Ending.INCOMPLETE, f"set aside: {', '.join(aside)}")
     return End(Ending.COMPLETE, "all tasks are done")
+
+
+def _why_paused(state: RunState) -> str:
+    if state.protective:
+        return f"protective stop by {state.protective}; release it, then resume the run"
+    return "paused by an operator"
 
 
 def _about(state: RunState, name: str) -> Step:
@@ -129,7 +134,7 @@ def _about(state: RunState, name: str) -> Step:
         case Stage.ASKING:
             return Wait(f"question {state.questions} is to be answered")
     if state.paused:
-        return Wait(_PAUSED)
+        return Wait(_why_paused(state))
     if task.stage is Stage.DOUBTFUL:
         return Settle(name)
     return Execute(name, task.part)

@@ -117,6 +117,11 @@ class Decomposition:
         )
 
     @property
+    def duration_s(self) -> float:
+        """How long all of it is expected to take [s]."""
+        return sum(step.expected.duration_s for step in self.steps)
+
+    @property
     def halves_s(self) -> tuple[float, float]:
         """How long routing takes before and after the task is handed over [s]."""
         given = [i for i, step in enumerate(self.steps) if step.macro is Macro.HAND_OVER]

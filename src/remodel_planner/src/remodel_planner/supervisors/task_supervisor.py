@@ -1,0 +1,180 @@
+"""The task supervisor: runs one behavior, grants its operations, and keeps what they did."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+
+from remodel_planner.core.run import Operation
+from remodel_planner.core.supervision.gate import Gate, Permit
+from remodel_planner.core.supervision.state import PREEMPTED
+from remodel_planner.errors import LostError, PlannerError
+from remodel_planner.supervisors.ports import Abilities, BehaviorEnd, End, Engine, EventLoop
+
+# [s] wall time between two checks of what nobody reports, such as silence.
+_CHECK_S = 0.1
+
+# [s] wall time that a behavior gets to stop when it is told to.
+STOP_LIMIT_S = 20.0
+
+# [s] wall time that the engine's topic may lag behind the end of a behavior.
+_LAG_LIMIT_S = 2.0
+
+# remodel_msgs/ErrorCode: SERVER_LOST, SERVER_HUNG. After them nothing of the behavior moves any
+# more: the server may complete its goal when it wakes up.
+_SERVER_GONE = (4, 7)
+
+Keep = Callable[[Operation], None]
+
+
+class TaskSupervisor:
+    """Runs behaviors, one at a time.
+
+    Attributes:
+        behavior: name of the one that runs; empty if none does.
+    """
+
+    def __init__(self, loop: EventLoop, engine: Engine, abilities: Abilities, gate: Gate) -> None:
+        """Take the ports, and the gate that its operations pass."""
+        self.behavior = ""
+        self._loop = loop
+        self._engine = engine
+        self._abilities = abilities
+        self._gate = gate
+        self._keep: Keep | None = None
+        self._kept: Counter[str] = Counter()
+        self._goals: set[str] = set()
+        self._server_gone = ""
+        self._settling = True
+
+    def run(self, behavior: str, keep: Keep) -> str:
+        """Run a behavior to its end, and return its outcome; stop it when the gate halts.
+
+        Args:
+            behavior: its name.
+            keep: keeps each operation when it has ended; the behavior goes on when it has.
+
+        Raises:
+            LostError: if engine or action server are lost; what the behavior did is in doubt.
+            LeavingError: if this process is to end.
+        """
+        if self._gate.halt:
+            return PREEMPTED
+        self.behavior, self._keep, self._server_gone = behavior, keep, ""
+        self._kept.clear()
+        self._goals.clear()
+        try:
+            self._engine.start(behavior)
+            outcome = self._watch()
+            self._await_path()
+            self._gate.clear()
+            return outcome
+        finally:
+            self.behavior, self._keep = "", None
+
+    def stop_all(self, limit_s: float, *, while_leaving: bool = False) -> None:
+        """Stop whatever runs, and return when engine and abilities have reported that they rest.
+
+        Args:
+            limit_s: [s] wall time that it gets.
+            while_leaving: go on although the process is to end.
+
+        Raises:
+            LostError: if one of them does not rest in time.
+        """
+        self._settling = True
+        end_s = self._loop.wall_s() + limit_s
+        if not self._engine.is_idle:
+            self._engine.cancel()
+        self._abilities.cancel()
+        self._rest(lambda: self._engine.is_idle, end_s, "the behavior engine", while_leaving)
+        since_s = self._loop.wall_s()
+        self._rest(
+            lambda: self._abilities.are_quiet(since_s),
+            end_s,
+            self._abilities.silent(since_s) or "an ability",
+            while_leaving,
+        )
+        self._gate.clear()
+        self._settling = False
+
+    def begin_operation(self, behavior: str, state_path: str, ability: str) -> tuple[Permit, str]:
+        """Return whether an ability may begin, and why not.
+
+        Args:
+            behavior: name of the behavior that asks.
+            state_path: of the state that asks.
+            ability: such as "InsertCable".
+        """
+        if self._settling or behavior != self.behavior:
+            return Permit.REFUSED, f"behavior {behavior!r} is about to be stopped"
+        if self._server_gone:
+            return Permit.REFUSED, self._server_gone
+        return self._gate.ask(state_path, ability), self._gate.why
+
+    def keep_record(self, behavior: str, operation: Operation) -> tuple[bool, str]:
+        """Keep what an operation did; return whether the state may go on, and why not."""
+        if self._settling:
+            return False, "this behavior is about to be stopped"
+        if self._keep is None or behavior != self.behavior:
+            return True, "of no task; it is not kept"
+        if operation.goal_id not in self._goals:
+            try:
+                self._keep(operation)
+            except PlannerError as error:
+                return False, str(error)
+            self._goals.add(operation.goal_id)
+            self._kept[operation.state_path] += 1
+        if operation.error_code in _SERVER_GONE:
+            self._server_gone = f"the server of {operation.ability} is lost"
+        self._gate.end(operation.state_path)
+        return True, ""
+
+    def _watch(self) -> str:
+        end = self._ended(lambda: bool(self._gate.halt))
+        if end is None:
+            end = self._halted()
+        if end.end is End.LOST:
+            raise LostError(end.text)
+        return PREEMPTED if end.end is End.PREEMPTED else end.text
+
+    def _halted(self) -> BehaviorEnd:
+        """Stop the behavior, and return how it ended when nothing moves any more."""
+        self._engine.cancel()
+        self._abilities.cancel()
+        late_s = self._loop.wall_s() + STOP_LIMIT_S
+        end = self._ended(lambda: self._loop.wall_s() > late_s)
+        since_s = self._loop.wall_s()
+        limit_s = max(0.0, late_s - since_s)
+        if end is None:
+            raise LostError(f"the behavior does not stop within {STOP_LIMIT_S:.0f} s")
+        if not self._loop.run_until(lambda: self._abilities.are_quiet(since_s), limit_s):
+            raise LostError(f"{self._abilities.silent(since_s)} does not stop")
+        return end
+
+    def _ended(self, or_until: Callable[[], bool]) -> BehaviorEnd | None:
+        """Return how the behavior ended; None if something else holds before."""
+        while self._engine.end is None:
+            if or_until():
+                return None
+            if self._engine.trouble:
+                raise LostError(self._engine.trouble)
+            self._loop.run_until(lambda: self._engine.end is not None or or_until(), _CHECK_S)
+        return self._engine.end
+
+    def _await_path(self) -> None:
+        """Wait until the engine has published, on another topic, which states it has entered."""
+        self._loop.run_until(
+            lambda: not self._kept - Counter(self._engine.path()),
+            _LAG_LIMIT_S,
+        )
+
+    def _rest(
+        self, holds: Callable[[], bool], end_s: float, what: str, while_leaving: bool
+    ) -> None:
+        limit_s = max(0.0, end_s - self._loop.wall_s())
+        if not self._loop.run_until(holds, limit_s, while_leaving=while_leaving):
+            raise LostError(
+                f"{what} still runs, or does not answer, {limit_s:.0f} s after it was stopped; "
+                "stop the cell by hand"
+            )

@@ -1,0 +1,620 @@
+"""The use case supervisor: does what core/supervision derives, and keeps what happens."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from flexbe_synthesizer.core.codec import write_chart
+from flexbe_synthesizer.core.model import Chart
+from remodel_planner.core.planning.problem import End as WireEnd
+from remodel_planner.core.recovery.fault import Do, FaultTable
+from remodel_planner.core.run import Operation
+from remodel_planner.core.supervision.events import (
+    Answered,
+    AsLeft,
+    Blocked,
+    Chosen,
+    Command,
+    Commanded,
+    Escalated,
+    Event,
+    FeedRefused,
+    Interrupted,
+    OperationEnded,
+    PanelLoaded,
+    Part,
+    PartRequested,
+    Planned,
+    RunEnded,
+    Settled,
+    TaskBegun,
+    TaskElsewhere,
+    TaskEnded,
+    TaskReturned,
+)
+from remodel_planner.core.supervision.gate import Gate, Permit
+from remodel_planner.core.supervision.judge import failure_of, judged
+from remodel_planner.core.supervision.question import question_about
+from remodel_planner.core.supervision.state import (
+    PREEMPTED,
+    SERVER_TROUBLE,
+    RunState,
+    Stage,
+    TaskProgress,
+)
+from remodel_planner.core.supervision.step import (
+    Ask,
+    Decide,
+    End,
+    Execute,
+    Plan,
+    Settle,
+    Step,
+    Wait,
+    description_of,
+    next_step,
+)
+from remodel_planner.core.use_case.planned_tasks import PlannedTask
+from remodel_planner.edge.task_leases import Holding
+from remodel_planner.edge.work_planner import WorkPlanner
+from remodel_planner.errors import (
+    CellError,
+    HaltedError,
+    InstanceError,
+    LostError,
+    RefusedError,
+    UseCaseError,
+)
+from remodel_planner.supervisors.commands import (
+    PendingReplies,
+    Reply,
+    require_open,
+    require_sense,
+)
+from remodel_planner.supervisors.leases import LeaseKeeper
+from remodel_planner.supervisors.ports import (
+    Abilities,
+    BehaviorMaker,
+    Cell,
+    Doing,
+    Engine,
+    EventLoop,
+    Inspection,
+    Leases,
+    Log,
+    Pictures,
+    UnseenError,
+)
+from remodel_planner.supervisors.task_supervisor import TaskSupervisor
+
+# [s] wall time between two checks of what nobody reports: other cells' tasks, the run's time.
+_CHECK_S = 0.2
+
+# [s] wall time between two attempts to reach a database that does not answer.
+_RETRY_S = 0.25
+
+# [s] wall time that a server which is gone gets to start again before the policy has its turn.
+_GONE_LIMIT_S = 20.0
+
+# [s] wall time that what runs gets to come to rest when this process ends; roslaunch waits for 15.
+_LEAVE_LIMIT_S = 4.0
+
+# A cell's answer to a claim -> how the other cell has left the task.
+_AS_LEFT = {
+    Holding.ELSEWHERE: AsLeft.RUNNING,
+    Holding.DONE: AsLeft.DONE,
+    Holding.SET_ASIDE: AsLeft.SET_ASIDE,
+}
+
+# What the supervisor itself makes move passes the gate under this name.
+_OWN = "supervisor"
+
+
+@dataclass(frozen=True)
+class Work:
+    """What a run is about, beside its events.
+
+    Attributes:
+        planner: of the order.
+        faults: that there are.
+        panel: that the cell builds; None if it stands there.
+        channels: where each task's piece is presented, by the task's name.
+        leases: on the tasks.
+        attended: whether there is an operator who can be asked.
+        reconnect_s: [s] wall time that a process that is lost or silent gets to answer again.
+    """
+
+    planner: WorkPlanner
+    faults: FaultTable
+    panel: object
+    channels: dict[str, str]
+    leases: Leases
+    attended: bool
+    reconnect_s: float
+
+
+@dataclass(frozen=True)
+class Peers:
+    """The processes that a run needs."""
+
+    cell: Cell
+    maker: BehaviorMaker
+    engine: Engine
+    abilities: Abilities
+    inspection: Inspection
+    pictures: Pictures
+
+    def wait(self, limit_s: float) -> None:
+        """Wait until all answer; LostError if one does not within a limit of wall time [s]."""
+        for peer in (self.cell, self.maker, self.engine, self.inspection):
+            peer.wait(limit_s)
+
+
+class UseCaseSupervisor:
+    """Takes one run to its end.
+
+    Attributes:
+        state: what is known of the run; replaced at each event, never changed.
+        doing: what is being done now, for a person.
+        tasks: the task supervisor below, which answers the states of behaviors.
+    """
+
+    def __init__(
+        self,
+        run: int,
+        owner: int,
+        state: RunState,
+        loop: EventLoop,
+        log: Log,
+        work: Work,
+        peers: Peers,
+        on_change: Callable[[], None],
+        disowned: Callable[[], str] = lambda: "",
+    ) -> None:
+        """Take over a run.
+
+        Args:
+            run: its number.
+            owner: token by which this supervisor owns the cell.
+            state: what is known of the run.
+            loop: time, and what arrives.
+            log: keeps its events.
+            work: what it is about.
+            peers: processes that it needs.
+            on_change: called when state or doing have changed.
+            disowned: returns why this supervisor does not own the cell any more; empty if it does.
+        """
+        self.run = run
+        self.owner = owner
+        self.state = state
+        self.doing = ""
+        self.work = work
+        self._loop = loop
+        self._log = log
+        self._peers = peers
+        self._on_change = on_change
+        self._disowned = disowned
+        self._gate = Gate()
+        self.tasks = TaskSupervisor(loop, peers.engine, peers.abilities, self._gate)
+        self._lease = LeaseKeeper(loop, work.leases, self._close_or_open)
+        self._replies = PendingReplies()
+        self._behaviors_ended = 0
+        # ROS time that counts for the run's limit: that of behaviors before this process took over.
+        self._before_s = state.cell_s
+        self._begun_s = 0.0
+        # A run whose order of tasks is decided was supervised by another process before.
+        self._is_resumed = not state.to_plan
+        # Where the cell answered that has the panel.
+        self._loaded_at = ""
+
+    @property
+    def doing_now(self) -> Doing | None:
+        """What an ability reports that it does; None if none does anything."""
+        return self._peers.abilities.latest
+
+    @property
+    def state_path(self) -> str:
+        """The path of the state in which the engine is; empty if none is known."""
+        return self._peers.engine.state_path
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether something moves that has passed the gate."""
+        return not self._gate.is_still
+
+    def supervise(self) -> RunState:
+        """Do what comes next until the run has ended, and return how it ended.
+
+        What is lost meanwhile is waited for, and the run goes on from where it was. A shutdown
+        leaves no event.
+
+        Raises:
+            LeavingError: if this process is to end; nothing moves any more.
+            OwnerError: if another supervisor owns the run; nothing of this one moves any more.
+            RecordLostError: if the database has lost the run; nothing moves any more.
+        """
+        self._begun_s = self._loop.now_s()
+        timer = self._loop.every(_CHECK_S, self._tick)
+        try:
+            self._recover("the use case supervisor was restarted", is_resumed=self._is_resumed)
+            while (step := next_step(self.state)) is not None:
+                try:
+                    self._do(step)
+                except LostError as error:
+                    self._recover(str(error))
+                except HaltedError as error:
+                    self._explain_halt(error)
+                except (CellError, InstanceError, UseCaseError) as error:
+                    self._append(Blocked(str(error)))
+        except BaseException as error:
+            self._come_to_rest(error)
+            raise
+        finally:
+            timer.cancel()
+            self._lease.release()
+            self._replies.end("the run has ended")
+        return self.state
+
+    def command(self, event: Commanded, reply: Reply) -> None:
+        """Do what an operator or a safety controller asks for.
+
+        The reply comes when nothing moves any more: after a pause when the operation under way has
+        ended, after a stop of any kind when what ran is cancelled and at rest.
+        """
+        try:
+            require_sense(event, self.state)
+            self._append_now(event)
+        except Exception as error:  # noqa: BLE001 - whoever asked gets the reason, whatever it is
+            reply(False, str(error))
+            return
+        if self._gate.halt and not self.tasks.behavior:
+            self._peers.abilities.cancel()
+        if event.command is Command.PAUSE:
+            self._replies.reply_when(lambda: self._gate.is_still, reply)
+        elif self._gate.halt and self.tasks.behavior:
+            ended = self._behaviors_ended + 1
+            self._replies.reply_when(lambda: self._behaviors_ended >= ended, reply)
+        elif self._gate.halt:
+            self._replies.reply_when(lambda: self._gate.is_still, reply)
+        else:
+            reply(True, "")
+
+    def answer(self, event: Answered, reply: Reply) -> None:
+        """Take an operator's answer."""
+        try:
+            require_open(event, self.state)
+            self._append_now(event)
+        except Exception as error:  # noqa: BLE001 - whoever asked gets the reason, whatever it is
+            reply(False, str(error))
+            return
+        reply(True, "")
+
+    # --- steps
+
+    def _do(self, step: Step) -> None:
+        self._describe(description_of(step))
+        if self._is_overdue() and not isinstance(step, End):
+            limit = f"its time of {self.state.timeout_s:g} s has passed"
+            self._append(Blocked(limit))
+            return
+        match step:
+            case Plan():
+                self._append(Planned(self._planned(), step.because))
+            case Execute():
+                self._execute(step.task, step.part)
+            case Settle():
+                self._settle(step.task)
+            case Decide():
+                self._decide(step.task)
+            case Ask():
+                self._ask(step.task)
+            case Wait():
+                self._wait()
+            case End():
+                self._append(RunEnded(step.ending, step.because))
+
+    def _planned(self) -> tuple[str, ...]:
+        """Return the waiting tasks in their best order; those that were begun before come last."""
+        tasks = self.state.tasks
+        order = self.work.planner.plan(self.state.waiting)
+        return tuple(sorted(order, key=lambda name: tasks[name].attempts > 0))
+
+    def _execute(self, name: str, part: Part) -> None:
+        if not self._has(name):
+            return
+        task = self.state.tasks[name]
+        chosen = self._chosen(task, part)
+        chart = self.work.planner.chart(name, part, task.connected, task.decisions, chosen)
+        self._lease.hold(name)
+        try:
+            self._close_or_open()
+            self._peers.maker.make(chart)
+            self._load_panel()
+            is_ready = part is not Part.WHOLE or self._feed(name)
+            # A command may have come meanwhile, after which something else is to be done.
+            if is_ready and next_step(self.state) == Execute(name, part):
+                self._run(name, part, chart, chosen)
+        finally:
+            self._lease.release()
+
+    def _chosen(self, task: TaskProgress, part: Part) -> tuple[Chosen, ...]:
+        """Return the parameters by which a task is attempted that learning chose."""
+        if not part.is_attempt:
+            return ()
+        seed = f"run {self.run}, {task.name}, attempt {task.attempts + 1}"
+        return self.work.planner.choose(task.name, task.decisions, seed)
+
+    def _feed(self, name: str) -> bool:
+        """Have a piece presented; return whether it is there."""
+        self._append(PartRequested(name))
+        self._pass_gate(f"feeding {name}")
+        try:
+            self._peers.cell.feed(name, self.work.channels.get(name, ""), self.owner)
+        except RefusedError as error:
+            self._append(FeedRefused(name, error.code, str(error), self._loop.now_s()))
+            return False
+        finally:
+            self._gate.end(_OWN)
+        return True
+
+    def _run(self, name: str, part: Part, chart: Chart, chosen: tuple[Chosen, ...]) -> None:
+        """Run a behavior of a task, and keep what it does."""
+        attempt = self.state.tasks[name].attempts + part.is_attempt
+        begun_s = self._loop.now_s()
+        xml = write_chart(chart)
+        self._append(TaskBegun(name, attempt, part, chart.name, xml, begun_s, chosen))
+        self._close_or_open()
+        self._peers.pictures.begin()
+
+        def keep(operation: Operation) -> None:
+            self._append_now(OperationEnded(name, operation))
+            self.work.planner.learn(name, operation)
+
+        outcome = self.tasks.run(chart.name, keep)
+        self._behaviors_ended += 1
+        self._replies.check()
+        if outcome == PREEMPTED and self._is_cut_short():
+            self._explain_cut(name)
+            return
+        pictures = self._peers.pictures.keep(self.run, f"{name}-{attempt}-{part.value}")
+        placed = self._peers.cell.placed(name)
+        path = self._peers.engine.path()
+        at_s, denied = self._loop.now_s(), placed is False
+        self._append(TaskEnded(name, outcome, at_s, bool(placed), path, pictures, denied))
+
+    def _is_cut_short(self) -> bool:
+        """Return whether the behavior was stopped by what is neither a stop nor a skip."""
+        return bool(self._disowned() or self._lease.lost or self.state.protective)
+
+    def _explain_cut(self, name: str) -> None:
+        """Record why a behavior was cut short; what it has done is in doubt."""
+        if self._lease.is_taken:
+            self._append(TaskElsewhere(name, "", AsLeft.RUNNING))
+        else:
+            self._append(Interrupted(self._gate.halt))
+
+    def _settle(self, name: str) -> None:
+        if not self._has(name):
+            return
+        self._load_panel()
+        self._close_or_open()
+        planned = self.work.planner.task(name, self.state.tasks[name].decisions)
+        connected: list[str] = []
+        self._pass_gate(f"inspecting {name}")
+        try:
+            self._inspect(name, planned, connected)
+        except UnseenError as error:
+            if self._gate.halt:
+                raise HaltedError(self._gate.halt) from error
+            self._append(Settled(name, tuple(connected), 1, error.code, str(error)))
+            return
+        finally:
+            self._gate.end(_OWN)
+        self._append(Settled(name, tuple(connected), len(planned.left(connected))))
+
+    def _inspect(self, name: str, planned: PlannedTask, connected: list[str]) -> None:
+        """Add the letters of the ends that are in their terminals."""
+        task = planned.decomposition.task
+        for end in WireEnd:
+            terminal = task.terminals[end]
+            component = planned.component_of[terminal]
+            short = terminal.removeprefix(f"{component}:")
+            inspection = self._peers.inspection
+            if self._gate.halt:
+                raise HaltedError(self._gate.halt)
+            if inspection.is_connected(self.owner, name, end.letter, component, short):
+                connected.append(end.letter)
+
+    def _decide(self, name: str) -> None:
+        state, planner = self.state, self.work.planner
+        task = state.tasks[name]
+        self._await_server(task)
+        now_s = self._loop.now_s()
+        possible = {Do.RETRY, Do.RETRY_WITH, Do.LOOK_AGAIN, Do.NEW_PART, Do.SET_ASIDE, Do.STOP}
+        if state.waiting:
+            possible.add(Do.REPLAN)
+        if self.work.attended:
+            possible.add(Do.ASK_OPERATOR)
+        failure = failure_of(task, self.work.faults, now_s)
+        if planner.has_other_method(name, task.decisions, failure.state_path):
+            possible.add(Do.OTHER_METHOD)
+        policy = planner.use_case.recovery
+        bounds = planner.task(name, task.decisions).bounds(failure.state_path)
+        unpromising = planner.experience.unpromising(
+            failure.fault.name, possible, self._log.tried_responses()
+        )
+        faults = self.work.faults
+        self._append(judged(state, name, faults, policy, possible, now_s, bounds, unpromising))
+
+    def _await_server(self, task: TaskProgress) -> None:
+        """Wait until the ability server with which a task had trouble answers, and rests.
+
+        Before that it may still complete its goal; afterwards what it has done can be inspected.
+        One that stays away is left to the policy.
+        """
+        last = task.operations[-1] if task.operations else None
+        if not task.codes or task.codes[-1] not in SERVER_TROUBLE or last is None:
+            return
+        in_trouble = {o.ability for o in task.operations if o.error_code in SERVER_TROUBLE}
+        since_s = self._loop.wall_s()
+        abilities = self._peers.abilities
+        for ability in sorted(in_trouble - {"FeedWire"}):
+            self._describe(f"{task.name}: waiting for the server of {ability} to answer")
+            self._loop.run_until(
+                lambda a=ability: (
+                    bool(self._gate.halt)  # type: ignore[misc]
+                    or abilities.answers(a, since_s)
+                    or not (
+                        abilities.is_connected(a) or self._loop.wall_s() < since_s + _GONE_LIMIT_S
+                    )
+                ),
+                self.work.reconnect_s,
+            )
+
+    def _ask(self, name: str) -> None:
+        policy = self.work.planner.use_case.recovery
+        now_s, limit_s = self._loop.now_s(), policy.question.timeout_s
+        self._append(question_about(self.state, name, self.work.faults, now_s, limit_s))
+
+    def _wait(self) -> None:
+        """Wait for a command, an answer, other cells, or the end of a question's time."""
+        before = self.state
+        self._loop.run_until(lambda: self.state is not before, _CHECK_S)
+        if self.state is not before:
+            return
+        asked = self.state.question
+        if asked is not None and 0 < asked.timeout_s < self._loop.now_s() - asked.at_s:
+            do = self.work.planner.use_case.recovery.escalation
+            self._append(Escalated(asked.number, asked.task, do))
+        for name in self.state.in_stage(Stage.ELSEWHERE):
+            claim = self.work.leases.claim(name)
+            if claim.holding in (Holding.DONE, Holding.SET_ASIDE):
+                self._append(TaskElsewhere(name, claim.cell, _AS_LEFT[claim.holding]))
+            elif claim.holding is not Holding.ELSEWHERE:
+                self._append(TaskReturned(name, claim.cell))
+
+    def _has(self, name: str) -> bool:
+        """Return whether this cell has a task; if another one has it, or has had it, keep that."""
+        task, leases = self.state.tasks[name], self.work.leases
+        if name == self.state.current:
+            if leases.renew(name):
+                return True
+            self._append(TaskElsewhere(name, "", AsLeft.RUNNING))
+            return False
+        claim = leases.claim(name)
+        if claim.holding is Holding.MINE:
+            return True
+        if claim.holding is Holding.MINE_IN_DOUBT:
+            is_known = task.stage is Stage.DOUBTFUL or (
+                task.attempts > 0 and claim.cell == self.state.cell
+            )
+            if not is_known:
+                self._append(TaskReturned(name, claim.cell))
+            return is_known
+        self._append(TaskElsewhere(name, claim.cell, _AS_LEFT[claim.holding]))
+        return False
+
+    def _load_panel(self) -> None:
+        """Have the cell build the product's panel, unless this cell process has it."""
+        if self.work.panel is None or self._peers.cell.address() == self._loaded_at:
+            return
+        self._pass_gate("loading the panel")
+        state = self.state
+        try:
+            self._peers.cell.load(self.work.panel, state.serial, self.owner, keep=state.keep_panel)
+        finally:
+            self._gate.end(_OWN)
+        self._append(PanelLoaded(state.serial))
+        self._loaded_at = self._peers.cell.address()
+
+    # --- what closes the gate, and what was lost
+
+    def _pass_gate(self, what: str) -> None:
+        """Return when something may begin that this supervisor makes move.
+
+        Raises:
+            HaltedError: if it may not.
+        """
+        while (permit := self._gate.ask(_OWN, what)) is Permit.HELD:
+            self._loop.run_until(lambda: not self._gate.hold or bool(self._gate.halt), _CHECK_S)
+        if permit is Permit.REFUSED:
+            raise HaltedError(self._gate.halt)
+
+    def _close_or_open(self) -> None:
+        """Bring the gate up to date."""
+        state = self.state
+        task = state.tasks.get(state.current)
+        is_attempt = task is not None and task.stage is Stage.RUNNING and task.part.is_attempt
+        by = state.skipped.get(state.current, "") if is_attempt else ""
+        protective = f"protective stop by {state.protective}" if state.protective else ""
+        overdue = "its time has passed" if self._is_overdue() else ""
+        self._gate.hold = "the run is paused" if state.paused else ""
+        self._gate.halt = (
+            self._disowned()
+            or protective
+            or state.stop
+            or self._lease.lost
+            or (f"{by} skipped the task" if by else "")
+            or overdue
+        )
+
+    def _tick(self) -> None:
+        self._lease.check()
+        self._close_or_open()
+        self._replies.check()
+
+    def _explain_halt(self, error: HaltedError) -> None:
+        """Record why a step did not begin, unless the state of the run says it."""
+        if self._lease.is_taken:
+            self._append(TaskElsewhere(self.state.current, "", AsLeft.RUNNING))
+        elif self._lease.lost or self._disowned():
+            self._recover(str(error))
+
+    def _recover(self, because: str, *, is_resumed: bool = True) -> None:
+        """Wait for what was lost, and stop what runs; what it was doing is in doubt."""
+        if is_resumed:
+            self._append(Interrupted(because))
+            self._describe(f"waiting, since {because}")
+        self._loaded_at = ""
+        try:
+            self._peers.wait(self.work.reconnect_s)
+            self.tasks.stop_all(self.work.reconnect_s)
+        except LostError as error:
+            self._append(Blocked(str(error)))
+        self._behaviors_ended += 1
+        self._replies.check()
+
+    def _come_to_rest(self, error: BaseException) -> None:
+        """Stop what runs before this process, or its ownership, ends."""
+        self._gate.halt = str(error) or type(error).__name__
+        try:
+            self.tasks.stop_all(_LEAVE_LIMIT_S, while_leaving=True)
+        except LostError as lost:
+            self.doing = str(lost)
+
+    def _is_overdue(self) -> bool:
+        spent_s = self._before_s + self._loop.now_s() - self._begun_s
+        return 0 < self.state.timeout_s < spent_s
+
+    # --- events
+
+    def _append(self, event: Event) -> None:
+        """Keep an event, however long the database takes to answer."""
+        while True:
+            try:
+                self._append_now(event)
+            except LostError as error:
+                self._describe(f"waiting, since {error}")
+                self._loop.run_until(lambda: False, _RETRY_S)
+            else:
+                return
+
+    def _append_now(self, event: Event) -> None:
+        self.state = self._log.append(self.run, event, self.state, self.owner)
+        self._close_or_open()
+        self._on_change()
+
+    def _describe(self, text: str) -> None:
+        self.doing = text
+        self._on_change()
