@@ -133,7 +133,7 @@ class LauncherTest(unittest.TestCase):
         told, _ = launcher.communicate(timeout=LIMIT_S)
         self.assertEqual(launcher.returncode, ExitCode.ENGINE_LOST, told)
         ready = wait_until(lambda: self.statuses and self.statuses[-1].code == BEStatus.READY)
-        self.assertTrue(ready, "the engine was not started anew")
+        self.assertTrue(ready, "the engine was not restarted")
 
     def test_the_launch_file_keeps_blanks(self):
         roslaunch = subprocess.run(
