@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from house import HOUSE
+from remodel_planner.ros.use_case_supervisor import Peers, UseCaseSupervisor, Work
 from sensor_msgs.msg import Image
 
 from flexbe_synthesizer.core.names import behavior_file
@@ -46,7 +47,6 @@ from remodel_planner.errors import CellError, LostError
 from remodel_planner.ros import use_case_supervisor
 from remodel_planner.ros.inspection import UnseenError
 from remodel_planner.ros.panel_message import panel_message
-from remodel_planner.ros.use_case_supervisor import Peers, UseCaseSupervisor, Work
 
 CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
 LAYOUT = lay_out(HOUSE, CATALOGUE, PanelRules())

@@ -227,7 +227,7 @@ class WorkPlanner:
         task = self.task(name, decisions)
         if part is Part.CLEAR:
             return task.clear()
-        if part.value == "discard":
+        if part is Part.DISCARD:
             return task.discard()
         chart = task.rest(connected) if part is Part.REST else task.chart
         for each in chosen:

@@ -96,6 +96,7 @@ class WorkMaker:
             leases=leases,
             attended=self.attended,
             reconnect_s=self.reconnect_s,
+            notify=self.escalation.notify if self.escalation else lambda event: None,
         )
 
 

@@ -32,7 +32,7 @@ class QuestionLimit:
     """How long an operator has for an answer.
 
     Attributes:
-        timeout_s: [s] wall time from the question; 0: as long as it takes.
+        timeout_s: [s] ROS time from the question; 0: as long as it takes.
         escalate: what is done when it has passed, SET_ASIDE or STOP; None: what Policy.unattended
             says.
     """
