@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remodel_sim.abilities.looking import go_and_see, label_views
+from remodel_sim.abilities.looking import go_and_see
 from remodel_sim.abilities.motions import disengage, park
 from remodel_sim.abilities.station import Station, Steps
+from remodel_sim.abilities.viewpoints import label_views
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.codes import Code
 from remodel_sim.core.component_shape import label_corners
