@@ -96,7 +96,7 @@ def _look_from_hand(
         goes_to = (coarse @ component.terminal(goal.terminal_id).component_from_socket).yaw
     sighting: ComponentSighting | None = None
     looks: list[Look] = []
-    for tool in label_views(station, label, goes_to):
+    for tool in label_views(station, label, goes_to, goal.view):
         picture = yield from go_and_see(station, tool)
         seen = _see(station, "wrist", picture, component, goal, coarse, looks)
         sighting = seen or sighting

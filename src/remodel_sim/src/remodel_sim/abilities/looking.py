@@ -82,11 +82,13 @@ class GraspSighting:
         point: on the wire's axis, (3,) [m], world frame.
         tip_yaw: direction of the wire towards the tip, at that point [rad].
         tip: the end's apex.
+        line: the wire from the tip on, as far as it is seen, (n, 3) [m], world frame.
     """
 
     point: Array
     tip_yaw: float
     tip: TipSighting
+    line: Array
 
 
 def look_at_end(station: Station, end: End, distance: float) -> Steps[GraspSighting]:
@@ -120,7 +122,7 @@ def _find_from_above(station: Station, end: End) -> Steps[None]:
         mark_end(drawing, sighting, f"{wire_id} end {seen.value}")
     drawing.title(f"Looking for end {end.value} of {wire_id}")
     station.show("overhead", above.picture, drawing.image)
-    if end not in above.ends and not (yield from look_from_aside(station, end)):
+    if end not in above.ends and (yield from look_from_aside(station, end)) is None:
         raise AbilityError(
             Code.TIP_NOT_FOUND,
             f"end {end.value} of {wire_id!r} is not seen within 150 mm of where it was left; "
@@ -128,19 +130,21 @@ def _find_from_above(station: Station, end: End) -> Steps[None]:
         )
 
 
-def look_from_aside(station: Station, end: End) -> Steps[bool]:
+def look_from_aside(station: Station, end: End, view: int = 0) -> Steps[GraspSighting | None]:
     """Look with the wrist camera for a loose end that other wires hide from above, and note it.
 
-    A wire in the air hides different places from each side.
+    A wire in the air hides different places from each side, and from each view.
 
     Returns:
-        Whether the end is seen now.
+        What is seen of the end; None when it is not seen.
     """
     expected = station.book.expected[end]
-    for tool in views_around(station, expected, math.pi / 2)[1:]:
-        if (yield from _look_for(station, tool, end, expected, GRASP_DISTANCE_M)) is not None:
-            return True
-    return False
+    tools = views_around(station, expected, math.pi / 2, view=view)
+    for tool in tools if view else tools[1:]:
+        seen = yield from _look_for(station, tool, end, expected, GRASP_DISTANCE_M)
+        if seen is not None:
+            return seen
+    return None
 
 
 def _look_close(station: Station, end: End, distance: float) -> Steps[GraspSighting]:
@@ -188,7 +192,7 @@ def _look_for(
     drawing.title(f"End {end.value} of {wire.id} from the hand")
     station.show("wrist", picture, drawing.image)
     station.book.tips[end] = sighting.tip
-    return GraspSighting(grasp, math.atan2(-tangent[1], -tangent[0]), sighting.tip)
+    return GraspSighting(grasp, math.atan2(-tangent[1], -tangent[0]), sighting.tip, line)
 
 
 def _count_within(line: Array, length: float) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -24,30 +25,69 @@ LOOK_Z = 0.12
 ASIDE_M = ((0.0, 0.07), (0.0, -0.07), (0.07, 0.0), (-0.07, 0.0))
 # The same beside a label, which lies nearer to the lens and stays in the picture so far.
 LABEL_ASIDE_M = ((0.0, 0.045), (0.0, -0.045), (0.045, 0.0), (-0.045, 0.0))
+DIAGONALS = ((1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0))
 # Turns of a hand that holds a wire, for a look at a component that it need not go to [rad].
 EITHER_WAY = np.radians([0.0, 45.0, -45.0, 90.0, -90.0])
 # A label that is hidden from one place of the lens is looked for from others, so far apart [m].
 VIEWS_APART_M = 0.05
 MAX_VIEWS = 4
+# Another view with a wire in the hand begins so many of these places further on.
+VIEWS_PER_OBSERVATION = 2
 BORDER_PX = 30.0
 
 
+@dataclass(frozen=True)
+class Ring:
+    """Places of the wrist camera around a point.
+
+    Attributes:
+        beside: x and y from the point, the best first [m].
+        z: the tool's height [m].
+    """
+
+    beside: tuple[tuple[float, float], ...]
+    z: float
+
+
+def _rings(aside: tuple[tuple[float, float], ...], far: float) -> tuple[Ring, ...]:
+    """Return the views of a point: around it, diagonally from higher up, and further off.
+
+    Each view sees past other obstacles; the higher ones stay in the picture further aside.
+    """
+    diagonal, reach = far * 0.6, far / max(max(place) for place in aside)
+    return (
+        Ring(((0.0, 0.0), *aside), LOOK_Z),
+        Ring(tuple((diagonal * x, diagonal * y) for x, y in DIAGONALS), 0.17),
+        Ring(tuple((reach * x, reach * y) for x, y in aside), 0.20),
+    )
+
+
+# By the number of the view.
+END_VIEWS = _rings(ASIDE_M, 0.10)
+LABEL_VIEWS = _rings(LABEL_ASIDE_M, 0.075)
+
+
 def views_around(
-    station: Station, point: Array, yaw: float, beside: Sequence[tuple[float, float]] = ASIDE_M
+    station: Station, point: Array, yaw: float, views: Sequence[Ring] = END_VIEWS, view: int = 0
 ) -> list[ToolPose]:
-    """Return tool poses that bring the wrist camera over a point (2,) [m], and beside it."""
-    tools = [camera_above(station, point + aside, yaw) for aside in ((0.0, 0.0), *beside)]
-    return [tools[0], *(tool for tool in tools[1:] if station.arm.reaches(tool))]
+    """Return tool poses that bring the wrist camera over a point (2,) [m], or beside it.
+
+    `view` is taken modulo the number of views.
+    """
+    ring = views[view % len(views)]
+    tools = [camera_above(station, point + aside, yaw, ring.z) for aside in ring.beside]
+    return [tool for tool in tools if station.arm.reaches(tool)] or tools[:1]
 
 
-def camera_above(station: Station, point: Array, yaw: float) -> ToolPose:
+def camera_above(station: Station, point: Array, yaw: float, z: float = LOOK_Z) -> ToolPose:
     """Return the tool pose that brings the wrist camera over a point (2,) [m].
 
     Args:
         station: of the robot that looks; one with room beside other robots is rather taken.
         point: to be seen in the middle of the picture, world frame.
-        yaw: direction of the hand's x axis that is wished for [rad]; turned by pi, or square to
-            it, if need be.
+        yaw: preferred direction of the hand's x axis [rad]; turned by pi, or square to it, if
+            need be.
+        z: the tool's height [m].
     """
     arm, near_yaw = station.arm, station.commanded.yaw
     reached = []
@@ -55,13 +95,13 @@ def camera_above(station: Station, point: Array, yaw: float) -> ToolPose:
         near = nearest_hand_yaw(arm, float(point[0]), float(point[1]), yaw + turn, near_yaw)
         for candidate in (near, near + math.pi):
             x, y = point - _camera_offset(candidate)
-            tool = ToolPose(float(x), float(y), LOOK_Z, candidate)
+            tool = ToolPose(float(x), float(y), z, candidate)
             if arm.reaches(tool):
                 reached.append(tool)
     if reached:
         return min(reached, key=lambda tool: not station.has_room(tool))
     x, y = point - _camera_offset(yaw)
-    return ToolPose(float(x), float(y), LOOK_Z, yaw)
+    return ToolPose(float(x), float(y), z, yaw)
 
 
 def _camera_offset(yaw: float) -> Array:
@@ -74,7 +114,9 @@ def _camera_offset(yaw: float) -> Array:
     return np.array([x * c + y * s, x * s - y * c])
 
 
-def label_views(station: Station, label: Array, socket_yaw: float | None) -> list[ToolPose]:
+def label_views(
+    station: Station, label: Array, socket_yaw: float | None, view: int = 0
+) -> list[ToolPose]:
     """Return tool poses from which the wrist camera should see a label, the nearest first.
 
     Several, since a wire in the air may hide the label from one of them. The empty hand goes
@@ -87,29 +129,29 @@ def label_views(station: Station, label: Array, socket_yaw: float | None) -> lis
         label: its corners, (4, 3) [m], world frame.
         socket_yaw: direction of the bore that a held end goes into [rad], world frame; None if that
             is not known.
+        view: 0 for the usual places, more for others.
 
     Raises:
         AbilityError: UNREACHABLE when no posture sees it.
     """
     grip, now = station.book.grip, station.commanded
     if grip is None:
-        return views_around(station, label.mean(axis=0)[:2], 0.0, LABEL_ASIDE_M)
+        return views_around(station, label.mean(axis=0)[:2], 0.0, LABEL_VIEWS, view)
     turns = EITHER_WAY
     if socket_yaw is not None:
         turns = np.linspace(0.0, wrap_angle(socket_yaw - grip.flip - now.yaw), 5)
     views: list[ToolPose] = []
     for tool in _held_looks(station, label, turns):
-        if all(_lenses_apart(tool, view) >= VIEWS_APART_M for view in views):
+        if all(_lenses_apart(tool, other) >= VIEWS_APART_M for other in views):
             views.append(tool)
-        if len(views) == MAX_VIEWS:
-            break
     if not views:
         raise AbilityError(
             Code.UNREACHABLE,
             f"from {now} no motion of up to 160 mm brings the label into the wrist camera's view; "
             "route the wire nearer to the component first",
         )
-    return views
+    first = view * VIEWS_PER_OBSERVATION % len(views)
+    return [*views[first:], *views[:first]][:MAX_VIEWS]
 
 
 def _held_looks(station: Station, label: Array, turns: Array) -> list[ToolPose]:
