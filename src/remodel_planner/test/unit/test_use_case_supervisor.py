@@ -480,7 +480,7 @@ def test_a_shutdown_leaves_no_event_and_the_next_start_resumes(bench):
     before = []
 
     def begin():
-        before.append(len(bench.log.events(bench.number)))
+        before.append(len(bench.events(object)))
         hang()
         # The behavior goes on until it is cancelled.
         bench.engine.is_idle = False
@@ -498,7 +498,7 @@ def test_a_shutdown_leaves_no_event_and_the_next_start_resumes(bench):
     with pytest.raises(LeavingError):
         bench.supervisor.supervise()
     assert bench.engine.is_idle, "it was stopped"
-    assert len(bench.log.events(bench.number)) == before[0]
+    assert len(bench.events(object)) == before[0]
     bench.engine.start, bench.loop.leaving = original, False
     bench.take_up()
     assert bench.run().ended.ending is Ending.COMPLETE
