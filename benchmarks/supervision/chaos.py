@@ -28,7 +28,7 @@ from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal
 from stack import ORDER, Stack, TroubleError, free_port, stack, wait_until
 
 from remodel_planner.core.supervision.events import Ending, Interrupted
-from remodel_planner.core.supervision.state import Stage, state_after
+from remodel_planner.core.supervision.state import Stage
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.run_log import RunLog
 from remodel_planner.ros.action_server import ActionServer

@@ -70,8 +70,8 @@ class RunLog:
         """Begin a run, and return its number and its first event, completed.
 
         Alone on its order, it tries again what was set aside. Beside runs of other cells it
-        leaves all tasks as they are. The event is completed with the serial number, and whether wires
-        of that product may be on its panel already.
+        leaves all tasks as they are. The event is completed with the serial number, and whether
+        wires of that product may be on its panel already.
 
         Args:
             event: its beginning.
