@@ -42,7 +42,7 @@ rostest: build ## Tests of running nodes, each on a roscore of its own
 lint: .venv/.ready ## Style, types of the pure cores, and XML
 	@ruff format --check .
 	@ruff check .
-	@mypy src/*/src/*/core src/flexbe/flexbe_core/src/flexbe_core/engine
+	@mypy src/*/src/*/core src/remodel_planner/src/remodel_planner/supervisors src/flexbe/flexbe_core/src/flexbe_core/engine
 	@find src '(' -name '*.xml' -o -name '*.launch' -o -name '*.xsd' -o -path '*/rostest/*.test' ')' -print0 | \
 	  xargs -0 python3 -c 'import sys; from lxml import etree; [etree.parse(file) for file in sys.argv[1:]]'
 

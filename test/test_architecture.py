@@ -26,7 +26,7 @@ MAY_IMPORT = {
     "remodel_states": {"flexbe_core"},
     "remodel_behaviors": {"flexbe_core", "flexbe_states", "remodel_states"},
     "remodel_sim": set(),
-    "remodel_planner": {"flexbe_synthesizer"},
+    "remodel_planner": {"flexbe_core", "flexbe_synthesizer"},
     "remodel_console": {"flexbe_core", "flexbe_synthesizer"},
 }
 
@@ -111,6 +111,12 @@ def test_packages_import_one_way(package):
     for name, path in modules(package).items():
         tops = {imported.split(".")[0] for imported in imported_names(path)}
         assert not tops & others, name
+
+
+def test_the_planner_takes_only_the_master_from_the_engine():
+    for name, path in modules("remodel_planner").items():
+        found = {n for n in imported_names(path) if n.startswith("flexbe_core")}
+        assert all(n.startswith("flexbe_core.ros.master") for n in found), name
 
 
 def test_only_the_room_physics_knows_pybullet():

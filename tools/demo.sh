@@ -26,4 +26,4 @@ stop_nodes() {
 trap stop_nodes EXIT
 
 echo "cell, synthesizer and engine are starting (log: out/demo/nodes.log)"
-rosrun remodel_planner run_order demo --wires "$wires" --output "$out"
+rosrun remodel_planner run_order demo --wait 60 --wires "$wires" --output "$out"

@@ -4,6 +4,11 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
+if [[ $PWD == *[[:space:]]* ]]; then
+  echo "setup: catkin and ROS cannot build in a path with blanks; move the workspace out of '$PWD'." >&2
+  exit 1
+fi
+
 if ! grep -q '^VERSION_ID="12"' /etc/os-release; then
   echo "setup: this workspace is built for Debian 12 (bookworm); found $(. /etc/os-release && echo "$PRETTY_NAME")." >&2
   echo "setup: Debian 12 carries ROS 1 Noetic's packages; other systems need another way to get them." >&2

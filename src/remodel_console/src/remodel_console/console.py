@@ -22,9 +22,10 @@ from remodel_console.steering import Steering
 
 
 class Supervisor(Protocol):
-    """The way to the use case supervisor; each command returns its answer, `by` tells who asks.
+    """The way to the use case supervisor; each command returns its answer to the person `by`.
 
-    All raise CommandError if it is away, does not answer, or refuses.
+    All raise CommandError if it is not running, does not answer, or refuses. What holds a run
+    (pause, stop, protective stop, skip) is answered when nothing moves any more.
     """
 
     def run(self, order: str, tasks: int, by: str, *, again: bool) -> str:
@@ -38,6 +39,9 @@ class Supervisor(Protocol):
 
     def stop(self, by: str) -> str:
         """Have the run stopped safely."""
+
+    def protective_stop(self, by: str) -> str:
+        """Stop all motion at once; the run goes on when it is resumed."""
 
     def skip(self, task: str, by: str) -> str:
         """Have a task left undone."""

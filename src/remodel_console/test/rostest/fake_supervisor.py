@@ -1,4 +1,10 @@
-"""A use case supervisor and a cell's cameras, with no cell behind them."""
+"""A use case supervisor and a cell's cameras, with no cell behind them.
+
+The supervisor publishes by the planner's own code, so that the console is tested against that.
+remodel_planner is not in package.xml: its tests depend on this package already.
+"""
+
+import threading
 
 import actionlib
 import numpy as np
@@ -7,6 +13,29 @@ from remodel_msgs import msg, srv
 from sensor_msgs.msg import Image
 
 from remodel_console.edge.jpeg import as_jpeg
+from remodel_planner.core.recovery.fault import Do
+from remodel_planner.core.run import Operation
+from remodel_planner.core.supervision.events import (
+    Answer,
+    Answered,
+    Asked,
+    Command,
+    Commanded,
+    Decided,
+    Ending,
+    Interrupted,
+    OperationEnded,
+    Part,
+    Planned,
+    RunBegun,
+    RunEnded,
+    Settled,
+    TaskBegun,
+    TaskEnded,
+)
+from remodel_planner.core.supervision.state import FINISHED, state_after
+from remodel_planner.ros.state_publisher import RunView, StatePublisher
+from remodel_planner.supervisors.ports import Doing
 
 WIRES = (
     ("W1", "Q1/1 to X3/2, BU, 1.5 mm2"),
@@ -27,22 +56,79 @@ def picture(height, width, red, green, blue):
     return Image(height=height, width=width, encoding="rgb8", step=3 * width, data=pixels.tobytes())
 
 
+EXPECTED_S = {"W4": 30.0}  # else 44
+JAM = "22 N at 6 mm of 14 mm"
+
+
+def attempt(task, number, took_s, *codes):
+    """Return the events of an attempt that has ended; it fails if a code is given."""
+    operations = [
+        OperationEnded(
+            task,
+            Operation("/Connect b/Insert", "InsertCable", "x", code, "", 0.0, 0.0, "", (), ()),
+        )
+        for code in codes
+    ]
+    outcome = "failed" if codes else FINISHED
+    begun = TaskBegun(task, number, Part.WHOLE, f"Connect {task}", "", 0.0)
+    return [begun, *operations, TaskEnded(task, outcome, took_s, not codes)]
+
+
+def decided(task, fault, code, ability, text, do, because):
+    """Return a decision about a task."""
+    return Decided(task, fault, code, ability, "", text, do, (), because, "policy", 1.0)
+
+
+def half_way(order):
+    """Return the events of a run whose fourth of six tasks is under way."""
+    return [
+        RunBegun(order, "switchgear", "cell 1", tuple(name for name, _ in WIRES), "SN-0042"),
+        Planned(tuple(name for name, _ in WIRES), "the run begins"),
+        *attempt("W1", 1, 41.0),
+        *attempt("W2", 1, 37.0, 205),
+        decided(
+            "W2", "grasp_missed", 205, "PickCable", "nothing is between the fingers",
+            Do.RETRY, "it has failed once",
+        ),
+        *attempt("W2", 2, 41.0),
+        Interrupted("the engine was lost"),
+        *attempt("W3", 1, 40.0, 101),
+        *attempt("W3", 2, 40.0, 101),
+        *attempt("W3", 3, 40.0, 101),
+        decided(
+            "W3", "component_not_found", 101, "LocateGearboxComponent",
+            "no camera sees the label of K1", Do.SET_ASIDE, "it has failed 3 times",
+        ),
+        TaskBegun("W4", 1, Part.WHOLE, "Connect W4", "", 0.0),
+    ]  # fmt: skip
+
+
 class FakeSupervisor:
-    """Tells a state, and remembers what it is asked."""
+    """Publishes a run as the planner does, and remembers what it is asked; it has no cell.
+
+    Attributes:
+        asked: names and values of the requests, the latest last.
+        standstill: cleared while the fake cell moves; a pause is answered when it is set.
+    """
 
     def __init__(self):
         """Be idle."""
         self.asked = []
-        self.state = msg.UseCaseState(phase="idle", cell="cell 1")
-        self._publisher = rospy.Publisher(
-            "remodel/use_case/state", msg.UseCaseState, queue_size=1, latch=True
-        )
+        self.standstill = threading.Event()
+        self.standstill.set()
+        self.publisher = StatePublisher()
+        self._is_new = True
+        self.state = None
+        self._fields = {}
+        self._lock = threading.Lock()
+        self._changed = threading.Event()
         self._services = [
             rospy.Service(f"remodel/use_case/{name}", kind, self._take(name, kind))
             for name, kind in (
                 ("pause", srv.CommandRun),
                 ("resume", srv.CommandRun),
                 ("stop", srv.CommandRun),
+                ("protective_stop", srv.CommandRun),
                 ("skip", srv.CommandTask),
                 ("retry", srv.CommandTask),
                 ("answer", srv.AnswerQuestion),
@@ -52,29 +138,99 @@ class FakeSupervisor:
             "remodel/run_use_case", msg.RunUseCaseAction, self._take_goal, auto_start=False
         )
         self._action.start()
-        self.tell()
+        threading.Thread(target=self._publish, daemon=True).start()
 
-    def tell(self, **fields):
-        """Publish the state with some fields changed."""
-        for name, value in fields.items():
-            setattr(self.state, name, value)
-        self._publisher.publish(self.state)
+    def add(self, *events, **fields):
+        """Let events happen, and have fields of the view changed."""
+        with self._lock:
+            self.state = state_after(events, self.state)
+            self._fields |= fields
+        self._changed.set()
+
+    def run(self, order):
+        """Publish a run that is half-way."""
+        self.state = None
+        self.add(
+            *half_way(order),
+            run=12,
+            doing="W4: placing a new wire",
+            doing_now=Doing("InsertCable", "lowers the hand", 40.0, 3.0),
+            started=rospy.Time.now() - rospy.Duration(240),
+        )
+
+    def restart(self):
+        """Begin again without what was published, as a process does that resumes a run."""
+        self._is_new = True
+        self.add(Interrupted("the supervisor was restarted"))
+
+    def ask(self):
+        """Ask about the task under way."""
+        text = f"The wire jams in K1/A2: {JAM}. It was tried three times, with two parts."
+        cause = ("insertion_jammed", 303, "InsertCable", JAM)
+        self.add(
+            *attempt("W4", 1, 12.0, 303)[1:],
+            decided("W4", *cause, Do.ASK_OPERATOR, "two new parts have jammed too"),
+            Asked(1, "W4", text, tuple(Answer), rospy.get_time(), 600.0),
+            doing_now=None,
+        )
+
+    def _publish(self):
+        """Publish as the run server does: from one thread, each change and at idle."""
+        while not rospy.is_shutdown():
+            with self._lock:
+                view = self._view() if self.state else None
+                is_new, self._is_new = self._is_new, False
+            if is_new:
+                self.publisher.idle("cell 1")
+            if view:
+                self.publisher.publish(view)
+            self._changed.wait(max(0.01, self.publisher.flush()))
+            self._changed.clear()
+
+    def _view(self):
+        return RunView(
+            state=self.state,
+            state_path="/Connect b/Insert",
+            expected_s=lambda name: EXPECTED_S.get(name, 44.0),
+            descriptions=dict(WIRES),
+            **self._fields,
+        )
 
     def _take(self, name, kind):
         def take(request):
             values = [getattr(request, slot) for slot in request.__slots__]
             self.asked.append((name, *values))
-            if values == ["W9", "operator"]:
-                return kind._response_class(False, "there is no task W9")
-            if name in ("pause", "resume"):
-                self.tell(phase="paused" if name == "pause" else "running")
-            if name == "answer":
-                self.tell(phase="running", question=msg.OperatorQuestion())
-            if name == "stop":
-                self.tell(phase="ended", message="stopped by an operator")
-            return kind._response_class(True, "it will be done")
+            if kind is srv.CommandTask and request.task not in self.state.tasks:
+                return kind._response_class(False, f"there is no task {request.task}")
+            getattr(self, f"_on_{name}")(request)
+            return kind._response_class(True, "")
 
         return take
+
+    def _on_pause(self, request):
+        self.add(Commanded(Command.PAUSE, "", request.by), moving=True)
+        self.standstill.wait(60.0)
+        self.add(moving=False)
+
+    def _on_resume(self, request):
+        self.add(Commanded(Command.RESUME, "", request.by))
+
+    def _on_stop(self, _request):
+        self.add(RunEnded(Ending.STOPPED, "stopped by an operator"))
+
+    def _on_protective_stop(self, request):
+        self.add(Commanded(Command.PROTECTIVE_STOP, "", request.by))
+
+    def _on_skip(self, request):
+        self.add(Commanded(Command.SKIP, request.task, request.by))
+
+    def _on_retry(self, request):
+        self.add(Commanded(Command.RETRY, request.task, request.by))
+
+    def _on_answer(self, request):
+        answered = Answered(request.question, Answer(request.choice), request.by)
+        again = TaskBegun("W4", 2, Part.AGAIN, "Connect W4", "", 0.0)
+        self.add(answered, Settled("W4", (), 3), again)
 
     def _take_goal(self, handle):
         goal = handle.get_goal()
@@ -84,53 +240,6 @@ class FakeSupervisor:
             return
         handle.set_accepted()
         self.run(goal.order)
-
-    def run(self, order):
-        """Tell a run that is half-way, and asks."""
-        states = ("done", "done", "set_aside", "running", "waiting", "waiting")
-        tasks = [
-            msg.TaskState(
-                name=name,
-                description=description,
-                state=state,
-                attempts=(1, 2, 3, 1, 0, 0)[place],
-                first_pass=place == 0,
-                taken_s=(41.0, 78.0, 120.0, 12.0, 0, 0)[place],
-                expected_s=(0, 0, 0, 30.0, 44.0, 44.0)[place],
-            )
-            for place, ((name, description), state) in enumerate(zip(WIRES, states, strict=True))
-        ]
-        levels = [
-            msg.LevelState("use_case", order, "waits for the answer of a person", rospy.Time(1)),
-            msg.LevelState("task", "W4", "has failed twice", rospy.Time(2)),
-            msg.LevelState("behavior", "Connect W4", "", rospy.Time(2)),
-            msg.LevelState("action", "InsertCable", "lowers the hand, 40 %", rospy.Time(3)),
-        ]
-        failures = [
-            msg.FailureState(
-                rospy.Time(1), "W2", "grasp_missed", 205, "PickCable",
-                "nothing is between the fingers", "retry", "it has failed once",
-            ),
-            msg.FailureState(
-                rospy.Time(2), "W3", "component_not_found", 101, "LocateGearboxComponent",
-                "no camera sees the label of K1", "set_aside", "it has failed 3 times",
-            ),
-            msg.FailureState(
-                rospy.Time(3), "W4", "insertion_jammed", 303, "InsertCable",
-                "22 N at 6 mm of 14 mm", "ask_operator", "two new parts have jammed too",
-            ),
-        ]  # fmt: skip
-        question = msg.OperatorQuestion(
-            1,
-            "W4",
-            "The wire jams in K1/A2 at 6 mm of 14 mm. It was tried three times, with two parts.",
-            ["retry", "fixed", "mark_done", "skip", "replan", "stop"],
-        )
-        self.tell(
-            stamp=rospy.Time(251), started=rospy.Time(0, 1),
-            phase="asking", order=order, use_case="switchgear", run=12, tasks=tasks, task="W4",
-            levels=levels, failures=failures, question=question, interruptions=1,
-        )  # fmt: skip
 
 
 START_S = 1000.0  # ROS time at which the recorded run begins

@@ -48,7 +48,9 @@ class OverviewTest(BehaviorTestCase):
         )
         expect(page.locator("tr.task.set_aside")).to_contain_text("W3")
         expect(page.locator(".levels")).to_contain_text("Ability: InsertCable")
+        supervisor.ask()
         expect(page.locator(".failures")).to_contain_text("W4: Insertion jammed")
+        expect(page.locator(".request")).to_contain_text("10 min left to answer")
         expect(page.locator(".failures")).to_contain_text(
             "The cell tries again, because it has failed once."
         )
@@ -67,13 +69,17 @@ class OverviewTest(BehaviorTestCase):
         page.get_by_role("button", name="I have fixed it").click()
         expect(page.locator(".request")).to_have_count(0)
         self.assertEqual(supervisor.asked[-1], ("answer", 1, "fixed", "Ada"))
+        row = page.locator("tr.task", has_text="W4")
+        row.evaluate("row => row.dataset.mark = 'the same row'")
         self.press(page, "Skip W5")
         self.wait_until(lambda: supervisor.asked[-1] == ("skip", "W5", "Ada"))
         self.press(page, "Retry W3")
         self.wait_until(lambda: supervisor.asked[-1] == ("retry", "W3", "Ada"))
-        page.keyboard.press("p")
-        self.press(page, "Go on")
-        expect(page.locator(".order .state")).to_have_text("runs")
+        expect(page.locator("tr.task").last).to_contain_text("W3")
+        names = page.locator("tr.task .name").all_inner_texts()
+        self.assertEqual([name[:2] for name in names], ["W1", "W2", "W5", "W4", "W6", "W3"])
+        expect(row).to_have_attribute("data-mark", "the same row")  # no click on it is lost
+        self.hold_and_resume(supervisor)
         self.press(page, "Stop")
         self.press(page, "Stop the run")
         expect(page.locator(".ending")).to_contain_text(
@@ -83,6 +89,28 @@ class OverviewTest(BehaviorTestCase):
         given = [(c["who"], c["command"], c["state"]) for c in commands]
         self.assertIn(("Ada", "answer question 1 about W4: I have fixed it", "done"), given)
         self.assertIn(("operator", "run order 'nowhere'", "failed"), given)
+
+    def hold_and_resume(self, supervisor):
+        """Pause while the cell moves, stop it, and resume."""
+        page, phase = self.page, self.page.locator(".order .state")
+        supervisor.standstill.clear()
+        page.keyboard.press("p")
+        expect(phase).to_have_text("pausing…")
+        expect(page.locator(".order-head")).to_contain_text("pausing… ")
+        self.press(page, "Skip W6")  # the page does not wait for the answer
+        expect(page.locator("tr.task.set_aside", has_text="W6")).to_be_visible()
+        supervisor.standstill.set()
+        expect(phase).to_have_text("paused")
+        self.press(page, "Resume")
+        expect(phase).to_have_text("runs")
+        self.press(page, "Protective stop")
+        banner = page.locator(".protective")
+        expect(banner).to_contain_text("Protective stop by Ada")
+        expect(banner).to_contain_text("Resume then goes on with the run")
+        expect(phase).to_have_text("protective stop")
+        self.press(page, "Resume")
+        expect(banner).to_be_hidden()
+        expect(phase).to_have_text("runs")
 
     def test_the_record_of_a_run_is_scrubbed_through(self):
         _records = FakeRecords()

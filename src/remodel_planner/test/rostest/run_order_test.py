@@ -12,7 +12,7 @@ from pathlib import Path
 import rospy
 import rostest
 from lxml import html
-from remodel_msgs.msg import InsertCableActionFeedback, TaskState, UseCaseState
+from remodel_msgs.msg import InsertCableActionFeedback, UseCaseState
 from remodel_msgs.srv import GetGroundTruth, InjectFault
 
 from remodel_planner.edge.production_database import ProductionDatabase
@@ -28,11 +28,6 @@ def line(*words):
     return ["rosrun", "remodel_planner", *words, "--database", DATABASE]
 
 
-def done_wires(state):
-    """Return how many wires a supervisor has done."""
-    return sum(task.state == TaskState.DONE for task in state.tasks)
-
-
 class RunOrderTest(unittest.TestCase):
     def setUp(self):
         OUTPUT.mkdir(exist_ok=True)
@@ -45,7 +40,7 @@ class RunOrderTest(unittest.TestCase):
         )
 
     def on_state(self, state):
-        if done_wires(state) == 1:
+        if state.done == 1:
             self.one_done.set()
 
     def on_insertion(self, _):

@@ -4,7 +4,7 @@ import threading
 
 import pytest
 from house import HOUSE, owner_of
-from remodel_msgs.msg import UseCaseState
+from remodel_msgs.msg import OperatorQuestion, UseCaseState
 
 from remodel_planner.commands import run_follower
 from remodel_planner.commands.run_follower import RunFollower
@@ -95,3 +95,37 @@ def test_a_refusal_is_told(supervised, monkeypatch):
     monkeypatch.setattr(FakeServer, "refuses", True)
     with pytest.raises(CellError, match="run 1 is under way"):
         supervised.follower.run(again=False)
+
+
+def test_each_event_is_read_once(supervised, monkeypatch):
+    reads = []
+    events = supervised.log.events
+
+    def read(run, first=0):
+        reads.append((first, len(found := events(run, first))))
+        return found
+
+    begins = threading.Timer(0.05, lambda: supervised.tell(supervised.do_run()))
+    monkeypatch.setattr(FakeServer, "on_goal", staticmethod(begins.start))
+    monkeypatch.setattr(supervised.log, "events", read)
+    supervised.follower.run(again=False)
+    assert [first + count for first, count in reads] == [first for first, _ in reads[1:]] + [2]
+
+
+def test_what_a_run_waits_for_is_reported_once(supervised):
+    follower = supervised.follower
+    follower.number = 1
+
+    def lines(**fields):
+        supervised.hear(UseCaseState(run=1, order="house", **fields))
+        return follower._news()[1]
+
+    assert lines(phase="running") == []
+    stopped = lines(phase="protective_stop", stopped_by="light curtain 2")
+    assert stopped[0].startswith("protective stop by light curtain 2; release it, then rosservice")
+    assert lines(phase="protective_stop", stopped_by="light curtain 2") == []
+    question = OperatorQuestion(number=1, task="W1", text="It jams.", timeout=600.0)
+    asked = ["question 1 about W1, within 600 s: It jams."]
+    assert lines(phase="asking", question=question) == asked
+    assert lines(phase="running") == []
+    assert lines(phase="asking", question=question) == asked

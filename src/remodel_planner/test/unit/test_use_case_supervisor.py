@@ -6,8 +6,10 @@ from pathlib import Path
 
 import pytest
 from house import HOUSE
+from remodel_planner.ros.use_case_supervisor import Peers, UseCaseSupervisor, Work
 from sensor_msgs.msg import Image
 
+from flexbe_synthesizer.core.names import behavior_file
 from remodel_planner.core.cell_order import USE_CASE, cell_order
 from remodel_planner.core.learning.experience import Experience
 from remodel_planner.core.learning.learned_responses import TriedResponse
@@ -45,11 +47,10 @@ from remodel_planner.errors import CellError, LostError
 from remodel_planner.ros import use_case_supervisor
 from remodel_planner.ros.inspection import UnseenError
 from remodel_planner.ros.panel_message import panel_message
-from remodel_planner.ros.use_case_supervisor import Peers, UseCaseSupervisor, Work
 
 CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
 LAYOUT = lay_out(HOUSE, CATALOGUE, PanelRules())
-JAM, LOST = 301, 4
+JAM, LOST, SLIPPED, MISSING = 301, 4, 303, 103
 
 
 class FakeCell:
@@ -170,11 +171,11 @@ class FakeInspection:
 class Bench:
     """A supervisor of the order, with everything beside it faked but the database."""
 
-    def __init__(self, url, folder, attended=False, frozen=True, **options):
+    def __init__(self, url, folder, attended=False, explore=False, **options):
         self.database = ProductionDatabase(url)
         self.log = RunLog(self.database)
         use_case = find_use_case(USE_CASE)
-        experience = Experience(use_case, self.database.ability_calls(), frozen=frozen)
+        experience = Experience(use_case, self.database.ability_calls(), explore=explore)
         self.peers = Peers(FakeCell(), FakeSynthesizer(), FakeTasks(), FakeInspection())
         self.leases = TaskLeases(self.database, "house", "cell", 30.0)
         self.work = Work(
@@ -252,21 +253,21 @@ def test_each_event_is_kept_before_what_follows_begins(bench):
     assert bench.run(look, look).ended.ending is Ending.COMPLETE
 
 
-def test_a_jam_is_tried_again_then_with_a_new_wire(bench):
+def test_a_second_jam_ends_the_task_and_no_new_wire_is_fed(bench):
     state = bench.run(JAM, JAM)
     first = bench.events(Planned)[0].tasks[0]
     decided = [(event.task, event.do) for event in bench.events(Decided)]
-    assert decided == [(first, Do.RETRY), (first, Do.NEW_PART)]
-    assert [wire for wire, _ in bench.peers.cell.fed].count(first) == 2
-    assert state.ended.ending is Ending.COMPLETE
+    assert decided == [(first, Do.LOOK_AGAIN), (first, Do.SET_ASIDE)]
+    assert [wire for wire, _ in bench.peers.cell.fed].count(first) == 1
+    assert state.ended.ending is Ending.INCOMPLETE
 
 
 def test_a_task_whose_order_is_planned_anew_comes_later(bench):
-    state = bench.run(JAM, JAM, JAM)
+    state = bench.run(MISSING)
     before, after = (event.tasks for event in bench.events(Planned))
     first, second = before
     assert after == (second, first)
-    assert bench.ran == [first, first, first, second, first]
+    assert bench.ran == [first, second, first]
     assert state.ended.ending is Ending.COMPLETE
 
 
@@ -274,7 +275,7 @@ def test_a_lost_server_may_come_back_before_the_next_try(bench):
     bench.peers.tasks.abilities.away = 2
     state = bench.run(LOST)
     assert bench.peers.tasks.abilities.away < 0, "it was waited for"
-    assert [event.do for event in bench.events(Decided)] == [Do.RETRY]
+    assert [event.do for event in bench.events(Decided)] == [Do.LOOK_AGAIN]
     assert state.ended.ending is Ending.COMPLETE
 
 
@@ -296,8 +297,8 @@ def test_what_is_connected_is_not_connected_again(bench):
 
 
 def test_a_learning_supervisor_tells_what_it_chose_and_learns_from_it(url, tmp_path):
-    bench = Bench(url, tmp_path, frozen=False)
-    state = bench.run(*[JAM] * 3)
+    bench = Bench(url, tmp_path, explore=True)
+    state = bench.run(*[SLIPPED] * 2)
     assert state.ended.ending is Ending.COMPLETE
     chosen = [(event, each) for event in bench.events(TaskBegun) for each in event.chosen]
     assert chosen, "one of five attempts at two ends tries another force"
@@ -305,20 +306,20 @@ def test_a_learning_supervisor_tells_what_it_chose_and_learns_from_it(url, tmp_p
         assert (each.ability, each.parameter) == ("InsertCable", "force_limit")
         assert 4.0 <= each.value <= 16.0
         assert f'name="force_limit" value="{each.value}"' in event.chart
-    jams = [k for k in bench.events(OperationEnded) if k.operation.error_code == JAM]
-    assert bench.work.planner.experience.expectations.calls == len(jams) == 3
+    slips = [k for k in bench.events(OperationEnded) if k.operation.error_code == SLIPPED]
+    assert bench.work.planner.experience.expectations.calls == len(slips) == 2
     bench.database.close()
 
 
 def test_a_response_that_never_helped_is_not_given_again(url, tmp_path):
-    bench = Bench(url, tmp_path, frozen=False)
+    bench = Bench(url, tmp_path, explore=True)
     bench.log.tried_responses = lambda: (
-        (TriedResponse("insertion_jammed", Do.RETRY, helped=False),) * 30
+        (TriedResponse("slipped", Do.LOOK_AGAIN, helped=False),) * 30
     )
-    bench.run(JAM)
+    bench.run(SLIPPED)
     decided = bench.events(Decided)
     assert decided[0].do is Do.NEW_PART
-    assert "retry spared" in decided[0].because
+    assert "look again spared" in decided[0].because
     bench.database.close()
 
 
@@ -500,7 +501,7 @@ def test_a_behavior_that_exists_with_the_same_content_is_not_made_again(
     (manifests / "broken.xml").write_text("<behavior")
     for name, mark in ((first, content_mark(charts[first])), (second, "Content 0000.")):
         text = MANIFEST.format(name=charts[name].name, mark=mark)
-        (manifests / f"{name}.xml").write_text(text)
+        (manifests / f"{behavior_file(charts[name].name)}.xml").write_text(text)
     monkeypatch.setenv("ROS_PACKAGE_PATH", f"{tmp_path}:{os.environ['ROS_PACKAGE_PATH']}")
     bench.run()
     assert bench.peers.synthesizer.asked == [charts[second].name]

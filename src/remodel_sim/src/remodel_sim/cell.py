@@ -13,6 +13,8 @@ from remodel_sim.core.book import Book, EndState, Feed
 from remodel_sim.core.cell_design import CellDesign
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.goals import check_hands_empty, check_not_in_cell
+from remodel_sim.core.ownership import NO_OWNER, check_owner
 from remodel_sim.core.panel import End, Panel
 from remodel_sim.core.placed_wires import PlacedWires
 from remodel_sim.core.traffic import Traffic
@@ -60,6 +62,7 @@ class Cell:
         )
         self._audience = audience or Audience()
         self._memory = memory
+        self._newest_owner = memory.owner if memory else NO_OWNER
         self.stations = self._man()
         if memory is not None:
             self._restore(memory.placed(panel))
@@ -86,11 +89,22 @@ class Cell:
             raise AbilityError(Code.UNKNOWN_NAME, f"no robot {robot!r}; there are: {there_are}")
         return self.stations[robot]
 
+    def admit(self, owner: int) -> None:
+        """Admit whoever holds an owner's token; NO_OWNER is always admitted.
+
+        Raises STALE_OWNER when the cell has seen a newer token.
+        """
+        check_owner(owner, self._newest_owner)
+        if owner > self._newest_owner:
+            if self._memory is not None:
+                self._memory.keep_owner(owner)
+            self._newest_owner = owner
+
     def load(self, panel: Panel, *, keep: bool = False) -> None:
         """Build a panel.
 
-        `keep` leaves the cell as it is if it has this very panel already; a cell that was started
-        anew puts back what it remembers of it.
+        `keep` leaves the cell as it is if it has this very panel, of this serial number, already;
+        a cell that was restarted puts back what it remembers of it.
 
         Raises PanelError and changes nothing when it breaks the rules.
         """
@@ -100,7 +114,7 @@ class Cell:
         self.plant.load(panel)
         self.stations = self._man()
         self._restore(placed)
-        self._remember()
+        self.keep()
 
     def _restore(self, placed: PlacedWires) -> None:
         if placed.parked:
@@ -108,35 +122,47 @@ class Cell:
             self.stations = self._man()
             self.station.book.restore(placed)
 
-    def _remember(self) -> None:
-        if self._memory is not None:
-            occupied = {
-                terminal: held
-                for terminal, held in self.station.book.occupied.items()
-                if held[0] in self.plant.parked
-            }
-            placed = PlacedWires(self.plant.parked, occupied)
-            self._memory.keep(self.plant.loaded, placed)
+    def keep(self) -> None:
+        """Keep the wires that have their place, the live one too if it is finished.
+
+        Raises MemoryFileError when there is a memory and it cannot be written to.
+        """
+        if self._memory is None:
+            return
+        parked = dict(self.plant.parked)
+        if self.plant.live is not None and self._is_finished():
+            parked[self.plant.live.wire.id] = self.plant.live.shape
+        occupied = {
+            terminal: held
+            for terminal, held in self.station.book.occupied.items()
+            if held[0] in parked
+        }
+        self._memory.keep(self.plant.loaded, PlacedWires(parked, occupied))
+
+    def _is_finished(self) -> bool:
+        """Return whether both ends of the live wire are fixed, and no hand holds it."""
+        book = self.station.book
+        fixed = bool(book.ends) and all(state is EndState.FIXED for state in book.ends.values())
+        return fixed and not book.hands
 
     def reset(self) -> None:
         """Build the same panel anew; every wire is taken away."""
         self.load(self.plant.loaded)
 
     def feed(self, wire_id: str, channel_id: str) -> None:
-        """Lay a wire into a channel.
+        """Lay a new piece of a wire into a channel, unless one lies there that nobody has touched.
 
-        Raises AbilityError when a name is unknown or a hand holds a wire.
+        Raises AbilityError when a name is unknown, a hand holds a wire, or another piece of the
+        wire is in the cell.
         """
         wire = self.plant.panel.wire(wire_id)
         self.plant.panel.channel(channel_id)
-        for station in self.stations.values():
-            book = station.book
-            if book.grip is not None and book.feed is not None:
-                raise AbilityError(
-                    Code.OTHER_CABLE_HELD,
-                    f"{station.name} holds end {book.grip.end.value} of {book.feed.wire_id!r}; "
-                    "place it first",
-                )
+        book = self.station.book
+        check_hands_empty(book)
+        if book.presents(wire_id, channel_id):
+            return
+        check_not_in_cell(wire_id, book)
+        leaves_wire = self.plant.live is not None
         tools = {name: station.commanded for name, station in self.stations.items()}
         laying = self.plant.feed(wire_id, channel_id, tools)
         straight = np.array([0.0, laying.direction * wire.length])
@@ -144,7 +170,8 @@ class Cell:
         for station in self.stations.values():
             station.arm_restarted()
             station.book.start_wire(Feed(wire_id, channel_id, laying.direction), expected)
-        self._remember()
+        if leaves_wire:
+            self.keep()
 
     def run(self, steps: Steps[T], *robots: str) -> T:
         """Run an ability of some robots, the first by default; raises what it raises."""
@@ -168,12 +195,9 @@ class Cell:
         for _ in range(round(SETTLE_S / time_step)):
             self.plant.step()
             yield time_step
-        books = [station.book for station in self.stations.values()]
-        ends = books[0].ends
-        placed = ends and all(state is EndState.FIXED for state in ends.values())
-        if placed and all(book.grip is None for book in books):
+        if self._is_finished():
             self.plant.park()
-            self._remember()
+            self.keep()
 
     def close(self) -> None:
         """Leave PyBullet."""

@@ -88,7 +88,7 @@ class CellTest(unittest.TestCase):
 
     def setUp(self):
         self.call("reset", Trigger)
-        self.call("feed_wire", srv.FeedWire, "W1", "A")
+        self.call("feed_wire", srv.FeedWire, "W1", "A", 0)
 
     def call(self, name, kind, *args):
         rospy.wait_for_service(f"cell/{name}", 10)
@@ -170,6 +170,26 @@ class CellTest(unittest.TestCase):
         self.assertEqual(
             insert.client.get_goal_status_text(), "socket_pose: position is not finite"
         )
+
+    def test_goals_and_requests_of_an_older_owner_are_refused(self):
+        self.call("feed_wire", srv.FeedWire, "W1", "A", 17)
+        newer = self.on["DetectCable"].do(id="18:detect", cable_id="W1")
+        self.assertTrue(newer.success, newer.error_message)
+        for name, fields in (
+            ("DetectCable", {"cable_id": "W1"}),
+            ("LocateGearboxComponent", {"component_id": "X1"}),
+        ):
+            older = self.on[name].do(id="17:look", **fields)
+            self.assertEqual(self.on[name].client.get_state(), GoalStatus.REJECTED)
+            self.assertEqual(older.error_code, ErrorCode.STALE_OWNER, older.error_message)
+            self.assertEqual(older.id, "17:look")
+        feed = rospy.ServiceProxy("cell/feed_wire", srv.FeedWire)("W1", "A", 17)
+        self.assertEqual((feed.success, feed.error_code), (False, ErrorCode.STALE_OWNER))
+        load = rospy.ServiceProxy("cell/load_panel", srv.LoadPanel)(msg.Panel(), False, 17)
+        self.assertEqual((load.success, load.error_code), (False, ErrorCode.STALE_OWNER))
+        load = rospy.ServiceProxy("cell/load_panel", srv.LoadPanel)(msg.Panel(), False, 18)
+        self.assertEqual((load.success, load.error_code), (False, ErrorCode.INVALID_GOAL))
+        self.assertTrue(self.on["DetectCable"].do(cable_id="W1").success, "no owner: not checked")
 
     def test_a_second_goal_is_rejected_while_one_runs(self):
         self.on["LocateGearboxComponent"].send(component_id="X1", terminal_id="1")

@@ -85,7 +85,7 @@ class TwoArmsTest(unittest.TestCase):
 
     def setUp(self):
         self.call("reset", Trigger)
-        self.call("feed_wire", srv.FeedWire, "W1", "A")
+        self.call("feed_wire", srv.FeedWire, "W1", "A", 0)
 
     def call(self, name, kind, *args):
         rospy.wait_for_service(f"cell/{name}", 10)

@@ -8,6 +8,7 @@ from remodel_sim.abilities.fix_cable import fix_cable
 from remodel_sim.abilities.insert_cable import insert_cable
 from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
 from remodel_sim.abilities.pick_cable import pick_cable
+from remodel_sim.abilities.place_cable import place_cable
 from remodel_sim.abilities.route_wire import route_wire
 from remodel_sim.core import goals
 from remodel_sim.core.geometry import Pose
@@ -15,6 +16,8 @@ from remodel_sim.core.layout import WORLD_FROM_PANEL
 from remodel_sim.core.panel import End
 
 ROBOT = goals.ROBOT
+# In the channel, beyond end b's terminal.
+BESIDE = Pose.level(0.50, 0.14, 0.028, math.pi / 2)
 
 
 def do(cell, ability, goal):
@@ -54,6 +57,11 @@ def carry(cell, wire, channel):
         Pose.level(x, y + 0.03 * direction, 0.04, along),
     )
     do(cell, route_wire, goals.RouteGoal(ROBOT, wire, path))
+
+
+def lay_down(cell, wire, target=BESIDE):
+    """Lay the end in the hand down; an empty `wire` means whatever it holds."""
+    return do(cell, place_cable, goals.PlaceGoal(ROBOT, wire, target))
 
 
 def connect(cell, wire, end):

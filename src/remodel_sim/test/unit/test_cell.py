@@ -10,7 +10,7 @@ from remodel_sim.cell import Cell
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.panel import End
+from remodel_sim.core.panel import Channel, End
 from remodel_sim.physics.truth import ground_truth
 
 
@@ -110,6 +110,37 @@ def test_a_stopped_ability_leaves_a_scene_that_the_next_one_can_use(cell):
 def test_feeding_with_a_wire_in_the_hand_is_refused(cell):
     cell.feed("W1", "A")
     do.carry(cell, "W1", "A")
+    for wire in ("W1", "W2"):
+        with pytest.raises(AbilityError) as caught:
+            cell.feed(wire, "A")
+        assert caught.value.code is Code.OTHER_CABLE_HELD
+
+
+def left_behind(cell, wire, channel="A"):
     with pytest.raises(AbilityError) as caught:
-        cell.feed("W2", "A")
-    assert caught.value.code is Code.OTHER_CABLE_HELD
+        cell.feed(wire, channel)
+    assert caught.value.code is Code.WIRE_LEFT_BEHIND
+    return str(caught.value)
+
+
+def test_a_piece_that_was_not_touched_is_presented_already():
+    made = Cell(panel(channels=(*panel().channels, Channel("B", 0.2, 0.110, -0.3, 0.3))), seed=1)
+    made.feed("W1", "A")
+    live = made.plant.live
+    made.feed("W1", "A")
+    assert made.plant.live is live, "no new piece"
+    assert "presented in channel 'A'" in left_behind(made, "W1", "B")
+    assert made.plant.live is live
+    made.close()
+
+
+def test_no_piece_is_fed_beside_another_one_of_the_same_wire(cell):
+    cell.feed("W1", "A")
+    do.do(cell, do.pick_cable, do.goals.PickGoal(do.ROBOT, "W1", End.A, 0.0))
+    do.lay_down(cell, "W1")
+    touched = cell.plant.live
+    assert "moved or connected" in left_behind(cell, "W1")
+    assert cell.plant.live is touched
+    cell.feed("W2", "A")
+    assert "left on the panel" in left_behind(cell, "W1")
+    assert set(cell.plant.parked) == {"W1"} and cell.plant.live.wire.id == "W2"

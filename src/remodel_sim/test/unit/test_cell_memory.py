@@ -1,14 +1,22 @@
 """A cell that is killed finds again what a real one would: placed wires, and the time."""
 
+import numpy as np
 import place_wire as do
 import pytest
 from panels import panel
+from remodel_msgs.msg import FixCableGoal
 
+from remodel_sim.abilities.runner import advance
 from remodel_sim.cell import Cell
-from remodel_sim.core.errors import MemoryFileError
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError, MemoryFileError
+from remodel_sim.core.ownership import NO_OWNER
 from remodel_sim.core.panel import End
+from remodel_sim.core.placed_wires import ParkedWire, PlacedWires
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.truth import ground_truth
+from remodel_sim.ros.abilities import ABILITIES
+from remodel_sim.ros.job import Job
 
 OTHER = panel(name="other")
 
@@ -39,6 +47,49 @@ def test_a_placed_wire_is_there_after_the_cell_was_killed(memory):
         again.close()
 
 
+class KilledError(Exception):
+    """The process ends here."""
+
+
+class DyingHandle:
+    """A goal's handle in a process that is killed as soon as the result is published."""
+
+    def __init__(self, goal):
+        self._goal = goal
+
+    def get_goal(self):
+        return self._goal
+
+    def publish_feedback(self, feedback):
+        pass
+
+    def set_succeeded(self, result, text):
+        raise KilledError(text)
+
+
+def test_a_wire_whose_last_end_is_reported_fixed_is_there_after_a_kill_at_that_moment(memory):
+    cell = Cell(panel(), seed=1, memory=memory)
+    cell.feed("W1", "A")
+    do.connect(cell, "W1", End.A)
+    do.carry(cell, "W1", "A")
+    do.insert(cell, "W1", End.B, "X2", "1", do.locate(cell, "X2", "1"))
+    goal = FixCableGoal("17:fix b", do.ROBOT, "W1", "X2", "1", 10.0, 60.0)
+    fix = next(ability for ability in ABILITIES if ability.name == "FixCable")
+    job = Job(fix, fix.parse(goal), DyingHandle(goal), [cell.station], 0.0, cell.keep)
+    with pytest.raises(KilledError, match="end b of W1 fixed"):
+        while not job.step(0.0):
+            advance(cell.plant, cell.station)
+    cell.close()
+
+    again = Cell(panel(), seed=1, memory=memory)
+    try:
+        (truth,) = ground_truth(again.plant, again.station.book.fed)
+        assert truth.wire_id == "W1" and truth.placed
+        assert again.station.book.occupant(("X2", "1")) == ("W1", End.B)
+    finally:
+        again.close()
+
+
 def test_a_panel_that_is_built_anew_is_empty(memory):
     cell = Cell(panel(), seed=1, memory=memory)
     try:
@@ -50,6 +101,37 @@ def test_a_panel_that_is_built_anew_is_empty(memory):
         assert memory.placed(panel()).parked == {}
     finally:
         cell.close()
+
+
+def test_a_wire_belongs_to_the_product_that_it_was_placed_on(memory):
+    first, second = panel(serial="house-1"), panel(serial="house-2")
+    placed = PlacedWires({"W1": ParkedWire(np.zeros((3, 3)), frozenset(End))})
+    memory.keep(first, placed)
+    assert list(memory.placed(first).parked) == ["W1"]
+    assert memory.placed(second).parked == {}, "the next product is an empty panel"
+    assert memory.placed(panel()).parked == {}
+
+
+def test_the_newest_owner_outlives_the_process(memory):
+    cell = Cell(panel(), seed=1, memory=memory)
+    cell.admit(17)
+    cell.admit(18)
+    cell.close()
+    again = Cell(panel(), seed=1, memory=memory)
+    try:
+        with pytest.raises(AbilityError) as caught:
+            again.admit(17)
+        assert caught.value.code is Code.STALE_OWNER
+        again.admit(18)
+        again.admit(NO_OWNER)
+    finally:
+        again.close()
+
+
+def test_an_owner_that_no_cell_wrote_is_refused(memory, tmp_path):
+    (tmp_path / "cell" / "owner").write_text("me")
+    with pytest.raises(MemoryFileError, match="owner is not what a cell has kept"):
+        Cell(panel(), memory=memory)
 
 
 def test_the_time_goes_on(memory, tmp_path):

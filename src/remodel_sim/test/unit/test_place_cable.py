@@ -1,27 +1,25 @@
 """Laying a held end down, wherever an interruption left it."""
 
 import pytest
-from place_wire import ROBOT, carry, do, insert, locate
+from place_wire import BESIDE, ROBOT, carry, do, insert, locate
+from place_wire import lay_down as lay_down_wire
 
 from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.abilities.pick_cable import pick_cable
-from remodel_sim.abilities.place_cable import place_cable
 from remodel_sim.core.book import EndState
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.goals import DetectGoal, PickGoal, PlaceGoal
+from remodel_sim.core.goals import DetectGoal, PickGoal
 from remodel_sim.core.panel import End
 from remodel_sim.physics.truth import ground_truth
 
-# In the channel, beyond end b's terminal.
-BESIDE = Pose.level(0.50, 0.14, 0.028, 1.5707963)
 # So low that the fingers reach down to where the feeder's fork stands.
 LOW = Pose.level(0.50, 0.11, 0.008, 1.5707963)
 
 
 def lay_down(cell, target=BESIDE):
-    return do(cell, place_cable, PlaceGoal(ROBOT, "W1", target))
+    return lay_down_wire(cell, "W1", target)
 
 
 def hold_end_a_in_its_terminal(cell):
@@ -37,6 +35,19 @@ def test_an_end_that_is_pushed_in_is_drawn_out_and_can_be_picked_again(cell):
     assert truth.a.at == ""
     do(cell, detect_cable, DetectGoal("W1"))
     do(cell, pick_cable, PickGoal(ROBOT, "W1", End.A, 0.0))
+
+
+def test_whatever_the_hand_holds_is_laid_down_when_no_wire_is_named(cell):
+    with pytest.raises(AbilityError) as caught:
+        lay_down_wire(cell, "")
+    assert caught.value.code is Code.NOTHING_HELD, "before the first wire was fed"
+    cell.feed("W1", "A")
+    do(cell, pick_cable, PickGoal(ROBOT, "W1", End.A, 0.0))
+    assert lay_down_wire(cell, "").message.startswith("W1 laid down at")
+    assert cell.station.book.grip is None
+    with pytest.raises(AbilityError) as caught:
+        lay_down_wire(cell, "")
+    assert caught.value.code is Code.NOTHING_HELD
 
 
 def test_an_end_that_is_fixed_is_let_go_in_its_terminal(cell):

@@ -13,6 +13,8 @@ It is a part of the state, not a parent class: the FlexBE App reads only states 
 
 How an execution ends (first row that holds):
 
+    the supervisor refused the goal                     command_error  PREEMPTED, without a record
+    more than one server serves the action              command_error  SEVERAL_SERVERS
     the goal could not be sent, no server               command_error  SERVER_LOST
     the server refused the goal                         command_error  its code, or INVALID_GOAL
     the answer contradicts itself, or has another id    failed         CONTRADICTORY_RESULT
@@ -21,40 +23,47 @@ How an execution ends (first row that holds):
     the server has gone away during the goal            command_error  SERVER_LOST
     timeout_s + GRACE_S have passed without an answer   failed         SERVER_HUNG
 
-The server ends a goal at its timeout; the last row only bounds the wait for one that does not.
+The server ends a goal at its timeout; the last row only bounds the wait for one that does not. A
+goal whose end is not known is always cancelled: a server that only stood still must not go on with
+it later.
 
-With a recorder (see record_keeping), `outcome()` stays None until the record is kept. One that is
-not kept in time ends the state with command_error, SERVER_LOST; the record still says how the
-operation itself ended.
+With a supervisor (see record_keeping), `start()` asks for a permit, and `outcome()` sends the goal
+once it is granted; the timeout counts from then. `outcome()` stays None until the record is kept.
+Both waits have no time limit: while the parameter names a supervisor, nothing moves without it.
 """
 
 from __future__ import annotations
 
+import time
+
 import rospy
 from actionlib_msgs.msg import GoalStatus
 from genpy import Message
-from geometry_msgs.msg import PoseStamped
 from remodel_msgs.msg import AbilityRecord, ErrorCode
+from remodel_msgs.srv import BeginOperationRequest
 
 from flexbe_core import EventState, Logger
 from flexbe_core.core import UserData
 from flexbe_core.proxy import ProxyActionClient, ProxyPublisher
+from remodel_states.described import described
 from remodel_states.record_keeping import (
-    KEEP_LIMIT_S,
-    RECORDER_PARAMETER,
     Keeping,
+    Permit,
+    Request,
     keeper,
+    owned_id,
     recorder,
 )
+from remodel_states.ros_stopwatch import RosStopwatch
 
 RECORD_TOPIC = "remodel/ability_records"
 
 # [s] ROS time that a server gets beyond the goal's timeout to report that it ended by itself.
 GRACE_S = 2.0
 
-# [Hz] of polling: FlexBE's default, and while the record is on its way, which takes milliseconds.
+# [Hz] of polling: FlexBE's default, and while the supervisor is asked, which takes milliseconds.
 _RATE_HZ = 10.0
-_KEEPING_RATE_HZ = 250.0
+_ASKING_RATE_HZ = 250.0
 
 # What every result has; the rest is what the ability found out.
 _COMMON = frozenset({"id", "success", "message", "elapsed_time", "error_code", "error_message"})
@@ -98,51 +107,58 @@ class AbilityCall:
         self.error_message = ""
         self._outcome: str | None = None
         self._record: AbilityRecord | None = None
+        self._permit: Permit | None = None
         self._keeping: Keeping | None = None
         self._recorder: str | None = None
+        self._stopwatch = _stopwatch()
 
     def start(self, goal: Message) -> None:
-        """Fill the goal's id (unless it has one) and timeout, and send it."""
+        """Fill the goal's id (unless it has one) and timeout, and send it when that is granted."""
         self._goals_sent += 1
         goal.id = goal.id or f"{self._behavior()}{self._state.path}#{self._goals_sent}"
         goal.timeout = self._timeout_s
         self._goal = goal
         self.result = None
+        self._running = False
         self._outcome = None
         self._record = None
         self._keeping = None
         self.error_code, self.error_message = ErrorCode.NONE, ""
-        self._running = True
-        self._started = rospy.Time.now()
-        trouble = self._send(goal)
+        trouble = ""
         if self._recorder is None:
-            # Asked while the ability works, and once: behaviors are built anew for each run.
-            self._recorder = recorder()
-        if trouble:
-            self._end(COMMAND_ERROR, ErrorCode.SERVER_LOST, trouble)
+            # Asked once: behaviors are built again for each run.
+            try:
+                self._recorder = recorder()
+            except Exception as error:  # noqa: BLE001 - whatever a master that is away causes
+                trouble = f"no ROS master: {error}"
+        if self._recorder or trouble:
+            operation = BeginOperationRequest(self._behavior(), self._state.path, self._ability)
+            self._permit = keeper().ask(operation, self._recorder or "", trouble)
+            self._state.set_rate(_ASKING_RATE_HZ)
+        else:
+            self._send()
 
     def outcome(self) -> str | None:
-        """Return the state's outcome, or None while the ability runs or its record is not kept."""
+        """Return the state's outcome; None while it asks, runs, or its record is not kept."""
+        if self._permit is not None:
+            self._check_permit(self._permit)
         if self._running:
-            self._look()
+            self._check_goal()
         if self._keeping is not None:
-            self._look_at_keeping(self._keeping)
-        return None if self._keeping is not None else self._outcome
+            self._check_keeping(self._keeping)
+        return None if self._permit or self._keeping else self._outcome
 
     def finish(self) -> None:
-        """Cancel the goal if it still runs, and publish the record, once per start."""
+        """Cancel the goal if it still runs, and publish the record, once per goal sent."""
         if self._goal is None:
             return
-        if self._running:
-            self._client.cancel(self._topic)
-            self._running = False
-            self.error_code = ErrorCode.PREEMPTED
-            self.error_message = "the state was left while the ability ran; its goal is cancelled"
-            self._close_record()
+        if self._permit is not None or self._running:
+            self._leave()
         if self._keeping is not None:
-            self._keeping.give_up()
+            keeper().withdraw(self._keeping)
             self._stop_keeping()
-        self._records.publish(RECORD_TOPIC, self._record)
+        if self._record is not None:
+            self._records.publish(RECORD_TOPIC, self._record)
         self._goal = None
 
     def write_errors(self, userdata: UserData) -> None:
@@ -151,21 +167,64 @@ class AbilityCall:
             userdata.error_code = self.error_code
             userdata.error_message = self.error_message
 
-    def _send(self, goal: Message) -> str:
-        """Send a goal; return why that was not possible, or nothing."""
-        try:
-            self._client.send_goal(self._topic, goal)
-        except Exception as error:  # noqa: BLE001 - stock's proxy promises no narrower type
-            return f"could not send the goal: {error}"
-        return ""
+    def _leave(self) -> None:
+        """End as a state that is left before its operation has ended."""
+        self.error_code = ErrorCode.PREEMPTED
+        if self._permit is not None:
+            self.error_message = "the state was left before its goal was sent"
+            keeper().give_back(self._permit, self._written_record())
+            self._permit = None
+            self._state.set_rate(_RATE_HZ)
+        else:
+            self._client.cancel(self._topic)
+            self._running = False
+            self.error_message = "the state was left while the ability ran; its goal is cancelled"
+            self._close_record()
 
-    def _look(self) -> None:
+    def _check_permit(self, permit: Permit) -> None:
+        if not permit.is_settled:
+            _warn(permit)
+            return
+        self._permit = None
+        self._state.set_rate(_RATE_HZ)
+        if permit.is_refused:
+            text = f"the supervisor refused goal {self._goal.id}: {permit.message}"
+            self._set_end(COMMAND_ERROR, ErrorCode.PREEMPTED, text)
+            return
+        self._recorder = permit.recorder
+        self._goal.id = owned_id(permit.owner, self._goal.id)
+        self._send()
+
+    def _send(self) -> None:
+        self._stopwatch = _stopwatch()
+        servers = self._servers()
+        if len(servers) > 1:
+            text = (
+                f"{self._topic} is served by {' and '.join(servers)}, so goal {self._goal.id} was "
+                "not sent: each of them would execute it. Stop all but one"
+            )
+            self._end(COMMAND_ERROR, ErrorCode.SEVERAL_SERVERS, text)
+            return
+        try:
+            self._client.send_goal(self._topic, self._goal)
+            self._running = True
+        except Exception as error:  # noqa: BLE001 - stock's proxy promises no narrower type
+            text = f"could not send the goal: {error}"
+            self._end(COMMAND_ERROR, ErrorCode.SERVER_LOST, text)
+
+    def _servers(self) -> tuple[str, ...]:
+        """Return the nodes that serve the action; none with stock FlexBE, which cannot know."""
+        servers = getattr(self._client, "servers", None)
+        return servers(self._topic) if servers is not None else ()
+
+    def _check_goal(self) -> None:
         if self._client.has_result(self._topic):
             self._end_by(self._client.get_result(self._topic), self._client.get_state(self._topic))
         elif not self._client.is_available(self._topic):
+            self._client.cancel(self._topic)
             text = f"the server of {self._topic} went away during goal {self._goal.id}"
             self._end(COMMAND_ERROR, ErrorCode.SERVER_LOST, text)
-        elif (rospy.Time.now() - self._started).to_sec() > self._timeout_s + GRACE_S:
+        elif self._stopwatch.read() > self._timeout_s + GRACE_S:
             self._client.cancel(self._topic)
             text = f"{self._topic} did not end goal {self._goal.id} within {self._timeout_s:g} s"
             self._end(FAILED, ErrorCode.SERVER_HUNG, text)
@@ -200,26 +259,20 @@ class AbilityCall:
 
     def _end(self, outcome: str, code: int, text: str) -> None:
         self._running = False
+        self._set_end(outcome, code, text)
+        self._close_record()
+
+    def _set_end(self, outcome: str, code: int, text: str) -> None:
         self._outcome = outcome
         self.error_code, self.error_message = code, text
         if code != ErrorCode.NONE:
             Logger.logwarn(f"{self._ability} {outcome}: error {code}: {text}")
-        self._close_record()
 
-    def _look_at_keeping(self, keeping: Keeping) -> None:
+    def _check_keeping(self, keeping: Keeping) -> None:
         if keeping.is_settled:
             self._stop_keeping()
-        elif keeping.is_overdue:
-            keeping.give_up()
-            self._stop_keeping()
-            self._outcome = COMMAND_ERROR
-            self.error_code = ErrorCode.SERVER_LOST
-            self.error_message = (
-                f"the record of {self._goal.id} was not kept within {KEEP_LIMIT_S:g} s by "
-                f"{keeping.recorder}: {keeping.trouble or 'no answer'}. Start it; `rosparam delete "
-                f"{rospy.resolve_name(RECORDER_PARAMETER)}` lets behaviors run unrecorded"
-            )
-            Logger.logwarn(f"{self._ability} {COMMAND_ERROR}: {self.error_message}")
+        else:
+            _warn(keeping)
 
     def _stop_keeping(self) -> None:
         self._keeping = None
@@ -230,7 +283,7 @@ class AbilityCall:
         self._record = self._written_record()
         if self._recorder:
             self._keeping = keeper().keep(self._record, self._recorder)
-            self._state.set_rate(_KEEPING_RATE_HZ)
+            self._state.set_rate(_ASKING_RATE_HZ)
 
     def _written_record(self) -> AbilityRecord:
         return AbilityRecord(
@@ -245,9 +298,9 @@ class AbilityCall:
             error_code=self.error_code,
             message=getattr(self.result, "message", ""),
             error_message=self.error_message,
-            elapsed_time=(rospy.Time.now() - self._started).to_sec(),
-            parameters=_told(self._goal, frozenset({"id"})),
-            measurements=_told(self.result, _COMMON) if self.result else [],
+            elapsed_time=self._stopwatch.read(),
+            parameters=described(self._goal, frozenset({"id"})),
+            measurements=described(self.result, _COMMON) if self.result else [],
         )
 
     def _behavior(self) -> str:
@@ -258,23 +311,12 @@ class AbilityCall:
         return node.name or "" if node is not None else ""
 
 
-def _told(message: Message, left_out: frozenset[str]) -> list[str]:
-    """Return the numbers, truth values, texts and poses of a message as "name=value"."""
-    fields = {name: getattr(message, name) for name in message.__slots__ if name not in left_out}
-    texts = {name: _text(value) for name, value in fields.items()}
-    return [f"{name}={text}" for name, text in texts.items() if text is not None]
+def _warn(request: Request) -> None:
+    """Log what a request waits for, if that is due."""
+    if warning := request.warning:
+        Logger.logwarn(warning)
 
 
-def _text(value: object) -> str | None:
-    """Return a value as text; None of what is neither plain nor a pose, or several."""
-    if isinstance(value, bool | int | float | str):
-        return str(value)
-    if isinstance(value, PoseStamped):
-        position, turn = value.pose.position, value.pose.orientation
-        numbers = (position.x, position.y, position.z, turn.x, turn.y, turn.z, turn.w)
-        return " ".join(
-            [value.header.frame_id or "-", *(f"{round(n, 6) + 0.0:g}" for n in numbers)]
-        )
-    if isinstance(value, list) and value and all(isinstance(item, PoseStamped) for item in value):
-        return "; ".join(str(_text(item)) for item in value)
-    return None
+def _stopwatch() -> RosStopwatch:
+    """Return a stopwatch that starts now."""
+    return RosStopwatch(lambda: rospy.Time.now().to_sec(), time.monotonic)

@@ -4,11 +4,13 @@ from remodel_msgs.msg import DetectCableAction, DetectCableGoal
 
 from flexbe_core import EventState
 from remodel_states.ability_call import AbilityCall
+from remodel_states.checked_view import checked_view
 
 
 class DetectCableState(EventState):
     """Find a wire and its loose ends by camera.
 
+    -- view  int  From where it is observed: 0 the usual viewpoint, 1 and up others.
     -- timeout_s  float  [s] ROS time that the ability gets.
     -- topic  string  Action topic of the ability server.
 
@@ -26,6 +28,7 @@ class DetectCableState(EventState):
 
     def __init__(
         self,
+        view=0,
         timeout_s=30.0,
         topic="remodel_abilities/detectcable",
     ):
@@ -35,6 +38,7 @@ class DetectCableState(EventState):
             input_keys=["cable_id"],
             output_keys=["observation", "error_code", "error_message"],
         )
+        self._view = checked_view(view)
         self._call = AbilityCall(self, DetectCableAction, topic, timeout_s, done="detected")
 
     def on_enter(self, userdata):
@@ -42,6 +46,7 @@ class DetectCableState(EventState):
         self._call.start(
             DetectCableGoal(
                 cable_id=userdata.cable_id,
+                view=self._view,
             )
         )
 

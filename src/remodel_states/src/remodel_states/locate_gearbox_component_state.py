@@ -4,11 +4,13 @@ from remodel_msgs.msg import LocateGearboxComponentAction, LocateGearboxComponen
 
 from flexbe_core import EventState
 from remodel_states.ability_call import AbilityCall
+from remodel_states.checked_view import checked_view
 
 
 class LocateGearboxComponentState(EventState):
     """Find a component on the panel, and one of its terminals, by camera.
 
+    -- view  int  From where it is observed: 0 the usual viewpoint, 1 and up others.
     -- timeout_s  float  [s] ROS time that the ability gets.
     -- topic  string  Action topic of the ability server.
 
@@ -28,6 +30,7 @@ class LocateGearboxComponentState(EventState):
 
     def __init__(
         self,
+        view=0,
         timeout_s=30.0,
         topic="remodel_abilities/locategearboxcomponent",
     ):
@@ -37,6 +40,7 @@ class LocateGearboxComponentState(EventState):
             input_keys=["component_id", "terminal_id"],
             output_keys=["component_pose", "socket_pose", "error_code", "error_message"],
         )
+        self._view = checked_view(view)
         self._call = AbilityCall(
             self, LocateGearboxComponentAction, topic, timeout_s, done="located"
         )
@@ -47,6 +51,7 @@ class LocateGearboxComponentState(EventState):
             LocateGearboxComponentGoal(
                 component_id=userdata.component_id,
                 terminal_id=userdata.terminal_id,
+                view=self._view,
             )
         )
 

@@ -15,7 +15,7 @@ class PlaceCableState(EventState):
     -- timeout_s  float  [s] ROS time that the ability gets.
     -- topic  string  Action topic of the ability server.
 
-    ># cable_id  string  Wire of the loaded panel.
+    ># cable_id  string  Wire of the loaded panel; empty: the wire that the hand holds.
 
     #> error_code  int  Code of a failure (remodel_msgs/ErrorCode); untouched on success.
     #> error_message  string  What failed and what to do; untouched on success.

@@ -1,11 +1,14 @@
-"""Have each operation's record kept before the next operation begins.
+"""Ask before each operation whether it may begin, and have its record kept before the next one.
 
-A supervisor that survives its own death needs every finished operation in its database before
-anything else moves. It says so by the parameter `remodel/recorder`: the name of its service of type
-remodel_msgs/KeepRecord. Without the parameter nobody is asked.
+A supervisor that can be paused, and that survives its own death, decides about each operation and
+needs every finished one in its database before anything else moves. It announces itself by the
+parameter `remodel/recorder`: the name of its service of type remodel_msgs/KeepRecord. Its service
+of type remodel_msgs/BeginOperation is `begin_operation` in the same namespace. Without the
+parameter nobody is asked.
 
-A thread of its own sends the records, one after the other over one connection, and tries again
-until each is kept or given up; the state only looks.
+A thread of its own asks, over one connection to each service, and tries each request again until
+it is settled or withdrawn; the state only polls. No request delays another: while one state is
+held, the record of another is kept.
 """
 
 from __future__ import annotations
@@ -14,19 +17,28 @@ import queue
 import threading
 import time
 from functools import cache
+from typing import Any
 
 import rospy
 from remodel_msgs.msg import AbilityRecord
-from remodel_msgs.srv import KeepRecord, KeepRecordRequest
+from remodel_msgs.srv import (
+    BeginOperation,
+    BeginOperationRequest,
+    BeginOperationResponse,
+    KeepRecord,
+    KeepRecordRequest,
+)
 
 RECORDER_PARAMETER = "remodel/recorder"
 
-# [s] Wall time, as the recorder is a process and not a part of the cell: longer than it takes to
-# start anew, shorter than the patience of a person who waits.
-KEEP_LIMIT_S = 30.0
-
-# [s] Wall time between two tries.
+# [s] Wall time between two attempts of a request.
 _RETRY_S = 0.25
+
+# Attempts after a state has been left: enough to connect again, and nobody waits for them.
+_LAST_ATTEMPTS = 4
+
+# [s] Wall time between two warnings that nothing moves.
+WARN_EVERY_S = 30.0
 
 
 def recorder() -> str:
@@ -37,48 +49,145 @@ def recorder() -> str:
     return str(rospy.get_param(RECORDER_PARAMETER, ""))
 
 
-class Keeping:
+def owned_id(owner: int, goal_id: str) -> str:
+    """Return a goal's id with the token of the supervisor that owns the cell, if there is one."""
+    return f"{owner}:{goal_id}" if owner else goal_id
+
+
+class Request:
+    """Something that a supervisor is asked for until it is settled.
+
+    Attributes:
+        recorder: name of the supervisor's KeepRecord service; empty once the parameter is gone.
+        trouble: why it is not settled so far; empty if nobody has answered.
+        is_settled: whether the answer is final, or no longer needed.
+    """
+
+    def __init__(self, recorder: str) -> None:
+        """Begin to wait."""
+        self.recorder = recorder
+        self.trouble = ""
+        self.is_settled = False
+        self.due_s = 0.0
+        self.last_attempts = _LAST_ATTEMPTS
+        self.is_withdrawn = False
+        self._warned_s = time.monotonic()
+
+    @property
+    def warning(self) -> str:
+        """What delays the request and what to do about it, each WARN_EVERY_S; empty between."""
+        if time.monotonic() - self._warned_s < WARN_EVERY_S:
+            return ""
+        self._warned_s = time.monotonic()
+        return (
+            f"nothing moves: {self.recorder or RECORDER_PARAMETER} is asked for {WARN_EVERY_S:g} s "
+            f"or longer: {self.trouble or 'no answer'}. Start the supervisor; or, to run behaviors "
+            f"unsupervised, `rosparam delete {rospy.resolve_name(RECORDER_PARAMETER)}`"
+        )
+
+
+class Keeping(Request):
     """A record that is to be kept.
 
     Attributes:
         record: what is to be kept.
-        recorder: name of the service that is asked.
-        trouble: why it is not kept so far; empty if nobody has answered.
-        is_settled: whether it is kept, or need not be any more.
     """
 
     def __init__(self, record: AbilityRecord, recorder: str) -> None:
         """Begin to wait."""
+        super().__init__(recorder)
         self.record = record
-        self.recorder = recorder
-        self.trouble = ""
-        self.is_settled = False
-        self._since = time.monotonic()
-        self._given_up = threading.Event()
+
+
+class Permit(Request):
+    """A goal that may not be sent before the supervisor grants it.
+
+    Attributes:
+        operation: what is to begin.
+        is_held: whether the last answer was that the run is paused.
+        is_granted: whether the goal may be sent, by the answer of a supervisor.
+        is_refused: whether the goal must not be sent.
+        owner: token of the supervisor that granted it; 0 for none.
+        message: the supervisor's reason.
+        unsent: see RecordKeeper.give_back.
+    """
+
+    def __init__(self, operation: BeginOperationRequest, recorder: str) -> None:
+        """Begin to wait."""
+        super().__init__(recorder)
+        self.operation = operation
+        self.is_held = False
+        self.is_refused = False
+        self.is_granted = False
+        self.owner = 0
+        self.message = ""
+        self.unsent: AbilityRecord | None = None
 
     @property
-    def is_overdue(self) -> bool:
-        """Return whether the recorder has had its time."""
-        return time.monotonic() - self._since > KEEP_LIMIT_S
+    def warning(self) -> str:
+        """As of any request, but nothing while the run is paused: that is no trouble."""
+        return "" if self.is_held else super().warning
 
-    def give_up(self) -> None:
-        """Wait no longer: a record that is not kept is sent once more, whatever comes of it."""
-        self._given_up.set()
+    def take(self, answer: BeginOperationResponse) -> bool:
+        """Take the supervisor's answer; return whether it is final."""
+        self.is_held = answer.answer == BeginOperationResponse.HELD
+        self.is_granted = answer.answer == BeginOperationResponse.GRANTED
+        self.is_refused = not self.is_held and not self.is_granted
+        self.owner, self.message = answer.owner, answer.message
+        # The supervisor is there: it alone ends the pause, even if the parameter is lost meanwhile.
+        self.trouble = ""
+        return not self.is_held
 
-    def wait_for_retry(self) -> bool:
-        """Wait until it is to be sent again; return whether that is the last time."""
-        return self._given_up.wait(_RETRY_S)
+
+class _Line:
+    """A lasting connection to one service of a supervisor."""
+
+    def __init__(self, service_class: type) -> None:
+        """Begin without a connection."""
+        self._service_class = service_class
+        self._proxy: rospy.ServiceProxy | None = None
+        self._name = ""
+
+    def call(self, name: str, request: Any) -> Any:  # noqa: ANN401 - of the service class
+        """Return the answer; after an error the next call connects again."""
+        if self._name != name:
+            self._close()
+        if self._proxy is None:
+            self._proxy = rospy.ServiceProxy(name, self._service_class, persistent=True)
+            self._name = name
+        try:
+            return self._proxy.call(request)
+        except Exception:
+            self._close()
+            raise
+
+    def _close(self) -> None:
+        if self._proxy is not None:
+            self._proxy.close()
+            self._proxy = None
 
 
 class RecordKeeper:
-    """The thread that sends records."""
+    """The thread that asks."""
 
     def __init__(self) -> None:
         """Start the thread; it ends with the process."""
-        self._proxy: rospy.ServiceProxy | None = None
-        self._connected_to = ""
-        self._queue: queue.SimpleQueue[Keeping] = queue.SimpleQueue()
+        self._keep, self._begin = _Line(KeepRecord), _Line(BeginOperation)
+        self._queue: queue.SimpleQueue[Request] = queue.SimpleQueue()
         threading.Thread(target=self._work, name="record keeper", daemon=True).start()
+
+    def ask(self, operation: BeginOperationRequest, recorder: str, trouble: str = "") -> Permit:
+        """Begin to ask whether a goal may be sent; return at once.
+
+        Args:
+            operation: what is to begin.
+            recorder: as Request has it.
+            trouble: why the recorder is not known yet; it is looked up then.
+        """
+        permit = Permit(operation, recorder)
+        permit.trouble = trouble
+        self._queue.put(permit)
+        return permit
 
     def keep(self, record: AbilityRecord, recorder: str) -> Keeping:
         """Begin to have a record kept; return at once."""
@@ -86,42 +195,82 @@ class RecordKeeper:
         self._queue.put(keeping)
         return keeping
 
+    def withdraw(self, request: Request) -> None:
+        """Wait no longer: a record that is not kept is sent a few times more."""
+        request.is_withdrawn = True
+        self._queue.put(request)
+
+    def give_back(self, permit: Permit, unsent: AbilityRecord) -> None:
+        """Do not send the goal; if it was granted, have the record kept that it was not sent.
+
+        Otherwise the supervisor would count the operation as moving for ever.
+        """
+        permit.unsent = unsent
+        self.withdraw(permit)
+
     def _work(self) -> None:
+        waiting: list[Request] = []
         while True:
-            keeping = self._queue.get()
-            is_last = False
-            while not self._send(keeping) and not is_last:
-                is_last = keeping.wait_for_retry()
+            arrived = self._next(waiting)
+            if arrived is not None:
+                waiting = [request for request in waiting if request is not arrived]
+                waiting += _to_do(arrived)
+            now = time.monotonic()
+            waiting = [r for r in waiting if r.due_s > now or not self._is_done(r)]
 
-    def _send(self, keeping: Keeping) -> bool:
-        """Return whether a record is settled."""
+    def _next(self, waiting: list[Request]) -> Request | None:
+        """Return a request that arrived; None when the next attempt is due."""
+        due_s = min((request.due_s for request in waiting), default=None)
+        limit_s = None if due_s is None else max(0.0, due_s - time.monotonic())
         try:
-            if keeping.trouble:  # the recorder may be another one by now, or none
-                keeping.recorder = recorder()
-            keeping.is_settled = not keeping.recorder or self._ask(keeping)
+            return self._queue.get(timeout=limit_s)
+        except queue.Empty:
+            return None
+
+    def _is_done(self, request: Request) -> bool:
+        """Attempt a request; return whether there is nothing more to do for it."""
+        request.last_attempts -= request.is_withdrawn
+        if not request.is_settled:
+            self._attempt(request)
+        request.due_s = time.monotonic() + _RETRY_S
+        return request.is_settled or request.last_attempts <= 0
+
+    def _attempt(self, request: Request) -> None:
+        try:
+            if request.trouble:  # the recorder may be another one by now, or none
+                request.recorder = recorder()
+            request.is_settled = not request.recorder or self._answered(request)
         except Exception as error:  # noqa: BLE001 - rospy promises no type; the thread goes on
-            keeping.trouble = str(error) or type(error).__name__
-            self._disconnect()
-        return keeping.is_settled
+            request.trouble = str(error) or type(error).__name__
+            if isinstance(request, Permit):
+                request.is_held = False
 
-    def _ask(self, keeping: Keeping) -> bool:
-        if self._connected_to != keeping.recorder:
-            self._disconnect()
-        if self._proxy is None:
-            self._proxy = rospy.ServiceProxy(keeping.recorder, KeepRecord, persistent=True)
-            self._connected_to = keeping.recorder
-        response = self._proxy.call(KeepRecordRequest(keeping.record))
+    def _answered(self, request: Request) -> bool:
+        """Return whether the supervisor's answer settles a request."""
+        if isinstance(request, Permit):
+            namespace, slash, _ = request.recorder.rpartition("/")
+            name = f"{namespace}{slash}begin_operation"
+            return request.take(self._begin.call(name, request.operation))
+        response = self._keep.call(request.recorder, KeepRecordRequest(request.record))
         if not response.success:
-            keeping.trouble = response.message or "it gave no reason"
-        return response.success
+            request.trouble = response.message or "it gave no reason"
+        return bool(response.success)
 
-    def _disconnect(self) -> None:
-        if self._proxy is not None:
-            self._proxy.close()
-            self._proxy = None
+
+def _to_do(request: Request) -> list[Request]:
+    """Return what is to be attempted for a request that arrived."""
+    request.due_s = 0.0
+    if not (isinstance(request, Permit) and request.is_withdrawn):
+        return [request]
+    if not request.is_granted or request.unsent is None:
+        return []
+    request.unsent.goal_id = owned_id(request.owner, request.unsent.goal_id)
+    keeping = Keeping(request.unsent, request.recorder)
+    keeping.is_withdrawn = True
+    return [keeping]
 
 
 @cache
 def keeper() -> RecordKeeper:
-    """Return the process's keeper: the states of all behaviors share its connection."""
+    """Return the process's keeper: the states of all behaviors share its connections."""
     return RecordKeeper()

@@ -28,6 +28,15 @@ PANEL = Panel(
         Wire(id="W2", a_component="Q1", a_terminal="3", b_component="Q1", b_terminal="4"),
     ],
 )
+ABILITIES = (
+    "CheckConnection",
+    "DiscardCable",
+    "ExtractCable",
+    "FixCable",
+    "InsertCable",
+    "LocateGearboxComponent",
+    "PlaceCable",
+)
 ENDS = {("W1", "a"): "1", ("W1", "b"): "2", ("W2", "a"): "3", ("W2", "b"): "4"}
 
 
@@ -42,7 +51,7 @@ class FakeCellTest(unittest.TestCase):
         cls.world = WorldFile(rospy.get_param("world"))
         cls.screwdriver = None
         cls.clients = {}
-        for ability in ("CheckConnection", "FixCable", "InsertCable", "LocateGearboxComponent"):
+        for ability in ABILITIES:
             kind = getattr(remodel_msgs, f"{ability}Action")
             cls.clients[ability] = actionlib.SimpleActionClient(
                 f"remodel_abilities/{ability.lower()}", kind
@@ -75,15 +84,16 @@ class FakeCellTest(unittest.TestCase):
         self.count = 0
         self.assertTrue(call("cell/load_panel", LoadPanel, panel=PANEL).success)
 
-    def goal(self, ability, wire="W1", end="a"):
+    def goal(self, ability, wire="W1", end="a", owner=""):
         self.count += 1
-        goal = getattr(remodel_msgs, f"{ability}Goal")(id=f"{ability}#{self.count}", timeout=5.0)
+        goal = getattr(remodel_msgs, f"{ability}Goal")(timeout=5.0)
+        goal.id = f"{owner}{ability}#{self.count}"
         known = {
             "robot_name": "robot_1",
             "cable_id": wire,
             "cable_end": end,
             "component_id": "Q1",
-            "terminal_id": ENDS[wire, end],
+            "terminal_id": ENDS.get((wire, end), ""),
             "force_limit": 8.0,
             "socket_pose": PoseStamped(),
         }
@@ -91,10 +101,13 @@ class FakeCellTest(unittest.TestCase):
             setattr(goal, name, known[name])
         return goal
 
-    def ask(self, ability, *about):
+    def ask(self, ability, *about, owner="", view=0):
         """Return the result of a goal; None if the server went away."""
         client = self.clients[ability]
-        client.send_goal(self.goal(ability, *about))
+        goal = self.goal(ability, *about, owner=owner)
+        if view:
+            goal.view = view
+        client.send_goal(goal)
         client.wait_for_result(rospy.Duration(2.0))
         return client.get_result()
 
@@ -131,13 +144,79 @@ class FakeCellTest(unittest.TestCase):
         self.feed("W1")
         codes = [self.ask("InsertCable").error_code for _ in range(3)]
         self.assertEqual(codes, [ErrorCode.INSERTION_JAMMED] * 3)
-        place = actionlib.SimpleActionClient(
-            "remodel_abilities/placecable", remodel_msgs.PlaceCableAction
-        )
-        self.assertTrue(place.wait_for_server(rospy.Duration(5.0)))
-        place.send_goal_and_wait(self.goal("PlaceCable"))
+        held = call("cell/feed_wire", FeedWire, wire_id="W1", channel_id="A")
+        self.assertEqual(held.error_code, ErrorCode.OTHER_CABLE_HELD)
+        self.assertTrue(self.ask("PlaceCable", "").success)
+        left_behind = call("cell/feed_wire", FeedWire, wire_id="W1", channel_id="A")
+        self.assertEqual(left_behind.error_code, ErrorCode.WIRE_LEFT_BEHIND)
+        self.assertTrue(self.ask("DiscardCable").success)
         self.feed("W1")
         self.assertTrue(self.ask("InsertCable").success)
+
+    def test_feeding_an_untouched_wire_feeds_no_new_piece(self):
+        for _ in range(2):
+            self.feed("W1")
+        self.assertEqual(account(self.world.ledger(), ["W1"]).fed_again, ())
+
+    def test_another_view_cures_what_the_usual_one_does_not(self):
+        call("cell/inject_fault", InjectFault, kind="component_occluded", target="look_again")
+        codes = [self.ask("LocateGearboxComponent").error_code for _ in range(2)]
+        self.assertEqual(codes, [ErrorCode.COMPONENT_OCCLUDED] * 2)
+        self.assertTrue(self.ask("LocateGearboxComponent", view=1).success)
+
+    def test_a_stuck_wire_stays_until_an_operator_frees_it(self):
+        call("cell/inject_fault", InjectFault, kind="extraction_stuck", target="ask_operator")
+        self.feed("W1")
+        self.assertTrue(self.ask("DiscardCable").success)  # nothing of it is connected
+        self.feed("W1")
+        self.ask("InsertCable")
+        self.ask("FixCable")
+        for ability in ("ExtractCable", "DiscardCable"):
+            self.assertEqual(self.ask(ability).error_code, ErrorCode.EXTRACTION_STUCK)
+        self.assertTrue(self.ask("CheckConnection").connected)
+        call("cell/mend_faults", Trigger)
+        self.assertTrue(self.ask("DiscardCable").success)
+        self.assertEqual(call("cell/ground_truth", GetGroundTruth).wires, [])
+        self.assertEqual(account(self.world.ledger(), ["W1"]).scrapped, ("W1",))
+
+    def test_a_panel_is_kept_only_with_its_serial_number(self):
+        for serial, kept in (("house-1", False), ("house-1", True), ("house-2", False)):
+            panel = Panel(**{name: getattr(PANEL, name) for name in PANEL.__slots__})
+            panel.serial = serial
+            loaded = call("cell/load_panel", LoadPanel, panel=panel, keep=True)
+            self.assertTrue(loaded.success)
+            self.assertEqual(bool(call("cell/ground_truth", GetGroundTruth).wires), kept)
+            self.feed("W1")
+        wrong = Panel(wires=[Wire(id="W1", a_component="X")])
+        self.assertEqual(
+            call("cell/load_panel", LoadPanel, panel=wrong).error_code, ErrorCode.INVALID_GOAL
+        )
+
+    def test_an_older_supervisor_is_refused_even_by_another_process(self):
+        self.assertTrue(call("cell/load_panel", LoadPanel, panel=PANEL, owner=1).success)
+        self.feed("W1")
+        self.assertTrue(self.ask("InsertCable", owner="2:").success)
+        self.restart_screwdriver()
+        stale = self.ask("FixCable", owner="1:")
+        self.assertEqual(stale.error_code, ErrorCode.STALE_OWNER)
+        self.assertIn("supervisor 2 does", stale.error_message)
+        fed = call("cell/feed_wire", FeedWire, wire_id="W2", channel_id="A", owner=1)
+        loaded = call("cell/load_panel", LoadPanel, panel=PANEL, owner=1)
+        self.assertEqual([fed.error_code, loaded.error_code], [ErrorCode.STALE_OWNER] * 2)
+        self.assertTrue(self.ask("FixCable", owner="2:").success)
+        self.assertTrue(call("cell/load_panel", LoadPanel, panel=PANEL).success)
+
+    def test_a_goal_of_a_cell_that_changes_hands_meanwhile_has_no_effect(self):
+        client = actionlib.SimpleActionClient(
+            "slow/remodel_abilities/insertcable", remodel_msgs.InsertCableAction
+        )
+        self.assertTrue(client.wait_for_server(rospy.Duration(20.0)))
+        call("slow/cell/load_panel", LoadPanel, panel=PANEL, owner=1)
+        call("slow/cell/feed_wire", FeedWire, wire_id="W1", channel_id="A", owner=1)
+        client.send_goal(self.goal("InsertCable", owner="1:"))
+        call("slow/cell/load_panel", LoadPanel, panel=PANEL, keep=True, owner=2)
+        self.assertTrue(client.wait_for_result(rospy.Duration(5.0)))
+        self.assertEqual(client.get_result().error_code, ErrorCode.STALE_OWNER)
 
     def test_what_an_operator_mends_is_whole_again(self):
         target = "ask_operator"

@@ -1,12 +1,14 @@
+"""The world of a fake cell: what abilities ask of it, do to it, and find of it on disk."""
+
 import sqlite3
 from types import SimpleNamespace
 
 import pytest
 from remodel_msgs.msg import ErrorCode
 
-from remodel_states.testing.faults import Behaves, Cure, Fault, at_goal, when_fed, when_mended
-from remodel_states.testing.ledger import Deed, Entry, account
-from remodel_states.testing.operations import OPERATIONS, fail
+from remodel_states.testing.faults import Behaves, Cure, Fault
+from remodel_states.testing.ledger import Deed, Entry
+from remodel_states.testing.operations import OPERATIONS, fail, perform
 from remodel_states.testing.robot_lock import RobotLock
 from remodel_states.testing.world import Hand, Panel, Seat, World, WorldError
 from remodel_states.testing.world_file import WorldFile
@@ -42,7 +44,7 @@ def goal(**fields):
 def do(world, ability, **fields):
     """Return the effect of an ability that can be done."""
     OPERATIONS[ability].check(world, CELL, goal(**fields))
-    return OPERATIONS[ability].do(world, CELL, goal(**fields))
+    return perform(ability, world, CELL, goal(**fields))
 
 
 def code_of(world, ability, **fields):
@@ -85,6 +87,9 @@ def test_inserting_picks_first_and_goes_on_holding(fed):
         ("PickCable", {"cable_end": "c"}, ErrorCode.INVALID_GOAL),
         ("PickCable", {"grasp_distance": 0.2}, ErrorCode.INVALID_GOAL),
         ("PlaceCable", {}, ErrorCode.NOTHING_HELD),
+        ("PlaceCable", {"cable_id": ""}, ErrorCode.NOTHING_HELD),
+        ("DiscardCable", {"cable_id": "W9"}, ErrorCode.UNKNOWN_NAME),
+        ("DiscardCable", {"robot_name": "robot_9"}, ErrorCode.UNKNOWN_NAME),
         ("RouteWire", {}, ErrorCode.NOTHING_HELD),
         ("FixCable", {}, ErrorCode.NOTHING_HELD),
         ("DetectCable", {"cable_id": "W2"}, ErrorCode.WIRE_NOT_FED),
@@ -146,11 +151,67 @@ def test_looking_tells_whether_an_end_is_held(fed, a_fixed):
     assert do(do(fed, "InsertCable").world, "CheckConnection").found == {"connected": False}
 
 
-def test_a_new_piece_takes_the_place_of_the_old_one_in_any_cell(a_fixed):
-    other = a_fixed.feed("cell_2", "W1", "A")
-    assert other.seat("W1", "a") is None
-    assert other.hand(CELL) == Hand()
-    assert other.hand("cell_2").live == "W1"
+def refused_feed(world, wire="W1", cell=CELL):
+    with pytest.raises(WorldError) as raised:
+        world.feed(cell, wire, "A")
+    return raised.value.code
+
+
+def test_an_untouched_piece_is_presented_again(fed):
+    assert fed.feed(CELL, "W1", "A") == fed
+    other = fed.feed(CELL, "W2", "A")
+    assert other.hand(CELL).live == "W2"
+    again = other.feed(CELL, "W1", "A")
+    assert (again.fed, again.hand(CELL).live) == (("W1", "W2"), "W1")
+    assert do(fed, "DetectCable").world.feed(CELL, "W1", "A") == fed
+
+
+def test_a_piece_that_was_touched_is_left_behind(fed, a_fixed):
+    laid_down = do(do(fed, "PickCable").world, "PlaceCable").world
+    missed = perform("PickCable", fed, CELL, goal(), ErrorCode.GRASP_MISSED).world
+    for world in (a_fixed, laid_down, missed):
+        assert refused_feed(world) == ErrorCode.WIRE_LEFT_BEHIND
+        assert world.feed(CELL, "W2", "A").fed == ("W1", "W2")
+    assert refused_feed(fed, cell="cell_2") == ErrorCode.WIRE_LEFT_BEHIND
+
+
+def test_a_discarded_wire_is_gone_with_its_connections(a_fixed):
+    held = do(a_fixed, "PickCable", cable_end="b").world
+    for fields in ({}, {"cable_id": ""}):
+        effect = do(held, "DiscardCable", **fields)
+        assert (effect.world.fed, effect.world.seats) == ((), {})
+        assert effect.world.hand(CELL) == Hand()
+        assert effect.entries == (Entry(Deed.DISCARD, CELL, "W1", goal="g"),)
+        assert effect.world.feed(CELL, "W1", "A").hand(CELL).live == "W1"
+
+
+def test_discarding_nothing_succeeds(fed):
+    for world, wire in ((World(PANEL), "W1"), (fed, "W2"), (fed, "")):
+        effect = do(world, "DiscardCable", cable_id=wire)
+        assert (effect.world, effect.entries) == (world, ())
+
+
+def test_a_hand_discards_no_wire_but_its_own(fed):
+    held = do(fed, "PickCable").world
+    assert code_of(held, "DiscardCable", cable_id="W2") == ErrorCode.OTHER_CABLE_HELD
+    other = held.feed("cell_2", "W2", "A").with_hand("cell_2", held="a")
+    wire_of_other = do(other, "PlaceCable").world
+    code = code_of(wire_of_other, "DiscardCable", cable_id="W2")
+    assert code == ErrorCode.ROBOT_IN_THE_WAY
+
+
+def test_discarding_extracts_the_ends_that_are_connected(fed, a_fixed):
+    includes = OPERATIONS["DiscardCable"].includes
+    assert includes(a_fixed, CELL, goal()) == ("ExtractCable",)
+    assert includes(fed, CELL, goal()) == ()
+    inserted = do(fed, "InsertCable").world
+    assert includes(inserted, CELL, goal(cable_id="")) == ("ExtractCable",)
+
+
+def test_what_the_hand_holds_is_laid_down_without_its_name(fed):
+    placed = do(do(fed, "PickCable").world, "PlaceCable", cable_id="")
+    assert placed.world.hand(CELL).held == ""
+    assert "W1" in placed.said
 
 
 def test_a_failed_insertion_leaves_the_wire_in_the_hand(fed):
@@ -161,82 +222,22 @@ def test_a_failed_insertion_leaves_the_wire_in_the_hand(fed):
     assert not slipped.hand(CELL).held
 
 
-# --- faults
-
-
-def jam(**fields):
-    return Fault("insertion_jammed", "InsertCable", ErrorCode.INSERTION_JAMMED, **fields)
-
-
-def strikes(fault, goals):
-    """Return which of these (ability, goal) a fault strikes."""
-    faults, struck = (fault,), []
-    for ability, sent in goals:
-        faults, striking = at_goal(faults, ability, sent)
-        struck.append(striking is not None)
-    return struck
-
-
-def test_a_passing_fault_strikes_from_the_nth_goal_as_often_as_it_says():
-    goals = [("FixCable", goal()), *[("InsertCable", goal())] * 4]
-    assert strikes(jam(nth=2, times=2), goals) == [False, False, True, True, False]
-
-
-def test_a_fault_may_be_of_one_wire():
-    goals = [("InsertCable", goal(cable_id=wire)) for wire in ("W1", "W2", "W2")]
-    assert strikes(jam(wire="W2"), goals) == [False, True, False]
-
-
-def test_a_retry_does_not_help_against_a_fault_that_needs_more():
-    insert = ("InsertCable", goal())
-    locate = ("LocateGearboxComponent", SimpleNamespace(component_id="Q1", terminal_id="1"))
-    assert strikes(jam(cure=Cure.NEW_PART), [insert] * 4) == [True] * 4
-    look = jam(cure=Cure.LOOK_AGAIN)
-    assert strikes(look, [locate, insert, insert, locate, insert]) == [
-        False,
-        True,
-        True,
-        False,
-        False,
-    ]
-    force = jam(cure=Cure.RETRY_WITH, parameter="force_limit", at_least=12.0)
-    more = ("InsertCable", goal(force_limit=13.0))
-    assert strikes(force, [insert, insert, more]) == [True, True, False]
-
-
-def test_feeding_cures_by_which_wire_is_fed():
-    for cure, curing in ((Cure.NEW_PART, "W1"), (Cure.REPLAN, "W2")):
-        (struck,), _ = at_goal((jam(cure=cure),), "InsertCable", goal())
-        outcome = {wire: when_fed((struck,), wire)[0].is_over for wire in ("W1", "W2")}
-        assert outcome == {"W1": curing == "W1", "W2": curing == "W2"}
-
-
-def test_an_operator_mends_what_has_shown():
-    (struck,), _ = at_goal((jam(cure=Cure.ASK_OPERATOR),), "InsertCable", goal())
-    mended, waiting = when_mended((struck, jam()))
-    assert mended.is_over
-    assert not waiting.is_over
-
-
-@pytest.mark.parametrize("wrong", [{"nth": 0}, {"times": 0}, {"cure": Cure.RETRY_WITH}])
-def test_a_senseless_fault_is_refused(wrong):
-    with pytest.raises(ValueError, match="insertion_jammed"):
-        jam(**wrong)
-
-
 # --- on disk
 
 
 def test_the_file_gives_back_what_it_was_given(tmp_path, a_fixed):
     file = WorldFile(tmp_path / "world")
-    faults = (jam(cure=Cure.NEW_PART), Fault("server_hung", "FixCable", behaves=Behaves.HANGS))
+    jammed = Fault("insertion_jammed", "InsertCable", 301, cure=Cure.NEW_PART)
+    faults = (jammed, Fault("server_hung", "FixCable", behaves=Behaves.HANGS))
     entry = Entry(Deed.FEED, CELL, "W1", terminal="A")
     with file.change() as draft:
         draft.world, draft.faults, draft.goals = a_fixed, faults, {"FixCable": 3}
+        draft.owners = {CELL: 17}
         draft.entries.append(entry)
     again = WorldFile(tmp_path / "world")
     read = again.read()
     assert (read.world, read.faults, read.goals) == (a_fixed, faults, {"FixCable": 3})
+    assert read.owners == {CELL: 17}
     (written,) = again.ledger()
     assert (written.deed, written.wire, written.terminal) == (Deed.FEED, "W1", "A")
 
@@ -266,32 +267,3 @@ def test_a_robot_does_one_goal_at_a_time(tmp_path):
     first.free()
     assert second.take()
     second.free()
-
-
-# --- the account
-
-
-def entries(text):
-    """Return the entries of words like "feed:W1" and "fix:W1/a"."""
-    found = []
-    for word in text.split():
-        deed, _, what = word.partition(":")
-        wire, _, end = what.partition("/")
-        found.append(Entry(Deed(deed), CELL, wire, end))
-    return found
-
-
-@pytest.mark.parametrize(
-    ("deeds", "told"),
-    [
-        ("feed:W1 fix:W1/a fix:W1/b", ((), (), (), ())),
-        ("feed:W1 fix:W1/a", ((), (), (), ("W1/b",))),
-        ("feed:W1 fix:W1/a feed:W1 fix:W1/a fix:W1/b", (("W1/a",), ("W1",), ("W1",), ())),
-        ("feed:W1 fix:W1/a fix:W1/b loosen:W1/b", ((), (), (), ("W1/b",))),
-        ("feed:W1 feed:W1 fix:W1/a fix:W1/b feed:W2", ((), ("W1",), (), ())),
-        ("feed:W1 fix:W1/a load:p feed:W1 fix:W1/a fix:W1/b", ((), (), (), ())),
-    ],
-)
-def test_the_account_tells_what_was_done_twice_or_left_out(deeds, told):
-    found = account(entries(deeds), ["W1"])
-    assert (found.fixed_again, found.fed_again, found.scrapped, found.omitted) == told

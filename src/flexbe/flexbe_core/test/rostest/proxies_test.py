@@ -13,7 +13,7 @@ import actionlib
 import rospy
 import rostest
 from actionlib.msg import TestAction, TestFeedback, TestGoal, TestResult
-from actionlib_msgs.msg import GoalStatus
+from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 from std_msgs.msg import Empty, String
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
@@ -249,6 +249,29 @@ class ProxiesTest(unittest.TestCase):
         client.send_goal("a/again", TestGoal())
         self.assertTrue(wait_until(lambda: client.get_state("a/again") == GoalStatus.ACTIVE))
         self.assertTrue(client.is_available("a/again"))
+
+    def test_a_lost_goal_is_cancelled_in_case_its_server_gets_it_late(self):
+        cancelled = []
+        rospy.Subscriber("a/late/cancel", GoalID, lambda message: cancelled.append(message.id))
+        server, client = self.sent_goal("a/late", "late")
+        server.kill()
+        server.wait()
+        self.start_server("a/late", "late")
+        self.assertTrue(wait_until(lambda: client.get_state("a/late") == GoalStatus.LOST))
+        client.cancel("a/late")
+        self.assertTrue(wait_until(lambda: cancelled))
+
+    def test_all_servers_of_an_action_are_named(self):
+        first, client = self.sent_goal("a/shared", "server_1")
+        self.assertEqual(client.servers("a/shared"), ("/server_1",))
+        self.start_server("a/shared", "server_2")
+        statuses = rospy.Publisher("a/shared/status", GoalStatusArray, queue_size=1)  # no server
+        self.assertTrue(
+            wait_until(lambda: client.servers("a/shared") == ("/server_1", "/server_2"))
+        )
+        self.assertGreater(statuses.get_num_connections(), 0)
+        first.kill()
+        self.assertTrue(wait_until(lambda: client.servers("a/shared") == ("/server_2",)))
 
     # Transforms
 

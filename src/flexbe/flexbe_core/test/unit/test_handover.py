@@ -4,7 +4,7 @@ import pytest
 
 from flexbe_core import Behavior, EventState
 from flexbe_core.core import ConcurrencyContainer, OperatableStateMachine
-from flexbe_core.engine.commands import Preempt, Release, Unlock
+from flexbe_core.engine.commands import Pause, Preempt, Release, Unlock
 from flexbe_core.engine.engine import Engine
 from flexbe_core.engine.errors import StateMachineError
 from flexbe_core.engine.facts import Answered
@@ -115,6 +115,23 @@ def test_it_stays_locked_until_an_operator_unlocks_it(bench):
     assert bench.run(successor, ticks=5) is None
     successor.handle(Unlock(""))
     assert bench.run(successor) == "finished"
+
+
+@pytest.mark.parametrize("is_supervised", [True, False])
+def test_a_paused_run_goes_on_paused_if_it_is_supervised(bench, is_supervised):
+    log = []
+    engine = running(bench, Version(log))
+    engine.handle(Pause())
+    bench.run(engine, ticks=2)
+    version, handed = prepared(Version(log)), []
+    engine.handle(Release(lambda handover: not handed.append(handover)))
+    version.take_over(handed[0])
+    successor = Engine(version._state_machine)
+    handed[0].state._is_controlled = is_supervised
+    take_over(successor, handed[0])
+    log.clear()
+    assert bench.run(successor, ticks=3) is None
+    assert (("Work", "execute") in log) != is_supervised
 
 
 def test_a_version_without_the_state_is_not_switched_to(bench):

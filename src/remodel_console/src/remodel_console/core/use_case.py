@@ -1,4 +1,4 @@
-"""A run of an order as the use case supervisor tells it: tasks, levels, failures, the question."""
+"""A run of an order as the supervisor publishes it: tasks, levels, failures, the question."""
 
 from __future__ import annotations
 
@@ -11,10 +11,13 @@ class Phase(Enum):
     """What the supervisor does; the values are those of remodel_msgs/UseCaseState."""
 
     IDLE = "idle"
+    STARTING = "starting"
     PLANNING = "planning"
     RUNNING = "running"
     SETTLING = "settling"
+    PAUSING = "pausing"
     PAUSED = "paused"
+    PROTECTIVE_STOP = "protective_stop"
     ASKING = "asking"
     ENDED = "ended"
 
@@ -26,10 +29,13 @@ class Phase(Enum):
 
 _PHASE_WORDS = {
     Phase.IDLE: "idle",
+    Phase.STARTING: "starting",
     Phase.PLANNING: "plans",
     Phase.RUNNING: "runs",
-    Phase.SETTLING: "looks what an interrupted task has left",
+    Phase.SETTLING: "inspects what an interrupted task has left",
+    Phase.PAUSING: "pausing…",
     Phase.PAUSED: "paused",
+    Phase.PROTECTIVE_STOP: "protective stop",
     Phase.ASKING: "waits for you",
     Phase.ENDED: "ended",
 }
@@ -114,21 +120,36 @@ class Failure:
 
 @dataclass(frozen=True)
 class Question:
-    """What the run waits for a person to answer."""
+    """What the run waits for a person to answer.
+
+    Attributes:
+        asked_s: when it was asked, ROS time [s].
+        timeout_s: after which it escalates, and the run goes on without an answer [s]; 0: never.
+    """
 
     number: int
     task: str
     text: str
     choices: tuple[Choice, ...]
+    asked_s: float = 0.0
+    timeout_s: float = 0.0
+
+    def left_s(self, now_s: float) -> float | None:
+        """Return the time that is left to answer at a ROS time [s]; None without a limit."""
+        return max(0.0, self.asked_s + self.timeout_s - now_s) if self.timeout_s else None
 
 
 @dataclass(frozen=True)
 class UseCase:
-    """A run, or that there is none, as it was told at a ROS time [s].
+    """A run, or that there is none, as it was published at a ROS time [s].
 
     Attributes:
         run: its number in the production database, 0 without one.
-        started_s: when it began, or went on after an interruption; ROS time [s].
+        serial: serial number of the product.
+        started_s: when it began, or was resumed after an interruption; ROS time [s].
+        stopped_by: who requested the protective stop; empty without one.
+        total: number of tasks, of which `done` and `set_aside` have ended.
+        tasks: all of them, or none as long as they could not be fetched.
     """
 
     phase: Phase
@@ -138,8 +159,13 @@ class UseCase:
     run: int = 0
     order: str = ""
     use_case: str = ""
+    serial: str = ""
     started_s: float = 0.0
     interruptions: int = 0
+    stopped_by: str = ""
+    total: int = 0
+    done: int = 0
+    set_aside: int = 0
     tasks: tuple[Task, ...] = ()
     task: str = ""
     levels: tuple[Level, ...] = ()
@@ -149,16 +175,39 @@ class UseCase:
     @property
     def is_under_way(self) -> bool:
         """Tell whether a run goes on, or waits."""
-        return self.phase not in (Phase.IDLE, Phase.ENDED)
+        return self.phase not in (Phase.IDLE, Phase.STARTING, Phase.ENDED)
+
+    @property
+    def is_held(self) -> bool:
+        """Return whether the run goes on only when it is resumed."""
+        return self.phase in (Phase.PAUSING, Phase.PAUSED, Phase.PROTECTIVE_STOP)
 
     @property
     def left_s(self) -> float:
         """Return the time that all tasks are still expected to take [s]."""
         return sum(task.expected_s for task in self.tasks)
 
-    def count(self, phase: TaskPhase) -> int:
-        """Return how many tasks are in a phase."""
-        return sum(task.phase is phase for task in self.tasks)
+
+# Tasks that a page shows at once, of which a quarter each may have ended before, or be skipped.
+SHOWN_TASKS = 200
+
+
+def shown_tasks(tasks: tuple[Task, ...]) -> tuple[Task, ...]:
+    """Return the tasks that a page shows: all, or of a large order those around the current one.
+
+    Skipped tasks, which a person may retry, are shown before them, the latest ones if there are
+    many. The tasks shown change seldom, so that rows stay where they are.
+
+    Args:
+        tasks: those that have ended, then the others.
+    """
+    if len(tasks) <= SHOWN_TASKS:
+        return tasks
+    quarter = SHOWN_TASKS // 4
+    ended = sum(task.phase in (TaskPhase.DONE, TaskPhase.SET_ASIDE) for task in tasks)
+    first = max(0, (ended - quarter // 2) // quarter * quarter)
+    skipped = [task for task in tasks[:first] if task.phase is TaskPhase.SET_ASIDE]
+    return (*skipped[-quarter:], *tasks[first : first + 3 * quarter])
 
 
 _LEVEL_WORDS = {

@@ -1,4 +1,4 @@
-"""Call a service of another node; never longer than a person would wait."""
+"""Call a service of another node; no longer than a person would wait, unless it is asked to."""
 
 from __future__ import annotations
 
@@ -10,11 +10,17 @@ from genpy import Message
 
 from remodel_console.errors import CommandError
 
-_LIMIT_S = 8.0  # wall time
+LIMIT_S = 8.0  # wall time
 
 
-def call_service(name: str, kind: type, request: Message, limit_s: float = _LIMIT_S) -> Any:  # noqa: ANN401 - rospy's answers have no common type
+def call_service(name: str, kind: type, request: Message, limit_s: float = LIMIT_S) -> Any:  # noqa: ANN401 - rospy's answers have no common type
     """Return the answer of a service.
+
+    Args:
+        name: of the service.
+        kind: its class.
+        request: to it.
+        limit_s: wall time in which it answers [s]; the service itself must be there earlier.
 
     Raises:
         CommandError: if nobody serves it, it fails, or it does not answer in time.
@@ -24,7 +30,7 @@ def call_service(name: str, kind: type, request: Message, limit_s: float = _LIMI
 
     def call() -> None:
         try:
-            rospy.wait_for_service(name, timeout=limit_s)
+            rospy.wait_for_service(name, timeout=min(limit_s, LIMIT_S))
             answers.append(rospy.ServiceProxy(name, kind)(request))
         except (rospy.ROSException, rospy.ServiceException) as error:
             mistakes.append(error)

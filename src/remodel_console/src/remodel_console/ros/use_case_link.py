@@ -1,4 +1,4 @@
-"""The use case supervisor as the console sees it: its state, and the ways to command it."""
+"""The commands that the console gives to the use case supervisor."""
 
 from __future__ import annotations
 
@@ -7,43 +7,33 @@ import uuid
 from collections.abc import Callable
 
 import actionlib
-import rospy
 from actionlib_msgs.msg import GoalStatus
-from remodel_msgs import msg, srv
+from remodel_msgs import srv
 from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal
 
-from remodel_console.core.use_case import (
-    Choice,
-    Failure,
-    Level,
-    Phase,
-    Question,
-    Task,
-    TaskPhase,
-    UseCase,
-)
+from remodel_console.core.use_case import Choice, UseCase
 from remodel_console.errors import CommandError
 from remodel_console.ros import topics
-from remodel_console.ros.call_service import call_service
+from remodel_console.ros.call_service import LIMIT_S, call_service
+from remodel_console.ros.run_subscriber import RunSubscriber
 
-_ACCEPTED_S = 8.0  # in which a supervisor says whether it takes an order; wall time
+_ACCEPTED_S = 8.0  # in which a supervisor accepts or rejects an order; wall time
+_STANDSTILL_S = 900.0  # in which all motion ends: what holds a run is answered when nothing moves
 _REFUSALS = (GoalStatus.REJECTED, GoalStatus.ABORTED)
 
 
 class UseCaseLink:
     """Subscribes to the supervisor of this namespace, and commands it."""
 
-    def __init__(self, tell: Callable[[UseCase], None]) -> None:
-        """Connect; `tell` is called on a thread of its own with each state."""
+    def __init__(self, take: Callable[[UseCase], None]) -> None:
+        """Connect; `take` is called on other threads with each state."""
         self._client = actionlib.ActionClient(topics.RUN_USE_CASE, RunUseCaseAction)
-        self._state = rospy.Subscriber(
-            topics.USE_CASE, msg.UseCaseState, lambda m: tell(_use_case(m))
-        )
+        self._run = RunSubscriber(take)
 
     @property
     def is_there(self) -> bool:
-        """Tell whether a supervisor publishes its state."""
-        return bool(self._state.get_num_connections() > 0)
+        """Return whether a supervisor publishes its state."""
+        return self._run.is_there
 
     def run(self, order: str, tasks: int, by: str, *, again: bool) -> str:
         """Start an order, and return what the supervisor says.
@@ -79,20 +69,25 @@ class UseCaseLink:
         return f"order '{order}' runs"
 
     def pause(self, by: str) -> str:
-        """Have the run pause; see `_command`."""
-        return self._command("pause", srv.CommandRun, srv.CommandRunRequest(by=by))
+        """Have the run pause, and return when nothing moves any more; see `_command`."""
+        return self._hold("pause", by)
 
     def resume(self, by: str) -> str:
         """Have the run go on; see `_command`."""
         return self._command("resume", srv.CommandRun, srv.CommandRunRequest(by=by))
 
     def stop(self, by: str) -> str:
-        """Have the run stopped safely; see `_command`."""
-        return self._command("stop", srv.CommandRun, srv.CommandRunRequest(by=by))
+        """Have the run stopped safely, and return when nothing moves; see `_command`."""
+        return self._hold("stop", by)
+
+    def protective_stop(self, by: str) -> str:
+        """Stop all motion at once, and return when nothing moves; see `_command`."""
+        return self._hold("protective_stop", by)
 
     def skip(self, task: str, by: str) -> str:
-        """Have a task left undone; see `_command`."""
-        return self._command("skip", srv.CommandTask, srv.CommandTaskRequest(task, by))
+        """Have a task left undone, and return when nothing of it moves; see `_command`."""
+        request = srv.CommandTaskRequest(task, by)
+        return self._command("skip", srv.CommandTask, request, _STANDSTILL_S)
 
     def retry(self, task: str, by: str) -> str:
         """Have a task done again; see `_command`."""
@@ -103,67 +98,23 @@ class UseCaseLink:
         request = srv.AnswerQuestionRequest(question, choice.value, by)
         return self._command("answer", srv.AnswerQuestion, request)
 
+    def _hold(self, name: str, by: str) -> str:
+        return self._command(name, srv.CommandRun, srv.CommandRunRequest(by=by), _STANDSTILL_S)
+
     @staticmethod
-    def _command(name: str, kind: type, request: object) -> str:
-        """Give a command and return what the supervisor says.
+    def _command(name: str, kind: type, request: object, limit_s: float = LIMIT_S) -> str:
+        """Give a command and return the supervisor's answer.
+
+        Args:
+            name: of the service.
+            kind: of the service.
+            request: to it.
+            limit_s: wall time in which it answers [s].
 
         Raises:
             CommandError: if it cannot be given, or is refused.
         """
-        answer = call_service(f"{topics.RUN_COMMANDS}/{name}", kind, request)
+        answer = call_service(f"{topics.RUN_COMMANDS}/{name}", kind, request, limit_s)
         if not answer.success:
             raise CommandError(f"the supervisor refuses: {answer.message}")
         return str(answer.message)
-
-
-def _use_case(message: msg.UseCaseState) -> UseCase:
-    question = message.question
-    known = {choice.value: choice for choice in Choice}
-    return UseCase(
-        phase=Phase(message.phase),
-        told_s=message.stamp.to_sec(),
-        message=message.message,
-        cell=message.cell,
-        run=message.run,
-        order=message.order,
-        use_case=message.use_case,
-        started_s=message.started.to_sec(),
-        interruptions=message.interruptions,
-        tasks=tuple(map(_task, message.tasks)),
-        task=message.task,
-        levels=tuple(Level(m.level, m.name, m.doing, m.since.to_sec()) for m in message.levels),
-        failures=tuple(map(_failure, message.failures)),
-        question=Question(
-            question.number,
-            question.task,
-            question.text,
-            tuple(known[one] for one in question.choices if one in known),
-        )
-        if question.number
-        else None,
-    )
-
-
-def _task(message: msg.TaskState) -> Task:
-    return Task(
-        name=message.name,
-        description=message.description,
-        phase=TaskPhase(message.state),
-        attempts=message.attempts,
-        first_pass=message.first_pass,
-        taken_s=message.taken_s,
-        expected_s=message.expected_s,
-    )
-
-
-def _failure(message: msg.FailureState) -> Failure:
-    return Failure(
-        time_s=message.stamp.to_sec(),
-        task=message.task,
-        fault=message.fault,
-        error_code=message.error_code,
-        ability=message.ability,
-        text=message.text,
-        decision=message.decision,
-        because=message.because,
-    )

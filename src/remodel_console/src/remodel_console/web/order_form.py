@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from nicegui import run, ui
 
-from remodel_console.core.use_case import Phase, TaskPhase, UseCase
+from remodel_console.core.use_case import Phase, UseCase
 from remodel_console.errors import CommandError
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ class OrderForm:
         """Show how the last run ended."""
         is_over = now.phase is Phase.ENDED
         self._ending.set_visibility(is_over)
-        is_all_done = now.count(TaskPhase.DONE) == len(now.tasks)
+        is_all_done = now.done == now.total
         self._ending.classes(replace="ending" if is_all_done else "ending bad")
         self._words.text = f"Order '{now.order}', run {now.run}: {now.message}"
         self._link.set_visibility(now.run > 0)

@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
-from nicegui import run, ui
+from nicegui import ui
 from nicegui.events import KeyEventArguments
 from starlette.requests import Request
 
@@ -17,6 +17,7 @@ from remodel_console.core.commands import Command, Verb
 from remodel_console.core.world import Notice, World, notices
 from remodel_console.web.broadcast import Broadcast
 from remodel_console.web.guard import role_of
+from remodel_console.web.own_thread import on_own_thread
 
 NAME_COOKIE = "remodel_name"
 DARK_COOKIE = "remodel_dark"
@@ -87,10 +88,17 @@ class Page:
         """Do what a key means on this page."""
 
     async def give(self, command: str, deed: Callable[[], str | None]) -> Answer:
-        """Give a command, tell if it could not be carried out, and return what became of it."""
-        answer = await run.io_bound(self.console.desk.give, self.actor, command, deed)
-        if answer.state != DONE:
-            ui.notify(answer.words, type="negative", multi_line=True, close_button="OK", timeout=0)
+        """Give a command, report if it could not be carried out, and return what became of it.
+
+        Whoever has given it may have closed the dialog, or the page, before it is answered.
+        """
+        actor = self.actor
+        answer = await on_own_thread(lambda: self.console.desk.give(actor, command, deed))
+        if answer.state != DONE and not self._dialogs.is_deleted:
+            with self._dialogs:
+                ui.notify(
+                    answer.words, type="negative", multi_line=True, close_button="OK", timeout=0
+                )
         return answer
 
     def button(

@@ -1,4 +1,4 @@
-"""Ask the use case supervisor for a run, and tell of it, line by line, until it has ended."""
+"""Ask the use case supervisor for a run, and report on it, line by line, until it has ended."""
 
 from __future__ import annotations
 
@@ -14,25 +14,26 @@ from remodel_planner.core.production import Order, Wire
 from remodel_planner.core.recovery.fault import Do
 from remodel_planner.core.run import Execution
 from remodel_planner.core.run_report import failure_line
-from remodel_planner.core.supervision.attempts import Attempt, attempts_of
+from remodel_planner.core.supervision.attempts import Attempt, Attempts
 from remodel_planner.core.supervision.events import Part, Planned
 from remodel_planner.core.supervision.state import RunState, Stage, state_after
 from remodel_planner.edge.run_log import RunLog
 from remodel_planner.errors import CellError
 from remodel_planner.ros.action_server import ActionServer, Goal
+from remodel_planner.ros.state_publisher import STATE
 
 # [s] wall time that the supervisor's node, with all that it needs, gets to come up.
 _START_LIMIT_S = 60.0
 
-# [s] wall time between two looks at what has happened; and that a supervisor may stay away.
-_LOOK_S = 0.2
-_AWAY_LIMIT_S = 60.0
+# [s] wall time between two reads of what has happened; and that a supervisor may be silent.
+_READ_S = 0.2
+_SILENCE_LIMIT_S = 60.0
 
-# What is done about a failed task, told to a person.
-_DONE = {
-    Do.RETRY: "looking, then doing what is left",
+# What is done about a failed task, for a person.
+_RESPONSES = {
+    Do.RETRY: "inspecting, then doing what is left",
     Do.RETRY_WITH: "trying again with other parameters",
-    Do.LOOK_AGAIN: "looking again",
+    Do.LOOK_AGAIN: "inspecting from another viewpoint",
     Do.OTHER_METHOD: "trying another method",
     Do.NEW_PART: "feeding a new wire",
     Do.REPLAN: "its turn comes later",
@@ -43,7 +44,10 @@ _DONE = {
 
 
 class RunFollower:
-    """Asks for a run, and tells of it while it goes on; a supervisor that dies may come again.
+    """Asks for a run and reports on it while it is under way; a supervisor that dies may respawn.
+
+    What happens is read from the run's log, each event once; the supervisor's state reports which
+    run it is, that its supervisor is alive, and what it waits for.
 
     Attributes:
         number: of the run.
@@ -58,24 +62,27 @@ class RunFollower:
         self._server = ActionServer(
             "remodel/run_use_case", RunUseCaseAction, "remodel_planner use_case_supervisor"
         )
-        self._told: UseCaseState | None = None
+        self._published: UseCaseState | None = None
         self._heard_s = time.monotonic()
-        self._plans = 0
+        self._held = ""
+        self._events = 0
+        self._state = RunState()
+        self._ended = Attempts()
         self.number = 0
         self.attempts: tuple[Attempt, ...] = ()
-        rospy.Subscriber("remodel/use_case/state", UseCaseState, self._on_state)
+        rospy.Subscriber(STATE, UseCaseState, self._on_state)
 
     def run(self, again: bool) -> RunState:
         """Have the order done, and return how it ended.
 
         Raises:
-            CellError: if the supervisor refuses, or goes away and does not come again.
+            CellError: if the supervisor refuses, or dies and does not respawn.
         """
-        goal = self._asked(again)
+        goal = self._requested(again)
         total = len(self._order.wires)
         with tqdm(total=total, unit="wire", file=sys.stdout, leave=False, disable=None) as bar:
             while True:
-                goal.wait(_LOOK_S)
+                goal.wait(_READ_S)
                 state, lines = self._news()
                 for line in lines:
                     bar.write(line)
@@ -84,10 +91,11 @@ class RunFollower:
                     return state
                 self._require_supervisor()
 
-    def _asked(self, again: bool) -> Goal:
+    def _requested(self, again: bool) -> Goal:
         """Send the goal until a supervisor has begun the run; one may die before it does.
 
-        What the supervisor says of an earlier run, which it does until a new one begins, is not it.
+        What a supervisor publishes of an earlier run, which it does until a new one begins, is not
+        this run.
         """
         earlier = max((head.number for head in self._log.heads()), default=0)
         request = RunUseCaseGoal(
@@ -101,39 +109,62 @@ class RunFollower:
             self._server.wait(_START_LIMIT_S)
             goal = self._server.send(request)
             while self._server.is_there and time.monotonic() < end:
-                if goal.wait(_LOOK_S) and not goal.succeeded and not goal.lost:
+                if goal.wait(_READ_S) and not goal.succeeded and not goal.lost:
                     raise CellError(goal.ending)
-                told = self._told
-                if told is not None and told.run > earlier and told.order == self._order.name:
-                    self.number = told.run
+                now = self._published
+                if now is not None and now.run > earlier and now.order == self._order.name:
+                    self.number = now.run
                     return goal
         raise CellError(f"no run began within {_START_LIMIT_S:.0f} s")
 
     def _require_supervisor(self) -> None:
-        away_s = time.monotonic() - self._heard_s
-        if away_s > _AWAY_LIMIT_S:
+        silent_s = time.monotonic() - self._heard_s
+        if silent_s > _SILENCE_LIMIT_S:
             raise CellError(
-                f"the use case supervisor has been silent for {away_s:.0f} s; when it is started "
-                f"again, run {self.number} goes on by itself"
+                f"the use case supervisor has been silent for {silent_s:.0f} s; once it is "
+                f"restarted, it resumes run {self.number} by itself"
             )
 
     def _news(self) -> tuple[RunState, list[str]]:
         """Return the run's state, and lines about what has ended since the last call."""
-        events = [kept.event for kept in self._log.events(self.number)]
-        lines = []
-        plans = [event for event in events if isinstance(event, Planned)]
-        lines += [f"plan: {' '.join(plan.tasks)}" for plan in plans[self._plans :]]
-        self._plans = len(plans)
-        attempts = attempts_of(events)
-        state = state_after(events)
+        kept = tuple(self._log.events(self.number, first=self._events))
+        self._events += len(kept)
+        events = [each.event for each in kept]
+        lines = [f"plan: {' '.join(event.tasks)}" for event in events if isinstance(event, Planned)]
+        for event in events:
+            self._ended.add(event)
+        state = self._state = state_after(events, self._state)
+        attempts = self._ended.ended
         if attempts and state.current and state.tasks[state.current].stage is Stage.FAILED:
             attempts = attempts[:-1]  # what is done about it comes next
         lines += [_line(attempt, self._wires) for attempt in attempts[len(self.attempts) :]]
         self.attempts = attempts
-        return state, lines
+        return state, lines + self._hold_lines()
+
+    def _hold_lines(self) -> list[str]:
+        """Return a line if the run waits for a person, and it is another reason than before."""
+        now = self._published
+        held = _hold_line(now) if now is not None and now.run == self.number else ""
+        is_new = held not in ("", self._held)
+        self._held = held
+        return [held] if is_new else []
 
     def _on_state(self, state: UseCaseState) -> None:
-        self._told, self._heard_s = state, time.monotonic()
+        self._published, self._heard_s = state, time.monotonic()
+
+
+def _hold_line(state: UseCaseState) -> str:
+    """Return what a run waits for that a person has to do; empty if it waits for nobody."""
+    if state.phase == UseCaseState.PROTECTIVE_STOP:
+        return (
+            f"protective stop by {state.stopped_by}; release it, then "
+            "rosservice call /remodel/use_case/resume"
+        )
+    if state.phase == UseCaseState.ASKING:
+        question = state.question
+        limit = f", within {question.timeout:.0f} s" if question.timeout else ""
+        return f"question {question.number} about {question.task}{limit}: {question.text}"
+    return state.message if state.phase == UseCaseState.PAUSED else ""
 
 
 def _line(attempt: Attempt, wires: dict[str, Wire]) -> str:
@@ -146,7 +177,7 @@ def _line(attempt: Attempt, wires: dict[str, Wire]) -> str:
     if execution.attempt > 1:
         result += f" at attempt {execution.attempt}"
     if attempt.decision:
-        result += f", {_DONE[attempt.decision.do]} ({attempt.decision.because})"
+        result += f", {_RESPONSES[attempt.decision.do]} ({attempt.decision.because})"
     head = (
         f"{wire.name:>4}  {wire.a!s:>12} to {wire.b!s:<14} {wire.colour} "
         f"{wire.section_mm2:g} mm2  {result}, {_insertions(execution)}, {execution.cell_s:.1f} s"

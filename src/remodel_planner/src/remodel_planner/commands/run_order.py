@@ -9,6 +9,7 @@ from pathlib import Path
 
 import rospy
 
+from flexbe_core.ros.master import START_LIMIT_S, NoMasterError, require_master
 from remodel_planner.commands.database_option import add_database_option
 from remodel_planner.commands.run_follower import RunFollower
 from remodel_planner.commands.storyteller import Storyteller
@@ -31,8 +32,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="run_order",
         description="Have the wires of an order placed by the use case supervisor, and report.",
-        epilog="Exit code: 0 all wires placed, 1 not all, 2 wrong usage or no such order, 3 cell, "
-        "engine, synthesizer or supervisor is not there or refuses.",
+        epilog="Exit code: 0 all wires placed, 1 not all, 2 wrong usage or no such order, 3 ROS "
+        "master, cell, engine, synthesizer or supervisor is not there or refuses, 130 interrupted.",
     )
     parser.add_argument("order", help="name of the order in the production database")
     parser.add_argument("--wires", type=int, default=6, help="how many, from the first (default 6)")
@@ -45,6 +46,13 @@ def main(arguments: list[str] | None = None) -> int:
         default=Path("out/run"),
         help="folder of the report, and of the supervisor's pictures (default out/run)",
     )
+    parser.add_argument(
+        "--wait",
+        type=float,
+        default=START_LIMIT_S,
+        metavar="S",
+        help=f"how long a ROS master may take to answer (default {START_LIMIT_S:g})",
+    )
     add_database_option(parser)
     options = parser.parse_args(rospy.myargv()[1:] if arguments is None else arguments)
     if options.wires < 1:
@@ -56,6 +64,13 @@ def main(arguments: list[str] | None = None) -> int:
     except PlannerError as error:
         print(f"run_order: {error}", file=sys.stderr)
         return 2
+    try:
+        require_master(options.wait)
+    except NoMasterError as error:
+        print(f"run_order: {error}", file=sys.stderr)
+        return 3
+    except KeyboardInterrupt:
+        return 130
     rospy.init_node("run_order", anonymous=True)
     print(f"order {order.name}: {len(order.wires)} wires, {len(order.components)} components")
     follower = RunFollower(RunLog(database), order)

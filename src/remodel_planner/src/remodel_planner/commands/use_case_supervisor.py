@@ -3,25 +3,35 @@
 from __future__ import annotations
 
 import argparse
+import os
+import socket
 import sys
 from pathlib import Path
 
+import rosgraph
 import rospy
 
+from flexbe_core.ros.master import NoMasterError, require_master, spin
 from remodel_planner.commands.database_option import add_database_option
 from remodel_planner.core.cell_order import USE_CASE
+from remodel_planner.edge.cell_ownership import CellOwnership
+from remodel_planner.edge.escalation_hook import EscalationHook
 from remodel_planner.edge.fault_file import read_faults
 from remodel_planner.edge.production_database import ProductionDatabase
+from remodel_planner.edge.run_log import RunLog
 from remodel_planner.edge.use_case_files import find_use_case
 from remodel_planner.errors import PlannerError
+from remodel_planner.ros.ability_watch import AbilityWatch
 from remodel_planner.ros.behavior_synthesizer import BehaviorSynthesizer
 from remodel_planner.ros.cell import Cell
+from remodel_planner.ros.engine_link import EngineLink
+from remodel_planner.ros.event_loop import RosEventLoop
 from remodel_planner.ros.inspection import Inspection
+from remodel_planner.ros.pictures import CellPictures
 from remodel_planner.ros.record_server import RecordServer
 from remodel_planner.ros.run_server import RunServer
-from remodel_planner.ros.task_supervisor import TaskSupervisor
-from remodel_planner.ros.use_case_supervisor import Peers
 from remodel_planner.ros.work import WorkMaker
+from remodel_planner.supervisors.use_case_supervisor import Peers
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -29,7 +39,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="use_case_supervisor",
         description="Carry out orders of the production database: action remodel/run_use_case.",
-        epilog="Exit code: 0 ended, 2 wrong usage or no such database.",
+        epilog="Exit code: 0 ended, 2 wrong usage, no such database or no ROS master, "
+        "130 interrupted before it served.",
     )
     parser.add_argument("--cell", default="cell", help="name of this cell (default cell)")
     parser.add_argument(
@@ -45,11 +56,12 @@ def main(arguments: list[str] | None = None) -> int:
         "--unattended", action="store_true", help="nobody is there who could answer a question"
     )
     parser.add_argument(
-        "--patience",
+        "--reconnect-timeout",
         type=float,
         default=600.0,
         metavar="S",
-        help="how long a lost process may stay away before the run stops (default 600)",
+        help="how long a process that is lost or silent may take to answer again before the run "
+        "stops (default 600)",
     )
     parser.add_argument(
         "--lease",
@@ -62,42 +74,82 @@ def main(arguments: list[str] | None = None) -> int:
         "--search", type=float, default=0.3, metavar="S", help="for the best order (default 0.3)"
     )
     parser.add_argument(
-        "--frozen",
+        "--explore",
         action="store_true",
-        help="do what the use case states, whatever runs have taught",
+        help="try other parameters, such as forces, than the use case states, within its bounds,"
+        " and learn which are best (default: those of the use case)",
+    )
+    parser.add_argument(
+        "--escalate",
+        default="",
+        metavar="HOOK",
+        help="who is notified of questions: 'command:/path/to/program' gets JSON on its standard"
+        " input, 'https://...' as a POST (default nobody)",
     )
     add_database_option(parser)
     options = parser.parse_args(rospy.myargv()[1:] if arguments is None else arguments)
-    for name in ("patience", "lease"):
-        if not 0 < getattr(options, name) < float("inf"):
-            parser.error(f"--{name} must be a number > 0, found {getattr(options, name)}")
+    for name in ("reconnect-timeout", "lease"):
+        value = getattr(options, name.replace("-", "_"))
+        if not 0 < value < float("inf"):
+            parser.error(f"--{name} must be a number > 0, found {value}")
     try:
+        hook = EscalationHook.from_option(options.escalate, rospy.logwarn)
         database = ProductionDatabase(options.database)
         faults = read_faults()
         find_use_case(options.use_case)
-    except PlannerError as error:
+        require_master()
+    except (PlannerError, NoMasterError) as error:
         print(f"use_case_supervisor: {error}", file=sys.stderr)
         return 2
+    except KeyboardInterrupt:
+        return 130
     rospy.init_node("use_case_supervisor")
     output = options.output.resolve()
     maker = WorkMaker(
         database,
         faults,
         options.cell,
-        output / "charts",
         options.use_case,
         not options.unattended,
-        options.patience,
+        options.reconnect_timeout,
         options.lease,
         options.search,
-        options.frozen,
+        options.explore,
+        hook,
     )
-    peers = Peers(Cell(), BehaviorSynthesizer(), TaskSupervisor(), Inspection())
+    loop = RosEventLoop()
+    cell = Cell(loop.background)
+    peers = Peers(
+        cell,
+        BehaviorSynthesizer(loop, output / "charts"),
+        EngineLink(loop),
+        AbilityWatch(),
+        Inspection(loop),
+        CellPictures(cell, output / "runs"),
+    )
+    ownership = CellOwnership(database, options.cell, _station(), _holder(), options.lease)
     servers = (
         RecordServer(database, output / "runs"),
-        RunServer(database, maker, peers, options.cell, output / "runs"),
+        RunServer(RunLog(database), maker, peers, ownership, loop),
     )
-    rospy.spin()
+    exit_code = spin()
     del servers
+    if hook is not None:
+        hook.close()
     database.close()
-    return 0
+    return exit_code
+
+
+def _station() -> str:
+    """Return what identifies this station: a supervisor that is restarted on it is the same."""
+    machine = Path("/etc/machine-id")
+    known = machine.read_text(encoding="ascii").strip() if machine.is_file() else ""
+    return f"{known} {socket.gethostname()} {rosgraph.get_master_uri()}"
+
+
+def _holder() -> str:
+    """Return who this supervisor is, for a person."""
+    return (
+        f"{rospy.get_name()} on {socket.gethostname()}, process {os.getpid()}, ROS master "
+        f"{rosgraph.get_master_uri()}"
+    )

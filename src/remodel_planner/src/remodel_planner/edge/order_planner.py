@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
 from remodel_planner.core.planning.checker import check
 from remodel_planner.core.planning.planned import Planned
 from remodel_planner.core.planning.problem import Problem
@@ -18,6 +22,32 @@ def plan_problem(problem: Problem, time_limit_s: float) -> Planned:
         InstanceError: if there is no plan.
     """
     planned = AnytimePlanner(Kernel(), tables_of(problem)).improved(Limits(time_limit_s)).planned
+    require_valid(planned)
+    return planned
+
+
+def replan_problem(
+    problem: Problem, previous: Sequence[str], modes: Mapping[str, int], time_limit_s: float
+) -> Planned:
+    """Return a plan, checked, that costs no more than an earlier order of the wires.
+
+    Args:
+        problem: what is left.
+        previous: names of wires in the earlier order, which is kept as far as the problem lets it;
+            wires that it leaves out come last.
+        modes: mode number of each wire in the earlier plan, as far as they are known.
+        time_limit_s: [s] wall time in which to search for a better order.
+
+    Raises:
+        InstanceError: if there is no plan.
+    """
+    tables = tables_of(problem)
+    number = {name: i for i, name in enumerate(tables.wires)}
+    order = np.array([number[name] for name in previous if name in number], np.int32)
+    kept = np.array([modes.get(name, -1) for name in tables.wires], np.int32)
+    planner = AnytimePlanner(Kernel(), tables)
+    start = planner.patched(order, kept)
+    planned = planner.improved(Limits(time_limit_s), start).planned
     require_valid(planned)
     return planned
 

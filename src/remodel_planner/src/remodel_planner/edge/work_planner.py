@@ -3,31 +3,57 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from flexbe_synthesizer.core.model import Chart
 from remodel_planner.core.learning.experience import Experience
 from remodel_planner.core.learning.learned_expectations import Call, numbers_from
+from remodel_planner.core.planning.listing import listing_of
+from remodel_planner.core.planning.modes import Mode
+from remodel_planner.core.planning.part import put_off
+from remodel_planner.core.recovery.decide import VIEW
 from remodel_planner.core.recovery.fault import Do
 from remodel_planner.core.run import Operation, step_of
 from remodel_planner.core.supervision.events import Chosen, Decided, Part
-from remodel_planner.core.use_case.changed_parameters import Adjustable, with_parameters
+from remodel_planner.core.use_case.changed_parameters import (
+    Adjustable,
+    observing_from,
+    with_parameters,
+)
 from remodel_planner.core.use_case.escalation import escalating
 from remodel_planner.core.use_case.model import UseCase
 from remodel_planner.core.use_case.planned_tasks import (
     PlannedTask,
     done_otherwise,
+    planned_task,
     planned_tasks,
 )
 from remodel_planner.core.use_case.preparation import Prepared, prepare
 from remodel_planner.core.use_case.work_order import WorkOrder
 from remodel_planner.edge.ability_files import read_abilities
 from remodel_planner.edge.nested_charts import nested_charts
-from remodel_planner.edge.order_planner import plan_problem
+from remodel_planner.edge.order_planner import plan_problem, replan_problem
+
+# [s] wall time that the search gets when the rest of an order is planned again: what it starts from
+# is the result of a longer search, and the robot waits.
+REPLAN_SEARCH_S = 0.03
+
+
+@dataclass(frozen=True)
+class _Place:
+    """How the latest plan does a task, and the preparation that the plan was made from."""
+
+    prepared: Prepared
+    mode: Mode
 
 
 class WorkPlanner:
-    """Plans one order of one use case."""
+    """Plans one order of one use case.
+
+    Tasks are decomposed for the first plan, and all their charts are built once, to find what a use
+    case asks for in vain before anything moves. Later plans go by the same decompositions; how a
+    task is done is decided again, by what runs have taught since, when its turn comes.
+    """
 
     def __init__(
         self,
@@ -37,6 +63,7 @@ class WorkPlanner:
         search_s: float,
         documents: Sequence[tuple[str, object]] = (),
         escalated: Collection[int] = (),
+        undone: Collection[int] = (),
     ) -> None:
         """Take the order.
 
@@ -47,6 +74,7 @@ class WorkPlanner:
             search_s: [s] of wall time that a search for the best order gets.
             documents: preferences, parsed, with what to call them in errors.
             escalated: error codes after which a behavior gives up at once, for its supervisor.
+            undone: those of them before which it undoes what the step that failed has left.
         """
         self.order = order
         self.use_case = use_case
@@ -54,31 +82,59 @@ class WorkPlanner:
         self._search_s = search_s
         self._documents = documents
         self._escalated = escalated
+        self._undone = undone
         self._adjustable = Adjustable(
-            {each.name: {p.name for p in each.parameters} for each in read_abilities()},
+            {each.name: {p.name: p.type for p in each.parameters} for each in read_abilities()},
             nested_charts(),
         )
         self._prepared: Prepared | None = None
+        self._places: dict[str, _Place] = {}
         self._tasks: dict[str, PlannedTask] = {}
 
-    def plan(self, names: Collection[str]) -> tuple[str, ...]:
+    def plan(
+        self,
+        names: Collection[str],
+        previous: Sequence[str] = (),
+        last: Collection[str] = (),
+    ) -> tuple[str, ...]:
         """Return the tasks of these names in the best order that is found in time.
+
+        Args:
+            names: of the tasks.
+            previous: their order so far, when they are planned again: tasks that were prepared
+                before are not prepared again, the search starts from this order and is short, and
+                the result costs no more than this order. Empty for a first plan.
+            last: tasks that come after all others, as far as the order's constraints let them.
 
         Raises:
             InstanceError: if there is no plan.
         """
+        base = self._prepared
+        if base is None or not previous or not base.plan_of.keys() >= set(names):
+            base = self._prepare(names)
+        self._prepared = base
+        prepared = base.only(names) if base.plan_of.keys() > set(names) else base
+        problem = put_off(prepared.preferred.problem, last)
+        if previous:
+            modes = {name: place.mode.number for name, place in self._places.items()}
+            search_s = min(self._search_s, REPLAN_SEARCH_S)
+            plan = replan_problem(problem, previous, modes, search_s).plan
+        else:
+            plan = plan_problem(problem, self._search_s if len(names) > 1 else 0.0).plan
+        if not self._places.keys() >= set(names):
+            for task in planned_tasks(prepared, plan):
+                _ = task.chart  # what its use case asks for in vain is reported before it begins
+        listing = listing_of(problem, plan)
+        self._tasks = {name: task for name, task in self._tasks.items() if name not in names}
+        self._places |= {name: _Place(base, listing.modes[name]) for name in listing.wires}
+        return listing.wires
+
+    def _prepare(self, names: Collection[str]) -> Prepared:
         tasks = tuple(task for task in self.order.tasks if task.name in names)
         order = replace(self.order, tasks=tasks)
-        expectations = self.experience.expectations
-        prepared = prepare(order, self.use_case, self._documents, expectations=expectations)
-        search_s = self._search_s if len(tasks) > 1 else 0.0
-        planned = plan_problem(prepared.preferred.problem, search_s)
-        found = {task.name: task for task in planned_tasks(prepared, planned.plan)}
-        for name in found.keys() - self._tasks.keys():
-            _ = found[name].chart  # what its use case asks for in vain is told before it begins
-        self._prepared = prepared
-        self._tasks |= found
-        return tuple(found)
+        return prepare(
+            order, self.use_case, self._documents, expectations=self.experience.expectations
+        )
 
     def task(self, name: str, decisions: Sequence[Decided] = ()) -> PlannedTask:
         """Return a task as it is planned, by the methods that are left after some decisions.
@@ -86,9 +142,10 @@ class WorkPlanner:
         Raises:
             InstanceError: if there is no plan for it.
         """
-        if name not in self._tasks:
-            self.plan([name])
-        task = self._tasks[name]
+        task = self._tasks.get(name)
+        if task is None:
+            place = self._place(name)
+            task = self._tasks[name] = planned_task(place.prepared, name, place.mode)
         for decision in decisions:
             if decision.do is Do.OTHER_METHOD:
                 task = self._otherwise(task, decision.state_path) or task
@@ -96,8 +153,10 @@ class WorkPlanner:
 
     def expected_s(self, name: str) -> float:
         """Return how long a task is expected to take [s]; 0 as long as it is not planned."""
-        task = self._tasks.get(name)
-        return sum(step.expected.duration_s for step in task.decomposition.steps) if task else 0.0
+        task, place = self._tasks.get(name), self._places.get(name)
+        if task is not None:
+            return task.decomposition.duration_s
+        return place.prepared.decomposition(name, place.mode).duration_s if place else 0.0
 
     def has_other_method(self, name: str, decisions: Sequence[Decided], state_path: str) -> bool:
         """Tell whether the step of a task that a state is of can be done by another method."""
@@ -138,11 +197,13 @@ class WorkPlanner:
                 ability, step.features, task.bounds(step.title), f"{seed} {step.title}"
             ).items()
         )
-        return tuple(each for each in chosen if self._with(each, task.chart) != task.chart)
+        chart = task.chart
+        return tuple(each for each in chosen if self._with(each, chart) != chart)
 
     def _with(self, chosen: Chosen, chart: Chart) -> Chart:
         """Return a chart with a parameter, unless the chart itself states it."""
-        parameters = {chosen.ability: {chosen.parameter}}
+        types = self._adjustable.parameters.get(chosen.ability, {})
+        parameters = {chosen.ability: {p: t for p, t in types.items() if p == chosen.parameter}}
         adjustable = replace(self._adjustable, parameters=parameters, keeps_stated=True)
         return with_parameters(chart, chosen.step, {chosen.parameter: chosen.value}, adjustable)
 
@@ -166,15 +227,27 @@ class WorkPlanner:
         task = self.task(name, decisions)
         if part is Part.CLEAR:
             return task.clear()
+        if part is Part.DISCARD:
+            return task.discard()
         chart = task.rest(connected) if part is Part.REST else task.chart
         for each in chosen:
             chart = self._with(each, chart)
         for decision in decisions:
-            if decision.change:
-                values, where = dict(decision.change), decision.state_path
+            values, where = dict(decision.change), decision.state_path
+            if decision.do is Do.LOOK_AGAIN and values:
+                chart = observing_from(chart, int(values[VIEW]), self._adjustable)
+            elif values:
                 chart = with_parameters(chart, where, values, self._adjustable)
-        return escalating(chart, self._escalated) if self._escalated else chart
+        return escalating(chart, self._escalated, self._undone) if self._escalated else chart
 
     def _otherwise(self, task: PlannedTask, state_path: str) -> PlannedTask | None:
-        assert self._prepared is not None, "a task is planned before it is asked for"
-        return done_otherwise(self._prepared, task, state_path)
+        return done_otherwise(self._place(task.name).prepared, task, state_path)
+
+    def _place(self, name: str) -> _Place:
+        """Return how a task is done; one that was not planned is planned alone."""
+        if name not in self._places:
+            prepared = self._prepare([name])
+            plan = plan_problem(prepared.preferred.problem, 0.0).plan
+            modes = listing_of(prepared.preferred.problem, plan).modes
+            self._places[name] = _Place(prepared, modes[name])
+        return self._places[name]

@@ -91,19 +91,26 @@ class ActionServer:
         """Ask the server to stop all goals, whoever sent them."""
         self._client.cancel_all_goals()
 
-    def send(self, goal: Message, on_feedback: Callable[[Message], None] | None = None) -> Goal:
-        """Send a goal."""
+    def send(
+        self,
+        goal: Message,
+        on_feedback: Callable[[Message], None] | None = None,
+        on_end: Callable[[], None] | None = None,
+    ) -> Goal:
+        """Send a goal; on_end is called, on a thread of actionlib, when it has ended."""
         ended = threading.Event()
 
         def on_transition(handle: actionlib.ClientGoalHandle) -> None:
             if handle.get_comm_state() == actionlib.CommState.DONE:
                 ended.set()
+                if on_end is not None:
+                    on_end()
 
-        def tell(_: actionlib.ClientGoalHandle, feedback: Message) -> None:
+        def pass_on(_: actionlib.ClientGoalHandle, feedback: Message) -> None:
             if on_feedback is not None:
                 on_feedback(feedback)
 
-        return Goal(self._client.send_goal(goal, on_transition, tell), ended)
+        return Goal(self._client.send_goal(goal, on_transition, pass_on), ended)
 
 
 class Goal:
@@ -136,6 +143,16 @@ class Goal:
     def lost(self) -> bool:
         """Whether the server does not know the goal (any more)."""
         return self._handle.get_terminal_state() == GoalStatus.LOST
+
+    @property
+    def status(self) -> int:
+        """The actionlib_msgs/GoalStatus of a goal that has ended."""
+        return int(self._handle.get_terminal_state())
+
+    @property
+    def text(self) -> str:
+        """The server's text at the end of the goal."""
+        return str(self._handle.get_goal_status_text())
 
     @property
     def ending(self) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from flexbe_msgs.msg import (
     BehaviorSynthesisAction,
     BehaviorSynthesisFeedback,
@@ -10,8 +12,13 @@ from flexbe_msgs.msg import (
     SynthesisRequest,
 )
 
+from flexbe_synthesizer.core.model import Chart
+from remodel_planner.core.use_case.task_chart import content_mark
+from remodel_planner.edge.chart_folder import keep_chart
+from remodel_planner.edge.known_behaviors import describes
 from remodel_planner.errors import CellError
 from remodel_planner.ros.action_server import ActionServer
+from remodel_planner.ros.event_loop import RosEventLoop
 
 ACTION = "flexbe/synthesize"
 
@@ -20,15 +27,29 @@ LIMIT_S = 10.0
 
 
 class BehaviorSynthesizer:
-    """Has charts made into behaviors."""
+    """Has behaviors made of charts."""
 
-    def __init__(self) -> None:
-        """Connect when the server is there."""
+    def __init__(self, loop: RosEventLoop, charts: Path) -> None:
+        """Connect when the server is there; `charts` is a folder that it may read."""
+        self._loop = loop
+        self._charts = charts
         self._server = ActionServer(ACTION, BehaviorSynthesisAction, "synthesis_server")
 
     def wait(self, limit_s: float) -> None:
         """Wait for the server, up to a limit of wall time [s]; LostError if it does not come."""
-        self._server.wait(limit_s)
+        self._loop.background(lambda: self._server.wait(limit_s))
+
+    def make(self, chart: Chart) -> None:
+        """Have the behavior of a chart made, unless it exists with the same content.
+
+        Raises:
+            CellError: with the server's own words if it refuses.
+            LostError: if it does not answer.
+            InstanceError: if the chart's file cannot be written.
+        """
+        chart_file, _ = keep_chart(chart, self._charts)
+        if not describes(chart.name, content_mark(chart)):
+            self._loop.background(lambda: self.synthesize(str(chart_file), chart.name))
 
     def synthesize(self, chart_file: str, behavior: str) -> None:
         """Have the behavior of a chart written where the engine finds it.

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import socket
 import time
+from collections.abc import Callable
+from typing import TypeVar
 
 import rospy
 from genpy import Message
@@ -11,9 +13,9 @@ from remodel_msgs.msg import Panel
 from remodel_msgs.srv import FeedWire, GetGroundTruth, LoadPanel, TakePicture
 from sensor_msgs.msg import Image
 
-from remodel_planner.errors import CellError, LostError
+from remodel_planner.errors import LostError, RefusedError
 
-# [s] wall time between two looks whether a service is there.
+# [s] wall time between two checks whether a service is there.
 _LOOK_S = 0.1
 
 _SERVICES = {
@@ -24,8 +26,19 @@ _SERVICES = {
 }
 
 
+T = TypeVar("T")
+
+
+def _directly(call: Callable[[], T]) -> T:
+    return call()
+
+
 class Cell:
     """The cell's services, below the namespace `cell`."""
+
+    def __init__(self, background: Callable[[Callable[[], T]], T] = _directly) -> None:
+        """Call the services through `background`, which may do other things meanwhile."""
+        self._background = background
 
     def wait(self, limit_s: float) -> None:
         """Wait for all services, up to a limit of wall time [s].
@@ -33,19 +46,10 @@ class Cell:
         Raises:
             LostError: if one is not there in time.
         """
-        # rospy.wait_for_service counts ROS time, which stands still until the cell runs.
-        end = time.monotonic() + limit_s
-        for name in _SERVICES:
-            while not _address(name):
-                if time.monotonic() > end or rospy.is_shutdown():
-                    raise LostError(
-                        f"service {rospy.resolve_name(f'cell/{name}')} is not there after "
-                        f"{limit_s:.0f} s: start the cell (roslaunch remodel_sim cell.launch)"
-                    )
-                time.sleep(_LOOK_S)
+        self._background(lambda: _wait(limit_s))
 
     def address(self) -> str:
-        """Return where the cell answers; a cell that was started anew answers somewhere else.
+        """Return where the cell answers; a cell that was restarted answers somewhere else.
 
         Raises:
             LostError: if it does not answer.
@@ -55,27 +59,62 @@ class Cell:
             raise LostError("the cell does not answer")
         return address
 
-    def load(self, panel: Panel, *, keep: bool) -> None:
-        """Build the panel; CellError with every problem found if the cell can't.
+    def load(self, panel: Panel, serial: str, owner: int, *, keep: bool) -> None:
+        """Build the panel of a product.
 
         Args:
             panel: to build.
+            serial: serial number of the product.
+            owner: token of the supervisor that asks.
             keep: leave the cell as it is if it has this very panel already.
+
+        Raises:
+            RefusedError: with every problem found if the cell cannot.
         """
-        _ask("load_panel", f"load panel {panel.name}", panel=panel, keep=keep)
+        panel.serial = serial
+        what = f"load panel {panel.name}"
+        self._ask("load_panel", what, panel=panel, keep=keep, owner=owner)
 
-    def feed(self, wire: str, channel: str) -> None:
-        """Present a wire in a channel; CellError if the feeder can't."""
-        _ask("feed_wire", f"feed wire {wire}", wire_id=wire, channel_id=channel)
+    def feed(self, wire: str, channel: str, owner: int) -> None:
+        """Present a piece of a wire in a channel.
 
-    def placed(self, wire: str) -> bool:
-        """Return whether both ends of a wire are fixed where they belong, by ground truth."""
-        truths = _called("ground_truth", "ask for the score").wires
-        return any(truth.wire_id == wire and truth.placed for truth in truths)
+        Raises:
+            RefusedError: if the feeder cannot.
+        """
+        what = f"feed wire {wire}"
+        self._ask("feed_wire", what, wire_id=wire, channel_id=channel, owner=owner)
+
+    def placed(self, wire: str) -> bool | None:
+        """Return whether a wire is placed, by ground truth; None if there is none of it."""
+        truths = self._call("ground_truth", "ask for the ground truth").wires
+        return next((truth.placed for truth in truths if truth.wire_id == wire), None)
 
     def picture(self, camera: str) -> Image:
-        """Return a fresh picture; CellError if there is no such camera."""
-        return _ask("take_picture", f"take a picture from {camera}", camera=camera).image
+        """Return a fresh picture; RefusedError if there is no such camera."""
+        return self._ask("take_picture", f"take a picture from {camera}", camera=camera).image
+
+    def _ask(self, name: str, what: str, **request: object) -> Message:
+        response = self._call(name, what, **request)
+        if not response.success:
+            code = getattr(response, "error_code", 0)
+            raise RefusedError(code, f"cannot {what}: {response.message}")
+        return response
+
+    def _call(self, name: str, what: str, **request: object) -> Message:
+        return self._background(lambda: _called(name, what, request))
+
+
+def _wait(limit_s: float) -> None:
+    # rospy.wait_for_service counts ROS time, which does not pass until the cell runs.
+    end = time.monotonic() + limit_s
+    for name in _SERVICES:
+        while not _address(name):
+            if time.monotonic() > end or rospy.is_shutdown():
+                raise LostError(
+                    f"service {rospy.resolve_name(f'cell/{name}')} is not there after "
+                    f"{limit_s:.0f} s: start the cell (roslaunch remodel_sim cell.launch)"
+                )
+            time.sleep(_LOOK_S)
 
 
 def _address(name: str) -> str:
@@ -90,14 +129,7 @@ def _address(name: str) -> str:
         return ""
 
 
-def _ask(name: str, what: str, **request: object) -> Message:
-    response = _called(name, what, **request)
-    if not response.success:
-        raise CellError(f"cannot {what}: {response.message}")
-    return response
-
-
-def _called(name: str, what: str, **request: object) -> Message:
+def _called(name: str, what: str, request: dict[str, object]) -> Message:
     try:
         return rospy.ServiceProxy(f"cell/{name}", _SERVICES[name])(**request)
     except (rospy.ServiceException, rospy.ROSException, OSError) as error:

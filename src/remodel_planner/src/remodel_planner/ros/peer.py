@@ -1,16 +1,11 @@
-"""Another node, known to be there by its connection: the operating system tells of its death."""
+"""Another node, known by its connection, which the operating system closes when the node dies."""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 
 import rospy
 from rospy import AnyMsg
-
-from remodel_planner.errors import LostError
-
-_LOOK_S = 0.02
 
 
 class Peer:
@@ -39,24 +34,9 @@ class Peer:
         """Whether it is connected."""
         return self._subscriber.get_num_connections() > 0
 
-    def require(self) -> None:
-        """Return if it is connected.
-
-        Raises:
-            LostError: if it is not.
-        """
-        if not self.is_there:
-            raise LostError(
-                f"{self._title} is gone: nothing publishes {self._subscriber.resolved_name}"
-            )
-
-    def wait(self, limit_s: float) -> None:
-        """Wait until it is connected, up to a limit of wall time [s].
-
-        Raises:
-            LostError: if it is not in time.
-        """
-        end = time.monotonic() + limit_s
-        while not self.is_there and time.monotonic() < end and not rospy.is_shutdown():
-            time.sleep(_LOOK_S)
-        self.require()
+    @property
+    def trouble(self) -> str:
+        """Why the node counts as gone; empty if it is connected."""
+        if self.is_there:
+            return ""
+        return f"{self._title} is gone: nothing publishes {self._subscriber.resolved_name}"

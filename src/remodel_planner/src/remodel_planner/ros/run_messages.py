@@ -18,7 +18,7 @@ from remodel_planner.core.supervision.changes import counts_of
 from remodel_planner.core.supervision.events import Decided
 from remodel_planner.core.supervision.state import RunState, Stage
 from remodel_planner.core.supervision.step import Plan, Settle, Wait, next_step
-from remodel_planner.ros.ability_feedback import Doing
+from remodel_planner.supervisors.ports import Doing
 
 _STATES = {
     Stage.WAITING: TaskState.WAITING,
@@ -40,11 +40,7 @@ class RunView:
         started: ROS time at which this process began the run, or resumed it.
         expected_s: returns the time that a task is expected to take [s].
         descriptions: of the tasks, for a person, by name.
-        serial: serial number of the product that is built.
         moving: whether an operation is under way, so that a pause has not taken effect yet.
-        stopped_by: who requested the protective stop; empty without one.
-        asked_s: [s] ROS time at which the open question was asked; 0 without one.
-        timeout_s: [s] ROS time from then until the question escalates; 0: never.
     """
 
     run: int
@@ -55,11 +51,7 @@ class RunView:
     started: rospy.Time
     expected_s: Callable[[str], float]
     descriptions: Mapping[str, str]
-    serial: str = ""
     moving: bool = False
-    stopped_by: str = ""
-    asked_s: float = 0.0
-    timeout_s: float = 0.0
 
 
 def state_message(view: RunView) -> UseCaseState:
@@ -73,10 +65,10 @@ def state_message(view: RunView) -> UseCaseState:
         run=view.run,
         order=state.order,
         use_case=state.use_case,
-        serial=view.serial,
+        serial=state.serial,
         started=view.started,
         interruptions=state.interruptions,
-        stopped_by=view.stopped_by,
+        stopped_by=state.protective,
         tasks=counts.tasks,
         done=counts.done,
         set_aside=counts.set_aside,
@@ -142,8 +134,8 @@ def _question(view: RunView) -> OperatorQuestion:
         task=asked.task,
         text=asked.text,
         choices=[choice.value for choice in asked.choices],
-        asked=rospy.Time.from_sec(view.asked_s),
-        timeout=view.timeout_s,
+        asked=rospy.Time.from_sec(asked.at_s),
+        timeout=asked.timeout_s,
     )
 
 
@@ -151,7 +143,7 @@ def _phase(view: RunView) -> str:
     state = view.state
     if state.ended is not None:
         return UseCaseState.ENDED
-    if view.stopped_by:
+    if state.protective:
         return UseCaseState.PROTECTIVE_STOP
     if state.question is not None:
         return UseCaseState.ASKING

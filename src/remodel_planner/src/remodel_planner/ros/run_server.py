@@ -1,16 +1,11 @@
-"""Serve runs of orders: the action remodel/run_use_case, an operator's services, a latched state.
-
-At its start it goes on with the run of its cell that was cut short, if there is one.
-"""
+"""The use case supervisor's node: owns its cell, takes goals, and supervises one run at a time."""
 
 from __future__ import annotations
 
 import contextlib
 import threading
-import time
 import traceback
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import dataclass
 
 import actionlib
 import rospy
@@ -20,39 +15,35 @@ from remodel_msgs.msg import (
     RunUseCaseFeedback,
     RunUseCaseGoal,
     RunUseCaseResult,
-    UseCaseState,
-)
-from remodel_msgs.srv import (
-    AnswerQuestion,
-    AnswerQuestionResponse,
-    CommandRun,
-    CommandRunResponse,
-    CommandTask,
-    CommandTaskResponse,
 )
 
-from remodel_planner.core.supervision.events import (
-    Answer,
-    Answered,
-    Command,
-    Commanded,
-    Ending,
-    RunBegun,
-)
+from remodel_planner.core.supervision.events import Command, Commanded, Ending, RunBegun
 from remodel_planner.core.supervision.state import RunState, Stage, state_after
-from remodel_planner.edge.production_database import ProductionDatabase
+from remodel_planner.edge.cell_ownership import CellOwnership, Owned
 from remodel_planner.edge.run_log import RunLog
-from remodel_planner.errors import CellError, PlannerError
-from remodel_planner.ros.pictures import keep_pictures
-from remodel_planner.ros.state_message import levels, state_message
-from remodel_planner.ros.use_case_supervisor import Peers, UseCaseSupervisor, Work
+from remodel_planner.errors import (
+    CellError,
+    LeavingError,
+    LostError,
+    OwnerError,
+    PlannerError,
+    RecordLostError,
+)
+from remodel_planner.ros.event_loop import RosEventLoop
+from remodel_planner.ros.run_messages import RunView, levels
+from remodel_planner.ros.run_services import RunServices
+from remodel_planner.ros.state_publisher import StatePublisher
 from remodel_planner.ros.work import WorkMaker
+from remodel_planner.supervisors.use_case_supervisor import Peers, UseCaseSupervisor
 
 ACTION = "remodel/run_use_case"
-STATE = "remodel/use_case/state"
 
-# [s] wall time between two states, while something runs.
-_TELL_EVERY_S = 0.2
+# [s] wall time between two attempts to own the cell, and between two publications.
+_ACQUIRE_EVERY_S = 1.0
+_PUBLISH_EVERY_S = 0.25
+
+# [s] wall time that a run gets to come to rest when the node is shut down; roslaunch waits for 15.
+_LEAVE_LIMIT_S = 8.0
 
 
 @dataclass
@@ -60,8 +51,8 @@ class _Active:
     """A run under way.
 
     Attributes:
-        handle: the goal that asked for it; None if it goes on by itself.
-        begun: ROS time at which this process took it up.
+        handle: the goal that asked for it; None if it was resumed.
+        begun: ROS time at which this process began or resumed it.
     """
 
     supervisor: UseCaseSupervisor
@@ -70,65 +61,217 @@ class _Active:
 
 
 class RunServer:
-    """Does one run at a time."""
+    """Supervises runs, one at a time, on a thread of its own."""
 
     def __init__(
-        self, database: ProductionDatabase, maker: WorkMaker, peers: Peers, cell: str, runs: Path
+        self,
+        log: RunLog,
+        maker: WorkMaker,
+        peers: Peers,
+        ownership: CellOwnership,
+        loop: RosEventLoop,
     ) -> None:
-        """Begin to serve, and go on with what was cut short.
+        """Begin to serve; a run that was cut short is resumed before any goal is taken.
 
         Args:
-            database: that has the orders, and keeps the runs.
+            log: keeps the runs.
             maker: makes what a run is about.
-            peers: nodes that runs need.
-            cell: name of this cell.
-            runs: folder of the runs' pictures.
+            peers: processes that runs need.
+            ownership: of the cell.
+            loop: on which everything is done.
         """
-        self._log = RunLog(database)
+        self._log = log
         self._maker = maker
         self._peers = peers
-        self._cell = cell
-        self._runs = runs
+        self._ownership = ownership
+        self._loop = loop
+        self._owner = 0
+        self._owned_until_s = 0.0
+        self._disowned = ""
+        self._closed = "this node is starting; ask again"
         self._active: _Active | None = None
-        self._lock = threading.Lock()
-        self._changed = threading.Event()
-        self._state = rospy.Publisher(STATE, UseCaseState, latch=True, queue_size=1)
-        self._state.publish(
-            UseCaseState(stamp=rospy.Time.now(), phase=UseCaseState.IDLE, cell=cell)
-        )
-        for command in (Command.PAUSE, Command.RESUME, Command.STOP):
-            self._serve_run(command)
-        for command in (Command.SKIP, Command.RETRY):
-            self._serve_task(command)
-        rospy.Service("remodel/use_case/answer", AnswerQuestion, self._on_answer)
+        self._next: _Active | None = None
+        self._publisher = StatePublisher()
+        self._publisher.idle(maker.cell, self._closed, starting=True)
+        self._services = RunServices(loop, lambda: self._supervisor, self._why_closed, peers)
         self._server = actionlib.ActionServer(
-            ACTION, RunUseCaseAction, self._on_goal, self._on_cancel, auto_start=False
+            ACTION,
+            RunUseCaseAction,
+            lambda handle: loop.post(lambda: self._on_goal(handle)),
+            lambda handle: loop.post(lambda: self._on_cancel(handle)),
+            auto_start=False,
         )
         self._server.start()
-        threading.Thread(target=self._tell, name="tell", daemon=True).start()
-        unfinished = self._log.unfinished(cell)
+        loop.every(_PUBLISH_EVERY_S, self._publish)
+        loop.every(ownership.lease_s / 3, self._renew)
+        self._thread = threading.Thread(target=self._serve, name="supervisor", daemon=True)
+        self._thread.start()
+        rospy.on_shutdown(self.close)
+
+    def close(self) -> None:
+        """Stop what moves, and end; the run goes on when the node is started again."""
+        self._loop.leave()
+        if threading.current_thread() is not self._thread:
+            self._thread.join(_LEAVE_LIMIT_S)
+
+    @property
+    def _supervisor(self) -> UseCaseSupervisor | None:
+        return self._active.supervisor if self._active else None
+
+    def _why_closed(self) -> str:
+        """Return why nothing new is taken; empty if this node is idle, or supervises a run."""
+        return self._closed
+
+    # --- the thread
+
+    def _serve(self) -> None:
+        try:
+            while True:
+                self._acquire()
+                try:
+                    self._supervise_runs()
+                except (OwnerError, RecordLostError) as error:
+                    self._give_up(error)
+        except LeavingError:
+            self._release()
+        except Exception as error:  # noqa: BLE001 - a run that nobody supervises must not look alive
+            # roslaunch respawns this node, which resumes the run.
+            rospy.logfatal("%s", traceback.format_exc())
+            rospy.signal_shutdown(str(error))
+
+    def _acquire(self) -> None:
+        """Own the cell; as long as another station does, publish that and wait."""
+        while True:
+            asked_s = self._loop.wall_s()
+            try:
+                found = self._ownership.acquire()
+                if isinstance(found, Owned):
+                    break
+                text = (
+                    f"cell {self._maker.cell} is owned by another station: {found.holder}; stop "
+                    "that one, or give this cell a name of its own (cell_name:=)"
+                )
+            except LostError as error:
+                text = str(error)
+            if text != self._closed:
+                rospy.logerr("%s", text)
+                self._publisher.idle(self._maker.cell, text, starting=True)
+            self._closed = text
+            self._loop.run_until(lambda: False, _ACQUIRE_EVERY_S)
+        self._owner = found.token
+        self._owned_until_s = asked_s + self._ownership.lease_s
+        self._disowned = ""
+
+    def _renew(self) -> None:
+        if not self._owner:
+            return
+        asked_s = self._loop.wall_s()
+        with contextlib.suppress(LostError):
+            if not self._ownership.renew(self._owner):
+                self._disowned = f"another supervisor owns cell {self._maker.cell} now"
+                return
+            self._owned_until_s = asked_s + self._ownership.lease_s
+
+    def _why_disowned(self) -> str:
+        """Return why this supervisor does not own the cell, for all that it knows."""
+        if not self._disowned and self._loop.wall_s() > self._owned_until_s:
+            return (
+                f"the ownership of cell {self._maker.cell} could not be renewed: the production "
+                "database does not answer"
+            )
+        return self._disowned
+
+    def _supervise_runs(self) -> None:
+        unfinished = self._log.unfinished(self._maker.cell)
         if unfinished is not None:
-            self._go_on(unfinished)
+            self._supervise(self._resumed(unfinished))
+        while True:
+            self._closed = self._services.safety
+            if self._active is None:
+                self._publisher.idle(self._maker.cell, self._closed)
+            self._loop.run_until(
+                lambda: self._next is not None or bool(self._disowned), float("inf")
+            )
+            if self._next is None:
+                raise OwnerError(self._disowned)
+            self._supervise(self._next)
+
+    def _resumed(self, run: int) -> _Active:
+        """Return a run that was cut short, taken up."""
+        self._log.take_up(run, self._owner)
+        state = state_after(kept.event for kept in self._log.events(run))
+        rospy.loginfo("resuming run %d of order %s", run, state.order)
+        work = self._maker.work(state.order, len(state.tasks), self._owner)
+        return self._made(run, state, work, None)
+
+    def _made(
+        self, run: int, state: RunState, work: object, handle: actionlib.ServerGoalHandle | None
+    ) -> _Active:
+        supervisor = UseCaseSupervisor(
+            run,
+            self._owner,
+            state,
+            self._loop,
+            self._log,
+            work,  # type: ignore[arg-type]
+            self._peers,
+            self._on_change,
+            self._why_disowned,
+        )
+        return _Active(supervisor, handle, rospy.Time.now())
+
+    def _supervise(self, active: _Active) -> None:
+        self._active, self._next = active, None
+        self._services.ask_to_be_asked()
+        self._on_change()
+        try:
+            state = active.supervisor.supervise()
+        except (OwnerError, RecordLostError) as error:
+            if active.handle is not None:
+                _abort(active, str(error))
+            raise
+        self._services.ask_no_more()
+        self._on_change()
+        self._active = None
+        if active.handle is not None:
+            _answer(active, state)
+
+    def _give_up(self, error: PlannerError) -> None:
+        """Report why the run under way is not supervised any more."""
+        rospy.logerr("%s", error)
+        self._active, self._owner = None, 0
+        self._closed = str(error)
+        self._publisher.idle(self._maker.cell, self._closed, starting=True)
+        if isinstance(error, RecordLostError):
+            self._services.ask_no_more()
+            self._loop.run_until(lambda: False, _ACQUIRE_EVERY_S)
+
+    def _release(self) -> None:
+        with contextlib.suppress(PlannerError):
+            if self._owner:
+                self._ownership.release(self._owner)
+
+    # --- goals
 
     def _on_goal(self, handle: actionlib.ServerGoalHandle) -> None:
         goal = handle.get_goal()
-        with self._lock:
-            try:
-                self._require_sound(goal)
-                active = self._begun(goal, handle)
-            except PlannerError as error:
-                code = ErrorCode.BUSY if self._active else ErrorCode.INVALID_GOAL
-                handle.set_rejected(_refusal(goal, code, str(error)), str(error))
-                return
-            handle.set_accepted()
-            self._start(active)
+        try:
+            self._require_sound(goal)
+            self._next = self._begun(goal, handle)
+        except PlannerError as error:
+            is_busy = self._active is not None or bool(self._closed)
+            code = ErrorCode.BUSY if is_busy else ErrorCode.INVALID_GOAL
+            handle.set_rejected(_refusal(goal, code, str(error)), str(error))
+            return
+        handle.set_accepted()
 
     def _require_sound(self, goal: RunUseCaseGoal) -> None:
-        if self._active is not None:
-            state = self._active.supervisor.state
-            raise CellError(
-                f"run {self._active.supervisor.run} of order {state.order} is under way"
-            )
+        active = self._active or self._next
+        if active is not None:
+            run = active.supervisor
+            raise CellError(f"run {run.run} of order {run.state.order} is under way")
+        if self._closed:
+            raise CellError(self._closed)
         if not goal.id:
             raise CellError("id is empty; it must name the goal")
         if not 0 <= goal.timeout < float("inf"):
@@ -136,161 +279,100 @@ class RunServer:
 
     def _begun(self, goal: RunUseCaseGoal, handle: actionlib.ServerGoalHandle) -> _Active:
         """Begin a run; PlannerError, and no run, if the order cannot be done."""
-        work = self._maker.work(goal.order, goal.tasks, goal.timeout)
+        work = self._maker.work(goal.order, goal.tasks, self._owner)
         tasks = tuple(task.name for task in work.planner.order.tasks)
-        begun = RunBegun(goal.order, work.planner.use_case.name, self._cell, tasks)
-        run = self._log.begin(begun, again=goal.again)
-        if goal.again:
-            work = replace(work, keep_panel=False)
-        return self._made(run, work, state_after([begun]), handle)
-
-    def _go_on(self, run: int) -> None:
-        """Take up a run that was cut short."""
-        state = state_after(kept.event for kept in self._log.events(run))
-        rospy.loginfo("going on with run %d of order %s", run, state.order)
-        with self._lock:
-            work = self._maker.work(state.order, len(state.tasks), 0.0)
-            self._start(self._made(run, work, state, None))
-
-    def _made(
-        self,
-        run: int,
-        work: Work,
-        state: RunState,
-        handle: actionlib.ServerGoalHandle | None,
-    ) -> _Active:
-        supervisor = UseCaseSupervisor(
-            run,
-            state,
-            self._log,
-            work,
-            self._peers,
-            lambda label, sights: keep_pictures(self._runs / str(run), label, sights),
-            self._changed.set,
+        begun = RunBegun(
+            goal.order,
+            work.planner.use_case.name,
+            self._maker.cell,
+            tasks,
+            timeout_s=goal.timeout,
         )
-        return _Active(supervisor, handle, rospy.Time.now())
-
-    def _start(self, active: _Active) -> None:
-        self._active = active
-        threading.Thread(target=self._do, args=(active,), name="run", daemon=True).start()
-
-    def _do(self, active: _Active) -> None:
-        try:
-            state = active.supervisor.supervise()
-        except Exception as error:  # noqa: BLE001 - a run that nobody does any more must not look alive
-            # This node is started again, and goes on with the run.
-            rospy.logfatal("run %d: %s", active.supervisor.run, traceback.format_exc())
-            rospy.signal_shutdown(str(error))
-            return
-        self._publish(active)
-        with self._lock:
-            self._active = None
-        if active.handle is not None and state.ended is not None:
-            _answer(active, state)
+        run, begun = self._log.begin(begun, self._owner, again=goal.again)
+        return self._made(run, state_after([begun]), work, handle)
 
     def _on_cancel(self, handle: actionlib.ServerGoalHandle) -> None:
         active = self._active
         if active is not None and active.handle == handle:
-            with contextlib.suppress(CellError):
-                active.supervisor.command(Commanded(Command.STOP, "", "the goal's client"))
+            stop = Commanded(Command.STOP, "", "the goal's client")
+            active.supervisor.command(stop, lambda granted, text: None)
 
-    def _serve_run(self, command: Command) -> None:
-        def on_call(request: object) -> CommandRunResponse:
-            return CommandRunResponse(*self._commanded(command, "", request.by))  # type: ignore[attr-defined]
+    # --- publications
 
-        rospy.Service(f"remodel/use_case/{command.value}", CommandRun, on_call)
+    def _on_change(self) -> None:
+        if self._active is not None:
+            self._publisher.publish(self._view(self._active))
 
-    def _serve_task(self, command: Command) -> None:
-        def on_call(request: object) -> CommandTaskResponse:
-            done = self._commanded(command, request.task, request.by)  # type: ignore[attr-defined]
-            return CommandTaskResponse(*done)
+    def _publish(self) -> None:
+        with contextlib.suppress(rospy.ROSException):  # at shutdown topics are closed
+            self._publisher.flush()
+            if self._active is not None:
+                self._on_change()
+                self._feed_back(self._active)
 
-        rospy.Service(f"remodel/use_case/{command.value}", CommandTask, on_call)
-
-    def _commanded(self, command: Command, task: str, by: str) -> tuple[bool, str]:
-        try:
-            self._required().command(Commanded(command, task, by or "somebody"))
-        except PlannerError as error:
-            return False, str(error)
-        return True, ""
-
-    def _on_answer(self, request: object) -> AnswerQuestionResponse:
-        number, choice = request.question, request.choice  # type: ignore[attr-defined]
-        try:
-            if choice not in {answer.value for answer in Answer}:
-                raise CellError(
-                    f"{choice!r} is no answer; there are {', '.join(a.value for a in Answer)}"
-                )
-            by = request.by or "somebody"  # type: ignore[attr-defined]
-            self._required().answer(Answered(number, Answer(choice), by))
-        except PlannerError as error:
-            return AnswerQuestionResponse(False, str(error))
-        return AnswerQuestionResponse(True, "")
-
-    def _required(self) -> UseCaseSupervisor:
-        active = self._active
-        if active is None:
-            raise CellError("no run is under way")
-        return active.supervisor
-
-    def _tell(self) -> None:
-        """Publish the state when it has changed, and what the abilities do while they do it."""
-        while not rospy.is_shutdown():
-            self._changed.wait(_TELL_EVERY_S)
-            self._changed.clear()
-            active = self._active
-            if active is not None:
-                with contextlib.suppress(rospy.ROSException):  # at shutdown topics are closed
-                    self._publish(active)
-                    _feed_back(active)
-                time.sleep(_TELL_EVERY_S / 4)
-
-    def _publish(self, active: _Active) -> None:
-        descriptions = self._maker.descriptions
-        self._state.publish(state_message(active.supervisor, descriptions, active.begun))
-
-
-def _feed_back(active: _Active) -> None:
-    state = active.supervisor.state
-    if active.handle is None or state.ended is not None:
-        return
-    ended = len(state.in_stage(Stage.DONE, Stage.SET_ASIDE))
-    active.handle.publish_feedback(
-        RunUseCaseFeedback(
-            id=active.handle.get_goal().id,
-            message=active.supervisor.doing,
-            elapsed_time=(rospy.Time.now() - active.begun).to_sec(),
-            completed_percentage=100.0 * ended / max(1, len(state.tasks)),
-            task=state.current,
-            levels=levels(active.supervisor),
+    def _view(self, active: _Active) -> RunView:
+        supervisor = active.supervisor
+        return RunView(
+            run=supervisor.run,
+            state=supervisor.state,
+            doing=supervisor.doing,
+            doing_now=supervisor.doing_now,
+            state_path=supervisor.state_path,
+            started=active.begun,
+            expected_s=supervisor.work.planner.expected_s,
+            descriptions=self._maker.descriptions,
+            moving=supervisor.is_moving,
         )
-    )
+
+    def _feed_back(self, active: _Active) -> None:
+        state = active.supervisor.state
+        if active.handle is None or state.ended is not None:
+            return
+        ended = len(state.in_stage(Stage.DONE, Stage.SET_ASIDE))
+        active.handle.publish_feedback(
+            RunUseCaseFeedback(
+                id=active.handle.get_goal().id,
+                message=active.supervisor.doing,
+                elapsed_time=(rospy.Time.now() - active.begun).to_sec(),
+                completed_percentage=100.0 * ended / max(1, len(state.tasks)),
+                task=state.current,
+                levels=levels(self._view(active)),
+            )
+        )
 
 
 def _answer(active: _Active, state: RunState) -> None:
     """End the goal as the run has ended."""
-    done = list(state.in_stage(Stage.DONE))
-    left = [name for name in state.tasks if name not in done]
-    complete = state.ended is not None and state.ended.ending is Ending.COMPLETE
+    result = _result(active, state)
     because = state.ended.because if state.ended else ""
-    result = RunUseCaseResult(
-        id=active.handle.get_goal().id,
-        success=complete,
-        message=f"{len(done)} of {len(state.tasks)} tasks done",
-        elapsed_time=(rospy.Time.now() - active.begun).to_sec(),
-        error_code=ErrorCode.NONE if complete else ErrorCode.INTERNAL,
-        error_message="" if complete else because,
-        run=active.supervisor.run,
-        done=done,
-        left=left,
-    )
-    if complete:
+    result.success = state.ended is not None and state.ended.ending is Ending.COMPLETE
+    if result.success:
         active.handle.set_succeeded(result)
-    elif state.ended is not None and state.ended.ending is Ending.STOPPED:
+        return
+    result.error_code, result.error_message = ErrorCode.INTERNAL, because
+    if state.ended is not None and state.ended.ending is Ending.STOPPED:
         result.error_code = ErrorCode.PREEMPTED
         active.handle.set_canceled(result, because)
     else:
         active.handle.set_aborted(result, because)
+
+
+def _abort(active: _Active, because: str) -> None:
+    result = _result(active, active.supervisor.state)
+    result.error_code, result.error_message = ErrorCode.STALE_OWNER, because
+    active.handle.set_aborted(result, because)
+
+
+def _result(active: _Active, state: RunState) -> RunUseCaseResult:
+    done = list(state.in_stage(Stage.DONE))
+    return RunUseCaseResult(
+        id=active.handle.get_goal().id,
+        message=f"{len(done)} of {len(state.tasks)} tasks done",
+        elapsed_time=(rospy.Time.now() - active.begun).to_sec(),
+        run=active.supervisor.run,
+        done=done,
+        left=[name for name in state.tasks if name not in done],
+    )
 
 
 def _refusal(goal: RunUseCaseGoal, code: int, text: str) -> RunUseCaseResult:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 
 from remodel_msgs.msg import Panel
 
@@ -18,6 +17,7 @@ from remodel_planner.core.recovery.fault import FaultTable
 from remodel_planner.core.use_case.model import UseCase
 from remodel_planner.core.use_case.work_order import WorkOrder
 from remodel_planner.edge.catalogue_file import read_catalogue
+from remodel_planner.edge.escalation_hook import EscalationHook
 from remodel_planner.edge.package_files import catalogue_file
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.task_leases import TaskLeases
@@ -25,7 +25,7 @@ from remodel_planner.edge.use_case_files import find_use_case
 from remodel_planner.edge.work_planner import WorkPlanner
 from remodel_planner.ros.board_message import MAGAZINE, board_message
 from remodel_planner.ros.panel_message import panel_message
-from remodel_planner.ros.use_case_supervisor import Work
+from remodel_planner.supervisors.use_case_supervisor import Work
 
 
 @dataclass
@@ -36,35 +36,36 @@ class WorkMaker:
         database: that has the orders.
         faults: that there are.
         cell: name of the cell.
-        charts: folder of the task charts; one that the synthesizer may read.
         use_case: name of the use case by which orders are done.
         attended: whether there is an operator who can be asked.
-        patience_s: [s] wall time that a lost process gets to come back.
+        reconnect_s: [s] wall time that a process that is lost or silent gets to answer again.
         lease_s: [s] wall time for which a task is taken.
         search_s: [s] wall time that the search for the best order of tasks gets.
-        frozen: do what the use case states, and learn nothing from runs.
+        explore: try parameters other than those the use case states, and spare responses that
+            hardly ever help, both as recorded runs have taught.
+        escalation: is notified of questions; None: nobody is.
         descriptions: of the tasks made last, for a person, by name.
     """
 
     database: ProductionDatabase
     faults: FaultTable
     cell: str
-    charts: Path
     use_case: str
     attended: bool
-    patience_s: float
+    reconnect_s: float
     lease_s: float
     search_s: float
-    frozen: bool = False
+    explore: bool = False
+    escalation: EscalationHook | None = None
     descriptions: Mapping[str, str] = field(default_factory=dict)
 
-    def work(self, name: str, tasks: int, timeout_s: float) -> Work:
+    def work(self, name: str, tasks: int, owner: int) -> Work:
         """Make the work of an order.
 
         Args:
             name: of the order.
             tasks: how many, from the first; 0 for all.
-            timeout_s: [s] ROS time that the run gets; 0: as long as it takes.
+            owner: token of the ownership of the cell.
 
         Raises:
             PlannerError: if there is no such order, or the cell cannot do it.
@@ -74,9 +75,8 @@ class WorkMaker:
         use_case = find_use_case(self.use_case)
         use_case.recovery.require_known(self.faults)
         order, panel, channels = _in_cell(stored, use_case)
-        calls = () if self.frozen else self.database.ability_calls()
-        experience = Experience(use_case, calls, frozen=self.frozen)
-        leases = TaskLeases(self.database, name, self.cell, self.lease_s)
+        experience = Experience(use_case, self.database.ability_calls(), explore=self.explore)
+        leases = TaskLeases(self.database, name, self.cell, self.lease_s, owner)
         self.descriptions = {
             wire.name: f"{wire.a} to {wire.b}, {wire.colour}, {wire.section_mm2:g} mm2"
             for wire in stored.wires
@@ -88,16 +88,15 @@ class WorkMaker:
                 experience,
                 self.search_s,
                 escalated=self.faults.codes_above_behaviors,
+                undone=self.faults.codes_to_undo,
             ),
             faults=self.faults,
             panel=panel,
-            keep_panel=leases.any_begun(),
             channels=channels,
             leases=leases,
-            charts=self.charts,
             attended=self.attended,
-            patience_s=self.patience_s,
-            timeout_s=timeout_s,
+            reconnect_s=self.reconnect_s,
+            notify=self.escalation.notify if self.escalation else lambda event: None,
         )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from flexbe_synthesizer.core.codec import write_chart
@@ -12,6 +12,7 @@ from remodel_planner.core.recovery.fault import Do, FaultTable
 from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.events import (
     Answered,
+    Asked,
     AsLeft,
     Blocked,
     Chosen,
@@ -123,6 +124,7 @@ class Work:
         leases: on the tasks.
         attended: whether there is an operator who can be asked.
         reconnect_s: [s] wall time that a process that is lost or silent gets to answer again.
+        notify: is called with each question, and when nobody answers it in time; returns at once.
     """
 
     planner: WorkPlanner
@@ -132,6 +134,7 @@ class Work:
     leases: Leases
     attended: bool
     reconnect_s: float
+    notify: Callable[[Mapping[str, object]], None] = lambda event: None
 
 
 @dataclass(frozen=True)
@@ -204,7 +207,7 @@ class UseCaseSupervisor:
         self._before_s = state.cell_s
         self._begun_s = 0.0
         # A run whose order of tasks is decided was supervised by another process before.
-        self._is_resumed = not state.to_plan
+        self._is_resumed = self._is_planned = not state.to_plan
         # Where the cell answered that has the panel.
         self._loaded_at = ""
 
@@ -217,6 +220,11 @@ class UseCaseSupervisor:
     def state_path(self) -> str:
         """The path of the state in which the engine is; empty if none is known."""
         return self._peers.engine.state_path
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether something moves that has passed the gate."""
+        return not self._gate.is_still
 
     def supervise(self) -> RunState:
         """Do what comes next until the run has ended, and return how it ended.
@@ -311,9 +319,11 @@ class UseCaseSupervisor:
 
     def _planned(self) -> tuple[str, ...]:
         """Return the waiting tasks in their best order; those that were begun before come last."""
-        tasks = self.state.tasks
-        order = self.work.planner.plan(self.state.waiting)
-        return tuple(sorted(order, key=lambda name: tasks[name].attempts > 0))
+        waiting, tasks = self.state.waiting, self.state.tasks
+        last = [name for name in waiting if tasks[name].attempts]
+        previous = waiting if self._is_planned else ()
+        self._is_planned = True
+        return self.work.planner.plan(waiting, previous, last)
 
     def _execute(self, name: str, part: Part) -> None:
         if not self._has(name):
@@ -469,8 +479,10 @@ class UseCaseSupervisor:
 
     def _ask(self, name: str) -> None:
         policy = self.work.planner.use_case.recovery
-        now_s, limit_s = self._loop.now_s(), policy.question_timeout_s
-        self._append(question_about(self.state, name, self.work.faults, now_s, limit_s))
+        now_s, limit_s = self._loop.now_s(), policy.question.timeout_s
+        asked = question_about(self.state, name, self.work.faults, now_s, limit_s)
+        self._append(asked)
+        self._notify("asked", asked)
 
     def _wait(self) -> None:
         """Wait for a command, an answer, other cells, or the end of a question's time."""
@@ -480,14 +492,34 @@ class UseCaseSupervisor:
             return
         asked = self.state.question
         if asked is not None and 0 < asked.timeout_s < self._loop.now_s() - asked.at_s:
-            do = self.work.planner.use_case.recovery.escalation
+            fault = self.work.faults[self.state.tasks[asked.task].decisions[-1].fault]
+            do = self.work.planner.use_case.recovery.unanswered_for(fault)
             self._append(Escalated(asked.number, asked.task, do))
+            self._notify("not answered", asked, do=do.value)
         for name in self.state.in_stage(Stage.ELSEWHERE):
             claim = self.work.leases.claim(name)
             if claim.holding in (Holding.DONE, Holding.SET_ASIDE):
                 self._append(TaskElsewhere(name, claim.cell, _AS_LEFT[claim.holding]))
             elif claim.holding is not Holding.ELSEWHERE:
                 self._append(TaskReturned(name, claim.cell))
+
+    def _notify(self, event: str, asked: Asked, **more: str) -> None:
+        """Notify whoever is to know of a question, wherever they are."""
+        self.work.notify(
+            {
+                "event": event,
+                "cell": self.state.cell,
+                "order": self.state.order,
+                "serial": self.state.serial,
+                "run": self.run,
+                "question": asked.number,
+                "task": asked.task,
+                "text": asked.text,
+                "choices": [choice.value for choice in asked.choices],
+                "timeout_s": asked.timeout_s,
+                **more,
+            }
+        )
 
     def _has(self, name: str) -> bool:
         """Return whether this cell has a task; if another one has it, or has had it, keep that."""

@@ -75,12 +75,12 @@ def extract_cable(station: Station, goal: ExtractGoal) -> Steps[CableExtracted]:
         peak = yield from _pull_out(station, book.engaged, where)
     book.loosen(end)
     if book.grip is not None:
-        target = _where_it_lay(station, book.grip, book.picked_at[end])
+        target = where_it_lay(station, book.grip, book.picked_at[end])
         yield from lay_down(station, target, (0.6, 1.0))
     return CableExtracted(f"end {end.value} of {goal.cable_id} out of {where}, laid down", peak)
 
 
-def _where_it_lay(station: Station, grip: Grip, back: Grip) -> ToolPose:
+def where_it_lay(station: Station, grip: Grip, back: Grip) -> ToolPose:
     """Return the tool pose that lays the tip down where it lay when it was picked."""
     yaw = back.tool.yaw + back.flip
     x, y = tip_of(back.tool, back) - grip.distance * np.array([math.cos(yaw), math.sin(yaw)])

@@ -58,7 +58,7 @@ def place_cable(station: Station, goal: PlaceGoal) -> Steps[CablePlaced]:
     target = held_tool(station, goal.target)
     yield from lay_down(station, target, (0.0, 1.0))
     x, y = target.x, target.y
-    return CablePlaced(f"{goal.cable_id} laid down at x {x * 1e3:.0f}, y {y * 1e3:.0f} mm")
+    return CablePlaced(f"{station.wire.id} laid down at x {x * 1e3:.0f}, y {y * 1e3:.0f} mm")
 
 
 def _draw_out(station: Station) -> Steps[None]:

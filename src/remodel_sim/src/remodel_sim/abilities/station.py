@@ -14,13 +14,15 @@ import numpy.typing as npt
 
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.arm_volume import volume_of
-from remodel_sim.core.book import Book
+from remodel_sim.core.book import Book, Feed, Grip
 from remodel_sim.core.camera import Picture, View
 from remodel_sim.core.cell_design import RobotDesign
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.feeding import resting_place
 from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.panel import Panel, Wire
+from remodel_sim.core.panel import End, Panel, Wire
+from remodel_sim.core.scrap_bin import bin_of
 from remodel_sim.core.traffic import Traffic
 from remodel_sim.physics.plant import Plant
 from remodel_sim.physics.robot import TOUCH_GAP, Robot
@@ -107,6 +109,7 @@ class Station:
     ) -> None:
         """Take over a robot of a freshly built plant."""
         self._plant = plant
+        self._design = design
         self._camera = design.camera.name
         self._audience = audience
         self.name, self.arm, self.home = design.name, design.arm, design.home
@@ -275,6 +278,44 @@ class Station:
         """Show poses in the world, by the names of their frames."""
         if self._audience.on_frames is not None:
             self._audience.on_frames(frames)
+
+    @property
+    def scrap_bin(self) -> ToolPose:
+        """Where the hand drops wires into the scrap bin; raises UNREACHABLE when there is none."""
+        return bin_of(self._design, self.panel)
+
+    def revive(self, wire_id: str) -> None:
+        """Make a wire that was parked live again, so that it can be handled.
+
+        The world is built again for it, so every other robot must stand still; raises BUSY.
+        """
+        for other in self.peers:
+            if other.busy:
+                raise AbilityError(
+                    Code.BUSY,
+                    f"{other.name} is busy, and {wire_id!r} can be handled again only while it is "
+                    "not; try again",
+                )
+        tools = {name: station.commanded for name, station in self.crew.items()}
+        parked = self._plant.revive(wire_id, tools)
+        wire, overlap = self.panel.wire(wire_id), self._plant.design.feeder.overlap
+        places = {end: resting_place(self.panel, wire, end, overlap) for end in End}
+        channel = self.panel.channel_in_front_of(
+            self.panel.panel_from_socket(*wire.goes_to(End.A)).position
+        )
+        feed = Feed(wire_id, channel.id, places[End.A][1])
+        expected = {End.A: parked.nodes[0, :2], End.B: parked.nodes[-1, :2]}
+        lay_at = {end: Grip.of_tip(end, place) for end, (place, _) in places.items()}
+        for station in self.crew.values():
+            station.arm_restarted()
+            station.book.resume_wire(feed, expected, parked.fixed, lay_at)
+
+    def discard(self) -> None:
+        """Drop the live wire into the scrap bin: it leaves the world."""
+        wire_id = self.wire.id
+        self._plant.discard()
+        for station in self.crew.values():
+            station.book.end_wire(wire_id)
 
     def move_fork(self, x: float, y: float) -> None:
         """Bring the feeder's fork up around a wire, world frame [m].

@@ -5,8 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from enum import Enum
 
+import numpy as np
+
 from remodel_sim.core.arm import PANDA_AT_ORIGIN, Arm, ToolPose
 from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.core.layout import GRASP_DISTANCE_M
 from remodel_sim.core.mouths import TerminalKey
 from remodel_sim.core.panel import End
 from remodel_sim.core.placed_wires import PlacedWires
@@ -66,6 +69,12 @@ class Grip:
     flip: float
     tool: ToolPose
 
+    @staticmethod
+    def of_tip(end: End, tip: Pose) -> Grip:
+        """Return the grip that lays a tip down at a pose, x out of the wire, world frame."""
+        x, y, z = (float(v) for v in tip.apply(np.array([-GRASP_DISTANCE_M, 0.0, 0.0])))
+        return Grip(end, GRASP_DISTANCE_M, 0.0, 0.0, ToolPose(x, y, z, tip.yaw))
+
 
 @dataclass
 class Book:
@@ -84,7 +93,7 @@ class Book:
         expected: where its loose ends should lie, (2,) [m], world frame, by the cell's own doing.
         picked_at: where each end was last grasped: there it can be laid down again.
         occupied: which wire end each terminal holds, over all wires.
-        fed: every wire fed so far, in order.
+        fed: every wire of which a piece is in the cell, in the order of feeding.
         in_clips: where clips hold the live wire, (3,) [m] each, world frame; nearest to its loose
             end the last.
         seen: frames of components in the world, as they were last located.
@@ -119,6 +128,17 @@ class Book:
         if grip is not None:
             self.hands[self.robot] = grip
 
+    @property
+    def is_touched(self) -> bool:
+        """Whether a hand has gripped the live wire since it was fed."""
+        return bool(self.picked_at)
+
+    def presents(self, wire_id: str, channel_id: str) -> bool:
+        """Return whether a piece of a wire lies in a channel as the feeder has laid it."""
+        feed = self.feed
+        lies_there = feed is not None and (feed.wire_id, feed.channel_id) == (wire_id, channel_id)
+        return lies_there and not self.is_touched
+
     def start_wire(self, feed: Feed, expected: dict[End, Array]) -> None:
         """Note that a wire lies in its channel, both ends loose."""
         self.feed = feed
@@ -128,10 +148,29 @@ class Book:
         self.ends.update({End.A: EndState.LOOSE, End.B: EndState.LOOSE})
         self.tips.clear()
         self.in_clips.clear()
-        for key in [k for k, v in self.occupied.items() if v[0] == feed.wire_id]:
-            del self.occupied[key]
         if feed.wire_id not in self.fed:
             self.fed.append(feed.wire_id)
+
+    def resume_wire(
+        self, feed: Feed, expected: dict[End, Array], fixed: frozenset[End], lay_at: dict[End, Grip]
+    ) -> None:
+        """Note that a wire of earlier is live again; `lay_at` has where its ends can be laid."""
+        self.start_wire(feed, expected)
+        self.picked_at.update(lay_at)
+        for wire, end in self.occupied.values():
+            if wire == feed.wire_id:
+                self.ends[end] = EndState.FIXED if end in fixed else EndState.SEATED
+
+    def end_wire(self, wire_id: str) -> None:
+        """Note that no piece of the live wire is left."""
+        self.feed = self.engaged = None
+        live = (self.hands, self.ends, self.tips, self.expected, self.picked_at, self.in_clips)
+        for known in live:
+            known.clear()
+        for key in [k for k, v in self.occupied.items() if v[0] == wire_id]:
+            del self.occupied[key]
+        if wire_id in self.fed:
+            self.fed.remove(wire_id)
 
     def restore(self, placed: PlacedWires) -> None:
         """Note the wires that lay on the panel before the cell was started anew."""

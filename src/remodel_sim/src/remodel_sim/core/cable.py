@@ -23,7 +23,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from remodel_sim.core.geometry import Array
+from remodel_sim.core.geometry import Array, multiply_quaternions, turn_between
 from remodel_sim.core.panel import End, Wire
 
 # PyBullet reports at most 31 spherical joints of one body.
@@ -193,6 +193,31 @@ def chain(wire: Wire, pieces: Sequence[Piece], time_step: float) -> CableModel:
 def _stiffer(joints: Array) -> Array:
     """Return for each of n links the stiffer of its joints, (n - 1,) in, (n,) out."""
     return np.maximum(np.r_[joints, 0.0], np.r_[0.0, joints])
+
+
+def link_frames(nodes: Array, radius: float) -> tuple[Array, Array]:
+    """Return the frames of the links of a wire that is bent without twist.
+
+    Args:
+        nodes: (n + 1, 3) from tip to tip [m]; the first and the last are the caps' apexes.
+        radius: of the caps [m].
+
+    Returns:
+        The links' centres (n, 3) [m] and quaternions (n, 4): z along the wire, and the first link's
+        x axis down when it lies level.
+    """
+    steps = np.diff(nodes, axis=0)
+    axes = steps / np.linalg.norm(steps, axis=1, keepdims=True)
+    ends = nodes.copy()
+    ends[0] += radius * axes[0]
+    ends[-1] -= radius * axes[-1]
+    level = np.array([np.hypot(axes[0, 0], axes[0, 1]), 0.0, axes[0, 2]])
+    pitched = turn_between(np.array([0.0, 0.0, 1.0]), level)
+    yaw = float(np.arctan2(axes[0, 1], axes[0, 0])) / 2
+    turns = [multiply_quaternions(np.array([0.0, 0.0, np.sin(yaw), np.cos(yaw)]), pitched)]
+    for before, after in pairwise(axes):
+        turns.append(multiply_quaternions(turn_between(before, after), turns[-1]))
+    return (ends[:-1] + ends[1:]) / 2, np.array(turns)
 
 
 def rotation_vectors(quaternions: Array) -> Array:

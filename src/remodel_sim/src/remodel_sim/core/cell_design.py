@@ -54,6 +54,7 @@ class RobotDesign:
         gripper: its hand.
         camera: on its hand.
         prefix: put before the names of its frames and joints.
+        scrap_bin: where the hand drops wires into its scrap bin; None: beside the plate.
     """
 
     name: str
@@ -62,6 +63,7 @@ class RobotDesign:
     gripper: Gripper
     camera: WristCamera
     prefix: str
+    scrap_bin: ToolPose | None = None
 
 
 @dataclass(frozen=True)
@@ -135,10 +137,12 @@ def _homes(design: CellDesign) -> Iterator[str]:
                     f"robots[{i}].limits: joint {j + 1} has {lower[j]:.4f} to {higher[j]:.4f} rad; "
                     f"allowed within {least:.4f} to {most:.4f} rad"
                 )
-        try:
-            robot.arm.joints_for(robot.home)
-        except AbilityError as error:
-            yield f"robots[{i}].home: {error}"
+        for name, tool in (("home", robot.home), ("scrap_bin", robot.scrap_bin)):
+            try:
+                if tool is not None:
+                    robot.arm.joints_for(tool)
+            except AbilityError as error:
+                yield f"robots[{i}].{name}: {error}"
 
 
 def _bases(design: CellDesign) -> Iterator[str]:

@@ -7,13 +7,14 @@ where no finger gets behind it.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from remodel_sim.core.geometry import Array
+from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.layout import FEED_LIMIT_Y_M, WORLD_FROM_PANEL, feed_direction
-from remodel_sim.core.panel import Channel, Panel, Wire
+from remodel_sim.core.panel import Channel, End, Panel, Wire
 
 # Around an end that is laid down again, the fork comes up so far behind the grasp.
 FORK_BEHIND_GRASP_M = 0.045
@@ -59,6 +60,20 @@ class Laying:
     direction: int
     curvature: Array
     fork: Array
+
+
+def resting_place(panel: Panel, wire: Wire, end: End, overlap: float) -> tuple[Pose, int]:
+    """Return where a wire's end can be laid down beside its terminal, and the wire's direction.
+
+    The pose is the tip's, x out of the wire, in the middle of the channel in front of the terminal
+    and `overlap` [m] beyond it; world frame. The direction is +1 when a to b runs towards +y.
+    """
+    mouths = {e: panel.panel_from_socket(*wire.goes_to(e)).position for e in End}
+    direction = feed_direction(float(mouths[End.A][1]), float(mouths[End.B][1]))
+    out = direction if end is End.B else -direction
+    channel = panel.channel_in_front_of(mouths[end])
+    tip = Pose.level(channel.x, float(mouths[end][1]) + out * overlap, 0.0, out * math.pi / 2)
+    return WORLD_FROM_PANEL @ tip, direction
 
 
 def plan_laying(

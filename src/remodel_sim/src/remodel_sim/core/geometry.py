@@ -42,6 +42,15 @@ def multiply_quaternions(left: Array, right: Array) -> Array:
     )
 
 
+def turn_between(start: Array, end: Array) -> Array:
+    """Return the quaternion (4,) of the shortest turn from one unit vector (3,) to another.
+
+    They must not be opposite.
+    """
+    quaternion = np.append(np.cross(start, end), 1.0 + float(start @ end))
+    return np.asarray(quaternion / np.linalg.norm(quaternion))
+
+
 @dataclass(frozen=True, eq=False)
 class Pose:
     """A rigid transform.

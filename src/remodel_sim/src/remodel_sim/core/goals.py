@@ -106,6 +106,29 @@ def check_hand(book: Book, end: End) -> None:
         check_held(book, end)
 
 
+def check_hands_empty(book: Book) -> None:
+    """Raise OTHER_CABLE_HELD when any robot holds a wire."""
+    for robot, grip in book.hands.items():
+        held = book.feed.wire_id if book.feed is not None else ""
+        raise AbilityError(
+            Code.OTHER_CABLE_HELD, f"{robot} holds end {grip.end.value} of {held!r}; place it first"
+        )
+
+
+def check_not_in_cell(wire_id: str, book: Book) -> None:
+    """Raise WIRE_LEFT_BEHIND when a piece of a wire is in the cell."""
+    if wire_id not in book.fed:
+        return
+    where = "left on the panel"
+    if book.feed is not None and book.feed.wire_id == wire_id:
+        presented = f"presented in channel {book.feed.channel_id!r}"
+        where = "moved or connected" if book.is_touched else presented
+    raise AbilityError(
+        Code.WIRE_LEFT_BEHIND,
+        f"a piece of wire {wire_id!r} is in the cell already, {where}; discard it first",
+    )
+
+
 def parse_end(text: str) -> End:
     """Return the end named "a" or "b"."""
     require(text in ("a", "b"), f"cable_end is {text!r}; allowed: 'a', 'b'")
@@ -194,7 +217,7 @@ class PickGoal:
 
 @dataclass(frozen=True)
 class PlaceGoal:
-    """Lay the held end down.
+    """Lay the held end down, of whatever wire when `cable_id` is empty.
 
     `target` has the tool centre at release, x along the wire towards the tip.
     """
@@ -210,7 +233,8 @@ class PlaceGoal:
 
     def check(self, panel: Panel, book: Book) -> None:
         """Raise when nothing is held or the place is out of reach."""
-        check_live(self.cable_id, panel, book)
+        if self.cable_id:
+            check_live(self.cable_id, panel, book)
         check_held(book)
         check_tool_path((self.target,), book)
 

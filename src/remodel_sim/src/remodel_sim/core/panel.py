@@ -221,7 +221,7 @@ class Wire:
 
 @dataclass(frozen=True)
 class Panel:
-    """A mounting plate and all that belongs on it."""
+    """A mounting plate and all that belongs on it; `serial` is the product's serial number."""
 
     name: str
     size: tuple[float, float, float]
@@ -230,6 +230,7 @@ class Panel:
     wires: tuple[Wire, ...]
     clips: tuple[Clip, ...] = ()
     ducts: tuple[Duct, ...] = ()
+    serial: str = ""
 
     def component(self, component_id: str) -> Component:
         """Return the component of that name, or say which there are."""

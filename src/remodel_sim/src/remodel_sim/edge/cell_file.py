@@ -136,6 +136,7 @@ def _robot(parsed: dict[str, Any]) -> RobotDesign:
         Gripper(float(parsed["gripper"]["grip_force"]), float(parsed["gripper"]["pad_friction"])),
         WristCamera(camera["name"], _lens(camera)),
         parsed["prefix"],
+        ToolPose(*_placed(parsed["scrap_bin"])) if "scrap_bin" in parsed else None,
     )
 
 

@@ -1,4 +1,4 @@
-"""What a cell that is killed finds again, as a real one does: the wires in their places, the time.
+"""What a cell that is killed finds again: placed wires, as a real one does, its owner, the time.
 
 The live wire is not among it: who handled it is dead, and the feeder presents a new one.
 """
@@ -21,7 +21,7 @@ _TIME = struct.Struct("<d")
 
 
 class CellMemory:
-    """A folder with the wires of one panel, and the time."""
+    """A folder with the wires of one panel, the newest owner's token, and the time."""
 
     def __init__(self, folder: Path) -> None:
         """Open a folder, or make it.
@@ -30,15 +30,19 @@ class CellMemory:
             MemoryFileError: if it cannot be made or written to.
         """
         self._wires = folder / "wires.json"
+        self._owner = folder / "owner"
+        self._stored: dict[Path, str] = {}
         try:
             folder.mkdir(parents=True, exist_ok=True)
             self._clock = os.open(folder / "clock", os.O_RDWR | os.O_CREAT, 0o644)
+            self._folder = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
         except OSError as error:
             raise MemoryFileError(f"memory: {folder} cannot be written to: {error}") from error
 
     def close(self) -> None:
         """Close the folder; what is in it stays."""
         os.close(self._clock)
+        os.close(self._folder)
 
     @property
     def time_s(self) -> float:
@@ -50,8 +54,32 @@ class CellMemory:
         """Keep the simulated time [s]."""
         os.pwrite(self._clock, _TIME.pack(now_s), 0)
 
+    @property
+    def owner(self) -> int:
+        """The newest token of an owner that was kept; 0 if none was.
+
+        Raises:
+            MemoryFileError: if the file is not what `keep_owner` has written.
+        """
+        try:
+            return int(self._owner.read_text(encoding="ascii"))
+        except FileNotFoundError:
+            return 0
+        except (OSError, ValueError) as error:
+            raise MemoryFileError(
+                f"memory: {self._owner} is not what a cell has kept: {error}; remove it"
+            ) from error
+
+    def keep_owner(self, owner: int) -> None:
+        """Keep the newest token of an owner; raises MemoryFileError."""
+        self._store(self._owner, str(owner))
+
     def keep(self, panel: Panel, placed: PlacedWires) -> None:
-        """Keep the wires that lie on a panel, all or none of them."""
+        """Keep the wires that lie on a panel, all or none of them.
+
+        Raises:
+            MemoryFileError: if the folder cannot be written to.
+        """
         content = {
             "panel": _mark(panel),
             "parked": {
@@ -65,9 +93,23 @@ class CellMemory:
                 [*terminal, wire, end.value] for terminal, (wire, end) in placed.occupied.items()
             ],
         }
-        written = self._wires.with_suffix(".new")
-        written.write_text(json.dumps(content), encoding="utf-8")
-        written.replace(self._wires)
+        self._store(self._wires, json.dumps(content))
+
+    def _store(self, file: Path, content: str) -> None:
+        """Replace a file's content, so that neither a kill nor a power cut leaves half of it."""
+        if self._stored.get(file) == content:
+            return
+        written = file.with_suffix(".new")
+        try:
+            with written.open("w", encoding="utf-8") as stream:
+                stream.write(content)
+                stream.flush()
+                os.fsync(stream.fileno())
+            written.replace(file)
+            os.fsync(self._folder)
+        except OSError as error:
+            raise MemoryFileError(f"memory: {file} cannot be written to: {error}") from error
+        self._stored[file] = content
 
     def placed(self, panel: Panel) -> PlacedWires:
         """Return the wires that lie on a panel; none if another panel, or nothing, was kept.

@@ -9,9 +9,9 @@ from types import MappingProxyType
 
 import numpy as np
 
-from remodel_sim.core.cable import CableModel
+from remodel_sim.core.cable import CableModel, link_frames
 from remodel_sim.core.connector_shape import Solid
-from remodel_sim.core.geometry import Array, rotation_matrix
+from remodel_sim.core.geometry import Array, multiply_quaternions, rotation_matrix
 from remodel_sim.core.panel import End
 from remodel_sim.core.wire_colours import FERRULE_RGB, GREEN_AND_YELLOW, WIRE_RGB, Rgb
 from remodel_sim.physics.cable_body import IDENTITY, CableBody
@@ -85,6 +85,18 @@ class Cable:
             orientation = self._world.bullet.getQuaternionFromEuler([0, math.pi / 2, yaws[first]])
             # The links' x axis points down when the wire lies level.
             part.place(centres[first], np.array(orientation), -turn[first : last - 1])
+
+    def lay_along(self, nodes: Array) -> None:
+        """Put the wire at rest into a shape that it has been bent into.
+
+        Args:
+            nodes: (n + 1, 3) from tip to tip [m], world frame, as `nodes` returns them.
+        """
+        centres, quaternions = link_frames(nodes, self.model.radius)
+        flipped = quaternions * np.array([-1.0, -1.0, -1.0, 1.0])
+        turns = np.array(list(map(multiply_quaternions, flipped[:-1], quaternions[1:])))
+        for part, (first, last) in zip(self._parts, self.model.bodies, strict=True):
+            part.place_bent(centres[first], quaternions[first], turns[first : last - 1])
 
     def link_poses(self) -> tuple[Array, Array]:
         """Return the links' centres (n, 3) [m] and quaternions (n, 4), world frame."""

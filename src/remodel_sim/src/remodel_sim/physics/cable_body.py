@@ -147,6 +147,22 @@ class CableBody:
             quaternion: (4,) of the first link, world frame.
             rest: (n - 1,) angle of each joint about its x axis [rad].
         """
+        turned = [self._bullet.getQuaternionFromAxisAngle([1, 0, 0], float(a)) for a in rest]
+        self._put(position, quaternion, turned, rest)
+
+    def place_bent(self, position: Array, quaternion: Array, turns: Array) -> None:
+        """Put the links at rest into a shape that straight ones have been bent into.
+
+        Args:
+            position: (3,) centre of the first link [m], world frame.
+            quaternion: (4,) of the first link, world frame.
+            turns: (n - 1, 4) quaternion of each link in the frame of the one before.
+        """
+        self._put(position, quaternion, turns.tolist(), np.zeros(len(turns)))
+
+    def _put(
+        self, position: Array, quaternion: Array, turns: Sequence[Sequence[float]], rest: Array
+    ) -> None:
         self._plastic[:] = 0.0
         self._to_turn[:] = 0.0
         self._rest[:, 0] = rest
@@ -154,8 +170,7 @@ class CableBody:
             self.body, position.tolist(), quaternion.tolist()
         )
         self._bullet.resetBaseVelocity(self.body, [0, 0, 0], [0, 0, 0])
-        for joint, angle in zip(self._joints, rest, strict=True):
-            turned = self._bullet.getQuaternionFromAxisAngle([1, 0, 0], float(angle))
+        for joint, turned in zip(self._joints, turns, strict=True):
             self._bullet.resetJointStateMultiDof(self.body, joint, turned, [0, 0, 0])
 
     def bend_rest(self, joint: int, angle: float) -> None:

@@ -54,6 +54,14 @@ class Latch:
         self._is_ready = True
         world.add_before_step(self._snap)
 
+    def hold(self) -> None:
+        """Close on a connector that is home already, without a push: it latched before."""
+        for header in self._headers:
+            socket = header.world_from_socket()
+            if self._is_home(header, socket, self._tip()):
+                self._close(header, socket)
+        self._is_ready = False
+
     def remove(self) -> None:
         """Watch no more; what has latched stays so."""
         self._world.remove_before_step(self._snap)

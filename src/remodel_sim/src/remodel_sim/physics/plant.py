@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -21,15 +21,17 @@ from remodel_sim.core.component_shape import Box
 from remodel_sim.core.errors import FaultError, PanelError
 from remodel_sim.core.faults import Disturbances, Stray, check_fault
 from remodel_sim.core.feeding import Laying
-from remodel_sim.core.geometry import Pose
+from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.layout import WORLD_FROM_PANEL, find_problems
+from remodel_sim.core.mouths import TerminalKey
 from remodel_sim.core.panel import Connector, End, Panel, Wire
 from remodel_sim.core.placed_wires import ParkedWire
 from remodel_sim.physics import cameras
 from remodel_sim.physics.cable import Cable
-from remodel_sim.physics.clamps import Clamp, close_clamp
+from remodel_sim.physics.clamps import close_clamp
 from remodel_sim.physics.feeder import lay
-from remodel_sim.physics.latches import Header, Latch
+from remodel_sim.physics.latches import Header
+from remodel_sim.physics.live_wire import LiveWire, bent_cable
 from remodel_sim.physics.panel_scene import PanelScene
 from remodel_sim.physics.parked_wire import add_solid, draw_parked
 from remodel_sim.physics.robot import Robot
@@ -41,26 +43,13 @@ FILM_WIDTH_PX = 640
 STRAY_LENGTH_M = 0.12
 STRAY_DROP_M = 0.02
 STRAY_COLOUR = "GY"
+# A parked wire that is handled again comes to rest in this time [s].
+REVIVED_S = 0.3
 # Where the fork is out of everything's way [m].
 FORK_DOWN_M = -0.1
 PLUG_RGB = (0.5, 0.1, 0.1)
 # A plug begins this deep in the bore.
 PLUG_FROM_M = 0.005
-
-
-@dataclass(eq=False)
-class LiveWire:
-    """The wire that is being placed."""
-
-    wire: Wire
-    cable: Cable
-    clamps: dict[End, Clamp]
-    latches: tuple[Latch, ...] = ()
-
-    @property
-    def fixed(self) -> frozenset[End]:
-        """The ends that closed clamps hold."""
-        return frozenset(end for end, clamp in self.clamps.items() if clamp.holds)
 
 
 class Plant:
@@ -132,6 +121,7 @@ class Plant:
         memory.
         """
         self.world.clear()
+        self._fork: int | None = None
         self._scene = PanelScene(self.world, self.design.table, self.panel, self._poses)
         self._plugs: dict[tuple[str, str], int] = {}
         for component_id, terminal_id in sorted(self._blocked):
@@ -155,29 +145,54 @@ class Plant:
         self.world.close()
 
     def feed(self, wire_id: str, channel_id: str, tools: Mapping[str, ToolPose]) -> Laying:
-        """Lay a wire into a channel.
-
-        The wire before is parked, or taken away when it is the same one.
+        """Lay a wire of which no piece is in the cell into a channel; the wire before is parked.
 
         Each robot starts from where it was sent last, `tools`, with open fingers.
         """
         wire, channel = self.panel.wire(wire_id), self.panel.channel(channel_id)
-        if self.live is not None and self.live.wire.id == wire_id:
-            self.live = None
         self._keep_shape()
-        self.parked.pop(wire_id, None)
         self._build(tools)
         lying = [other.nodes for other in self.parked.values()] if self._solid_parked else []
         cable, laying, self._fork = lay(
             self.world, self.design.feeder, self.panel, wire, channel, lying, self._noise
         )
-        clamps: dict[End, Clamp] = {}
-        latches = tuple(
-            Latch(self.world, cable, connector, self._headers(connector), clamps)
-            for connector in wire.connectors
-        )
-        self.live = LiveWire(wire, cable, clamps, latches)
+        self.live = LiveWire(wire, cable)
+        self.live.watch_headers(self.world, self._headers)
         return laying
+
+    def revive(self, wire_id: str, tools: Mapping[str, ToolPose]) -> ParkedWire:
+        """Make a parked wire live again, held where it was; the live wire is parked.
+
+        Each robot starts from where it was sent last, `tools`, with open fingers.
+        """
+        self._keep_shape()
+        parked = self.parked.pop(wire_id)
+        self._build(tools)
+        wire = self.panel.wire(wire_id)
+        self.live = LiveWire(wire, bent_cable(self.world, wire, parked.nodes))
+        self.live.watch_headers(self.world, self._headers)
+        for latch in self.live.latches:
+            latch.hold()
+        for end in sorted(parked.fixed - self.live.fixed, key=lambda end: end.value):
+            self.close_clamp(*self._terminal_at(self.live.cable.tip(end)[0]))
+        for _ in range(round(REVIVED_S / self.world.time_step)):
+            self.step()
+        return parked
+
+    def _terminal_at(self, tip: Array) -> TerminalKey:
+        """Return the terminal that a tip (3,) [m] sits in."""
+
+        def away(key: TerminalKey) -> float:
+            return float(np.linalg.norm(self.world_from_socket(*key).position - tip))
+
+        keys = [(c.id, terminal.id) for c in self.panel.components for terminal in c.terminals]
+        return min(keys, key=away)
+
+    def discard(self) -> None:
+        """Take the live wire out of the world."""
+        if self.live is not None:
+            self.live.remove()
+            self.live = None
 
     def _headers(self, connector: Connector) -> list[Header]:
         """Return the headers that a connector fits into."""
@@ -201,7 +216,9 @@ class Plant:
         self._put_fork(0.0, 0.0, FORK_DOWN_M)
 
     def _put_fork(self, x: float, y: float, z: float) -> None:
-        self.world.bullet.resetBasePositionAndOrientation(self._fork, [x, y, z], [0, 0, 0, 1])
+        if self._fork is not None:
+            place = self.world.bullet.resetBasePositionAndOrientation
+            place(self._fork, [x, y, z], [0, 0, 0, 1])
 
     def park(self) -> None:
         """Freeze the live wire where it is."""
@@ -210,11 +227,7 @@ class Plant:
         live = self.live
         self._keep_shape()
         self._add_parked(live.wire, self.parked[live.wire.id])
-        for latch in live.latches:
-            latch.remove()
-        for clamp in live.clamps.values():
-            clamp.release_constraint()
-        live.cable.remove()
+        live.remove()
 
     def _add_parked(self, wire: Wire, parked: ParkedWire) -> None:
         draw_parked(self.world, parked.nodes, wire)
@@ -223,8 +236,7 @@ class Plant:
 
     def _keep_shape(self) -> None:
         if self.live is not None:
-            nodes = self.live.cable.nodes()
-            self.parked[self.live.wire.id] = ParkedWire(nodes, self.live.fixed)
+            self.parked[self.live.wire.id] = self.live.shape
             self.live = None
 
     def close_clamp(self, component_id: str, terminal_id: str) -> bool:

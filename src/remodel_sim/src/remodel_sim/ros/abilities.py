@@ -10,6 +10,7 @@ from remodel_msgs import msg as messages
 
 from remodel_sim.abilities.check_connection import check_connection
 from remodel_sim.abilities.detect_cable import detect_cable
+from remodel_sim.abilities.discard_cable import discard_cable
 from remodel_sim.abilities.extract_cable import extract_cable
 from remodel_sim.abilities.fix_cable import fix_cable
 from remodel_sim.abilities.insert_cable import insert_cable
@@ -21,6 +22,7 @@ from remodel_sim.abilities.place_pin import place_pin
 from remodel_sim.abilities.route_wire import route_wire
 from remodel_sim.abilities.station import Steps
 from remodel_sim.core import goals
+from remodel_sim.core.discard_goal import DiscardGoal
 from remodel_sim.core.pin_goal import PlacePinGoal
 from remodel_sim.ros.conversions import pose_from
 
@@ -76,6 +78,11 @@ ABILITIES = (
             m.robot_name, m.cable_id, pose_from("target_pose", m.target_pose)
         ),
         place_cable,
+    ),
+    Ability(
+        "DiscardCable",
+        lambda m: DiscardGoal(m.robot_name, m.cable_id),
+        discard_cable,
     ),
     Ability(
         "InsertCable",

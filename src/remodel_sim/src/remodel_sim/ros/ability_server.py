@@ -15,6 +15,7 @@ from remodel_sim.abilities.station import Station
 from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import Goal, require, require_number
+from remodel_sim.core.ownership import owner_of
 from remodel_sim.ros.abilities import Ability
 from remodel_sim.ros.job import Job, common_result
 from remodel_sim.ros.owner import Owner
@@ -46,6 +47,7 @@ class AbilityServer:
             handle.set_canceled(self._refusal(message, Code.PREEMPTED, "cancelled before it began"))
             return
         try:
+            self._owner.cell.admit(owner_of(message.id))
             stations = self._stations(message)
             goal = self._checked(message, stations)
         except AbilityError as error:
@@ -56,7 +58,8 @@ class AbilityServer:
             self._refuse(handle, Code.INTERNAL, f"{type(error).__name__}: {error}")
             return
         handle.set_accepted()
-        self._owner.jobs.append(Job(self._ability, goal, handle, stations, self._owner.clock.now_s))
+        now_s, keep = self._owner.clock.now_s, self._owner.cell.keep
+        self._owner.jobs.append(Job(self._ability, goal, handle, stations, now_s, keep))
 
     def _stations(self, message: Message) -> list[Station]:
         """Return the robots that a goal names, or the one that is free for it when it names none.

@@ -81,6 +81,7 @@ def panel_from(message: PanelMsg, materials: WireMaterials) -> Panel:
             for c in message.clips
         ),
         tuple(Duct(d.id, _pose2d(d.pose), d.length, d.width, d.height) for d in message.ducts),
+        message.serial,
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import rospy
 from actionlib import ServerGoalHandle
@@ -13,7 +13,7 @@ from genpy import Message
 from remodel_sim.abilities.runner import occupy
 from remodel_sim.abilities.station import Found, Station
 from remodel_sim.core.codes import Code
-from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.errors import AbilityError, MemoryFileError
 from remodel_sim.core.goals import Goal
 from remodel_sim.ros.abilities import Ability
 from remodel_sim.ros.conversions import observation, result_value
@@ -35,13 +35,19 @@ class Job:
         handle: ServerGoalHandle,
         stations: Sequence[Station],
         now_s: float,
+        keep: Callable[[], None],
     ) -> None:
-        """Begin a goal that has been accepted, with the robots that it needs."""
+        """Begin a goal that has been accepted, with the robots that it needs.
+
+        `keep` stores what the goal has changed in the cell; raises MemoryFileError. It is called
+        before the result is sent: what a client has read in a result must outlive this process.
+        """
         self.robots = tuple(station.name for station in stations)
         self._ability = ability
         self._message = handle.get_goal()
         self._handle = handle
         self._started_s = now_s
+        self._keep = keep
         self._cancelled = False
         self._told = 0.0
         self._stations = stations
@@ -105,6 +111,11 @@ class Job:
         self._handle.publish_feedback(feedback)
 
     def _succeed(self, found: Found, elapsed: float) -> None:
+        try:
+            self._keep()
+        except MemoryFileError as error:
+            self._end(Code.INTERNAL, f"{found.message}, but it is not kept: {error}", elapsed)
+            return
         result = common_result(self._ability, self._message.id, elapsed)
         result.success, result.message = True, found.message
         if self._ability.name == "DetectCable":
@@ -123,6 +134,10 @@ class Job:
         self, code: Code, text: str, elapsed: float, readings: dict[str, float] | None = None
     ) -> None:
         self.stop()
+        try:
+            self._keep()
+        except MemoryFileError as error:
+            rospy.logerr("%s: %s", self, error)
         result = common_result(self._ability, self._message.id, elapsed)
         result.message = f"{self._ability.name}: {code.name}"
         result.error_code, result.error_message = int(code), text

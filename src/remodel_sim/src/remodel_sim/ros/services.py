@@ -12,7 +12,7 @@ from remodel_msgs import srv
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from remodel_sim.core.codes import Code
-from remodel_sim.core.errors import AbilityError, CellError
+from remodel_sim.core.errors import AbilityError, CellError, PanelError
 from remodel_sim.core.faults import check_fault
 from remodel_sim.core.wire_materials import WireMaterials
 from remodel_sim.physics.truth import ground_truth
@@ -45,24 +45,21 @@ class Services:
 
     def _feed_wire(self, request: srv.FeedWireRequest) -> srv.FeedWireResponse:
         def feed() -> None:
+            self._owner.cell.admit(request.owner)
             self._require_idle()
             self._owner.cell.feed(request.wire_id, request.channel_id)
 
-        try:
-            self._owner.ask(feed, TIMEOUT_S)
-        except AbilityError as error:
-            return srv.FeedWireResponse(False, str(error), int(error.code))
-        except CellError as error:
-            return srv.FeedWireResponse(False, str(error), int(Code.INTERNAL))
-        return srv.FeedWireResponse(True, f"{request.wire_id} lies in {request.channel_id}", 0)
+        text = f"{request.wire_id} lies in {request.channel_id}"
+        return srv.FeedWireResponse(*self._coded(feed, text))
 
     def _load_panel(self, request: srv.LoadPanelRequest) -> srv.LoadPanelResponse:
         def load() -> None:
+            self._owner.cell.admit(request.owner)
             self._require_idle()
             panel = panel_from(request.panel, self._materials)
             self._owner.cell.load(panel, keep=request.keep)
 
-        return srv.LoadPanelResponse(*self._done(load, f"panel {request.panel.name!r} built"))
+        return srv.LoadPanelResponse(*self._coded(load, f"panel {request.panel.name!r} built"))
 
     def _reset(self, _: TriggerRequest) -> TriggerResponse:
         def reset() -> None:
@@ -105,6 +102,18 @@ class Services:
 
         response.success, response.message = self._done(take, f"picture of {request.camera}")
         return response
+
+    def _coded(self, action: Callable[[], None], text: str) -> tuple[bool, str, int]:
+        """Return whether an action is done, a text, and the code of why it is not."""
+        try:
+            self._owner.ask(action, TIMEOUT_S)
+        except AbilityError as error:
+            return False, str(error), int(error.code)
+        except PanelError as error:
+            return False, str(error), int(Code.INVALID_GOAL)
+        except CellError as error:
+            return False, str(error), int(Code.INTERNAL)
+        return True, text, int(Code.NONE)
 
     def _done(self, action: Callable[[], None], text: str) -> tuple[bool, str]:
         try:

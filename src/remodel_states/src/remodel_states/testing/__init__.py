@@ -2,15 +2,18 @@
 
 fake_ability.py    one server that answers as it is told, at once or never
 nonsense.py        goals that no ability can take
+steady_server.py   an action server that outlives a ROS clock which is set back
 
 A fake cell: all abilities over one physical world that outlives their processes (node fake_cell).
 
 world.py           what lies, is held, and sits where, as a value
-operations.py      what each ability asks of the world and does to it
+requirements.py    what each ability asks of the world before it moves
+operations.py      what each ability does to the world
 faults.py          what goes wrong, when, and what cures it
 ledger.py          what was done that cannot be undone, and the account of it
 world_file.py      the world on disk, shared by processes
 robot_lock.py      one goal at a time, over processes
+ownership.py       which supervisor may command a cell
 panel.py           the world's panel of a message, and poses back
 cell_ability.py    one ability's action server
 cell_services.py   feeder, panel, pictures, faults and the truth

@@ -18,9 +18,11 @@ from remodel_msgs.msg import ErrorCode
 from remodel_states.testing.faults import Behaves, Fault, at_goal
 from remodel_states.testing.job import Job, Stopped
 from remodel_states.testing.nonsense import nonsense
-from remodel_states.testing.operations import OPERATIONS, Effect, fail
+from remodel_states.testing.operations import OPERATIONS, Effect, perform
+from remodel_states.testing.ownership import admitted, owner_of
 from remodel_states.testing.panel import fill_result
 from remodel_states.testing.robot_lock import RobotLock
+from remodel_states.testing.steady_server import SteadyServer
 from remodel_states.testing.world import WorldError
 from remodel_states.testing.world_file import WorldFile
 
@@ -47,6 +49,16 @@ class Site:
         """Return the random numbers of an ability's n-th goal."""
         return Random(f"{self.seed} {self.cell} {ability} {number}")
 
+    def admit(self, owner: int) -> None:
+        """Check the token of a supervisor, and remember it if it is the newest; 0 is not checked.
+
+        Raises:
+            WorldError: if it is stale.
+        """
+        if owner:
+            with self.file.change() as draft:
+                draft.owners = admitted(draft.owners, self.cell, owner)
+
 
 class CellAbility:
     """Serves one ability; the robot does one goal at a time, over all abilities of the cell."""
@@ -60,7 +72,7 @@ class CellAbility:
         self._feedback = getattr(remodel_msgs, f"{ability}Feedback")
         self._lock = RobotLock(site.lock_path)
         self._jobs: dict[str, Job] = {}
-        self._server = actionlib.ActionServer(
+        self._server = SteadyServer(
             f"remodel_abilities/{ability.lower()}",
             getattr(remodel_msgs, f"{ability}Action"),
             self._on_goal,
@@ -95,10 +107,16 @@ class CellAbility:
             job.cancel()
 
     def _begin(self, goal: Message) -> tuple[Fault | None, Random]:
-        """Count a goal that can be taken; return the fault that strikes it, if any."""
+        """Count a goal that can be taken; return the fault that strikes it, if any.
+
+        Raises:
+            WorldError: if it cannot be taken.
+        """
+        self._site.admit(owner_of(goal.id))
         with self._site.file.change() as draft:
             self._operation.check(draft.world, self._site.cell, goal)
-            draft.faults, fault = at_goal(draft.faults, self._ability, goal)
+            included = self._operation.includes(draft.world, self._site.cell, goal)
+            draft.faults, fault = at_goal(draft.faults, self._ability, goal, included)
             number = draft.goals[self._ability] = draft.goals.get(self._ability, 0) + 1
         return fault, self._site.random(self._ability, number)
 
@@ -138,11 +156,9 @@ class CellAbility:
     def _take_effect(self, job: Job) -> Effect:
         cell = self._site.cell
         with self._site.file.change() as draft:
-            if job.fault and job.fault.behaves is None:
-                after = fail(draft.world, cell, self._ability, job.fault.code, job.goal)
-                effect = Effect(after, "")
-            else:
-                effect = self._operation.do(draft.world, cell, job.goal)
+            admitted(draft.owners, cell, owner_of(job.goal.id))  # it may have lost the cell since
+            code = job.fault.code if job.fault and job.fault.behaves is None else 0
+            effect = perform(self._ability, draft.world, cell, job.goal, code)
             draft.world = effect.world
             draft.entries += effect.entries
         return effect

@@ -17,6 +17,7 @@ from remodel_states.testing.fault_table import FaultTable
 from remodel_states.testing.faults import when_fed, when_mended
 from remodel_states.testing.job import Course
 from remodel_states.testing.ledger import Deed, Entry
+from remodel_states.testing.ownership import admitted
 from remodel_states.testing.panel import panel_from, truth_of
 from remodel_states.testing.robot_lock import RobotLock
 from remodel_states.testing.world import World, WorldError
@@ -57,38 +58,45 @@ class CellServices:
 
     def _load_panel(self, request: srv.LoadPanelRequest) -> srv.LoadPanelResponse:
         try:
+            self._site.admit(request.owner)
             panel = panel_from(request.panel)
             faults = tuple(self._table.fault(**row) for row in self._read_faults())
+        except WorldError as error:
+            return srv.LoadPanelResponse(False, str(error), error.code)
         except (ValueError, TypeError) as error:
-            return srv.LoadPanelResponse(False, str(error))
+            return srv.LoadPanelResponse(False, str(error), ErrorCode.INVALID_GOAL)
         with self._site.file.change() as draft:
             if request.keep and draft.world.panel == panel:
-                return srv.LoadPanelResponse(True, f"panel {panel.name!r} is there")
+                return srv.LoadPanelResponse(True, f"panel {panel.name!r} is there", 0)
             draft.world, draft.faults, draft.goals = World(panel), faults, {}
             draft.entries.append(Entry(Deed.LOAD, self._site.cell, panel.name))
-        return srv.LoadPanelResponse(True, f"panel {panel.name!r} built")
+        return srv.LoadPanelResponse(True, f"panel {panel.name!r} built", 0)
 
     def _feed_wire(self, request: srv.FeedWireRequest) -> srv.FeedWireResponse:
         if not self._lock.take():
             text = "the robot is doing a goal; wait for it or cancel it"
             return srv.FeedWireResponse(False, text, ErrorCode.BUSY)
         try:
-            self._feed(request.wire_id, request.channel_id)
+            self._site.admit(request.owner)
+            self._feed(request.wire_id, request.channel_id, request.owner)
         except WorldError as error:
             return srv.FeedWireResponse(False, str(error), error.code)
         finally:
             self._lock.free()
         return srv.FeedWireResponse(True, f"{request.wire_id} lies in {request.channel_id}", 0)
 
-    def _feed(self, wire: str, channel: str) -> None:
+    def _feed(self, wire: str, channel: str, owner: int) -> None:
         site = self._site
         number = sum(entry.deed is Deed.FEED for entry in site.file.ledger())
         course = Course.drawn(site.random("feed", number), site.duration_s)
         time.sleep(course.effect_s)
         with site.file.change() as draft:
+            admitted(draft.owners, site.cell, owner)  # it may have lost the cell since
+            is_new = wire not in draft.world.fed
             draft.world = draft.world.feed(site.cell, wire, channel)
-            draft.faults = when_fed(draft.faults, wire)
-            draft.entries.append(Entry(Deed.FEED, site.cell, wire, terminal=channel))
+            if is_new:
+                draft.faults = when_fed(draft.faults, wire)
+                draft.entries.append(Entry(Deed.FEED, site.cell, wire, terminal=channel))
         time.sleep(course.end_s - course.effect_s)
 
     def _ground_truth(self, _: srv.GetGroundTruthRequest) -> srv.GetGroundTruthResponse:

@@ -6,8 +6,8 @@ retry helps against some faults and not against others:
 
     retry          it passes by itself, after `times` strikes
     retry_with     a goal of any ability has `parameter` at `at_least` or more
-    look_again     somebody looks again: LocateGearboxComponent or DetectCable
-    new_part       the wire that was struck is fed anew
+    look_again     LocateGearboxComponent or DetectCable observes from another viewpoint
+    new_part       a new piece of the wire that was struck is fed
     replan         another wire is fed first
     ask_operator   somebody mends it (cell/mend_faults)
 """
@@ -116,12 +116,24 @@ def fault_from(row: Mapping[str, Any], codes: Mapping[str, int], **given: Any) -
     )
 
 
-def at_goal(faults: Iterable[Fault], ability: str, goal: Any) -> tuple[Faults, Fault | None]:  # noqa: ANN401
-    """Return the faults after a goal came, and the one that strikes it, if any."""
+def at_goal(
+    faults: Iterable[Fault],
+    ability: str,
+    goal: Any,  # noqa: ANN401
+    included: tuple[str, ...] = (),
+) -> tuple[Faults, Fault | None]:
+    """Return the faults after a goal came, and the one that strikes it, if any.
+
+    Args:
+        faults: those caused so far.
+        ability: of the goal.
+        goal: the goal.
+        included: abilities that are a part of this goal, whose faults strike it too.
+    """
     after, striking = [], None
     for fault in faults:
         now = _cured_by(fault, ability, goal)
-        if _counts(now, ability, goal):
+        if _counts(now, (ability, *included), goal):
             now = replace(now, seen=now.seen + 1)
             if striking is None and now.seen >= now.nth:
                 striking = now = _strike(now, getattr(goal, "cable_id", ""))
@@ -130,7 +142,7 @@ def at_goal(faults: Iterable[Fault], ability: str, goal: Any) -> tuple[Faults, F
 
 
 def when_fed(faults: Iterable[Fault], wire: str) -> Faults:
-    """Return the faults after a wire was fed."""
+    """Return the faults after a new piece of a wire was fed."""
     return tuple(
         replace(fault, is_over=True)
         if fault.struck
@@ -149,7 +161,8 @@ def when_mended(faults: Iterable[Fault]) -> Faults:
 
 
 def _cured_by(fault: Fault, ability: str, goal: Any) -> Fault:  # noqa: ANN401
-    looked = fault.cure is Cure.LOOK_AGAIN and ability in LOOKING
+    is_other_view = ability in LOOKING and getattr(goal, "view", 0) > 0
+    looked = fault.cure is Cure.LOOK_AGAIN and is_other_view
     changed = (
         fault.cure is Cure.RETRY_WITH
         and getattr(goal, fault.parameter, float("-inf")) >= fault.at_least
@@ -157,9 +170,9 @@ def _cured_by(fault: Fault, ability: str, goal: Any) -> Fault:  # noqa: ANN401
     return replace(fault, is_over=True) if fault.struck and (looked or changed) else fault
 
 
-def _counts(fault: Fault, ability: str, goal: Any) -> bool:  # noqa: ANN401
+def _counts(fault: Fault, abilities: tuple[str, ...], goal: Any) -> bool:  # noqa: ANN401
     about = not fault.wire or getattr(goal, "cable_id", "") == fault.wire
-    return not fault.is_over and fault.ability == ability and about
+    return not fault.is_over and fault.ability in abilities and about
 
 
 def _strike(fault: Fault, victim: str) -> Fault:

@@ -19,6 +19,7 @@ class Deed(Enum):
     FEED = "feed"  # a new piece of a wire
     FIX = "fix"  # an end in a terminal
     LOOSEN = "loosen"  # a fixed end, out of its terminal
+    DISCARD = "discard"  # a piece of a wire, into the scrap bin
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,7 @@ class Entry:
         deed: what was done.
         cell: that did it.
         wire: that it was done to; of a load, the panel.
-        end: "a" or "b"; empty of a load and a feed.
+        end: "a" or "b"; empty of a load, a feed and a discard.
         terminal: "component/terminal", or the channel of a feed.
         goal: id of the goal that asked for it; empty of a load and a feed.
         at_s: [s] wall time, since 1970.
@@ -51,7 +52,7 @@ class Account:
     Attributes:
         fixed_again: "wire/end" of ends that were fixed more than once.
         fed_again: wires that were fed more than once.
-        scrapped: wires that were fed anew though an end of the piece before was fixed.
+        scrapped: wires of which a piece with a fixed end was discarded, or replaced by another.
         omitted: "wire/end" of wanted ends that were never fixed, or loosened after it.
     """
 
@@ -71,9 +72,9 @@ def account(ledger: Iterable[Entry], wanted: Collection[str]) -> Account:
         end = f"{entry.wire}/{entry.end}"
         if entry.deed is Deed.LOAD:
             fixed, fed, holding, scrapped = Counter(), Counter(), set(), []
-        elif entry.deed is Deed.FEED:
+        elif entry.deed in (Deed.FEED, Deed.DISCARD):
             ends = {f"{entry.wire}/a", f"{entry.wire}/b"}
-            fed[entry.wire] += 1
+            fed[entry.wire] += entry.deed is Deed.FEED
             if holding & ends:
                 scrapped.append(entry.wire)
             holding -= ends

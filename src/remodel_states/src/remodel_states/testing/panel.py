@@ -43,6 +43,7 @@ def panel_from(message: remodel_msgs.Panel) -> Panel:
         places,
         mouths,
         tuple(channel.id for channel in message.channels),
+        message.serial,
     )
 
 

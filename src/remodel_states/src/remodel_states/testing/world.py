@@ -35,6 +35,7 @@ class Panel:
         components: component -> place of its base.
         mouths: "component/terminal" -> place of the mouth, yaw into the bore.
         channels: in which wires are fed.
+        serial: serial number of the product that is built on it.
     """
 
     name: str = ""
@@ -43,6 +44,7 @@ class Panel:
     components: Mapping[str, Place] = field(default_factory=dict)
     mouths: Mapping[str, Place] = field(default_factory=dict)
     channels: tuple[str, ...] = ()
+    serial: str = ""
 
 
 @dataclass(frozen=True)
@@ -72,13 +74,15 @@ class World:
 
     Attributes:
         panel: see Panel.
-        fed: wires in the order of their last feeding.
+        fed: wires of which there is a piece, in the order of their feeding.
+        untouched: wire that lies as it was presented -> cell whose feeder has it.
         seats: "wire/end" -> where it sits; loose ends are not listed.
         hands: cell -> its hand.
     """
 
     panel: Panel = Panel()
     fed: tuple[str, ...] = ()
+    untouched: Mapping[str, str] = field(default_factory=dict)
     seats: Mapping[str, Seat] = field(default_factory=dict)
     hands: Mapping[str, Hand] = field(default_factory=dict)
 
@@ -93,6 +97,10 @@ class World:
     def occupant(self, terminal: str) -> str | None:
         """Return the "wire/end" that a terminal holds."""
         return next((end for end, seat in self.seats.items() if seat.terminal == terminal), None)
+
+    def is_connected(self, wire: str) -> bool:
+        """Return whether an end sits in a terminal."""
+        return any(self.seat(wire, end) is not None for end in "ab")
 
     def is_placed(self, wire: str) -> bool:
         """Return whether both ends are fixed where they belong."""
@@ -109,12 +117,13 @@ class World:
         return replace(self, seats={**others, f"{wire}/{end}": seat} if seat else others)
 
     def feed(self, cell: str, wire: str, channel: str) -> World:
-        """Return the world with a new piece of a wire in a cell's channel, both ends loose.
+        """Return the world with a piece of a wire in a cell's channel, both ends loose.
 
-        The piece that was there, if any, is gone.
+        A piece that lies there as it was presented is presented again. Nothing else vanishes.
 
         Raises:
-            WorldError: if there is no such wire or channel, or the hand holds a wire.
+            WorldError: if there is no such wire or channel, the hand holds a wire, or a piece of
+                this wire is elsewhere in the cell.
         """
         known(self.panel.wires, wire, "wire")
         known(self.panel.channels, channel, "channel")
@@ -124,12 +133,28 @@ class World:
                 ErrorCode.OTHER_CABLE_HELD,
                 f"the gripper holds end {hand.held} of {hand.live!r}; place it first",
             )
-        without = {
-            name: Hand() if other.live == wire else other for name, other in self.hands.items()
-        }
-        loose = self.with_seat(wire, "a", None).with_seat(wire, "b", None)
-        fed = (*(other for other in self.fed if other != wire), wire)
-        return replace(loose, fed=fed, hands={**without, cell: Hand(live=wire)})
+        live = self.with_hand(cell, live=wire)
+        if self.untouched.get(wire) == cell:
+            return live
+        if wire in self.fed:
+            raise WorldError(
+                ErrorCode.WIRE_LEFT_BEHIND,
+                f"a piece of wire {wire!r} is in the cell already; discard it first",
+            )
+        return replace(live, fed=(*self.fed, wire), untouched={**self.untouched, wire: cell})
+
+    def touched(self, wire: str) -> World:
+        """Return the world after something was done to a wire, successfully or not."""
+        if wire not in self.untouched:
+            return self
+        others = {name: cell for name, cell in self.untouched.items() if name != wire}
+        return replace(self, untouched=others)
+
+    def discard(self, wire: str) -> World:
+        """Return the world without the piece of a wire: its ends are out, and no hand has it."""
+        loose = self.touched(wire).with_seat(wire, "a", None).with_seat(wire, "b", None)
+        hands = {name: Hand() if hand.live == wire else hand for name, hand in self.hands.items()}
+        return replace(loose, fed=tuple(name for name in self.fed if name != wire), hands=hands)
 
 
 def known(there: Mapping[str, object] | tuple[str, ...], name: str, noun: str) -> None:

@@ -39,12 +39,14 @@ class Draft:
         world: see World; its panel is written only if it is another.
         faults: those caused so far.
         goals: ability -> how many goals it took.
+        owners: cell -> newest token of a supervisor that it has seen; a new panel keeps it.
         entries: for the ledger.
     """
 
     world: World
     faults: Faults
     goals: dict[str, int]
+    owners: dict[str, int] = field(default_factory=dict)
     entries: list[Entry] = field(default_factory=list)
 
 
@@ -65,7 +67,7 @@ class WorldFile:
         with closing(self._connect()) as connection:
             connection.execute("BEGIN IMMEDIATE")
             before = _read(connection)
-            draft = Draft(before.world, before.faults, dict(before.goals))
+            draft = Draft(before.world, before.faults, dict(before.goals), before.owners)
             yield draft
             _write(connection, before, draft)
             connection.execute("COMMIT")
@@ -91,12 +93,14 @@ class WorldFile:
 
 def _read(connection: sqlite3.Connection) -> Draft:
     parts = dict(connection.execute("SELECT name, content FROM part").fetchall())
+    owners = json.loads(parts.get("owners", "{}"))
     if "panel" not in parts:
-        return Draft(World(), (), {})
+        return Draft(World(), (), {}, owners)
     return Draft(
         _world(_panel(parts["panel"]), json.loads(parts["world"])),
         tuple(_fault(row) for row in json.loads(parts.get("faults", "[]"))),
         json.loads(parts.get("goals", "{}")),
+        owners,
     )
 
 
@@ -109,6 +113,8 @@ def _write(connection: sqlite3.Connection, before: Draft, after: Draft) -> None:
         _keep(connection, "faults", [_row(fault) for fault in after.faults])
     if after.goals != before.goals:
         _keep(connection, "goals", after.goals)
+    if after.owners != before.owners:
+        _keep(connection, "owners", after.owners)
     now = time.time()
     connection.executemany(
         "INSERT INTO ledger (deed, cell, wire, end, terminal, goal, at_s) VALUES (?,?,?,?,?,?,?)",
@@ -131,13 +137,18 @@ def _panel(text: str) -> Panel:
         for name in ("wires", "components", "mouths")
     }
     return Panel(
-        panel["name"], lengths=panel["lengths"], channels=tuple(panel["channels"]), **tuples
+        panel["name"],
+        lengths=panel["lengths"],
+        channels=tuple(panel["channels"]),
+        serial=panel["serial"],
+        **tuples,
     )
 
 
 def _without_panel(world: World) -> dict[str, Any]:
     return {
         "fed": world.fed,
+        "untouched": world.untouched,
         "seats": {end: (seat.terminal, seat.fixed) for end, seat in world.seats.items()},
         "hands": {cell: (hand.live, hand.held) for cell, hand in world.hands.items()},
     }
@@ -147,6 +158,7 @@ def _world(panel: Panel, world: dict[str, Any]) -> World:
     return World(
         panel,
         tuple(world["fed"]),
+        world["untouched"],
         {end: Seat(*seat) for end, seat in world["seats"].items()},
         {cell: Hand(*hand) for cell, hand in world["hands"].items()},
     )

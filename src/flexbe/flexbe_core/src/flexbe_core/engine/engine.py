@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, ClassVar
 from flexbe_core.engine import commands
 from flexbe_core.engine.concurrency import Concurrency
 from flexbe_core.engine.definition import Definition, Kind
-from flexbe_core.engine.facts import Answered, Entered, Fact, Synced
+from flexbe_core.engine.facts import Answered, Entered, Fact, Refused, Synced
 from flexbe_core.engine.handover import active_state, let_go
 from flexbe_core.engine.leaf import Leaf
 from flexbe_core.engine.machine import Machine
@@ -117,11 +117,27 @@ class Engine:
             active = None if self.record.preempt else active_state(self)
             if command.offer(active):
                 let_go(self)
-        elif isinstance(command, commands.StateCommand) and self._is_supervised():
-            self.commands.append(command)
+        elif isinstance(command, commands.StateCommand):
+            self._take(command)
         leaf = self.root.leaf()
         if leaf is not None:
             leaf.due = NOW
+
+    def _take(self, command: commands.StateCommand) -> None:
+        """Keep a command for the active state; as in stock FlexBE, only if it is supervised.
+
+        Otherwise an operator who asked for a hold gets a warning, and no feedback: operator
+        interfaces take any feedback for success.
+        """
+        if self._is_supervised():
+            self.commands.append(command)
+        elif isinstance(command, commands.Pause | commands.Lock):
+            self.facts.append(
+                Refused(
+                    f"{type(command).__name__.lower()} has no effect: nobody supervises the "
+                    f"behavior (autonomy {self.record.autonomy_level}); attach to it first"
+                )
+            )
 
     def forget_supervision(self) -> None:
         """Put nothing in force any more, for a new run."""

@@ -30,12 +30,14 @@ class Handover:
         state: the state itself, with whatever it keeps.
         entered: whether its visit has begun.
         userdata: runtime userdata of the containers around it, by their paths.
+        paused: whether the run is paused; it then goes on paused, if it is supervised.
     """
 
     path: str
     state: Definition
     entered: bool
     userdata: Mapping[str, Mapping[str, Value]]
+    paused: bool = False
 
 
 def active_state(engine: Engine) -> Handover | None:
@@ -48,7 +50,7 @@ def active_state(engine: Engine) -> Handover | None:
     while container is not None:
         userdata[container.path] = dict(container.userdata._data)
         container = container.parent
-    return Handover(leaf.path, leaf.definition, leaf.entered, userdata)
+    return Handover(leaf.path, leaf.definition, leaf.entered, userdata, engine.record.paused)
 
 
 def let_go(engine: Engine) -> None:
@@ -72,4 +74,6 @@ def take_over(engine: Engine, handover: Handover) -> None:
     if not isinstance(node, Leaf):
         raise TypeError(f"{node.path!r} is no state")
     node.go_on(handover.entered)
-    engine.record = replace(engine.record, locks=engine.record.locks | {node.path})
+    record, paused = engine.record, handover.paused and node.definition._is_controlled
+    engine.record = replace(record, locks=record.locks | {node.path}, paused=paused)
+    engine.claim_while_paused(node.path)

@@ -73,6 +73,14 @@ class ActionConnection:
         wall_s = time.monotonic() - self._heard_wall
         return wall_s < SILENCE_S or clock.now() - self._heard_ros < SILENCE_S
 
+    def servers(self) -> tuple[str, ...]:
+        """Return the names of the nodes that publish statuses and take goals.
+
+        Either alone makes no server: `rosbag record` takes goals, `rosbag play` publishes statuses.
+        """
+        publishers = sorted(_established(self._subscribers[0]))
+        return tuple(name for name in publishers if self._goal_publisher.impl.has_connection(name))
+
     def wait(self, limit_s: float) -> bool:
         """Wait for the server, at most `limit_s` [s] of wall time; return whether it is there."""
         start = time.monotonic()

@@ -80,6 +80,10 @@ class ProxyActionClient:
         goal = self._goals.get(topic)
         return goal is None or goal.status != GoalStatus.LOST or _gone_for(goal) > LOST_GRACE_S
 
+    def servers(self, topic: str) -> tuple[str, ...]:
+        """Return the names of the nodes that take goals at a topic; each executes every goal."""
+        return self._connections[topic].servers()
+
     def has_result(self, topic: str) -> bool:
         """Return whether the server has answered.
 
@@ -139,9 +143,12 @@ class ProxyActionClient:
         return self.get_state(topic) in (GoalStatus.PENDING, GoalStatus.ACTIVE)
 
     def cancel(self, topic: str) -> None:
-        """Ask the server to stop working on the goal, unless it has ended."""
+        """Ask the server to stop working on the goal, unless it has answered.
+
+        A lost goal is cancelled too: a server that gets it late, after all, recalls it then.
+        """
         goal = self._goal(topic)
-        if goal is not None and goal.is_active:
+        if goal is not None and (goal.is_active or goal.status == GoalStatus.LOST):
             self._connections[topic].cancel(goal)
 
     def _goal(self, topic: str) -> Goal | None:

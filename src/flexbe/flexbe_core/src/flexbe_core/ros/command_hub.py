@@ -6,6 +6,7 @@ There is one subscription per topic and process, whatever runs in it.
 from __future__ import annotations
 
 import functools
+import threading
 import weakref
 from collections.abc import Callable
 from typing import Any, Protocol
@@ -44,6 +45,10 @@ _COMMANDS: dict[str, Callable[[Any], Command]] = {
 }
 
 
+# What stays in force until another command changes it. The others are about what is active now.
+_LASTING = Preempt | SetAutonomy | Attach | Lock | Unlock | Pause | Resume
+
+
 class Listener(Protocol):
     """A run that can be commanded."""
 
@@ -56,7 +61,9 @@ class CommandHub:
 
     def __init__(self) -> None:
         """Begin without a subscription."""
+        self._lock = threading.Lock()
         self._listeners: weakref.WeakSet[Listener] = weakref.WeakSet()
+        self._held: list[Command] | None = None
         self._is_subscribed = False
 
     def subscribe(self) -> None:
@@ -68,19 +75,40 @@ class CommandHub:
                 on_message = functools.partial(self._on_message, topic)
                 subscriber.subscribe(topic, message_type, on_message)
 
+    def hold(self) -> None:
+        """Keep lasting commands from now on for the next listener: a run is being prepared."""
+        with self._lock:
+            self._held = []
+
+    def drop(self) -> None:
+        """Forget what was kept, and keep nothing more: nothing is being prepared."""
+        with self._lock:
+            self._held = None
+
     def listen(self, listener: Listener) -> None:
-        """Hand commands to `listener` as long as it lives, or until ignore is called."""
+        """Pass commands to `listener` as long as it lives, or until ignore is called.
+
+        It gets first, in their order, the commands that were kept for it.
+        """
         self.subscribe()
-        self._listeners.add(listener)
+        with self._lock:
+            for command in self._held or ():
+                listener.post(command)
+            self._held = None
+            self._listeners.add(listener)
 
     def ignore(self, listener: Listener) -> None:
-        """Hand no more commands to `listener`."""
-        self._listeners.discard(listener)
+        """Pass no more commands to `listener`."""
+        with self._lock:
+            self._listeners.discard(listener)
 
     def _on_message(self, topic: str, message: Message) -> None:
         command = _COMMANDS[topic](message)
-        for listener in tuple(self._listeners):
-            listener.post(command)
+        with self._lock:
+            if self._held is not None and isinstance(command, _LASTING):
+                self._held.append(command)
+            for listener in tuple(self._listeners):
+                listener.post(command)
 
 
 # Subscriptions belong to the process, as all proxies' do.

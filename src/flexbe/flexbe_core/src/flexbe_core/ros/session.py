@@ -57,7 +57,7 @@ class Session:
         self._inbox.put(command)
 
     def listen(self) -> None:
-        """Take the commands that operators send from now on; what came before is forgotten."""
+        """Take commands of operators from now on, and those that the hub kept for this run."""
         if self._is_listening:
             return
         self._is_listening = True
@@ -75,6 +75,8 @@ class Session:
     def spin(self, userdata: UserData | None = None) -> str:
         """Run to the end and return the outcome; see Driver.drive for what it raises."""
         self._refresh()
+        # Before the first state is executed: a behavior that was paused meanwhile begins paused.
+        self._take_commands()
         self.engine.begin(userdata)
         self._driver = Driver(
             self.engine, self._inbox, self._command, self._refresh, self._reporter.report
@@ -91,10 +93,7 @@ class Session:
         looks at them.
         """
         self._refresh()
-        while not self._inbox.empty():
-            event = self._inbox.get()
-            if event is not None and not isinstance(event, Leaf):
-                self._command(event)
+        self._take_commands()
         if is_preempted:
             self._command(Preempt())
         self.engine.begin(userdata)
@@ -177,6 +176,13 @@ class Session:
         if self._beat is None or self._beat.rate is not rate:
             self._beat = Beat(rate)
         return self._beat
+
+    def _take_commands(self) -> None:
+        """Put in force what was posted before this run, or since the last execution."""
+        while not self._inbox.empty():
+            event = self._inbox.get()
+            if event is not None and not isinstance(event, Leaf):
+                self._command(event)
 
     def _command(self, command: Command) -> None:
         if isinstance(command, ShowStructure):

@@ -8,6 +8,9 @@
 
 A request for another version of the behavior that runs switches to it: its active state goes on in
 the new version, locked. Any other request that comes meanwhile is refused, and changes nothing.
+
+Commands that stay in force (pause, lock, autonomy, attach, preempt) and arrive while a behavior is
+prepared are in force when its first state is due.
 """
 
 from __future__ import annotations
@@ -23,7 +26,6 @@ import rospy
 from flexbe_msgs.msg import BehaviorSelection, BEStatus, CommandFeedback
 
 from flexbe_core import Behavior, BehaviorLibrary, Logger
-from flexbe_core.engine.commands import Command, Preempt
 from flexbe_core.engine.errors import BehaviorFailure, StateMachineError
 from flexbe_core.engine.handover import Handover
 from flexbe_core.proxy.proxy_action_client import cancel_all_goals
@@ -83,7 +85,6 @@ class EngineNode:
         self._phase = Phase.IDLE
         self._behavior: Behavior | None = None
         self._worker: threading.Thread | None = None
-        self._preempt_asked = False
         self._started_at = 0.0
         self._switch: BehaviorSelection | None = None
         self._successor: Behavior | None = None
@@ -93,7 +94,6 @@ class EngineNode:
         self._heartbeat = Heartbeat(watch.look)
         self._userdata_service = UserdataService(lambda: self._behavior)
         session.connect()
-        HUB.listen(self)
         self._library = BehaviorLibrary()
         self._freshness = ModuleFreshness()
         rospy.on_shutdown(self._stop)
@@ -101,17 +101,12 @@ class EngineNode:
         Logger.loginfo("the engine knows %d behaviors", self._library.count_behaviors())
         self._tell(BEStatus.READY, 0)
 
-    def post(self, command: Command) -> None:
-        """Remember that a behavior is to be stopped which is still being prepared."""
-        if isinstance(command, Preempt) and self._phase is Phase.PREPARING:
-            self._preempt_asked = True
-
     def _on_request(self, request: BehaviorSelection) -> None:
         with self._lock:
             phase = self._phase
             if phase is Phase.IDLE:
                 self._phase = Phase.PREPARING
-                self._preempt_asked = False
+                HUB.hold()
             elif phase is Phase.RUNNING:
                 self._phase, self._switch = Phase.SWITCHING, request
         if phase is Phase.IDLE:
@@ -146,6 +141,7 @@ class EngineNode:
         with self._lock:
             late, self._switch = self._switch, None
             self._behavior, self._phase = None, Phase.IDLE
+            HUB.drop()
             self._tell(code, behavior_id, args)
         if late is not None:
             text = "the running version ended before it could be switched"
@@ -203,7 +199,7 @@ class EngineNode:
             return False
         with self._lock:
             self._phase, self._switch, self._successor = Phase.PREPARING, None, behavior
-            self._preempt_asked = False
+            HUB.hold()
         self._feedback.publish("switch", [SwitchPhase.PREPARED.value])
         return True
 
@@ -266,8 +262,6 @@ class EngineNode:
         path = behavior.requested_state_path
         self._tell(BEStatus.STARTED, behavior.id, [] if path is None else [path])
         self._started_at = time.monotonic()
-        if self._preempt_asked:
-            behavior.preempt()
         Logger.loginfo("behavior %s runs", behavior.name)
         outcome = behavior.execute()
         Logger.loginfo("behavior %s ended with %s", behavior.name, outcome)

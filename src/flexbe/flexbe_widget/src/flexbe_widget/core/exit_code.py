@@ -30,11 +30,11 @@ MEANINGS = {
     ExitCode.FAILED_OUTCOME: "it ended with the outcome 'failed'",
     ExitCode.USAGE: "the command line makes no sense",
     ExitCode.UNKNOWN_BEHAVIOR: "there is no behavior with this name",
-    ExitCode.NO_ENGINE: "no behavior engine was there, or free, in time",
+    ExitCode.NO_ENGINE: "no ROS master or behavior engine was there, or the engine free, in time",
     ExitCode.REFUSED: "the engine did not start it, see its log",
     ExitCode.FAILED: "a state failed in a way that the behavior does not foresee",
     ExitCode.PREEMPTED: "it was stopped",
-    ExitCode.ENGINE_LOST: "the engine went away, or was started anew, while it ran",
+    ExitCode.ENGINE_LOST: "the engine went away, or was restarted, while it ran",
     ExitCode.INTERRUPTED: "interrupted from the keyboard; the behavior goes on",
 }
 

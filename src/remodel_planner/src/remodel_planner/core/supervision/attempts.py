@@ -41,33 +41,53 @@ class Attempt:
     decision: Decided | None = None
 
 
-def attempts_of(events: Iterable[Event]) -> tuple[Attempt, ...]:
-    """Return the behaviors of a run that have ended, in order."""
-    ended: list[Attempt] = []
-    begun: TaskBegun | None = None
-    operations: list[Operation] = []
-    for event in events:
+class Attempts:
+    """The behaviors of a run that have ended, gathered event by event."""
+
+    def __init__(self) -> None:
+        """Begin without any."""
+        self._ended: list[Attempt] = []
+        self._begun: TaskBegun | None = None
+        self._operations: list[Operation] = []
+
+    @property
+    def ended(self) -> tuple[Attempt, ...]:
+        """Return those that have ended, in order."""
+        return tuple(self._ended)
+
+    def add(self, event: Event) -> None:
+        """Take in the next event of the run."""
+        ended, begun = self._ended, self._begun
         match event:
             case TaskBegun():
-                begun, operations = event, []
+                self._begun, self._operations = event, []
             case OperationEnded():
-                operations.append(event.operation)
+                self._operations.append(event.operation)
             case TaskEnded() if begun is not None:
                 if not begun.part.is_attempt and event.placed:
                     _note_placed(ended, event.task)
-                execution = _execution(begun, event.outcome, event.placed, event.at_s, operations)
+                execution = _execution(
+                    begun, event.outcome, event.placed, event.at_s, self._operations
+                )
                 ended.append(
                     Attempt(execution, begun.part, begun.chart, event.path, event.pictures)
                 )
-                begun = None
+                self._begun = None
             case Interrupted() if begun is not None:
-                at_s = max([begun.at_s, *(operation.ended_s for operation in operations)])
-                execution = _execution(begun, INTERRUPTED, False, at_s, operations)
+                at_s = max([begun.at_s, *(operation.ended_s for operation in self._operations)])
+                execution = _execution(begun, INTERRUPTED, False, at_s, self._operations)
                 ended.append(Attempt(execution, begun.part, begun.chart, because=event.because))
-                begun = None
+                self._begun = None
             case Decided() if ended and ended[-1].execution.wire == event.task:
                 ended[-1] = replace(ended[-1], decision=event)
-    return tuple(ended)
+
+
+def attempts_of(events: Iterable[Event]) -> tuple[Attempt, ...]:
+    """Return the behaviors of a run that have ended, in order."""
+    attempts = Attempts()
+    for event in events:
+        attempts.add(event)
+    return attempts.ended
 
 
 def _note_placed(ended: list[Attempt], task: str) -> None:

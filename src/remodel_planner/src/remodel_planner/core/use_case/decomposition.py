@@ -152,6 +152,9 @@ class _Run:
         self._first = first
         self._limits = limits
         self._rejected: dict[tuple[str, str], str] = {}
+        # Many states of the search ask for the same.
+        self._features: dict[tuple[float, int, End | None], Features] = {}
+        self._expected: dict[tuple[str, float, int, End | None], Expectation] = {}
 
     def best(self, *, hands_over: bool) -> Decomposition:
         ended: list[tuple[Way, _State]] = []
@@ -218,7 +221,7 @@ class _Run:
     def _choose(self, head: _Pending, states: list[_State]) -> list[_State]:
         """Return the states after a task, done by each method that can do it."""
         task = head.subtask.name
-        features = self._d.features(self._task, head.way, head.end)
+        features = self._features_of(head)
         after: dict[str, list[_State]] = {}
         passed_over = -1
         for method in self._d.use_case.methods[task]:
@@ -259,8 +262,8 @@ class _Run:
                 macro = self._looking(head, self._d.use_case.facts[fact].of)
                 looked = self._act(replace(head, subtask=look, macro=macro), state)
                 return [after for s in looked for after in self._act(head, s)]
-        features = self._d.features(self._task, head.way, head.end)
-        expected = self._d.expected(action, features)
+        features = self._features_of(head)
+        expected = self._expected_of(action, head)
         access = self._d.access(self._task, head.end)
         step = Step(
             head.macro,
@@ -285,6 +288,18 @@ class _Run:
         tool = state.tool or action.tool
         steps = (*state.steps, step)
         return [_State(steps, frozenset(known), tool, state.passed_over, cost_s)]
+
+    def _features_of(self, head: _Pending) -> Features:
+        key = (head.way.length_m, len(head.way.clips), head.end)
+        if key not in self._features:
+            self._features[key] = self._d.features(self._task, head.way, head.end)
+        return self._features[key]
+
+    def _expected_of(self, action: Action, head: _Pending) -> Expectation:
+        key = (action.name, head.way.length_m, len(head.way.clips), head.end)
+        if key not in self._expected:
+            self._expected[key] = self._d.expected(action, self._features_of(head))
+        return self._expected[key]
 
     def _looking(self, head: _Pending, scope: Scope) -> Macro:
         """Return the macro operation whose time it is that is spent on looking before an action.

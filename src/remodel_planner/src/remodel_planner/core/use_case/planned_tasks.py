@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 
 from flexbe_synthesizer.core.model import Chart
 from remodel_planner.core.planning.listing import listing_of
+from remodel_planner.core.planning.modes import Mode
 from remodel_planner.core.planning.problem import Plan
 from remodel_planner.core.run import step_of
 from remodel_planner.core.use_case.decomposed import Decomposition, Limits, Step
-from remodel_planner.core.use_case.model import Macro, UseCase
+from remodel_planner.core.use_case.model import Action, Macro, UseCase
 from remodel_planner.core.use_case.preparation import Prepared
 from remodel_planner.core.use_case.task_chart import task_chart
-from remodel_planner.core.use_case.wiring_problem import decomposer_of
-from remodel_planner.errors import InstanceError
+from remodel_planner.errors import InstanceError, UseCaseError
 
 
 @dataclass(frozen=True)
@@ -56,10 +56,24 @@ class PlannedTask:
         return self._part(self.left(connected), " Rest")
 
     def clear(self) -> Chart:
-        """Return the chart that empties the hand of the task's part."""
+        """Return the chart that lays down whatever part the hand holds."""
         give_up = self.use_case.actions[self.use_case.give_up]
-        last = self.decomposition.steps[-1]
-        return self._part((replace(last, action=give_up, end=None, clip=None),), " Clear")
+        inputs = tuple((key, "" if value == "$task" else value) for key, value in give_up.inputs)
+        return self._alone(replace(give_up, inputs=inputs), " Clear")
+
+    def discard(self) -> Chart:
+        """Return the chart that takes the task's part off the panel into the scrap bin.
+
+        Raises:
+            UseCaseError: if the use case has no action for it.
+        """
+        name = self.use_case.discard
+        if not name:
+            raise UseCaseError(
+                f"task {self.name}: use case {self.use_case.name} states no `discard` action, so "
+                "its part cannot be discarded: take it out by hand, or add the action"
+            )
+        return self._alone(self.use_case.actions[name], " Discard")
 
     def left(self, connected: Collection[str]) -> tuple[Step, ...]:
         """Return the steps that are left when the ends with these letters are connected.
@@ -75,6 +89,11 @@ class PlannedTask:
         begin = max(done, default=0)
         return (*_looks(steps[:begin], steps[begin:]), *steps[begin:])
 
+    def _alone(self, action: Action, suffix: str) -> Chart:
+        """Return the chart of one action that is about no end and no clip."""
+        last = self.decomposition.steps[-1]
+        return self._part((replace(last, action=action, end=None, clip=None),), suffix)
+
     def _part(self, steps: tuple[Step, ...], suffix: str) -> Chart:
         done = replace(self.decomposition, steps=steps)
         return task_chart(self.use_case, done, self.component_of, self.arms, suffix)
@@ -82,21 +101,33 @@ class PlannedTask:
 
 def planned_tasks(prepared: Prepared, plan: Plan) -> Iterator[PlannedTask]:
     """Yield the tasks of a valid plan, in the order in which they are begun."""
-    order = prepared.order
-    decomposer = decomposer_of(order, prepared.use_case, prepared.expectations)
-    component_of = {terminal.name: terminal.component for terminal in order.terminals}
-    task = {task.name: task for task in order.tasks}
-    names = [arm.name for arm in order.arms]
     listing = listing_of(prepared.preferred.problem, plan)
     for name in listing.wires:
         mode = listing.modes[name]
-        decomposition = decomposer.decompose(
-            task[name], mode.first, prepared.limits, hands_over=mode.hands_over
-        )
-        arms = names[mode.arm : mode.arm + 1]
-        if mode.hands_over:
-            arms.append(names[1 - mode.arm])
-        yield PlannedTask(prepared.use_case, decomposition, component_of, tuple(arms))
+        known = prepared.decomposition(name, mode)
+        yield planned_task(prepared, name, mode, known if known.first is mode.first else None)
+
+
+def planned_task(
+    prepared: Prepared, name: str, mode: Mode, known: Decomposition | None = None
+) -> PlannedTask:
+    """Return a task as a plan does it.
+
+    Args:
+        prepared: the order that the task is of.
+        name: of the task.
+        mode: in which it is planned.
+        known: its decomposition; None: decomposed here, by what is expected now.
+    """
+    task = prepared.plan_of[name].alone.task
+    decomposition = known or prepared.decomposer.decompose(
+        task, mode.first, prepared.limits, hands_over=mode.hands_over
+    )
+    names = [arm.name for arm in prepared.order.arms]
+    arms = names[mode.arm : mode.arm + 1]
+    if mode.hands_over:
+        arms.append(names[1 - mode.arm])
+    return PlannedTask(prepared.use_case, decomposition, prepared.component_of, tuple(arms))
 
 
 def done_otherwise(prepared: Prepared, planned: PlannedTask, state_path: str) -> PlannedTask | None:
@@ -113,11 +144,10 @@ def done_otherwise(prepared: Prepared, planned: PlannedTask, state_path: str) ->
     methods = {steps[0].methods[-1]: "it has failed"} if steps and steps[0].methods else {}
     if not methods:
         return None
-    decomposer = decomposer_of(prepared.order, prepared.use_case, prepared.expectations)
     limits = prepared.limits.and_those(Limits(methods=methods))
     hands_over = len(planned.arms) > 1
     try:
-        other = decomposer.decompose(
+        other = prepared.decomposer.decompose(
             decomposition.task, decomposition.first, limits, hands_over=hands_over
         )
     except InstanceError:

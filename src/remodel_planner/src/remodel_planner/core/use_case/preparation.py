@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 from remodel_planner.core.planning.defects import require_sound
+from remodel_planner.core.planning.modes import Mode
+from remodel_planner.core.planning.part import part_of
 from remodel_planner.core.planning.preferences import FORMAT, Preferred, apply_preferences
-from remodel_planner.core.use_case.decomposed import Limits
+from remodel_planner.core.use_case.decomposed import Decomposition, Limits
+from remodel_planner.core.use_case.decomposition import Decomposer
 from remodel_planner.core.use_case.expectation import Expectations
 from remodel_planner.core.use_case.model import UseCase
 from remodel_planner.core.use_case.requirements import limits_of
 from remodel_planner.core.use_case.wiring_problem import (
     TaskPlan,
     decompose_order,
+    decomposer_of,
+    problem_left,
     wiring_problem,
 )
 from remodel_planner.core.use_case.work_order import WorkOrder
@@ -30,6 +36,41 @@ class Prepared:
     expectations: Expectations | None
     plans: tuple[TaskPlan, ...]
     preferred: Preferred
+
+    @cached_property
+    def plan_of(self) -> dict[str, TaskPlan]:
+        """The tasks' decompositions, by name."""
+        return {plan.alone.task.name: plan for plan in self.plans}
+
+    @cached_property
+    def component_of(self) -> dict[str, str]:
+        """Components by the names of terminals."""
+        return {terminal.name: terminal.component for terminal in self.order.terminals}
+
+    @cached_property
+    def decomposer(self) -> Decomposer:
+        """The decomposer of the order's tasks."""
+        return decomposer_of(self.order, self.use_case, self.expectations)
+
+    def decomposition(self, name: str, mode: Mode) -> Decomposition:
+        """Return the decomposition of a task with a handover or without, whichever end is first."""
+        plan = self.plan_of[name]
+        return plan.handed_over if mode.hands_over and plan.handed_over else plan.alone
+
+    def only(self, names: Collection[str]) -> Prepared:
+        """Return what is left of the preparation when only these of its tasks are to be done.
+
+        Nothing is decomposed or checked again, and expectations count as they were. A preference
+        whose tasks are all done is no error.
+        """
+        left = set(names)
+        plans = tuple(plan for plan in self.plans if plan.alone.task.name in left)
+        tasks = tuple(task for task in self.order.tasks if task.name in left)
+        order = replace(self.order, tasks=tasks)
+        problem = problem_left(part_of(self.preferred.problem, left), order, plans)
+        return replace(
+            self, order=order, plans=plans, preferred=replace(self.preferred, problem=problem)
+        )
 
 
 def prepare(

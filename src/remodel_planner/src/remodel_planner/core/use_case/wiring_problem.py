@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from remodel_planner.core.condition import Value
 from remodel_planner.core.planning.problem import (
@@ -115,6 +115,17 @@ def wiring_problem(order: WorkOrder, use_case: UseCase, plans: Sequence[TaskPlan
         wishes=order.wishes,
         located=frozenset(order.components) - _looked_at(order, plans),
     )
+
+
+def problem_left(problem: Problem, order: WorkOrder, plans: Sequence[TaskPlan]) -> Problem:
+    """Return the problem of some of an order's tasks, with what follows from all of them."""
+    durations = replace(
+        problem.durations,
+        locate=_longest(plans, Macro.LOCATE),
+        hand_over=_longest(plans, Macro.HAND_OVER),
+    )
+    located = frozenset(order.components) - _looked_at(order, plans)
+    return replace(problem, durations=durations, located=located)
 
 
 def _zones(order: WorkOrder) -> dict[str, int]:

@@ -1,0 +1,189 @@
+"""The ROS master: whether it answers, and whether it is still the one that this node joined.
+
+rospy waits for a master for ever, and registers a node only once. A node that must not do so calls
+`require_master` before it joins, and `spin` or a `MasterWatch` afterwards.
+"""
+
+from __future__ import annotations
+
+import http.client
+import threading
+import time
+import xmlrpc.client
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import rosgraph
+import rospy
+
+# [s] Wall time that a master which is being started gets to answer.
+START_LIMIT_S = 5.0
+
+# [s] Wall time after which a call to the master is given up.
+_CALL_LIMIT_S = 2.0
+
+# [s] Wall time between two calls while a master is waited for, and while one is watched.
+_WAIT_EVERY_S = 0.1
+_WATCH_EVERY_S = 1.0
+
+# [s] Wall time without an answer after which a master counts as silent.
+SILENCE_S = 5.0
+
+# os.EX_UNAVAILABLE: what the node was registered with is gone.
+EXIT_MASTER_RESTARTED = 69
+
+_CALLER = "/master_check"
+
+
+class NoMasterError(Exception):
+    """There is no ROS master; the text names its URI and what to do."""
+
+
+@dataclass(frozen=True, slots=True)
+class Identity:
+    """What distinguishes one master from the next at the same URI.
+
+    Attributes:
+        pid: of its process; in containers each may have the same.
+        run_id: that roslaunch gives it; empty if it has not done so yet.
+    """
+
+    pid: int
+    run_id: str
+
+    def is_same(self, later: Identity) -> bool:
+        """Return whether the master that is `later` seen at the URI is this one."""
+        known = self.run_id and later.run_id
+        return self.pid == later.pid and (not known or self.run_id == later.run_id)
+
+
+class _Transport(xmlrpc.client.Transport):
+    """HTTP with a time limit: a stopped process still accepts connections, and never answers."""
+
+    def make_connection(self, host: Any) -> http.client.HTTPConnection:  # noqa: ANN401
+        connection = super().make_connection(host)
+        connection.timeout = _CALL_LIMIT_S
+        return connection
+
+
+def master_identity() -> Identity | None:
+    """Return which master answers now, None if none does within 2 s a call."""
+    try:
+        uri = rosgraph.get_master_uri()
+        with xmlrpc.client.ServerProxy(uri, transport=_Transport()) as master:
+            _, _, pid = master.getPid(_CALLER)
+            code, _, run_id = master.getParam(_CALLER, "/run_id")
+    except (OSError, ValueError, TypeError, http.client.HTTPException, xmlrpc.client.Error):
+        return None
+    return Identity(int(pid), str(run_id) if code == 1 else "")
+
+
+def require_master(limit_s: float = START_LIMIT_S) -> None:
+    """Return as soon as a ROS master answers.
+
+    Args:
+        limit_s: [s] of wall time to wait for one.
+
+    Raises:
+        NoMasterError: if none does.
+    """
+    end = time.monotonic() + limit_s
+    while master_identity() is None:
+        if time.monotonic() >= end:
+            raise NoMasterError(
+                f"no ROS master at {rosgraph.get_master_uri()} within {limit_s:g} s; "
+                "start one with roscore or roslaunch, or set ROS_MASTER_URI"
+            )
+        time.sleep(_WAIT_EVERY_S)
+
+
+class MasterWatch:
+    """Watches, on a thread of its own, the master that the node has joined."""
+
+    def __init__(
+        self,
+        on_restart: Callable[[str], None],
+        on_silence: Callable[[str], None] = rospy.logwarn,
+        on_return: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Begin to watch; callbacks are called from the thread of the watch.
+
+        Args:
+            on_restart: gets one sentence when another master answers at the URI; this node is not
+                registered with it. Called once for each restart.
+            on_silence: gets one sentence when none has answered for SILENCE_S.
+            on_return: called when the master answers again after that, and is the same.
+        """
+        self._on_restart = on_restart
+        self._on_silence = on_silence
+        self._on_return = on_return
+        self._joined = master_identity()
+        self._silent_since: float | None = None
+        self._is_silent = False
+        self._ended = threading.Event()
+        rospy.on_shutdown(self.stop)
+        threading.Thread(target=self._watch, name="master watch", daemon=True).start()
+
+    def stop(self) -> None:
+        """Watch no more."""
+        self._ended.set()
+
+    def _watch(self) -> None:
+        while not self._ended.wait(_WATCH_EVERY_S):
+            found = master_identity()
+            if self._ended.is_set():
+                return
+            if found is None:
+                self._note_silence()
+            else:
+                self._note_answer(found)
+
+    def _note_silence(self) -> None:
+        # Not since the last answer: this process may have been stopped meanwhile itself.
+        self._silent_since = self._silent_since or time.monotonic()
+        silent_s = time.monotonic() - self._silent_since
+        if silent_s >= SILENCE_S and not self._is_silent:
+            self._is_silent = True
+            self._on_silence(
+                f"the ROS master at {rosgraph.get_master_uri()} has not answered for "
+                f"{silent_s:.0f} s; nodes that start now are not found"
+            )
+
+    def _note_answer(self, found: Identity) -> None:
+        was_silent = self._is_silent
+        self._is_silent, self._silent_since = False, None
+        is_same = self._joined is None or self._joined.is_same(found)
+        if not is_same or found.run_id:
+            self._joined = found
+        if not is_same:
+            self._on_restart(
+                f"the ROS master at {rosgraph.get_master_uri()} was restarted: nodes that joined "
+                "the former one and nodes of the new one cannot find each other; "
+                "restart the launch"
+            )
+        elif was_silent:
+            self._on_return()
+
+
+def spin() -> int:
+    """Serve until ROS shuts this node down, or its master was restarted; return the exit code.
+
+    roslaunch respawns a node that ends with EXIT_MASTER_RESTARTED; it then joins the new master.
+    """
+    ended = threading.Event()
+    restarts: list[str] = []
+
+    def on_restart(text: str) -> None:
+        restarts.append(text)
+        ended.set()
+
+    watch = MasterWatch(on_restart)
+    rospy.on_shutdown(ended.set)
+    ended.wait()
+    watch.stop()
+    if not restarts:
+        return 0
+    rospy.logfatal("%s", restarts[0])
+    rospy.signal_shutdown(restarts[0])
+    return EXIT_MASTER_RESTARTED

@@ -1,0 +1,41 @@
+"""Gated Test."""
+
+import time
+from pathlib import Path
+
+from flexbe_core import Autonomy, Behavior, Logger, OperatableStateMachine
+from flexbe_states.log_state import LogState
+
+LIMIT_S = 30.0
+
+
+class GatedSM(Behavior):
+    """Prepared as soon as the file `gate` exists; cannot be built if its text is "fail"."""
+
+    def __init__(self):
+        super().__init__()
+        self.name = "Gated Test"
+        self.add_parameter("gate", "")
+
+    def create(self):
+        gate, limit = Path(self.gate), time.monotonic() + LIMIT_S
+        Logger.loginfo("waiting at the gate")
+        while not gate.exists() and time.monotonic() < limit:
+            time.sleep(0.01)
+        if gate.read_text() == "fail":
+            raise ValueError("the gate fails")
+        root = OperatableStateMachine(outcomes=["finished"])
+        with root:
+            OperatableStateMachine.add(
+                "First",
+                LogState("first"),
+                transitions={"done": "Second"},
+                autonomy={"done": Autonomy.Off},
+            )
+            OperatableStateMachine.add(
+                "Second",
+                LogState("second"),
+                transitions={"done": "finished"},
+                autonomy={"done": Autonomy.Off},
+            )
+        return root

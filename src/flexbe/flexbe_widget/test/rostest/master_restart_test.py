@@ -1,0 +1,92 @@
+#!/usr/bin/env python3
+"""Engine and action server when the ROS master is restarted on the same port."""
+
+import os
+import re
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+import rosgraph
+import rostest
+
+LIMIT_S = 40.0
+NODES = ("/behavior", "/behavior_action_server")
+
+
+def wait_until(condition, limit_s=LIMIT_S):
+    limit = time.monotonic() + limit_s
+    while not condition() and time.monotonic() < limit:
+        time.sleep(0.05)
+    return condition()
+
+
+class MasterRestartTest(unittest.TestCase):
+    def setUp(self):
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            self.port = free.getsockname()[1]
+        self.uri = f"http://127.0.0.1:{self.port}"
+        folder = self.enterContext(tempfile.TemporaryDirectory())
+        self.env = {**os.environ, "ROS_MASTER_URI": self.uri, "ROS_LOG_DIR": folder}
+        self.output = Path(folder) / "output.log"
+
+    def start(self, *line):
+        with self.output.open("a") as output:
+            process = subprocess.Popen(
+                line, env=self.env, stdout=output, stderr=subprocess.STDOUT, text=True
+            )
+        self.addCleanup(self.stop, process)
+        return process
+
+    def stop(self, process):
+        process.send_signal(signal.SIGINT)
+        process.wait(LIMIT_S)
+
+    def start_master(self):
+        roscore = self.start("roscore", "-p", str(self.port))
+        master = rosgraph.Master("/test", master_uri=self.uri)
+        self.assertTrue(wait_until(lambda: answers(master.getParam, "/run_id")), self.told())
+        return roscore
+
+    def told(self):
+        return self.output.read_text()
+
+    def nodes(self):
+        """Return the addresses of the nodes that the master knows; None if it misses one."""
+        master = rosgraph.Master("/test", master_uri=self.uri)
+        found = [answers(master.lookupNode, name) for name in NODES]
+        return found if all(found) else None
+
+    def test_both_report_it_and_are_respawned_into_the_new_master(self):
+        roscore = self.start_master()
+        self.start("roslaunch", "flexbe_widget", "flexbe_action_server.launch")
+        self.assertTrue(wait_until(self.nodes), self.told())
+        former = self.nodes()
+        self.stop(roscore)
+        self.start_master()
+        # A node of the former master may have called the new one, which then knows its address.
+        self.assertTrue(
+            wait_until(lambda: not set(former) & set(self.nodes() or former)), self.told()
+        )
+        told = self.told()
+        sentence = f"the ROS master at {self.uri} was restarted: nodes that joined the former one"
+        self.assertEqual(told.count(sentence), len(NODES), told)
+        for name in NODES:
+            self.assertTrue(re.search(rf"\[{name[1:]}-\d+\].*exit code 69", told), told)
+
+
+def answers(call, argument):
+    """Return what the master answers; None if it does not know, or does not answer."""
+    try:
+        return call(argument)
+    except (OSError, rosgraph.MasterError):
+        return None
+
+
+if __name__ == "__main__":
+    rostest.rosrun("flexbe_widget", "test_master_restart", MasterRestartTest)

@@ -1,0 +1,34 @@
+"""Who may command the cell.
+
+A supervisor that acquires the cell gets a token greater than all before. It puts the token in
+front of the id of each goal ("17:insert a") and into the requests of services. The cell refuses a
+token older than the newest it has seen, so a supervisor that lost the cell while it was stopped
+moves nothing when it continues. A goal without a token is not checked.
+"""
+
+from __future__ import annotations
+
+import re
+
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError
+
+NO_OWNER = 0
+# A token is a uint64: 20 digits at most.
+_PREFIX = re.compile(r"([0-9]{1,20}):")
+
+
+def owner_of(goal_id: str) -> int:
+    """Return the owner's token in front of a goal's id, NO_OWNER if there is none."""
+    prefix = _PREFIX.match(goal_id)
+    return int(prefix[1]) if prefix else NO_OWNER
+
+
+def check_owner(owner: int, newest: int) -> None:
+    """Raise STALE_OWNER when a token is older than the newest that the cell has seen."""
+    if owner != NO_OWNER and owner < newest:
+        raise AbilityError(
+            Code.STALE_OWNER,
+            f"owner {owner} no longer owns this cell, owner {newest} does; stop the older "
+            "supervisor, or reset the cell's memory if the database was replaced",
+        )

@@ -1,0 +1,61 @@
+"""The wire that is being placed, with the clamps and latches that hold it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+from remodel_sim.core.cable import discretise
+from remodel_sim.core.connector_shape import connector_solids
+from remodel_sim.core.geometry import Array
+from remodel_sim.core.panel import Connector, End, Wire
+from remodel_sim.core.placed_wires import ParkedWire
+from remodel_sim.physics.cable import Cable
+from remodel_sim.physics.clamps import Clamp
+from remodel_sim.physics.latches import Header, Latch
+from remodel_sim.physics.world import World
+
+
+@dataclass(eq=False)
+class LiveWire:
+    """The wire that is being placed."""
+
+    wire: Wire
+    cable: Cable
+    clamps: dict[End, Clamp] = field(default_factory=dict)
+    latches: tuple[Latch, ...] = ()
+
+    @property
+    def fixed(self) -> frozenset[End]:
+        """The ends that closed clamps hold."""
+        return frozenset(end for end, clamp in self.clamps.items() if clamp.holds)
+
+    @property
+    def shape(self) -> ParkedWire:
+        """The wire as it would be parked now."""
+        return ParkedWire(self.cable.nodes(), self.fixed)
+
+    def watch_headers(
+        self, world: World, headers_of: Callable[[Connector], Sequence[Header]]
+    ) -> None:
+        """Let the headers that the wire's connectors fit into latch."""
+        self.latches = tuple(
+            Latch(world, self.cable, connector, headers_of(connector), self.clamps)
+            for connector in self.wire.connectors
+        )
+
+    def remove(self) -> None:
+        """Take the wire out of the world."""
+        for latch in self.latches:
+            latch.remove()
+        for clamp in self.clamps.values():
+            clamp.release_constraint()
+        self.cable.remove()
+
+
+def bent_cable(world: World, wire: Wire, nodes: Array) -> Cable:
+    """Make a wire that was straight and has been bent into a shape, nodes (n, 3) [m]."""
+    connectors = {c.end: connector_solids(wire, c) for c in wire.connectors}
+    cable = Cable(world, discretise(wire, world.time_step), wire.colour, connectors)
+    cable.lay_along(nodes)
+    return cable

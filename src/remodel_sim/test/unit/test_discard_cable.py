@@ -1,0 +1,138 @@
+"""Wires leave the cell by the scrap bin, whatever holds them, and only there."""
+
+import dataclasses
+
+import place_wire as do
+import pytest
+from panels import panel
+
+from remodel_sim.abilities.discard_cable import discard_cable
+from remodel_sim.cell import Cell
+from remodel_sim.core.arm import ToolPose
+from remodel_sim.core.book import EndState
+from remodel_sim.core.codes import Code
+from remodel_sim.core.discard_goal import DiscardGoal
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.layout import PLATE_MAX_M
+from remodel_sim.core.panel import End
+from remodel_sim.core.scrap_bin import bin_of
+from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.edge.cell_memory import CellMemory
+from remodel_sim.physics.truth import ground_truth
+
+
+def discard(cell, wire):
+    return do.do(cell, discard_cable, DiscardGoal(do.ROBOT, wire))
+
+
+def assert_gone(cell, wire):
+    book = cell.station.book
+    assert cell.plant.live is None and wire not in cell.plant.parked
+    assert wire not in book.fed and not book.hands
+    assert wire not in [held[0] for held in book.occupied.values()]
+    assert ground_truth(cell.plant, [wire]) == []
+    half = cell.station.panel.size[1] / 2
+    assert abs(cell.station.tool.y) > half + 0.05, "it was dropped beyond the plate"
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_piece_that_lies_in_its_channel_is_dropped_into_the_bin(seed):
+    cell = Cell(panel(), seed=seed)
+    cell.feed("W1", "A")
+    goal = DiscardGoal(do.ROBOT, "W1")
+    steps = discard_cable(cell.station, goal)
+    while cell.station.progress.message != "dropping the wire":
+        next(steps)
+        for _ in range(cell.station.steps_per_tick):
+            cell.plant.step()
+        assert cell.plant.live is not None, "it leaves the world over the bin only"
+    while cell.plant.live is not None:
+        next(steps, None)
+        for _ in range(cell.station.steps_per_tick):
+            cell.plant.step()
+    assert_gone(cell, "W1")
+    assert discard(cell, "W1").message == "no piece of W1 is in the cell"
+    cell.feed("W1", "A")
+    assert not cell.station.book.is_touched
+    cell.close()
+
+
+def test_the_wire_in_the_hand_is_discarded_with_its_other_end_connected(cell):
+    with pytest.raises(AbilityError) as caught:
+        discard(cell, "")
+    assert caught.value.code is Code.NOTHING_HELD
+    cell.feed("W1", "A")
+    do.connect(cell, "W1", End.A)
+    do.carry(cell, "W1", "A")
+    with pytest.raises(AbilityError) as caught:
+        discard(cell, "W2x")
+    assert caught.value.code is Code.UNKNOWN_NAME
+    assert discard(cell, "W2").message == "no piece of W2 is in the cell"
+    assert discard(cell, "").message == "W1 dropped into the scrap bin"
+    assert_gone(cell, "W1")
+
+
+def test_a_placed_wire_is_released_and_discarded_by_a_cell_that_was_restarted(tmp_path):
+    memory = CellMemory(tmp_path)
+    first = Cell(panel(), seed=1, memory=memory)
+    do.place(first, "W1")
+    first.close()
+    cell = Cell(panel(), seed=1, memory=memory)
+    cell.feed("W2", "A")
+    discard(cell, "W1")
+    assert_gone(cell, "W1")
+    assert list(cell.plant.parked) == ["W2"], "another wire stays"
+    cell.keep()
+    assert list(memory.placed(panel()).parked) == ["W2"]
+    cell.close()
+    memory.close()
+
+
+def test_a_wire_whose_end_is_stuck_stays(cell, monkeypatch):
+    cell.feed("W1", "A")
+    do.connect(cell, "W1", End.A)
+    with monkeypatch.context() as patch:
+        patch.setattr(cell.plant, "open_clamp", lambda *terminal: None)  # its screw is jammed
+        with pytest.raises(AbilityError, match="it was released there") as caught:
+            discard(cell, "W1")
+    assert caught.value.code is Code.EXTRACTION_STUCK
+    assert not cell.station.book.hands
+    assert cell.station.book.ends[End.A] is EndState.SEATED
+    (truth,) = ground_truth(cell.plant, ["W1"])
+    assert truth.a.seated
+    with pytest.raises(AbilityError) as caught:
+        cell.feed("W1", "A")
+    assert caught.value.code is Code.WIRE_LEFT_BEHIND
+    discard(cell, "W1")
+    assert_gone(cell, "W1")
+
+
+def test_a_hand_that_holds_another_wire_discards_none(cell):
+    cell.feed("W2", "A")
+    cell.feed("W1", "A")
+    do.do(cell, do.pick_cable, do.goals.PickGoal(do.ROBOT, "W1", End.A, 0.0))
+    with pytest.raises(AbilityError) as caught:
+        discard(cell, "W2")
+    assert caught.value.code is Code.OTHER_CABLE_HELD
+
+
+@pytest.mark.parametrize("name", ["one_panda", "one_iiwa", "two_pandas"])
+@pytest.mark.parametrize("size", [(0.40, 0.70, 0.003), (*PLATE_MAX_M, 0.003)])
+def test_each_robot_has_a_bin_in_reach_beside_any_plate(name, size):
+    for robot in read_cell(name).robots:
+        place = bin_of(robot, panel(size=size))
+        assert robot.arm.reaches(place)
+        assert abs(place.y) > size[1] / 2 + 0.05 and place.y * robot.home.y > 0
+
+
+def test_the_cells_file_may_name_the_bins_place():
+    robot = read_cell().robots[0]
+    place = ToolPose(0.3, 0.5, 0.2, 0.0)
+    assert bin_of(dataclasses.replace(robot, scrap_bin=place), panel()) == place
+
+
+def test_a_bin_out_of_reach_is_refused():
+    robot = read_cell().robots[0]
+    with pytest.raises(AbilityError, match="scrap_bin") as caught:
+        bin_of(robot, panel(size=(0.4, 2.0, 0.003)))
+    assert caught.value.code is Code.UNREACHABLE

@@ -1,0 +1,29 @@
+import pytest
+
+from remodel_sim.core.codes import Code
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.ownership import NO_OWNER, check_owner, owner_of
+
+
+@pytest.mark.parametrize(
+    ("goal_id", "owner"),
+    [
+        ("17:insert a", 17),
+        ("17:", 17),
+        ("insert a", NO_OWNER),
+        ("W17:insert", NO_OWNER),
+        ("17 insert", NO_OWNER),
+        ("-3:insert", NO_OWNER),
+        ("", NO_OWNER),
+    ],
+)
+def test_the_token_stands_in_front_of_the_id(goal_id, owner):
+    assert owner_of(goal_id) == owner
+
+
+def test_only_an_older_token_is_refused():
+    for owner in (NO_OWNER, 17, 18):
+        check_owner(owner, 17)
+    with pytest.raises(AbilityError, match="owner 16 no longer owns this cell, owner 17") as caught:
+        check_owner(16, 17)
+    assert caught.value.code is Code.STALE_OWNER

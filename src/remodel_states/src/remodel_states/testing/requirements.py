@@ -1,0 +1,195 @@
+"""What each ability asks of the world before it moves.
+
+The answers are those of the simulated cell (remodel_sim.core.goals); reach is left out. A check
+raises WorldError unless a cell can take a goal as the world is.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from remodel_msgs.msg import ErrorCode
+
+from remodel_states.testing.world import World, WorldError, known
+
+ROBOTS = ("robot_1", "robot_2")
+
+# [N] that an arm pushes at most: more than the simulated cell's grip holds, so that stiffer cells'
+# charts can be run too; [m] from the tip to a grasp, as in the simulated cell.
+MAX_FORCE_N = 60.0
+GRASP_RANGE_M = (0.030, 0.080)
+
+
+def check_locate(world: World, _: str, goal: Any) -> None:  # noqa: ANN401
+    """Check that a component, and a terminal if the goal names one, can be located."""
+    known(world.panel.components, goal.component_id, "component")
+    if goal.terminal_id:
+        _check_terminal(world, goal)
+
+
+def check_connection(world: World, _: str, goal: Any) -> None:  # noqa: ANN401
+    """Check that an end can be inspected."""
+    known(world.panel.wires, goal.cable_id, "wire")
+    _check_terminal(world, goal)
+    _check_end(goal)
+
+
+def check_pick(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
+    """Check that an end can be picked."""
+    _check_robot(goal)
+    _check_end(goal)
+    if goal.grasp_distance:
+        _check_number("grasp_distance", goal.grasp_distance, *GRASP_RANGE_M)
+    check_live(world, cell, goal)
+    hand = world.hand(cell)
+    if hand.held:
+        raise WorldError(
+            ErrorCode.OTHER_CABLE_HELD,
+            f"the gripper holds end {hand.held} of {hand.live!r} already; place it first",
+        )
+    _check_loose(world, goal)
+
+
+def check_carry(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
+    """Check that a held wire can be carried."""
+    _check_robot(goal)
+    poses = getattr(goal, "path", None)
+    if poses is not None and not poses:
+        raise WorldError(ErrorCode.INVALID_GOAL, "path is empty; it must have one pose or more")
+    check_live(world, cell, goal)
+    _check_held(world, cell)
+
+
+def check_place(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
+    """Check that a held wire can be laid down."""
+    if goal.cable_id:
+        check_carry(world, cell, goal)
+    else:
+        _check_robot(goal)
+        _check_held(world, cell)
+
+
+def check_discard(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
+    """Check that a wire can be discarded."""
+    _check_robot(goal)
+    if not goal.cable_id:
+        return
+    known(world.panel.wires, goal.cable_id, "wire")
+    hand = world.hand(cell)
+    if hand.held and hand.live != goal.cable_id:
+        raise WorldError(
+            ErrorCode.OTHER_CABLE_HELD,
+            f"the gripper holds end {hand.held} of {hand.live!r}; place or discard it first",
+        )
+    for name, other in world.hands.items():
+        if name != cell and other.held and other.live == goal.cable_id:
+            raise WorldError(
+                ErrorCode.ROBOT_IN_THE_WAY,
+                f"the robot of {name} holds end {other.held} of {goal.cable_id!r}",
+            )
+
+
+def check_insert(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
+    """Check that an end can be inserted."""
+    _check_robot(goal)
+    _check_end(goal)
+    _check_number("force_limit", goal.force_limit, 1.0, MAX_FORCE_N)
+    check_live(world, cell, goal)
+    _check_terminal(world, goal)
+    held = world.hand(cell).held
+    if held and held != goal.cable_end:
+        raise WorldError(
+            ErrorCode.OTHER_CABLE_HELD,
+            f"the gripper holds end {held}, not end {goal.cable_end}; place it first",
+        )
+    _check_loose(world, goal)
+    occupant = world.occupant(terminal_of(goal))
+    if occupant is not None:
+        raise WorldError(
+            ErrorCode.TERMINAL_OCCUPIED, f"terminal {terminal_of(goal)!r} holds end {occupant!r}"
+        )
+
+
+def check_fix(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
+    """Check that a held end can be fixed."""
+    _check_robot(goal)
+    _check_number("pull_test_force", goal.pull_test_force, 0.0, MAX_FORCE_N)
+    check_live(world, cell, goal)
+    _check_terminal(world, goal)
+    _check_held(world, cell)
+
+
+def check_extract(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
+    """Check that an end can be extracted."""
+    _check_robot(goal)
+    check_live(world, cell, goal)
+    _check_terminal(world, goal)
+
+
+def check_connector(world: World, _: str, goal: Any) -> None:  # noqa: ANN401
+    """Check that a connector can be mated."""
+    _check_robot(goal)
+    if not goal.connector_id:
+        raise WorldError(ErrorCode.UNKNOWN_NAME, "connector_id is empty")
+    _check_number("force_limit", goal.force_limit, 1.0, math.inf)
+
+
+def check_pin(_: World, __: str, goal: Any) -> None:  # noqa: ANN401
+    """Check that both robots exist."""
+    for robot in (goal.robot_1_name, goal.robot_2_name):
+        known(ROBOTS, robot, "robot")
+
+
+def terminal_of(goal: Any) -> str:  # noqa: ANN401
+    """Return the terminal that a goal is about, as "component/terminal"."""
+    return f"{goal.component_id}/{goal.terminal_id}"
+
+
+def _check_robot(goal: Any) -> None:  # noqa: ANN401
+    known(ROBOTS, goal.robot_name, "robot")
+
+
+def _check_end(goal: Any) -> None:  # noqa: ANN401
+    if goal.cable_end not in ("a", "b"):
+        text = f"cable_end is {goal.cable_end!r}; allowed: 'a', 'b'"
+        raise WorldError(ErrorCode.INVALID_GOAL, text)
+
+
+def _check_number(name: str, value: float, low: float, high: float) -> None:
+    if not low <= value <= high:
+        text = f"{name} is {value:g}; allowed: {low:g} to {high:g}"
+        raise WorldError(ErrorCode.INVALID_GOAL, text)
+
+
+def _check_terminal(world: World, goal: Any) -> None:  # noqa: ANN401
+    known(world.panel.components, goal.component_id, "component")
+    known(world.panel.mouths, terminal_of(goal), "terminal")
+
+
+def check_live(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
+    """Check that a wire is the one fed last."""
+    known(world.panel.wires, goal.cable_id, "wire")
+    live = world.hand(cell).live
+    if live != goal.cable_id:
+        raise WorldError(
+            ErrorCode.WIRE_NOT_FED,
+            f"wire {goal.cable_id!r} is not the one fed last, which is {live or 'none'!r}; feed it "
+            "first",
+        )
+
+
+def _check_held(world: World, cell: str) -> None:
+    if not world.hand(cell).held:
+        text = "the gripper is empty; pick the wire first"
+        raise WorldError(ErrorCode.NOTHING_HELD, text)
+
+
+def _check_loose(world: World, goal: Any) -> None:  # noqa: ANN401
+    seat = world.seat(goal.cable_id, goal.cable_end)
+    if seat is not None:
+        how = "fixed" if seat.fixed else "seated"
+        raise WorldError(
+            ErrorCode.INVALID_GOAL,
+            f"end {goal.cable_end} of {goal.cable_id!r} is {how} in a terminal; extract it first",
+        )
