@@ -108,11 +108,13 @@ def main() -> int:
             )
             try:
                 wait_until(lambda n=number: len(log.heads()) >= n, _LIMIT_S, "the run's begin")
-                wait_until(lambda n=number: measured(log.events(n)), _LIMIT_S, "the new plan")
+                wait_until(
+                    lambda n=number: measured(tuple(log.events(n))), _LIMIT_S, "the new plan"
+                )
             except TroubleError as error:
                 print(f"TROUBLE: {error}; {goal.ending}; logs in {output}")
                 return 1
-            found = measured(log.events(number))
+            found = measured(tuple(log.events(number)))
             times.append(found.total_s)
             parts = ", ".join(f"{what} {span:.3f}" for what, span in found.parts.items())
             print(

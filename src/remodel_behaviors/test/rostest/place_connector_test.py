@@ -11,7 +11,12 @@ import rostest
 from actionlib_msgs.msg import GoalStatus
 from flexbe_msgs.msg import BehaviorExecutionAction, BehaviorExecutionGoal
 from flexbe_msgs.srv import GetUserdata
-from remodel_msgs.msg import AbilityRecord, ErrorCode, InsertCableActionFeedback
+from remodel_msgs.msg import (
+    AbilityRecord,
+    ErrorCode,
+    ExtractCableActionFeedback,
+    InsertCableActionFeedback,
+)
 from remodel_msgs.srv import FeedWire, GetGroundTruth, InjectFault
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty
@@ -40,7 +45,7 @@ class PlaceConnectorTest(unittest.TestCase):
         self.on_record = None
         self.subscriber = rospy.Subscriber("remodel/ability_records", AbilityRecord, self._record)
         self.assertTrue(self.reset().success)
-        response = self.feed(WIRE, CHANNEL)
+        response = self.feed(wire_id=WIRE, channel_id=CHANNEL)
         self.assertTrue(response.success, response.message)
 
     def tearDown(self):
@@ -118,13 +123,16 @@ class PlaceConnectorTest(unittest.TestCase):
         userdata = rospy.ServiceProxy("flexbe/get_userdata", GetUserdata)
         seen = {}
 
-        def look(record):
-            if record.ability == "ExtractCable" and not seen:
+        def read(_):
+            if not seen:
                 for key in ("error_code", "error_message"):
                     for info in userdata(key).userdata:
                         seen[key] = info.data
 
-        self.on_record = look
+        withdrawing = rospy.Subscriber(
+            "remodel_abilities/extractcable/feedback", ExtractCableActionFeedback, read
+        )
+        self.addCleanup(withdrawing.unregister)
         self.start()
         self.assertEqual(self.finish(), "failed")
         self.assertEqual(

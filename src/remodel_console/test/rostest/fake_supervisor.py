@@ -117,7 +117,7 @@ class FakeSupervisor:
         self.standstill = threading.Event()
         self.standstill.set()
         self.publisher = StatePublisher()
-        self._is_new = True
+        self._is_new, self._closed = True, ""
         self.state = None
         self._fields = {}
         self._lock = threading.Lock()
@@ -139,6 +139,11 @@ class FakeSupervisor:
         )
         self._action.start()
         threading.Thread(target=self._publish, daemon=True).start()
+
+    def close(self, why):
+        """Take no order, because of this; an empty text: take one."""
+        self._closed, self._is_new = why, True
+        self._changed.set()
 
     def add(self, *events, **fields):
         """Let events happen, and have fields of the view changed."""
@@ -181,7 +186,7 @@ class FakeSupervisor:
                 view = self._view() if self.state else None
                 is_new, self._is_new = self._is_new, False
             if is_new:
-                self.publisher.idle("cell 1")
+                self.publisher.idle("cell 1", self._closed, starting=bool(self._closed))
             if view:
                 self.publisher.publish(view)
             self._changed.wait(max(0.01, self.publisher.flush()))

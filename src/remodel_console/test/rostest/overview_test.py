@@ -31,6 +31,13 @@ class OverviewTest(BehaviorTestCase):
         expect(away).to_have_count(0)
         expect(page.locator(".presence.there", has_text="Cell")).to_be_visible()
 
+        supervisor.close("cell 1 is owned by another station: bench 2")
+        expect(page.locator(".ending")).to_contain_text(
+            "cell 1 is owned by another station: bench 2"
+        )
+        supervisor.close("")
+        expect(page.locator(".ending")).to_be_hidden()
+
         page.get_by_role("combobox", name="Order").fill("nowhere")
         page.get_by_role("combobox", name="Order").press("Enter")
         self.press(page, "Start the order")

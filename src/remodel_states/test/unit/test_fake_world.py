@@ -218,6 +218,8 @@ def test_a_failed_insertion_leaves_the_wire_in_the_hand(fed):
     jammed = fail(fed, CELL, "InsertCable", ErrorCode.INSERTION_JAMMED, goal())
     assert jammed.hand(CELL).held == "a"
     assert jammed.seat("W1", "a") is None
+    contested = perform("InsertCable", fed, CELL, goal(), ErrorCode.SEVERAL_SERVERS)
+    assert contested.world == fed
     slipped = fail(jammed, CELL, "RouteWire", ErrorCode.GRASP_SLIPPED, goal())
     assert not slipped.hand(CELL).held
 

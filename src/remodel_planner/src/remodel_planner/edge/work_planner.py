@@ -109,27 +109,27 @@ class WorkPlanner:
         Raises:
             InstanceError: if there is no plan.
         """
-        base = self._prepared
-        if base is None or not previous or not base.plan_of.keys() >= set(names):
-            base = self._prepare(names)
+        wanted, base = set(names), self._prepared
+        if base is None or not previous or not base.plan_of.keys() >= wanted:
+            base = self._prepare(wanted)
         self._prepared = base
-        prepared = base.only(names) if base.plan_of.keys() > set(names) else base
+        prepared = base.only(wanted) if base.plan_of.keys() > wanted else base
         problem = put_off(prepared.preferred.problem, last)
         if previous:
             modes = {name: place.mode.number for name, place in self._places.items()}
             search_s = min(self._search_s, REPLAN_SEARCH_S)
             plan = replan_problem(problem, previous, modes, search_s).plan
         else:
-            plan = plan_problem(problem, self._search_s if len(names) > 1 else 0.0).plan
-        if not self._places.keys() >= set(names):
+            plan = plan_problem(problem, self._search_s if len(wanted) > 1 else 0.0).plan
+        if not previous and not self._places.keys() >= wanted:
             for task in planned_tasks(prepared, plan):
                 _ = task.chart  # what its use case asks for in vain is reported before it begins
         listing = listing_of(problem, plan)
-        self._tasks = {name: task for name, task in self._tasks.items() if name not in names}
+        self._tasks = {name: task for name, task in self._tasks.items() if name not in wanted}
         self._places |= {name: _Place(base, listing.modes[name]) for name in listing.wires}
         return listing.wires
 
-    def _prepare(self, names: Collection[str]) -> Prepared:
+    def _prepare(self, names: set[str]) -> Prepared:
         tasks = tuple(task for task in self.order.tasks if task.name in names)
         order = replace(self.order, tasks=tasks)
         return prepare(
@@ -246,7 +246,7 @@ class WorkPlanner:
     def _place(self, name: str) -> _Place:
         """Return how a task is done; one that was not planned is planned alone."""
         if name not in self._places:
-            prepared = self._prepare([name])
+            prepared = self._prepare({name})
             plan = plan_problem(prepared.preferred.problem, 0.0).plan
             modes = listing_of(prepared.preferred.problem, plan).modes
             self._places[name] = _Place(prepared, modes[name])

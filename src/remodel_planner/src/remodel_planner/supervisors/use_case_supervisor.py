@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import TypeVar
 
 from flexbe_synthesizer.core.codec import write_chart
 from flexbe_synthesizer.core.model import Chart
@@ -89,8 +90,13 @@ from remodel_planner.supervisors.ports import (
 )
 from remodel_planner.supervisors.task_supervisor import TaskSupervisor
 
+T = TypeVar("T")
+
 # [s] wall time between two checks of what nobody reports: other cells' tasks, the run's time.
 _CHECK_S = 0.2
+
+# [s] wall time after which something that is gone counts as lost.
+_GRACE_S = 0.2
 
 # [s] wall time between two attempts to reach a database that does not answer.
 _RETRY_S = 0.25
@@ -447,7 +453,7 @@ class UseCaseSupervisor:
         policy = planner.use_case.recovery
         bounds = planner.task(name, task.decisions).bounds(failure.state_path)
         unpromising = planner.experience.unpromising(
-            failure.fault.name, possible, self._log.tried_responses()
+            failure.fault.name, possible, self._insist(self._log.tried_responses)
         )
         faults = self.work.faults
         self._append(judged(state, name, faults, policy, possible, now_s, bounds, unpromising))
@@ -497,7 +503,7 @@ class UseCaseSupervisor:
             self._append(Escalated(asked.number, asked.task, do))
             self._notify("not answered", asked, do=do.value)
         for name in self.state.in_stage(Stage.ELSEWHERE):
-            claim = self.work.leases.claim(name)
+            claim = self._insist(lambda n=name: self.work.leases.claim(n))  # type: ignore[misc]
             if claim.holding in (Holding.DONE, Holding.SET_ASIDE):
                 self._append(TaskElsewhere(name, claim.cell, _AS_LEFT[claim.holding]))
             elif claim.holding is not Holding.ELSEWHERE:
@@ -525,11 +531,11 @@ class UseCaseSupervisor:
         """Return whether this cell has a task; if another one has it, or has had it, keep that."""
         task, leases = self.state.tasks[name], self.work.leases
         if name == self.state.current:
-            if leases.renew(name):
+            if self._insist(lambda: leases.renew(name)):
                 return True
             self._append(TaskElsewhere(name, "", AsLeft.RUNNING))
             return False
-        claim = leases.claim(name)
+        claim = self._insist(lambda: leases.claim(name))
         if claim.holding is Holding.MINE:
             return True
         if claim.holding is Holding.MINE_IN_DOUBT:
@@ -600,6 +606,8 @@ class UseCaseSupervisor:
 
     def _recover(self, because: str, *, is_resumed: bool = True) -> None:
         """Wait for what was lost, and stop what runs; what it was doing is in doubt."""
+        # With the launch everything ends at once, this process not first: that is no event.
+        self._loop.run_until(lambda: False, _GRACE_S)
         if is_resumed:
             self._append(Interrupted(because))
             self._describe(f"waiting, since {because}")
@@ -627,15 +635,16 @@ class UseCaseSupervisor:
     # --- events
 
     def _append(self, event: Event) -> None:
-        """Keep an event, however long the database takes to answer."""
+        self._insist(lambda: self._append_now(event))
+
+    def _insist(self, ask: Callable[[], T]) -> T:
+        """Return what the database answers, however long it takes to answer."""
         while True:
             try:
-                self._append_now(event)
+                return ask()
             except LostError as error:
                 self._describe(f"waiting, since {error}")
                 self._loop.run_until(lambda: False, _RETRY_S)
-            else:
-                return
 
     def _append_now(self, event: Event) -> None:
         self.state = self._log.append(self.run, event, self.state, self.owner)
