@@ -42,8 +42,8 @@ def append_run(url: str, tasks: int) -> tuple[int, float]:
     events = list(long_run(order))
     with _hasty():
         log, token = _opened(url, order)
-        run, _ = log.begin(events[0], token)
-        state = state_after(events[:1])
+        run, begun = log.begin(events[0], token)
+        state = state_after([begun])
         for each in events[1:-_MEASURED]:
             state = log.append(run, each, state, token)
     log = RunLog(ProductionDatabase(url))
