@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-sim bench-vision bench-learning bench-replan evaluate-abilities chaos campaign clean
+.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-sim bench-vision bench-learning bench-replan bench-scale evaluate-abilities chaos campaign clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -57,6 +57,9 @@ campaign: build ## Cause every kind of fault, 20 runs each, two policies (BENCH=
 
 bench-replan: build ## Time from a failure to the first goal of the new plan, 300 tasks left
 	@$(SOURCED) benchmarks/supervision/replan.py $(BENCH)
+
+bench-scale: build ## Resume, memory and database size of a run of 5,000 tasks (BENCH="--tasks 500")
+	@$(SOURCED) benchmarks/supervision/scale.py $(BENCH)
 
 bench-planner: build build/bench-venv/.ready ## Measure the planner beside GTPyhop and Fast Downward, against its targets
 	@$(SOURCED) benchmarks/planner/witness.py --python build/bench-venv/bin/python

@@ -23,10 +23,25 @@ _GROUPS = {
     "#e8eef7": ("products", "notes", "components", "terminals", "cables", "wires"),
     "#eaf3e6": ("nodes", "segments", "clips", "routes"),
     "#f9f0dd": ("orders", "tasks", "preferences", "constraints"),
-    "#f6e6e6": ("cells", "runs", "run_events", "executions", "ability_records", "decisions"),
+    "#f6e6e6": (
+        "cells",
+        "runs",
+        "charts",
+        "run_events",
+        "run_snapshots",
+        "executions",
+        "ability_records",
+        "decisions",
+    ),
     "#eeeeee": ("abilities", "ability_parameters"),
 }
-_TYPES = {"VARCHAR": "text", "INTEGER": "integer", "FLOAT": "number", "BOOLEAN": "yes or no"}
+_TYPES = {
+    "VARCHAR": "text",
+    "INTEGER": "integer",
+    "FLOAT": "number",
+    "BOOLEAN": "yes or no",
+    "BLOB": "packed",
+}
 
 
 def tables() -> list[Table]:

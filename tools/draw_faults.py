@@ -16,8 +16,21 @@ What can go wrong with wires, cables and hoses, how it shows, and what is done a
 Written by `tools/draw_faults.py` from [faults.yaml](../../src/remodel_msgs/config/faults.yaml)
 and [error_codes.yaml](../../src/remodel_msgs/config/error_codes.yaml): change those.
 
-Responses are tried in their order, as often as it says; the last one is for good.
-A use case may answer otherwise.
+Responses are tried in the order given, each as often as stated; the last one is lasting. Before a
+task goes on with the same part, the supervisor inspects both ends of the wire. A use case may
+respond otherwise ([use cases](../use-cases.md#when-a-task-fails)).
+
+| response | what happens |
+|---|---|
+| retry | the same again; the table never uses it, a use case or an operator may |
+| retry with | the same with changed parameters, within their bounds and the terminal's |
+| look again | the same, observed from another viewpoint with each look again of the task |
+| other method | the step that failed is done by the next method of the use case |
+| new part | the old piece is discarded, a new one fed, and the task starts again |
+| replan | the task comes later, in an order that is planned again |
+| set aside | the task is left undone, the others go on |
+| ask operator | the run waits for an answer; without an operator, `unattended` of the use case |
+| stop | the run stops |
 """
 
 
@@ -41,12 +54,17 @@ def _fault(fault: dict, codes: dict) -> str:
     shown = ", ".join(f"{codes[name]['code']} {name}" for name in fault["codes"])
     if "after" in fault:
         shown += f", {fault['after']['times']} times in a row"
-    return (
+    level = fault["first_level"].replace("_", " ")
+    note = "; an unattended run stops" if fault.get("unattended") == "stop" else ""
+    head = (
         f"\n### {fault['fault']}\n\n{fault['symptoms']}\n\n"
-        f"| shows as | severity | first level | responses |\n|---|---|---|---|\n"
-        f"| {shown} | {fault['severity']} | {fault['first_level'].replace('_', ' ')} | "
-        f"{', '.join(_response(response) for response in fault['responses'])} |\n"
+        f"Reported as {shown}. Severity: {fault['severity']}. First level: {level}.\n\n"
+        "| response | because |\n|---|---|\n"
     )
+    *others, last = fault["responses"]
+    rows = [(_response(response), response["because"]) for response in others]
+    rows.append((_response(last) + note, last["because"]))
+    return head + "".join(f"| {do} | {because} |\n" for do, because in rows)
 
 
 def _response(response: dict) -> str:

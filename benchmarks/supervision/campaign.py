@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 """Cause every kind of fault, and see whether the levels recover, end, and say why.
 
-campaign.py [--kinds KIND ...] [--runs 20] [--seed 0] [--policies ...] [--physical] [--learning]
+campaign.py [--kinds KIND ...] [--runs 20] [--seed 0] [--policies ...] [--physical] [--explore]
 [--output out/campaign]; the workspace must be sourced. Each run places two wires of a real
 cabinet's design with one fault of remodel_msgs/config/faults.yaml, caused at the interface of a
 fake cell; once by the policy of the table of faults, once by "retry three times". With --physical
 the cell is the simulated one, and faults have physical causes (remodel_msgs/InjectFault). Without
---learning nothing is learned from one run for the next, so that runs can be compared. A line of
-JSON for each run stands in trials.jsonl when it has ended. Exits with 1 when a target is missed.
+--explore every run uses the forces of the use case and the responses of its policy, so that runs
+can be compared; durations and successes are learned all the same, and decide the order of tasks. A
+line of JSON for each run stands in trials.jsonl when it has ended. Exits with 1 when a target is
+missed.
 """
 
 from __future__ import annotations
@@ -190,7 +192,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0, help="of the first run (default 0)")
     parser.add_argument("--policies", nargs="+", choices=(TABLE, RETRY), default=(TABLE, RETRY))
     parser.add_argument("--physical", action="store_true", help="in the simulated cell")
-    parser.add_argument("--learning", action="store_true", help="runs learn from those before")
+    parser.add_argument("--explore", action="store_true", help="runs choose forces and responses")
     parser.add_argument("--output", type=Path, default=Path("out/campaign"))
     options = parser.parse_args()
     kinds = options.kinds or list(physical.KINDS if options.physical else tables.faults)
@@ -205,7 +207,7 @@ def main() -> int:
     fake = FakeSite(tables.durations_s, tables.look_s)
     site: Site = SimulatedSite() if options.physical else fake
     os.environ[VARIABLE] = str(output / "use_cases")
-    supervisor = "" if options.learning else "--frozen"
+    supervisor = "--explore" if options.explore else ""
     with stack(site.launch, output, options=supervisor, **site.arguments(output)) as nodes:
         (output / "use_cases").mkdir()
         nodes.wait_for(*site.nodes)

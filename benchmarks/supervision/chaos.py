@@ -126,7 +126,7 @@ class Chaos:
             return
         name = self._random.choice((*TARGETS, ALL))
         killed = self._nodes.kill(*(TARGETS if name == ALL else (name,)))
-        at = len(self._log.events(run))
+        at = sum(1 for _ in self._log.events(run))
         for node, pid in killed.items():
             wait_until(lambda n=node, p=pid: self._nodes.pid(n) not in (0, p), _LIMIT_S, node)
         back = time.monotonic()
@@ -139,11 +139,11 @@ class Chaos:
 
     def _news(self, run: int, since: int) -> list[object]:
         """Return the events of a run since a position that are more than an interruption."""
-        events = [kept.event for kept in self._log.events(run)[since:]]
+        events = [kept.event for kept in self._log.events(run, since)]
         return [event for event in events if not isinstance(event, Interrupted)]
 
     def _judge(self, run: int) -> None:
-        state = state_after(kept.event for kept in self._log.events(run))
+        state = self._log.state(run)
         done = state.in_stage(Stage.DONE)
         found = account(self._world.ledger(), list(state.tasks))
         score = self.score

@@ -10,9 +10,11 @@ the supervisor decides, plans, has the next task's chart synthesized, and the en
 from __future__ import annotations
 
 import argparse
+import itertools
 import shutil
 import sys
 import tempfile
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -21,34 +23,64 @@ from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal
 from remodel_msgs.srv import CommandRun
 from stack import ORDER, TroubleError, stack, wait_until
 
-from remodel_planner.core.supervision.events import Decided, OperationEnded, Planned, TaskBegun
+from remodel_planner.core.supervision.events import (
+    Decided,
+    OperationEnded,
+    Planned,
+    TaskBegun,
+    TaskEnded,
+)
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.run_log import KeptEvent, RunLog
 from remodel_planner.ros.action_server import ActionServer
 
 HERE = Path(__file__).parent
 DESIGN = "/usr/share/qelectrotech/examples/industrial.qet"
-TARGET_S = 1.0
+TARGET_S = 0.25
+PARTS = ("end of the behavior", "decision", "plan", "chart, panel and part", "start")
 _LIMIT_S = 120.0
 
 
-def measured(kept: tuple[KeptEvent, ...]) -> tuple[float, float, int] | None:
-    """Return [s] to the first goal, [s] of them planning, and the tasks planned; None as yet."""
-    events = [each.event for each in kept]
-    failures = [i for i, e in enumerate(events) if isinstance(e, OperationEnded)]
-    failed = next((i for i in failures if events[i].operation.error_code), None)
-    plans = [i for i, e in enumerate(events) if isinstance(e, Planned)]
-    if failed is None or len(plans) < 2:
+@dataclass(frozen=True)
+class Measured:
+    """What passed between a failure and the first goal of the new plan.
+
+    Attributes:
+        parts: [s] by what was done, in turn.
+        tasks: that were planned again.
+    """
+
+    parts: dict[str, float]
+    tasks: int
+
+    @property
+    def total_s(self) -> float:
+        """All of it [s]."""
+        return sum(self.parts.values())
+
+
+def measured(kept: tuple[KeptEvent, ...]) -> Measured | None:
+    """Return what passed; None as long as the new plan's first operation has not ended."""
+    failed = next((k for k in kept if _is_failure(k)), None)
+    if failed is None:
         return None
-    later = [e for e in events[plans[1] :] if isinstance(e, OperationEnded)]
-    if not later:
-        return None
-    goal_s = later[0].operation.ended_s - later[0].operation.elapsed_s
-    decided = next(i for i, e in enumerate(events) if isinstance(e, Decided))
-    begun = next(e for e in events[plans[1] :] if isinstance(e, TaskBegun))
-    assert begun.at_s <= goal_s
-    planning_s = (kept[plans[1]].at - kept[decided].at).total_seconds()
-    return goal_s - _seconds(kept[failed].at), planning_s, len(events[plans[1]].tasks)
+    later = list(kept[kept.index(failed) :])
+    found = [failed]
+    for kind in (TaskEnded, Decided, Planned, TaskBegun, OperationEnded):
+        after = later[later.index(found[-1]) + 1 :]
+        following = next((k for k in after if isinstance(k.event, kind)), None)
+        if following is None:
+            return None
+        found.append(following)
+    first = found[-1].event.operation
+    times_s = [_seconds(each.at) for each in found[:-1]] + [first.ended_s - first.elapsed_s]
+    spans = [after - before for before, after in itertools.pairwise(times_s)]
+    return Measured(dict(zip(PARTS, spans, strict=True)), len(found[3].event.tasks))
+
+
+def _is_failure(kept: KeptEvent) -> bool:
+    event = kept.event
+    return isinstance(event, OperationEnded) and bool(event.operation.error_code)
 
 
 def _seconds(at: datetime) -> float:
@@ -76,20 +108,23 @@ def main() -> int:
             )
             try:
                 wait_until(lambda n=number: len(log.heads()) >= n, _LIMIT_S, "the run's begin")
-                wait_until(lambda n=number: measured(log.events(n)), _LIMIT_S, "the new plan")
+                wait_until(
+                    lambda n=number: measured(tuple(log.events(n))), _LIMIT_S, "the new plan"
+                )
             except TroubleError as error:
                 print(f"TROUBLE: {error}; {goal.ending}; logs in {output}")
                 return 1
-            took_s, planning_s, tasks = measured(log.events(number))
-            times.append(took_s)
+            found = measured(tuple(log.events(number)))
+            times.append(found.total_s)
+            parts = ", ".join(f"{what} {span:.3f}" for what, span in found.parts.items())
             print(
-                f"{took_s:.2f} s from the failure to the first goal of the new plan of {tasks} "
-                f"tasks; {planning_s:.2f} s of them planning"
+                f"{found.total_s:.3f} s from the failure to the first goal of the new plan of "
+                f"{found.tasks} tasks: {parts}"
             )
             stop("the benchmark")
             goal.wait(_LIMIT_S)
     shutil.rmtree(output.parent)
-    print(f"best {min(times):.2f} s, worst {max(times):.2f} s; at most {TARGET_S:.0f} s")
+    print(f"best {min(times):.3f} s, worst {max(times):.3f} s; at most {TARGET_S:g} s")
     return 0 if min(times) <= TARGET_S else 1
 
 

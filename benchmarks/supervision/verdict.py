@@ -22,8 +22,9 @@ INSIDE, TASK, USE_CASE = "action or behavior", "task", "use case"
 LEVELS = {"action": INSIDE, "behavior": INSIDE, "task": TASK, "use_case": USE_CASE}
 _OF_THE_TASK = (Do.RETRY, Do.RETRY_WITH, Do.LOOK_AGAIN, Do.NEW_PART)
 
-# The ability that empties the hand when a behavior gives up: it handles nothing.
-_GIVES_UP = "PlaceCable"
+# The abilities that withdraw an end and empty the hand when a behavior gives up; they handle
+# nothing.
+_GIVES_UP = ("ExtractCable", "PlaceCable")
 
 # remodel_msgs/ErrorCode SERVER_HUNG and TIMEOUT: such a goal took as long as it was waited for.
 _WAITED_FOR = (1, 7)
@@ -107,7 +108,7 @@ def handled_first(events: Sequence[Event], codes: Collection[int]) -> str:
         match event:
             case OperationEnded() if not failed and event.operation.error_code in codes:
                 failed = event.task
-            case OperationEnded() if failed and event.operation.ability != _GIVES_UP:
+            case OperationEnded() if failed and event.operation.ability not in _GIVES_UP:
                 return INSIDE
             case TaskEnded() if failed and event.outcome == "finished":
                 return INSIDE

@@ -22,7 +22,7 @@ from label_scenes import Condition, LabelScene
 from row import Row, tell
 
 from remodel_sim.abilities.locate_gearbox_component import LOOKS
-from remodel_sim.abilities.looking import LABEL_ASIDE_M
+from remodel_sim.abilities.viewpoints import LABEL_ASIDE_M
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.layout import WORLD_FROM_PANEL

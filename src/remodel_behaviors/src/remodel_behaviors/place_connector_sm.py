@@ -27,8 +27,9 @@ Created on undated
 class PlaceConnectorSM(Behavior):
     '''
     Places one end of a wire in a terminal: Figure 3 of Deliverable 5.1. A failed insertion or fixing pulls the end
-    out and looks for the component again, at most three times. What neither action nor behavior is to handle first
-    (remodel_msgs/config/faults.yaml) fails at once.
+    out and locates the component again, at most three times. What neither action nor behavior is to handle first
+    (remodel_msgs/config/faults.yaml) fails at once. A push that jams, or needs more force (301, 304, 308), is not
+    repeated here: the end is withdrawn, and the supervisor decides.
     '''
 
 
@@ -82,9 +83,9 @@ class PlaceConnectorSM(Behavior):
 
             # x:1330 y:40
             OperatableStateMachine.add('FixCable_error',
-                                        DecisionState(outcomes=['failed 3-5', 'failed 7-8', 'failed 203-204', 'failed 307', 'failed 400-403', 'other'], conditions=lambda code: 'failed 3-5' if code in range(3, 6) else 'failed 7-8' if code in range(7, 9) else 'failed 203-204' if code in range(203, 205) else 'failed 307' if code in range(307, 308) else 'failed 400-403' if code in range(400, 404) else 'other'),
-                                        transitions={'failed 3-5': 'failed', 'failed 7-8': 'failed', 'failed 203-204': 'failed', 'failed 307': 'failed', 'failed 400-403': 'failed', 'other': 'ExtractCable'},
-                                        autonomy={'failed 3-5': Autonomy.Off, 'failed 7-8': Autonomy.Off, 'failed 203-204': Autonomy.Off, 'failed 307': Autonomy.Off, 'failed 400-403': Autonomy.Off, 'other': Autonomy.Off},
+                                        DecisionState(outcomes=['failed 3-5', 'failed 7-10', 'failed 203-204', 'failed 304', 'failed 306-307', 'failed 308', 'failed 400-403', 'failed 405', 'other'], conditions=lambda code: 'failed 3-5' if code in range(3, 6) else 'failed 7-10' if code in range(7, 11) else 'failed 203-204' if code in range(203, 205) else 'failed 304' if code in range(304, 305) else 'failed 306-307' if code in range(306, 308) else 'failed 308' if code in range(308, 309) else 'failed 400-403' if code in range(400, 404) else 'failed 405' if code in range(405, 406) else 'other'),
+                                        transitions={'failed 3-5': 'failed', 'failed 7-10': 'failed', 'failed 203-204': 'failed', 'failed 304': 'WithdrawCable', 'failed 306-307': 'failed', 'failed 308': 'WithdrawCable', 'failed 400-403': 'failed', 'failed 405': 'failed', 'other': 'ExtractCable'},
+                                        autonomy={'failed 3-5': Autonomy.Off, 'failed 7-10': Autonomy.Off, 'failed 203-204': Autonomy.Off, 'failed 304': Autonomy.Off, 'failed 306-307': Autonomy.Off, 'failed 308': Autonomy.Off, 'failed 400-403': Autonomy.Off, 'failed 405': Autonomy.Off, 'other': Autonomy.Off},
                                         remapping={'input_value': 'error_code'})
 
             # x:730 y:40
@@ -96,9 +97,9 @@ class PlaceConnectorSM(Behavior):
 
             # x:1080 y:140
             OperatableStateMachine.add('InsertCable_error',
-                                        DecisionState(outcomes=['failed 3-5', 'failed 7-8', 'failed 110-111', 'failed 115', 'failed 203-204', 'failed 307', 'failed 400-403', 'other'], conditions=lambda code: 'failed 3-5' if code in range(3, 6) else 'failed 7-8' if code in range(7, 9) else 'failed 110-111' if code in range(110, 112) else 'failed 115' if code in range(115, 116) else 'failed 203-204' if code in range(203, 205) else 'failed 307' if code in range(307, 308) else 'failed 400-403' if code in range(400, 404) else 'other'),
-                                        transitions={'failed 3-5': 'failed', 'failed 7-8': 'failed', 'failed 110-111': 'failed', 'failed 115': 'failed', 'failed 203-204': 'failed', 'failed 307': 'failed', 'failed 400-403': 'failed', 'other': 'ExtractCable'},
-                                        autonomy={'failed 3-5': Autonomy.Off, 'failed 7-8': Autonomy.Off, 'failed 110-111': Autonomy.Off, 'failed 115': Autonomy.Off, 'failed 203-204': Autonomy.Off, 'failed 307': Autonomy.Off, 'failed 400-403': Autonomy.Off, 'other': Autonomy.Off},
+                                        DecisionState(outcomes=['failed 3-5', 'failed 7-10', 'failed 110-111', 'failed 115', 'failed 203-204', 'failed 301', 'failed 304', 'failed 306-307', 'failed 308', 'failed 400-403', 'failed 405', 'other'], conditions=lambda code: 'failed 3-5' if code in range(3, 6) else 'failed 7-10' if code in range(7, 11) else 'failed 110-111' if code in range(110, 112) else 'failed 115' if code in range(115, 116) else 'failed 203-204' if code in range(203, 205) else 'failed 301' if code in range(301, 302) else 'failed 304' if code in range(304, 305) else 'failed 306-307' if code in range(306, 308) else 'failed 308' if code in range(308, 309) else 'failed 400-403' if code in range(400, 404) else 'failed 405' if code in range(405, 406) else 'other'),
+                                        transitions={'failed 3-5': 'failed', 'failed 7-10': 'failed', 'failed 110-111': 'failed', 'failed 115': 'failed', 'failed 203-204': 'failed', 'failed 301': 'WithdrawCable', 'failed 304': 'WithdrawCable', 'failed 306-307': 'failed', 'failed 308': 'WithdrawCable', 'failed 400-403': 'failed', 'failed 405': 'failed', 'other': 'ExtractCable'},
+                                        autonomy={'failed 3-5': Autonomy.Off, 'failed 7-10': Autonomy.Off, 'failed 110-111': Autonomy.Off, 'failed 115': Autonomy.Off, 'failed 203-204': Autonomy.Off, 'failed 301': Autonomy.Off, 'failed 304': Autonomy.Off, 'failed 306-307': Autonomy.Off, 'failed 308': Autonomy.Off, 'failed 400-403': Autonomy.Off, 'failed 405': Autonomy.Off, 'other': Autonomy.Off},
                                         remapping={'input_value': 'error_code'})
 
             # x:380 y:40
@@ -110,12 +111,19 @@ class PlaceConnectorSM(Behavior):
 
             # x:730 y:140
             OperatableStateMachine.add('LocateGearboxComponent_error',
-                                        DecisionState(outcomes=['failed 3-5', 'failed 7-8', 'failed 102-103', 'failed 400-403', 'other'], conditions=lambda code: 'failed 3-5' if code in range(3, 6) else 'failed 7-8' if code in range(7, 9) else 'failed 102-103' if code in range(102, 104) else 'failed 400-403' if code in range(400, 404) else 'other'),
-                                        transitions={'failed 3-5': 'failed', 'failed 7-8': 'failed', 'failed 102-103': 'failed', 'failed 400-403': 'failed', 'other': 'LocateGearboxComponent_attempts'},
-                                        autonomy={'failed 3-5': Autonomy.Off, 'failed 7-8': Autonomy.Off, 'failed 102-103': Autonomy.Off, 'failed 400-403': Autonomy.Off, 'other': Autonomy.Off},
+                                        DecisionState(outcomes=['failed 3-5', 'failed 7-10', 'failed 102-103', 'failed 400-403', 'failed 405', 'other'], conditions=lambda code: 'failed 3-5' if code in range(3, 6) else 'failed 7-10' if code in range(7, 11) else 'failed 102-103' if code in range(102, 104) else 'failed 400-403' if code in range(400, 404) else 'failed 405' if code in range(405, 406) else 'other'),
+                                        transitions={'failed 3-5': 'failed', 'failed 7-10': 'failed', 'failed 102-103': 'failed', 'failed 400-403': 'failed', 'failed 405': 'failed', 'other': 'LocateGearboxComponent_attempts'},
+                                        autonomy={'failed 3-5': Autonomy.Off, 'failed 7-10': Autonomy.Off, 'failed 102-103': Autonomy.Off, 'failed 400-403': Autonomy.Off, 'failed 405': Autonomy.Off, 'other': Autonomy.Off},
                                         remapping={'input_value': 'error_code'})
 
             # x:1330 y:140
+            OperatableStateMachine.add('WithdrawCable',
+                                        ExtractCableState(timeout_s=30.0),
+                                        transitions={'extracted': 'failed', 'failed': 'failed', 'command_error': 'failed'},
+                                        autonomy={'extracted': Autonomy.Off, 'failed': Autonomy.Off, 'command_error': Autonomy.Off},
+                                        remapping={'cable_id': 'cable_id', 'component_id': 'component_id', 'terminal_id': 'terminal_id', 'socket_pose': 'locate_gearbox_component_socket_pose', 'error_code': 'error_code', 'error_message': 'error_message'})
+
+            # x:1330 y:240
             OperatableStateMachine.add('ExtractCable',
                                         ExtractCableState(timeout_s=30.0),
                                         transitions={'extracted': 'LocateGearboxComponent_attempts', 'failed': 'failed', 'command_error': 'failed'},

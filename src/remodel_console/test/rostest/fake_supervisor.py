@@ -34,8 +34,8 @@ from remodel_planner.core.supervision.events import (
     TaskEnded,
 )
 from remodel_planner.core.supervision.state import FINISHED, state_after
-from remodel_planner.ros.ability_feedback import Doing
 from remodel_planner.ros.state_publisher import RunView, StatePublisher
+from remodel_planner.supervisors.ports import Doing
 
 WIRES = (
     ("W1", "Q1/1 to X3/2, BU, 1.5 mm2"),
@@ -82,7 +82,7 @@ def decided(task, fault, code, ability, text, do, because):
 def half_way(order):
     """Return the events of a run whose fourth of six tasks is under way."""
     return [
-        RunBegun(order, "switchgear", "cell 1", tuple(name for name, _ in WIRES)),
+        RunBegun(order, "switchgear", "cell 1", tuple(name for name, _ in WIRES), "SN-0042"),
         Planned(tuple(name for name, _ in WIRES), "the run begins"),
         *attempt("W1", 1, 41.0),
         *attempt("W2", 1, 37.0, 205),
@@ -117,7 +117,7 @@ class FakeSupervisor:
         self.standstill = threading.Event()
         self.standstill.set()
         self.publisher = StatePublisher()
-        self._is_new = True
+        self._is_new, self._closed = True, ""
         self.state = None
         self._fields = {}
         self._lock = threading.Lock()
@@ -140,6 +140,11 @@ class FakeSupervisor:
         self._action.start()
         threading.Thread(target=self._publish, daemon=True).start()
 
+    def close(self, why):
+        """Take no order, because of this; an empty text: take one."""
+        self._closed, self._is_new = why, True
+        self._changed.set()
+
     def add(self, *events, **fields):
         """Let events happen, and have fields of the view changed."""
         with self._lock:
@@ -156,7 +161,6 @@ class FakeSupervisor:
             doing="W4: placing a new wire",
             doing_now=Doing("InsertCable", "lowers the hand", 40.0, 3.0),
             started=rospy.Time.now() - rospy.Duration(240),
-            serial="SN-0042",
         )
 
     def restart(self):
@@ -171,10 +175,8 @@ class FakeSupervisor:
         self.add(
             *attempt("W4", 1, 12.0, 303)[1:],
             decided("W4", *cause, Do.ASK_OPERATOR, "two new parts have jammed too"),
-            Asked(1, "W4", text, tuple(Answer)),
+            Asked(1, "W4", text, tuple(Answer), rospy.get_time(), 600.0),
             doing_now=None,
-            asked_s=rospy.get_time(),
-            timeout_s=600.0,
         )
 
     def _publish(self):
@@ -184,7 +186,7 @@ class FakeSupervisor:
                 view = self._view() if self.state else None
                 is_new, self._is_new = self._is_new, False
             if is_new:
-                self.publisher.idle("cell 1")
+                self.publisher.idle("cell 1", self._closed, starting=bool(self._closed))
             if view:
                 self.publisher.publish(view)
             self._changed.wait(max(0.01, self.publisher.flush()))
@@ -216,13 +218,13 @@ class FakeSupervisor:
         self.add(moving=False)
 
     def _on_resume(self, request):
-        self.add(Commanded(Command.RESUME, "", request.by), stopped_by="")
+        self.add(Commanded(Command.RESUME, "", request.by))
 
     def _on_stop(self, _request):
         self.add(RunEnded(Ending.STOPPED, "stopped by an operator"))
 
     def _on_protective_stop(self, request):
-        self.add(stopped_by=request.by)
+        self.add(Commanded(Command.PROTECTIVE_STOP, "", request.by))
 
     def _on_skip(self, request):
         self.add(Commanded(Command.SKIP, request.task, request.by))

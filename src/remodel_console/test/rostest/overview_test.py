@@ -31,6 +31,13 @@ class OverviewTest(BehaviorTestCase):
         expect(away).to_have_count(0)
         expect(page.locator(".presence.there", has_text="Cell")).to_be_visible()
 
+        supervisor.close("cell 1 is owned by another station: bench 2")
+        expect(page.locator(".ending")).to_contain_text(
+            "cell 1 is owned by another station: bench 2"
+        )
+        supervisor.close("")
+        expect(page.locator(".ending")).to_be_hidden()
+
         page.get_by_role("combobox", name="Order").fill("nowhere")
         page.get_by_role("combobox", name="Order").press("Enter")
         self.press(page, "Start the order")
@@ -69,10 +76,16 @@ class OverviewTest(BehaviorTestCase):
         page.get_by_role("button", name="I have fixed it").click()
         expect(page.locator(".request")).to_have_count(0)
         self.assertEqual(supervisor.asked[-1], ("answer", 1, "fixed", "Ada"))
+        row = page.locator("tr.task", has_text="W4")
+        row.evaluate("row => row.dataset.mark = 'the same row'")
         self.press(page, "Skip W5")
         self.wait_until(lambda: supervisor.asked[-1] == ("skip", "W5", "Ada"))
         self.press(page, "Retry W3")
         self.wait_until(lambda: supervisor.asked[-1] == ("retry", "W3", "Ada"))
+        expect(page.locator("tr.task").last).to_contain_text("W3")
+        names = page.locator("tr.task .name").all_inner_texts()
+        self.assertEqual([name[:2] for name in names], ["W1", "W2", "W5", "W4", "W6", "W3"])
+        expect(row).to_have_attribute("data-mark", "the same row")  # no click on it is lost
         self.hold_and_resume(supervisor)
         self.press(page, "Stop")
         self.press(page, "Stop the run")

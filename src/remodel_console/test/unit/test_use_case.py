@@ -8,6 +8,7 @@ import pytest
 from remodel_console.core.plot import bar_plot, count_plot, line_plot
 from remodel_console.core.production import figures
 from remodel_console.core.use_case import (
+    SHOWN_TASKS,
     Choice,
     Failure,
     Level,
@@ -20,6 +21,7 @@ from remodel_console.core.use_case import (
     duration_words,
     fault_words,
     level_rows,
+    shown_tasks,
 )
 from remodel_console.core.world import World, notices, supervisor_notice
 from remodel_console.edge.jpeg import as_jpeg
@@ -97,6 +99,27 @@ def test_the_time_left_to_answer_a_question():
     assert question.left_s(now_s=130.0) == 570.0
     assert question.left_s(now_s=900.0) == 0.0
     assert Question(1, "W4", "It jams.", (Choice.RETRY,)).left_s(now_s=130.0) is None
+
+
+def test_all_tasks_of_a_small_order_are_shown():
+    tasks = tuple(task(f"W{number}", TaskPhase.WAITING) for number in range(SHOWN_TASKS))
+    assert shown_tasks(tasks) == tasks
+
+
+def test_of_a_large_order_what_needs_a_person_and_what_comes_next_is_shown():
+    def tasks(ended):
+        phases = [TaskPhase.SET_ASIDE if n % 500 == 7 else TaskPhase.DONE for n in range(ended)]
+        phases += [TaskPhase.RUNNING, *[TaskPhase.WAITING] * (4999 - ended)]
+        return tuple(task(f"W{number}", phase) for number, phase in enumerate(phases))
+
+    shown = shown_tasks(tasks(3000))
+    assert len(shown) <= SHOWN_TASKS
+    names = [each.name for each in shown]
+    assert names[:6] == ["W7", "W507", "W1007", "W1507", "W2007", "W2507"]
+    assert {"W2999", "W3000", "W3050"} <= set(names)
+    assert [each.name for each in shown_tasks(tasks(3001))] == names
+    for ended in (0, 1, 30, 4999):
+        assert any(each.phase is TaskPhase.RUNNING for each in shown_tasks(tasks(ended)))
 
 
 def test_the_four_levels_are_always_there():

@@ -1,6 +1,7 @@
-"""The table of faults fits the table of error codes, and says all that it must."""
+"""The table of faults fits the table of error codes, is whole, and is safe to follow."""
 
 import importlib.util
+import re
 from collections import Counter
 from pathlib import Path
 
@@ -17,6 +18,28 @@ FIELDS = {"fault", "family", "codes", "severity", "symptoms", "first_level", "re
 LASTING = {"set_aside", "ask_operator", "stop"}
 RESPONSES = LASTING | {"retry", "retry_with", "look_again", "other_method", "new_part", "replan"}
 NO_FAULTS = {"NONE", "PREEMPTED"}
+
+# Rules of safety. A behavior pushes up to 3 times by itself, unless it leaves the fault to task or
+# use case (place_connector.xml); each response that is not lasting starts the task once more.
+INSIDE = {"action", "behavior"}
+PUSHES_OF_A_BEHAVIOR = 3
+MOST_PUSHES = {"insertion_jammed": 2}
+MOST_PUSHES_OTHERWISE = 9
+PUSHING = {
+    "tip_misjudged",
+    "slipped",
+    "insertion_misaligned",
+    "insertion_jammed",
+    "insufficient_force",
+    "pulled_out",
+}
+# [N] What the fingers hold without slipping; a fifth of it is kept in reserve.
+GRIP_HOLDS = 25.0
+BY_NAME = {row["fault"]: row for row in FAULTS}
+
+
+def responses(name):
+    return [response["do"] for response in BY_NAME[name]["responses"]]
 
 
 def test_there_are_enough_kinds_in_four_families():
@@ -37,7 +60,8 @@ def test_a_code_without_history_belongs_to_one_fault():
 
 @pytest.mark.parametrize("row", FAULTS, ids=lambda row: row["fault"])
 def test_each_fault_is_whole(row):
-    assert FIELDS <= set(row) <= FIELDS | {"after"}
+    assert FIELDS <= set(row) <= FIELDS | {"after", "unattended"}
+    assert row.get("unattended", "stop") == "stop"
     assert row["symptoms"].endswith(".")
     assert row["severity"] in {"recoverable", "serious"}
     if "after" not in row:
@@ -53,7 +77,79 @@ def test_its_responses_end_for_good(row):
     assert last["do"] in LASTING
     assert not {response["do"] for response in others} & LASTING
     for response in row["responses"]:
+        assert set(response) <= {"do", "times", "change", "because"}
         assert ("change" in response) == (response["do"] == "retry_with")
+
+
+@pytest.mark.parametrize("row", FAULTS, ids=lambda row: row["fault"])
+def test_each_response_has_its_reasoning(row):
+    reasons = [response["because"] for response in row["responses"]]
+    for because in reasons:
+        assert re.fullmatch(r"[A-Z][^.!?]{20,}\.", because), f"one sentence, found: {because}"
+    assert len(set(reasons)) == len(reasons)
+
+
+@pytest.mark.parametrize("row", FAULTS, ids=lambda row: row["fault"])
+def test_nothing_moves_again_without_a_new_observation_or_a_change(row):
+    assert "retry" not in responses(row["fault"])
+
+
+@pytest.mark.parametrize(
+    "row", [row for row in FAULTS if row["severity"] == "serious"], ids=lambda row: row["fault"]
+)
+def test_a_serious_fault_is_observed_before_anything_else_moves(row):
+    first = responses(row["fault"])[0]
+    assert first in LASTING | {"look_again"} or row["family"] == "modelling"
+
+
+@pytest.mark.parametrize("name", ["motion_blocked", "extraction_stuck", "cell_contested"])
+def test_what_only_a_person_can_judge_is_left_to_one(name):
+    assert responses(name) == ["ask_operator"]
+
+
+@pytest.mark.parametrize("name", ["motion_blocked", "server_hung", "cell_contested"])
+def test_where_the_next_task_would_be_as_dangerous_an_unattended_run_stops(name):
+    assert BY_NAME[name]["unattended"] == "stop"
+
+
+@pytest.mark.parametrize("name", sorted(PUSHING))
+def test_a_terminal_is_pushed_against_only_so_often(name):
+    row = BY_NAME[name]
+    *again, _ = row["responses"]
+    starts = 1 + sum(response.get("times", 1) for response in again)
+    each = PUSHES_OF_A_BEHAVIOR if row["first_level"] in INSIDE else 1
+    assert starts * each <= MOST_PUSHES.get(name, MOST_PUSHES_OTHERWISE)
+
+
+@pytest.mark.parametrize("name", ["server_lost", "server_hung", "result_late"])
+def test_whatever_a_server_left_open_is_observed_first(name):
+    assert responses(name)[0] == "look_again"
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "component_not_found",
+        "component_occluded",
+        "component_displaced",
+        "component_missing",
+        "two_cables_grasped",
+        "insertion_jammed",
+        "extraction_stuck",
+        "snagged",
+        "motion_blocked",
+        "result_late",
+    ],
+)
+def test_no_wire_is_scrapped_for_what_it_did_not_cause_or_while_it_hangs_on_something(name):
+    assert "new_part" not in responses(name)
+
+
+@pytest.mark.parametrize("row", FAULTS, ids=lambda row: row["fault"])
+def test_no_force_exceeds_what_the_grip_holds(row):
+    for response in row["responses"]:
+        bound = response.get("change", {}).get("force_limit", {}).get("at_most", 0.0)
+        assert bound <= 0.8 * GRIP_HOLDS
 
 
 @pytest.mark.parametrize("row", FAULTS, ids=lambda row: row["fault"])

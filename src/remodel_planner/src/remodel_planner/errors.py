@@ -75,6 +75,10 @@ class UseCaseError(PlannerError):
     """A use case is malformed, or not there."""
 
 
+class HookError(PlannerError):
+    """An escalation hook is malformed, or could not deliver."""
+
+
 @contextlib.contextmanager
 def blamed(where: object) -> Iterator[None]:
     """Put the name of a file or document before what is said to be wrong inside."""

@@ -1,6 +1,9 @@
 """Databases of all versions become those of this program, with their rows."""
 
+import json
+
 import pytest
+from alembic import command
 from alembic.autogenerate import compare_metadata
 from alembic.config import Config
 from alembic.migration import MigrationContext
@@ -9,7 +12,17 @@ from house import owner_of
 from sqlalchemy import create_engine, inspect, text
 
 from remodel_planner.core.production import Component, Side, Terminal, TerminalRef, Wire
-from remodel_planner.core.supervision.events import RunBegun
+from remodel_planner.core.run import Operation
+from remodel_planner.core.supervision.event_form import data_of, kind_of
+from remodel_planner.core.supervision.events import (
+    Interrupted,
+    OperationEnded,
+    Part,
+    Planned,
+    RunBegun,
+    TaskBegun,
+)
+from remodel_planner.core.supervision.state import state_after
 from remodel_planner.edge import database_versions
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.production_models import Base
@@ -125,7 +138,7 @@ def test_a_database_of_a_newer_program_is_refused_and_left_alone(url):
     open_and_close(url)
     execute(url, "UPDATE alembic_version SET version_num = '0999'")
     with pytest.raises(
-        OrderError, match=r"is of version 0999; .* versions 0001, 0002, 0003, 0004, 0005"
+        OrderError, match=r"is of version 0999; .* versions 0001, 0002, 0003, 0004, 0005, 0006"
     ):
         ProductionDatabase(url)
     assert execute(url, "SELECT version_num FROM alembic_version") == [("0999",)]
@@ -152,3 +165,70 @@ def test_every_table_and_column_has_a_comment():
     for table in Base.metadata.tables.values():
         assert table.comment, table.name
         assert all(column.comment for column in table.columns), table.name
+
+
+def upgrade_to(url, revision):
+    """Bring a new database to an older version."""
+    engine = create_engine(url)
+    with engine.begin() as connection:
+        config = Config()
+        folder = database_versions.__file__.replace("database_versions.py", "migrations")
+        config.set_main_option("script_location", folder)
+        config.attributes["connection"] = connection
+        command.upgrade(config, revision)
+    engine.dispose()
+
+
+# A run of version 0004 that was cut short, of an order of version 0001's design.
+RUN = """
+INSERT INTO products VALUES (1, '', 'house.qet');
+INSERT INTO components (id, product_id, name, kind, role, part_number, mount) VALUES
+  (3, 1, 'Q1', 'fuse', 'device', '', 'plate'), (4, 1, 'Q2', 'relay', 'device', '', 'plate');
+INSERT INTO terminals (id, component_id, name, side, point, kind) VALUES
+  (10, 3, 'B1', 'bottom', '', ''), (11, 4, 'T1', 'top', '', '');
+INSERT INTO wires (id, product_id, name, a_terminal_id, b_terminal_id, colour, section_mm2, core,
+  source) VALUES (20, 1, 'W1', 10, 11, 'BU', 1.5, '', 'line 1');
+INSERT INTO orders VALUES (1, 'house', 1);
+INSERT INTO tasks VALUES (5, 1, 20, 'begun', 'cell', NULL);
+INSERT INTO runs VALUES (1, 1, '2026-01-02 03:04:05', 'cell', false);
+INSERT INTO executions VALUES (50, 1, 5, 'Place Wire W1', 1, 'interrupted', false, 1.0, 2.0);
+INSERT INTO ability_records (id, execution_id, state_path, ability, outcome, error_code, text,
+  ended_s, elapsed_s, goal_id, parameters, measurements) VALUES (60, 50, '/a', 'InsertCable',
+  'failed', 301, 'jam', 2.0, 1.0, 'g1', '[["force_limit", "8.0"]]', '[["depth", "0.004"]]');
+"""
+
+
+def test_runs_of_version_4_keep_their_events_and_records(url):
+    upgrade_to(url, "0004")
+    execute(url, *filter(str.strip, RUN.split(";")))
+    jam = Operation("/a", "InsertCable", "failed", 301, "jam", 2.0, 1.0, "g1")
+    events = (
+        RunBegun("house", "switchgear", "cell", ("W1",)),
+        Planned(("W1",), "the run begins"),
+        TaskBegun("W1", 1, Part.WHOLE, "Place Wire W1", "<chart>Ü</chart>", 1.0),
+        OperationEnded("W1", jam),
+        Interrupted("killed"),
+        TaskBegun("W1", 1, Part.CLEAR, "Place Wire W1 Clear", "<chart>Ü</chart>", 3.0),
+    )
+    engine = create_engine(url)
+    with engine.begin() as connection:
+        add = text(
+            "INSERT INTO run_events (run_id, position, at, kind, data) "
+            "VALUES (1, :position, '2026-01-02 03:04:05', :kind, :data)"
+        )
+        for position, event in enumerate(events):
+            data = json.dumps(data_of(event))
+            connection.execute(add, {"position": position, "kind": kind_of(event), "data": data})
+    engine.dispose()
+
+    database = ProductionDatabase(url)
+    log, owner = RunLog(database), owner_of(database)
+    assert [kept.event for kept in log.events(1)] == list(events)
+    assert log.state(1) == state_after(events)
+    (call,) = database.ability_calls()
+    assert (call.ability, call.parameters) == ("InsertCable", {"force_limit": 8.0})
+    assert execute(url, "SELECT count(*) FROM charts") == [(1,)]
+    log.take_up(1, owner)
+    log.append(1, Interrupted("again"), log.state(1), owner)
+    assert [kept.event for kept in log.events(1, 5)] == [events[5], Interrupted("again")]
+    database.close()

@@ -274,7 +274,7 @@ HERE = {"section_mm2": 2.5, "terminal_type": "clamp"}
 
 def test_experience_chooses_within_what_is_allowed():
     switchgear = find_use_case("switchgear")
-    experience = Experience(switchgear, TAUGHT)
+    experience = Experience(switchgear, TAUGHT, explore=True)
     chosen = {
         experience.parameters("InsertCable", HERE, {}, str(seed)).get("force_limit")
         for seed in range(50)
@@ -288,15 +288,26 @@ def test_experience_chooses_within_what_is_allowed():
     assert experience.parameters("FixCable", HERE, {}, "1") == {}
 
 
-def test_frozen_experience_learns_nothing():
+@pytest.mark.parametrize("calls", [(), TAUGHT], ids=["empty database", "many runs"])
+def test_no_force_but_the_stated_one_is_used_unless_exploring_is_asked_for(calls):
+    experience = Experience(find_use_case("switchgear"), calls)
+    for seed in range(50):
+        assert experience.parameters("InsertCable", HERE, {}, str(seed)) == {}
+
+
+def test_without_exploring_the_policy_is_followed_as_it_stands():
     switchgear = find_use_case("switchgear")
-    experience = Experience(switchgear, TAUGHT, frozen=True)
-    assert experience.parameters("InsertCable", HERE, {}, "1") == {}
-    stated = switchgear.expectations.expect("InsertCable", HERE)
-    assert experience.expectations.expect("InsertCable", HERE).success == stated.success
     hopeless = [TriedResponse("jammed", Do.RETRY, helped=False)] * 30
-    assert experience.unpromising("jammed", {Do.RETRY}, hopeless) == frozenset()
-    assert Experience(switchgear).unpromising("jammed", {Do.RETRY}, hopeless) == {Do.RETRY}
+    assert Experience(switchgear).unpromising("jammed", {Do.RETRY}, hopeless) == frozenset()
+    exploring = Experience(switchgear, explore=True)
+    assert exploring.unpromising("jammed", {Do.RETRY}, hopeless) == {Do.RETRY}
+
+
+def test_durations_and_successes_are_learned_without_exploring_too():
+    switchgear = find_use_case("switchgear")
+    stated = switchgear.expectations.expect("InsertCable", HERE)
+    learned = Experience(switchgear, TAUGHT).expectations.expect("InsertCable", HERE)
+    assert learned.success != stated.success
 
 
 def test_a_terminal_tells_what_its_success_may_depend_on():

@@ -54,11 +54,16 @@ def test_what_no_fault_knows_is_none():
 
 
 def test_responses_come_in_order():
-    assert answers("grasp_missed") == [
-        *[Do.LOOK_AGAIN] * 2,
-        *[Do.NEW_PART] * 2,
-        Do.SET_ASIDE,
-    ]
+    assert answers("grasp_missed") == [*[Do.LOOK_AGAIN] * 2, Do.NEW_PART, Do.SET_ASIDE]
+
+
+def test_each_look_again_of_a_task_has_a_viewpoint_of_its_own():
+    earlier = []
+    for view, name in enumerate(("grasp_missed", "grasp_missed", "slipped"), 1):
+        decision = decide(failure(name), earlier, LITTLE, PLAIN)
+        assert (decision.do, decision.change) == (Do.LOOK_AGAIN, (("view", view),))
+        earlier.append((name, decision.do))
+    assert decide(failure("slipped"), earlier, LITTLE, PLAIN).change == ()
 
 
 def test_what_hardly_ever_helps_is_spared():
@@ -78,12 +83,37 @@ def test_each_fault_is_counted_by_itself():
 
 def test_without_an_operator_nobody_is_asked():
     assert answers("server_lost", possible=UNATTENDED) == [
-        *[Do.RETRY] * 2,
+        *[Do.LOOK_AGAIN] * 2,
         Do.NEW_PART,
         Do.SET_ASIDE,
     ]
     stopping = Policy(unattended=Do.STOP)
     assert answers("server_lost", stopping, UNATTENDED)[-1] is Do.STOP
+
+
+@pytest.mark.parametrize("name", ["motion_blocked", "server_hung", "cell_contested"])
+def test_where_nothing_may_move_an_unattended_run_stops_whatever_its_use_case_says(name):
+    assert answers(name, Policy(unattended=Do.SET_ASIDE), UNATTENDED)[-1] is Do.STOP
+    assert answers(name)[-1] is Do.ASK_OPERATOR
+
+
+@pytest.mark.parametrize("name", FAULTS.names)
+@pytest.mark.parametrize("unattended", [Do.SET_ASIDE, Do.STOP])
+def test_without_an_operator_nothing_is_tried_more_often_than_with_one(name, unattended):
+    policy = Policy(unattended=unattended)
+    *absent, last = answers(name, policy, UNATTENDED)
+    *present, _ = answers(name, policy, ATTENDED)
+    assert absent == present
+    assert last in (Do.SET_ASIDE, Do.STOP)
+
+
+@pytest.mark.parametrize("possible", [ATTENDED, UNATTENDED], ids=["attended", "unattended"])
+@pytest.mark.parametrize("do", [do for do in Do if not do.is_lasting])
+def test_a_use_case_that_forgot_to_end_does_not_go_on_beyond_the_limits(do, possible):
+    change = (("force_limit", Change(1.0, 20.0)),) if do is Do.RETRY_WITH else ()
+    policy = Policy({"grasp_missed": (Response(do, 100, change),)})
+    spent = Spent(6, 1.0, 6, 1.0)
+    assert decide(failure("grasp_missed"), [], spent, policy, possible).do is Do.SET_ASIDE
 
 
 def test_what_is_not_possible_is_passed_over():
@@ -92,9 +122,11 @@ def test_what_is_not_possible_is_passed_over():
 
 
 def test_a_parameter_changes_within_its_bound():
-    one = decide(failure("insufficient_force", force_limit=37.0), [], LITTLE, Policy())
-    assert (one.do, one.change) == (Do.RETRY_WITH, (("force_limit", 40.0),))
-    other = decide(failure("insufficient_force", force_limit=40.0), [], LITTLE, Policy())
+    one = decide(failure("insufficient_force", force_limit=8.0), [], LITTLE, Policy())
+    assert (one.do, one.change) == (Do.RETRY_WITH, (("force_limit", 12.0),))
+    near = decide(failure("insufficient_force", force_limit=17.0), [], LITTLE, Policy())
+    assert near.change == (("force_limit", 20.0),)
+    other = decide(failure("insufficient_force", force_limit=20.0), [], LITTLE, Policy())
     assert other.do is Do.NEW_PART, "at its bound already"
     bears = replace(failure("insufficient_force", force_limit=8.0), bounds=(("force_limit", 10.0),))
     assert decide(bears, [], LITTLE, Policy()).change == (("force_limit", 10.0),)
@@ -139,6 +171,18 @@ def test_no_task_is_tried_for_ever(names, possible, attempts):
     assert len(decisions) <= attempts
     assert all(d.do in possible or d.do.is_lasting for d in decisions)
     assert Do.ASK_OPERATOR in possible or decisions[-1].do is not Do.ASK_OPERATOR
+
+
+def test_an_operator_who_does_not_answer_is_escalated_as_the_use_case_says():
+    jam, blocked = FAULTS["insertion_jammed"], FAULTS["motion_blocked"]
+    plain = policy_from({"unattended": "stop"})
+    assert (plain.question.timeout_s, plain.unanswered_for(jam)) == (0.0, Do.STOP)
+    timed = policy_from({"question": {"timeout_s": 600}})
+    assert (timed.question.timeout_s, timed.unanswered_for(jam)) == (600.0, Do.SET_ASIDE)
+    stopping = policy_from({"question": {"timeout_s": 600, "escalate": "stop"}})
+    assert (stopping.unanswered_for(jam), stopping.unattended_for(jam)) == (Do.STOP, Do.SET_ASIDE)
+    lenient = policy_from({"question": {"timeout_s": 600, "escalate": "set_aside"}})
+    assert lenient.unanswered_for(blocked) is Do.STOP, "nothing may move there"
 
 
 def test_an_answer_to_no_fault_is_refused():

@@ -128,8 +128,8 @@ def test_tables_made_for_questions_follow(keep, url):
         DECIDED,
     )
     assert rows(url, "SELECT outcome, attempt, ended_s FROM executions") == [("failed", 1, 3.0)]
-    assert rows(url, "SELECT ability, error_code, goal_id FROM ability_records") == [
-        ("InsertCable", 301, "g1")
+    assert rows(url, "SELECT ability, error_code, position FROM ability_records") == [
+        ("InsertCable", 301, 3)
     ]
     assert rows(url, "SELECT fault, response FROM decisions") == [("insertion_jammed", "set_aside")]
     assert rows(url, "SELECT state FROM tasks ORDER BY id") == [("set aside",), ("open",)]
@@ -295,15 +295,35 @@ def test_a_file_that_was_deleted_is_reported_and_not_made_again(in_file, file):
     assert not file.exists()
 
 
-@pytest.mark.parametrize("content", [b"", b"no database " * 1000])
-def test_a_file_that_was_damaged_is_reported(in_file, file, content):
+def test_a_file_that_was_emptied_is_reported(in_file, file):
     log, owner = RunLog(in_file), owner_of(in_file)
     run, _ = log.begin(BEGUN, owner)
+    file.write_bytes(b"")
+    with pytest.raises(RecordLostError, match=r"production\.sqlite is empty; restore a backup"):
+        log.append(run, Interrupted("killed"), state_after([BEGUN]), owner)
+
+
+def test_a_file_that_was_damaged_is_reported(in_file, file):
+    run, _ = RunLog(in_file).begin(BEGUN, owner_of(in_file))
+    in_file.close()
+    content = bytearray(file.read_bytes())
+    content[4096:] = b"damaged " * ((len(content) - 4096) // 8)
+    file.write_bytes(content)
+    with pytest.raises(RecordLostError, match=r"cannot be used: .*malformed; restore a backup"):
+        RunLog(in_file).state(run)
+
+
+def test_a_file_that_was_put_in_place_of_the_database_is_used(in_file, file):
+    log, owner = RunLog(in_file), owner_of(in_file)
+    run, _ = log.begin(BEGUN, owner)
+    in_file.close()
+    copy = file.with_name("copy.sqlite")
+    copy.write_bytes(file.read_bytes())
+    log.append(run, Interrupted("killed"), state_after([BEGUN]), owner)
     for each in file.parent.glob("production.sqlite-*"):
         each.unlink()
-    file.write_bytes(content)
-    with pytest.raises(RecordLostError, match="the production database cannot be used: "):
-        log.append(run, Interrupted("killed"), state_after([BEGUN]), owner)
+    copy.replace(file)
+    assert [kept.event for kept in log.events(run)] == [replace(BEGUN, serial="house-0001")]
 
 
 def test_a_database_that_does_not_answer_counts_as_lost(in_file, monkeypatch):

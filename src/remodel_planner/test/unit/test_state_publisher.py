@@ -58,7 +58,7 @@ class Supervised:
         self.begin(tasks)
 
     def begin(self, tasks):
-        self.state = state_after([RunBegun("house", "switchgear", "cell", tasks)])
+        self.state = state_after([RunBegun("house", "switchgear", "cell", tasks, "house-0042")])
         self.doing, self.view_fields = None, {}
 
     def view(self):
@@ -71,7 +71,6 @@ class Supervised:
             started=rospy.Time(5),
             expected_s=lambda name: 60.0,
             descriptions={name: f"Q1/1 to X3/{name}, BU, 1.5 mm2" for name in self.state.tasks},
-            serial="SN-0042",
             **self.view_fields,
         )
 
@@ -156,6 +155,7 @@ def test_the_snapshot_and_the_changes_give_the_tasks(supervised):
     later = supervised.get()
     assert known == states(later.tasks)
     assert list(known.values()) == ["done", "set_aside", "running", "waiting", "waiting", "waiting"]
+    assert supervised.last.serial == "house-0042"
     assert (later.number, supervised.last.changes) == (number, number)
     counts = (supervised.last.tasks, supervised.last.done, supervised.last.set_aside)
     assert counts == (6, 1, 1)
@@ -243,6 +243,17 @@ def test_the_end_of_a_run_is_published_at_once(supervised):
     assert (supervised.last.phase, supervised.last.message) == ("ended", "ann stopped it")
 
 
+def test_how_a_run_ended_stays_published_until_there_is_news(supervised):
+    planned(supervised)
+    supervised.add(RunEnded(Ending.STOPPED, "ann stopped it"))
+    supervised.publisher.idle("cell")
+    supervised.wait(1.0)
+    assert (supervised.last.phase, supervised.last.message) == ("ended", "ann stopped it")
+    assert len(supervised.get(run=1).tasks) == 6
+    supervised.publisher.idle("cell", "the database does not answer", starting=True)
+    assert (supervised.last.phase, supervised.last.run) == (UseCaseState.STARTING, 0)
+
+
 def test_the_state_is_repeated_each_second_while_nothing_changes(supervised):
     planned(supervised)
     before = len(TOPICS[UseCaseState].messages)
@@ -267,15 +278,17 @@ def test_phases_of_a_run_that_is_held(supervised):
     supervised.add(Commanded(Command.PAUSE, "", "ann"))
     assert phase(moving=True) == UseCaseState.PAUSING
     assert phase() == UseCaseState.PAUSED
-    assert phase(stopped_by="light curtain 2", moving=True) == UseCaseState.PROTECTIVE_STOP
+    supervised.add(Commanded(Command.PROTECTIVE_STOP, "", "light curtain 2"))
+    assert phase(moving=True) == UseCaseState.PROTECTIVE_STOP
     assert supervised.last.stopped_by == "light curtain 2"
+    supervised.add(Commanded(Command.RESUME, "", "ann"))
+    assert phase() == UseCaseState.RUNNING
 
 
 def test_a_question_has_a_time_limit(supervised):
     planned(supervised)
     supervised.add(*failed("W1"), decision("W1", Do.ASK_OPERATOR))
-    supervised.view_fields = {"asked_s": 20.5, "timeout_s": 600.0}
-    supervised.add(Asked(1, "W1", "It jams.", (Answer.RETRY, Answer.STOP)))
+    supervised.add(Asked(1, "W1", "It jams.", (Answer.RETRY, Answer.STOP), 20.5, 600.0))
     supervised.wait(0.3)
     question = supervised.last.question
     assert supervised.last.phase == UseCaseState.ASKING

@@ -175,7 +175,7 @@ def test_a_fixing_that_fails_is_tried_again_with_more_force_of_its_insertion(run
         run.add(OperationEnded("W1", each))
     run.end("W1", "failed")
     decided = run.decide("W1")
-    assert (decided.do, decided.change) == (Do.RETRY_WITH, (("force_limit", 13.0),))
+    assert (decided.do, decided.change) == (Do.RETRY_WITH, (("force_limit", 12.0),))
 
 
 def test_what_turns_out_to_be_done_is_not_done_again(run):

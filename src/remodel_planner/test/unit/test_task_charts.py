@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 import yaml
 from house import HOUSE
+from lxml import etree
 
 from flexbe_synthesizer.core.check import check_chart
 from flexbe_synthesizer.core.codec import parse_chart, write_chart
@@ -23,6 +24,7 @@ from remodel_planner.core.use_case.preparation import prepare
 from remodel_planner.core.use_case.task_chart import behavior_name, content_mark, task_chart
 from remodel_planner.core.use_case.wiring_problem import decompose_order
 from remodel_planner.core.use_case.work_order import order_from
+from remodel_planner.edge.ability_files import read_abilities
 from remodel_planner.edge.catalogue_file import read_catalogue
 from remodel_planner.edge.chart_folder import keep_chart
 from remodel_planner.edge.fault_file import read_faults
@@ -113,7 +115,7 @@ def test_what_a_supervisor_handles_first_is_not_tried_again(cabinet):
 def test_changed_parameters_reach_into_nested_behaviors(library):
     file = PACKAGE.parent / "remodel_behaviors" / "charts" / "place_connector.xml"
     nested = parse_chart(file.read_text(), file.name)
-    adjustable = Adjustable({"InsertCable": {"force_limit"}}, {nested.name: nested})
+    adjustable = Adjustable({"InsertCable": {"force_limit": "float64"}}, {nested.name: nested})
     task = house_tasks()["W1"].chart
     path = "/Connect b/FixCable"
     chart = with_parameters(task, path, {"force_limit": 13.0}, adjustable)
@@ -132,6 +134,61 @@ def test_changed_parameters_reach_into_nested_behaviors(library):
     stating = replace(nested, nodes=inside.nodes)
     kept = replace(kept, nested={nested.name: stating})
     assert with_parameters(task, path, {"force_limit": 9.0}, kept) == task
+
+
+@pytest.mark.parametrize(
+    ("path", "ability"),
+    [
+        ("/Find wire", "DetectCable"),
+        ("/Connect b/LocateGearboxComponent", "LocateGearboxComponent"),
+    ],
+)
+def test_another_view_is_a_whole_number(path, ability):
+    file = PACKAGE.parent / "remodel_behaviors" / "charts" / "place_connector.xml"
+    nested = parse_chart(file.read_text(), file.name)
+    types = {each.name: {p.name: p.type for p in each.parameters} for each in read_abilities()}
+    adjustable = Adjustable(types, {nested.name: nested})
+    chart = with_parameters(house_tasks()["W1"].chart, path, {"view": 2.0}, adjustable)
+    text = write_chart(chart)
+    assert parse_chart(text, "W1.xml") == chart
+    root = etree.fromstring(text.encode())
+    states = root.xpath("//*[local-name()='param'][@name='view']/..")
+    assert [state.get("type") for state in states] == [f"{ability}State"]
+    assert states[0].xpath("*[@name='view']/@value") == ["2"]
+
+
+@pytest.mark.parametrize("file", EXAMPLES, ids=lambda file: file.stem)
+def test_the_hand_is_emptied_whatever_it_holds(file, library):
+    for task in tasks_of(file.read_text()).values():
+        chart = task.clear()
+        (node,) = chart.nodes
+        assert node.type == "PlaceCableState"
+        assert [(each.name, each.default) for each in chart.inputs] == [("cable_id", "")]
+        assert parse_chart(write_chart(chart), "clear.xml") == chart
+        assert check_chart(chart, library, {}).problems == ()
+
+
+@pytest.mark.parametrize("file", EXAMPLES[:3], ids=lambda file: file.stem)
+def test_a_part_is_discarded_by_one_step(file):
+    for name, task in tasks_of(file.read_text()).items():
+        chart = task.discard()
+        (node,) = chart.nodes
+        assert chart.name == f"{task.chart.name} Discard"
+        assert (node.type, chart.initial) == ("DiscardCableState", node.id)
+        assert transitions_of(node) == {
+            "discarded": "finished",
+            "failed": "failed",
+            "command_error": "failed",
+        }
+        assert [(each.name, each.default) for each in chart.inputs] == [("cable_id", name)]
+        assert [each.name for each in node.outputs] == ["error_code", "error_message"]
+        assert parse_chart(write_chart(chart), "discard.xml") == chart
+
+
+def test_a_use_case_without_discarding_says_so():
+    task = next(iter(tasks_of(EXAMPLES[3].read_text()).values()))
+    with pytest.raises(UseCaseError, match="medical_hoses states no `discard` action"):
+        task.discard()
 
 
 def test_a_shipped_behavior_leaves_to_supervisors_what_they_handle_first():

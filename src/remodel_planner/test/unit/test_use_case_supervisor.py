@@ -1,28 +1,29 @@
 """The supervisor does what comes next, keeps it, waits for what is lost, and goes on."""
 
-import os
-import threading
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
-from house import HOUSE
-from sensor_msgs.msg import Image
+from house import HOUSE, owner_of
 
 from remodel_planner.core.cell_order import USE_CASE, cell_order
 from remodel_planner.core.learning.experience import Experience
 from remodel_planner.core.learning.learned_responses import TriedResponse
 from remodel_planner.core.panel_layout import PanelRules, lay_out
-from remodel_planner.core.recovery.fault import Do
+from remodel_planner.core.recovery.fault import Do, Response
+from remodel_planner.core.recovery.policy import Policy, QuestionLimit
 from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.attempts import attempts_of
 from remodel_planner.core.supervision.events import (
     Answer,
     Answered,
-    Blocked,
     Command,
     Commanded,
     Decided,
     Ending,
+    Escalated,
+    FeedRefused,
     Interrupted,
     OperationEnded,
     Part,
@@ -32,8 +33,8 @@ from remodel_planner.core.supervision.events import (
     TaskBegun,
     TaskElsewhere,
 )
+from remodel_planner.core.supervision.gate import Permit
 from remodel_planner.core.supervision.state import Stage, cause_of, state_after
-from remodel_planner.core.use_case.task_chart import content_mark
 from remodel_planner.edge.catalogue_file import read_catalogue
 from remodel_planner.edge.fault_file import read_faults
 from remodel_planner.edge.production_database import ProductionDatabase
@@ -41,22 +42,57 @@ from remodel_planner.edge.run_log import RunLog
 from remodel_planner.edge.task_leases import TaskLeases
 from remodel_planner.edge.use_case_files import find_use_case
 from remodel_planner.edge.work_planner import WorkPlanner
-from remodel_planner.errors import CellError, LostError
-from remodel_planner.ros import use_case_supervisor
-from remodel_planner.ros.inspection import UnseenError
+from remodel_planner.errors import LeavingError, LostError, OwnerError, RefusedError
 from remodel_planner.ros.panel_message import panel_message
-from remodel_planner.ros.use_case_supervisor import Peers, UseCaseSupervisor, Work
+from remodel_planner.supervisors.ports import BehaviorEnd, End, UnseenError
+from remodel_planner.supervisors.use_case_supervisor import Peers, UseCaseSupervisor, Work
 
 CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
 LAYOUT = lay_out(HOUSE, CATALOGUE, PanelRules())
-JAM, LOST = 301, 4
+JAM, LOST, SLIPPED, MISSING = 301, 4, 303, 103
+
+
+class FakeLoop:
+    """Time passes only while somebody waits; `arrivals` are processed then, one a turn."""
+
+    def __init__(self):
+        self.wall, self.timers, self.arrivals, self.leaving = 100.0, [], [], False
+
+    def now_s(self):
+        return self.wall
+
+    def wall_s(self):
+        return self.wall
+
+    def every(self, period_s, call):
+        timer = SimpleNamespace(period_s=period_s, due_s=self.wall + period_s, call=call)
+        timer.cancel = lambda: self.timers.remove(timer) if timer in self.timers else None
+        self.timers.append(timer)
+        return timer
+
+    def run_until(self, holds, limit_s, *, while_leaving=False):
+        end_s = self.wall + limit_s
+        while True:
+            if self.leaving and not while_leaving:
+                raise LeavingError("this node is shutting down")
+            if self.arrivals:
+                self.arrivals.pop(0)()
+            for timer in list(self.timers):
+                if timer.due_s <= self.wall:
+                    timer.due_s = self.wall + timer.period_s
+                    timer.call()
+            if holds():
+                return True
+            if self.wall >= end_s:
+                return False
+            self.wall = min(end_s, self.wall + 0.05)
 
 
 class FakeCell:
     """A cell in which the wires lie that were fed."""
 
     def __init__(self):
-        self.fed, self.loaded, self.trouble = [], [], None
+        self.fed, self.loaded, self.trouble, self.truth = [], [], None, True
         self.at = "rosrpc://cell:1"
 
     def wait(self, limit_s):
@@ -65,91 +101,106 @@ class FakeCell:
     def address(self):
         return self.at
 
-    def load(self, panel, *, keep):
-        self.loaded.append(keep)
+    def load(self, panel, serial, owner, *, keep):
+        assert owner > 0
+        self.loaded.append((serial, keep))
 
-    def feed(self, wire, channel):
+    def feed(self, wire, channel, owner):
         if self.trouble:
-            raise self.trouble
+            trouble, self.trouble = self.trouble, None
+            raise trouble
         self.fed.append((wire, channel))
 
     def placed(self, wire):
-        return True
-
-    def picture(self, camera):
-        return Image()
+        return self.truth
 
 
-class FakeSynthesizer:
+class FakeMaker:
     def __init__(self):
         self.asked = []
 
     def wait(self, limit_s):
         pass
 
-    def synthesize(self, chart_file, behavior):
-        assert Path(chart_file).is_file()
-        self.asked.append(behavior)
+    def make(self, chart):
+        self.asked.append(chart.name)
 
 
 class FakeAbilities:
-    """Their servers are away for some looks."""
+    """Their servers are away, or silent, for some checks."""
 
     latest = None
 
     def __init__(self):
-        self.away = 0
+        self.away, self.cancelled = 0, 0
 
-    def is_there(self, ability):
+    def cancel(self):
+        self.cancelled += 1
+
+    def is_connected(self, ability):
+        return False
+
+    def answers(self, ability, since_s):
         self.away -= 1
         return self.away < 0
 
+    def are_quiet(self, since_s):
+        return True
 
-class FakeTasks:
-    """Ends behaviors as it is told, in turn: an outcome, an error code, a loss, or a call."""
+    def silent(self, since_s):
+        return ""
+
+
+class FakeEngine:
+    """Ends behaviors as it is told, in turn: an outcome, an error code, an exception, or a call."""
+
+    state_path, is_idle = "", True
 
     def __init__(self):
-        self.endings, self.ran, self.paused, self.stopped = [], [], [], 0
-        self.back = True
-        self.abilities = FakeAbilities()
-
-    def recording(self, *, settling):
-        return threading.Lock()
+        self.endings, self.ran, self.cancelled, self.back = [], [], 0, True
+        self.end, self.trouble, self.supervisor = None, "", None
 
     def wait(self, limit_s):
         if not self.back:
-            raise LostError("the engine does not come back")
+            raise LostError("the engine does not answer")
 
-    def run(self, behavior, keep, is_to_stop):
+    def start(self, behavior):
         self.ran.append(behavior)
+        self.end, self.trouble = None, ""
+        if behavior.endswith((" Clear", " Discard")):
+            self.end = BehaviorEnd(End.FINISHED, "finished")
+            return
         ending = self.endings.pop(0) if self.endings else "finished"
-        if behavior.endswith(" Clear"):
-            return "failed"
         if callable(ending):
             ending()
-            return "preempted" if is_to_stop() else "finished"
-        if isinstance(ending, Exception):
+            self.end = self.end or BehaviorEnd(End.FINISHED, "finished")
+        elif isinstance(ending, LostError):
+            self.trouble = str(ending)
+        elif isinstance(ending, BaseException):
             raise ending
-        if isinstance(ending, int):
-            keep(
-                Operation("/Connect a/InsertCable", "InsertCable", "failed", ending, "no", 2.0, 1.0)
-            )
-            return "failed"
-        return ending
+        elif isinstance(ending, int):
+            self.operate(behavior, ending)
+            self.end = BehaviorEnd(End.FINISHED, "failed")
+        else:
+            self.end = BehaviorEnd(End.FINISHED, ending)
 
-    def stop_all(self):
-        self.stopped += 1
+    def operate(self, behavior, code, path="/Connect a/InsertCable"):
+        """Have an operation granted and recorded; return the permit."""
+        tasks = self.supervisor().tasks
+        permit, _ = tasks.begin_operation(behavior, path, "InsertCable")
+        if permit is Permit.GRANTED:
+            goal = f"{path}#{len(self.ran)}"
+            done = Operation(path, "InsertCable", "failed", code, "no", 2.0, 1.0, goal)
+            assert tasks.keep_record(behavior, done) == (True, "")
+            assert tasks.keep_record(behavior, done) == (True, ""), "sent twice, kept once"
+        return permit
 
-    def pause(self, paused):
-        self.paused.append(paused)
-
-    def sights(self):
-        return ()
+    def cancel(self):
+        self.cancelled += 1
+        self.end = self.end or BehaviorEnd(End.PREEMPTED, "stopped")
 
     def path(self):
-        return ("/Find wire",)
-
-    state_path = ""
+        return ("/Connect a/InsertCable", "/Find wire")
 
 
 class FakeInspection:
@@ -161,62 +212,93 @@ class FakeInspection:
     def wait(self, limit_s):
         pass
 
-    def is_connected(self, wire, end, component, terminal):
+    def is_connected(self, owner, wire, end, component, terminal):
         if self.trouble:
             raise self.trouble
         return (wire, end) in self.connected
 
 
+class FakePictures:
+    def begin(self):
+        pass
+
+    def keep(self, run, label):
+        return ()
+
+
 class Bench:
     """A supervisor of the order, with everything beside it faked but the database."""
 
-    def __init__(self, url, folder, attended=False, frozen=True, **options):
+    def __init__(self, url, attended=False, explore=False, timeout_s=0.0, policy=None):
         self.database = ProductionDatabase(url)
         self.log = RunLog(self.database)
         use_case = find_use_case(USE_CASE)
-        experience = Experience(use_case, self.database.ability_calls(), frozen=frozen)
-        self.peers = Peers(FakeCell(), FakeSynthesizer(), FakeTasks(), FakeInspection())
-        self.leases = TaskLeases(self.database, "house", "cell", 30.0)
+        if policy:
+            use_case = replace(use_case, recovery=policy)
+        experience = Experience(use_case, self.database.ability_calls(), explore=explore)
+        self.loop, self.notified = FakeLoop(), []
+        self.cell, self.maker, self.engine = FakeCell(), FakeMaker(), FakeEngine()
+        self.abilities, self.inspection = FakeAbilities(), FakeInspection()
+        self.engine.supervisor = lambda: self.supervisor
+        self.owner = owner_of(self.database)
+        self.leases = TaskLeases(self.database, "house", "cell", 30.0, self.owner)
         self.work = Work(
             WorkPlanner(cell_order(LAYOUT), use_case, experience, 0.0),
             read_faults(),
             panel_message(LAYOUT, PanelRules()),
-            keep_panel=False,
             channels={cut.wire.name: cut.channel for cut in LAYOUT.wires},
             leases=self.leases,
-            charts=folder / "charts",
             attended=attended,
-            patience_s=0.1,
-            **options,
+            reconnect_s=1.0,
+            notify=self.notified.append,
         )
-        begun = RunBegun("house", USE_CASE, "cell", ("W1", "W2"))
-        self.number = self.log.begin(begun)
+        begun = RunBegun("house", USE_CASE, "cell", ("W1", "W2"), timeout_s=timeout_s)
+        self.number, _ = self.log.begin(begun, self.owner)
         self.take_up()
 
     def take_up(self):
         """Have a new supervisor take the run up."""
         state = state_after(kept.event for kept in self.log.events(self.number))
         self.supervisor = UseCaseSupervisor(
-            self.number, state, self.log, self.work, self.peers, lambda *_: (), lambda: None
+            self.number,
+            self.owner,
+            state,
+            self.loop,
+            self.log,
+            self.work,
+            Peers(
+                self.cell,
+                self.maker,
+                self.engine,
+                self.abilities,
+                self.inspection,
+                FakePictures(),
+            ),
+            lambda: None,
         )
 
     def run(self, *endings):
         """Let behaviors end so, and return the run's state when it has ended."""
-        self.peers.tasks.endings = list(endings)
+        self.engine.endings = list(endings)
         return self.supervisor.supervise()
+
+    def command(self, command, task=""):
+        """Give a command, and return the list that its reply is put into."""
+        replies = []
+        event = Commanded(command, task, "ann")
+        self.supervisor.command(event, lambda granted, text: replies.append((granted, text)))
+        return replies
 
     def events(self, *kinds):
         return [k.event for k in self.log.events(self.number) if isinstance(k.event, kinds)]
 
     @property
     def ran(self):
-        return [name.removeprefix("Place Wire ") for name in self.peers.tasks.ran]
+        return [name.removeprefix("Place Wire ") for name in self.engine.ran]
 
 
 @pytest.fixture
-def url(tmp_path, monkeypatch):
-    monkeypatch.setattr(use_case_supervisor.rospy, "get_time", lambda: 1.0)
-    monkeypatch.setattr(use_case_supervisor.rospy, "is_shutdown", lambda: False)
+def url(tmp_path):
     url = f"sqlite:///{tmp_path}/production.sqlite"
     database = ProductionDatabase(url)
     database.add_order(HOUSE)
@@ -225,8 +307,8 @@ def url(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def bench(url, tmp_path):
-    bench = Bench(url, tmp_path)
+def bench(url):
+    bench = Bench(url)
     yield bench
     bench.database.close()
 
@@ -236,11 +318,11 @@ def test_an_order_is_done_task_by_task(bench):
     assert state.ended.ending is Ending.COMPLETE
     first, second = bench.events(Planned)[0].tasks
     assert bench.ran == [first, second]
-    assert [wire for wire, _ in bench.peers.cell.fed] == [first, second]
-    assert bench.peers.cell.loaded == [False]
-    assert [name.removeprefix("Place Wire ") for name in bench.peers.synthesizer.asked] == bench.ran
+    assert [wire for wire, _ in bench.cell.fed] == [first, second]
+    assert bench.cell.loaded == [("house-0001", False)]
+    assert [name.removeprefix("Place Wire ") for name in bench.maker.asked] == bench.ran
     attempts = attempts_of(bench.events(object))
-    assert [attempt.path for attempt in attempts] == [("/Find wire",)] * 2
+    assert [attempt.path for attempt in attempts] == [bench.engine.path()] * 2
 
 
 def test_each_event_is_kept_before_what_follows_begins(bench):
@@ -252,41 +334,54 @@ def test_each_event_is_kept_before_what_follows_begins(bench):
     assert bench.run(look, look).ended.ending is Ending.COMPLETE
 
 
-def test_a_jam_is_tried_again_then_with_a_new_wire(bench):
+def test_a_second_jam_ends_the_task_and_no_new_wire_is_fed(bench):
     state = bench.run(JAM, JAM)
     first = bench.events(Planned)[0].tasks[0]
     decided = [(event.task, event.do) for event in bench.events(Decided)]
-    assert decided == [(first, Do.RETRY), (first, Do.NEW_PART)]
-    assert [wire for wire, _ in bench.peers.cell.fed].count(first) == 2
-    assert state.ended.ending is Ending.COMPLETE
+    assert decided == [(first, Do.LOOK_AGAIN), (first, Do.SET_ASIDE)]
+    assert [wire for wire, _ in bench.cell.fed].count(first) == 1
+    assert state.ended.ending is Ending.INCOMPLETE
 
 
-def test_a_task_whose_order_is_planned_anew_comes_later(bench):
-    state = bench.run(JAM, JAM, JAM)
+def test_a_task_whose_order_is_planned_again_comes_later(bench):
+    state = bench.run(MISSING)
     before, after = (event.tasks for event in bench.events(Planned))
     first, second = before
     assert after == (second, first)
-    assert bench.ran == [first, first, first, second, first]
+    assert bench.ran == [first, f"{first} Discard", second, first]
     assert state.ended.ending is Ending.COMPLETE
 
 
-def test_a_lost_server_may_come_back_before_the_next_try(bench):
-    bench.peers.tasks.abilities.away = 2
+def test_a_server_that_had_trouble_answers_before_anything_else_moves(bench):
+    bench.abilities.away = 2
     state = bench.run(LOST)
-    assert bench.peers.tasks.abilities.away < 0, "it was waited for"
-    assert [event.do for event in bench.events(Decided)] == [Do.RETRY]
+    assert bench.abilities.away < 0, "it was waited for"
+    assert [event.do for event in bench.events(Decided)] == [Do.LOOK_AGAIN]
+    first = bench.events(Planned)[0].tasks[0]
+    assert bench.ran[:3] == [first, f"{first} Clear", first]
     assert state.ended.ending is Ending.COMPLETE
 
 
-def test_a_lost_server_is_not_waited_for_beyond_the_patience(bench):
-    bench.peers.tasks.abilities.away = 1000
+def test_a_server_that_stays_away_is_left_to_the_policy(bench):
+    bench.abilities.away = 1000
     assert bench.run(LOST).ended.ending is Ending.COMPLETE
-    assert bench.peers.tasks.abilities.away > 900
+
+
+def test_nothing_of_a_behavior_begins_after_it_has_lost_a_server(bench):
+    permits = []
+
+    def lose():
+        behavior = bench.engine.ran[-1]
+        bench.engine.operate(behavior, LOST)
+        permits.append(bench.engine.operate(behavior, 0, "/Lay down"))
+
+    bench.run(lose)
+    assert permits == [Permit.REFUSED]
 
 
 def test_what_is_connected_is_not_connected_again(bench):
     first = bench.work.planner.plan(["W1", "W2"])[0]
-    bench.peers.inspection.connected = {(first, "a")}
+    bench.inspection.connected = {(first, "a")}
     bench.run(JAM)
     assert bench.ran[:2] == [first, f"{first} Rest"]
     chart = next(e.chart for e in bench.events(TaskBegun) if e.part is Part.REST)
@@ -295,9 +390,9 @@ def test_what_is_connected_is_not_connected_again(bench):
     assert 'id="Pick b"' in chart
 
 
-def test_a_learning_supervisor_tells_what_it_chose_and_learns_from_it(url, tmp_path):
-    bench = Bench(url, tmp_path, frozen=False)
-    state = bench.run(*[JAM] * 3)
+def test_a_learning_supervisor_tells_what_it_chose_and_learns_from_it(url):
+    bench = Bench(url, explore=True)
+    state = bench.run(*[SLIPPED] * 2)
     assert state.ended.ending is Ending.COMPLETE
     chosen = [(event, each) for event in bench.events(TaskBegun) for each in event.chosen]
     assert chosen, "one of five attempts at two ends tries another force"
@@ -305,39 +400,38 @@ def test_a_learning_supervisor_tells_what_it_chose_and_learns_from_it(url, tmp_p
         assert (each.ability, each.parameter) == ("InsertCable", "force_limit")
         assert 4.0 <= each.value <= 16.0
         assert f'name="force_limit" value="{each.value}"' in event.chart
-    jams = [k for k in bench.events(OperationEnded) if k.operation.error_code == JAM]
-    assert bench.work.planner.experience.expectations.calls == len(jams) == 3
+    slips = [k for k in bench.events(OperationEnded) if k.operation.error_code == SLIPPED]
+    assert bench.work.planner.experience.expectations.calls == len(slips) == 2
     bench.database.close()
 
 
-def test_a_response_that_never_helped_is_not_given_again(url, tmp_path):
-    bench = Bench(url, tmp_path, frozen=False)
+def test_a_response_that_never_helped_is_not_given_again(url):
+    bench = Bench(url, explore=True)
     bench.log.tried_responses = lambda: (
-        (TriedResponse("insertion_jammed", Do.RETRY, helped=False),) * 30
+        (TriedResponse("slipped", Do.LOOK_AGAIN, helped=False),) * 30
     )
-    bench.run(JAM)
+    bench.run(SLIPPED)
     decided = bench.events(Decided)
     assert decided[0].do is Do.NEW_PART
-    assert "retry spared" in decided[0].because
+    assert "look again spared" in decided[0].because
     bench.database.close()
 
 
-def test_a_run_goes_on_when_what_was_lost_comes_back(bench):
+def test_a_run_goes_on_when_what_was_lost_answers_again(bench):
     state = bench.run(LostError("the engine is gone"))
     first = bench.events(Planned)[0].tasks[0]
     assert bench.ran[:3] == [first, f"{first} Clear", first]
     assert [event.because for event in bench.events(Interrupted)] == ["the engine is gone"]
-    assert bench.peers.tasks.stopped >= 1
     assert state.ended.ending is Ending.COMPLETE
-    assert bench.peers.cell.loaded == [False, True], "what is on the panel stays"
+    assert bench.cell.loaded == [("house-0001", False), ("house-0001", True)]
 
 
-def test_a_cell_that_was_started_anew_gets_its_panel_again(bench):
-    def start_anew():
-        bench.peers.cell.at = "rosrpc://cell:2"
+def test_a_cell_that_was_restarted_gets_its_panel_again(bench):
+    def restart():
+        bench.cell.at = "rosrpc://cell:2"
 
-    assert bench.run(start_anew).ended.ending is Ending.COMPLETE
-    assert bench.peers.cell.loaded == [False, True], "before the second wire, with the first on it"
+    assert bench.run(restart).ended.ending is Ending.COMPLETE
+    assert bench.cell.loaded == [("house-0001", False), ("house-0001", True)]
 
 
 def test_a_server_that_died_is_the_cause_and_not_what_its_heir_does_not_know():
@@ -347,31 +441,71 @@ def test_a_server_that_died_is_the_cause_and_not_what_its_heir_does_not_know():
     assert cause_of([unfed]) is unfed
 
 
-def test_a_run_stops_when_what_was_lost_stays_away(bench):
-    bench.peers.tasks.back = False
-    state = bench.run(LostError("the engine is gone"))
+def test_a_run_stops_when_what_was_lost_does_not_answer_again(bench):
+    def lose():
+        bench.engine.back = False
+        bench.engine.trouble = "the engine is gone"
+        bench.engine.end = None
+
+    state = bench.run(lambda: (lose(), setattr(bench.engine, "end", BehaviorEnd(End.LOST, "gone"))))
     assert state.ended.ending is Ending.STOPPED
-    assert state.ended.because == "the engine does not come back"
+    assert state.ended.because == "the engine does not answer"
 
 
-def test_a_new_supervisor_goes_on_where_the_old_one_died(bench):
+def test_a_new_supervisor_resumes_where_the_old_one_died(bench):
     class KilledError(Exception):
         pass
 
     with pytest.raises(KilledError):
         bench.run("finished", KilledError())
     first, second = bench.events(Planned)[0].tasks
-    bench.peers.inspection.connected = {(second, "a"), (second, "b")}
+    bench.inspection.connected = {(second, "a"), (second, "b")}
     bench.take_up()
     state = bench.run()
     assert state.ended.ending is Ending.COMPLETE
-    assert bench.ran == [first, second, f"{second} Clear"], "it was done: looking tells"
+    assert bench.ran == [first, second, f"{second} Clear"], "it was done, as the inspection shows"
     assert [event.left for event in bench.events(Settled)] == [0]
     assert state.interruptions == 1
 
 
-def test_what_cannot_be_seen_is_set_aside_when_nobody_is_there_to_ask(bench):
-    bench.peers.inspection.trouble = UnseenError(101, "the arm is in front of it")
+def test_a_shutdown_leaves_no_event_and_the_next_start_resumes(bench):
+    def leave():
+        bench.loop.leaving = True
+        bench.engine.end = None
+
+    def hang():
+        bench.engine.end = None
+        bench.loop.arrivals.append(leave)
+
+    before = []
+
+    def begin():
+        before.append(len(bench.events(object)))
+        hang()
+        # The behavior goes on until it is cancelled.
+        bench.engine.is_idle = False
+
+    bench.engine.cancel = lambda: setattr(bench.engine, "is_idle", True)
+    bench.engine.endings = [begin]
+    original = bench.engine.start
+
+    def start(behavior):
+        original(behavior)
+        if bench.loop.arrivals:
+            bench.engine.end = None
+
+    bench.engine.start = start
+    with pytest.raises(LeavingError):
+        bench.supervisor.supervise()
+    assert bench.engine.is_idle, "it was stopped"
+    assert len(bench.events(object)) == before[0]
+    bench.engine.start, bench.loop.leaving = original, False
+    bench.take_up()
+    assert bench.run().ended.ending is Ending.COMPLETE
+
+
+def test_what_cannot_be_seen_is_set_aside_when_no_operator_is_present(bench):
+    bench.inspection.trouble = UnseenError(101, "the arm is in front of it")
     state = bench.run(JAM)
     first = bench.events(Planned)[0].tasks[0]
     assert {event.unseen for event in bench.events(Settled)} == {"the arm is in front of it"}
@@ -379,131 +513,222 @@ def test_what_cannot_be_seen_is_set_aside_when_nobody_is_there_to_ask(bench):
     assert state.ended is not None
 
 
-def test_a_cell_that_refuses_blocks_the_run(bench):
-    bench.peers.cell.trouble = CellError("cannot feed: the gripper holds a wire")
+def test_a_refused_feed_is_a_failure_of_its_task_alone(bench):
+    bench.cell.trouble = RefusedError(203, "cannot feed: the gripper holds a wire")
     state = bench.run()
-    assert state.ended.because == "cannot feed: the gripper holds a wire"
-    assert bench.ran == []
-    assert len(bench.events(Blocked)) == 1
+    first, second = bench.events(Planned)[0].tasks
+    (refused,) = bench.events(FeedRefused)
+    assert (refused.task, refused.code) == (first, 203)
+    assert bench.ran[0] == f"{first} Clear", "the hand is emptied first"
+    assert state.ended is not None
+    assert state.tasks[second].stage is Stage.DONE
 
 
-def test_an_operator_pauses_skips_and_stops(bench):
-    def pause_and_skip():
-        bench.supervisor.command(Commanded(Command.PAUSE, "", "ann"))
-        bench.supervisor.command(Commanded(Command.RESUME, "", "ann"))
-        bench.supervisor.command(Commanded(Command.SKIP, bench.supervisor.state.current, "ann"))
+def test_a_task_whose_evidence_denies_it_is_not_done(bench):
+    bench.cell.truth = False
+    bench.inspection.connected = {("W1", "a"), ("W1", "b"), ("W2", "a"), ("W2", "b")}
+    assert bench.run().ended.ending is Ending.COMPLETE
+    assert {event.task for event in bench.events(Settled)} == {"W1", "W2"}
+
+
+def test_a_pause_holds_the_next_operation_and_is_answered_when_the_one_under_way_ends(bench):
+    seen = []
+
+    def pause_while_moving():
+        behavior = bench.engine.ran[-1]
+        tasks = bench.supervisor.tasks
+        assert tasks.begin_operation(behavior, "/Find wire", "DetectCable")[0] is Permit.GRANTED
+        replies = bench.command(Command.PAUSE)
+        seen.append(list(replies))
+        found = Operation("/Find wire", "DetectCable", "detected", 0, "", 2.0, 1.0, "goal 1")
+        tasks.keep_record(behavior, found)
+        bench.supervisor._tick()
+        seen.append(list(replies))
+        seen.append(tasks.begin_operation(behavior, "/Connect a/InsertCable", "InsertCable")[0])
+        bench.command(Command.RESUME)
+        seen.append(tasks.begin_operation(behavior, "/Connect a/InsertCable", "InsertCable")[0])
+
+    bench.run(pause_while_moving)
+    assert seen == [[], [(True, "")], Permit.HELD, Permit.GRANTED]
+
+
+def test_a_running_task_that_is_skipped_leaves_an_empty_hand(bench):
+    replies = []
+
+    def skip():
+        bench.engine.end = None
+        replies.append(bench.command(Command.SKIP, bench.supervisor.state.current))
+        bench.engine.cancel()
+
+    state = bench.run(skip)
+    first, second = bench.events(Planned)[0].tasks
+    assert replies == [[(True, "")]]
+    assert bench.events(Decided)[0].by == "ann"
+    assert bench.ran == [first, f"{first} Clear", f"{first} Discard", second]
+    assert state.tasks[first].stage is Stage.SET_ASIDE
+    assert state.tasks[second].stage is Stage.DONE
+
+
+def test_a_stop_ends_the_run(bench):
+    replies = []
 
     def stop():
-        bench.supervisor.command(Commanded(Command.STOP, "", "ann"))
+        bench.engine.end = None
+        replies.append(bench.command(Command.STOP))
+        bench.engine.cancel()
 
-    state = bench.run(pause_and_skip, stop)
-    assert bench.peers.tasks.paused == [True, False]
-    assert bench.events(Decided)[0].by == "ann"
+    state = bench.run(stop)
     assert (state.ended.ending, state.ended.because) == (Ending.STOPPED, "ann stopped it")
-    with pytest.raises(CellError, match="the run has ended"):
-        stop()
+    assert replies == [[(True, "")]]
+    assert bench.command(Command.STOP) == [(False, "the run has ended")]
+
+
+def test_a_protective_stop_cuts_the_behavior_short_and_the_run_waits(bench):
+    def stop():
+        bench.engine.end = None
+        bench.command(Command.PROTECTIVE_STOP)
+        bench.engine.cancel()
+        bench.loop.arrivals += [lambda: None] * 20 + [lambda: bench.command(Command.RESUME)]
+
+    state = bench.run(stop)
+    first = bench.events(Planned)[0].tasks[0]
+    assert [event.because for event in bench.events(Interrupted)] == ["protective stop by ann"]
+    assert bench.ran[:3] == [first, f"{first} Clear", first]
+    assert state.ended.ending is Ending.COMPLETE
 
 
 def test_commands_that_make_no_sense_are_refused(bench):
-    def refused():
-        for command, task, text in (
-            (Command.SKIP, "W9", "there is no task 'W9'; there are W1, W2"),
-            (Command.RETRY, "W1", "only what is set aside is tried again"),
-        ):
-            with pytest.raises(CellError, match=text):
-                bench.supervisor.command(Commanded(command, task, "ann"))
-        with pytest.raises(CellError, match="question 1 is not open; open is none"):
-            bench.supervisor.answer(Answered(1, Answer.RETRY, "ann"))
+    refused = []
 
-    assert bench.run(refused).ended.ending is Ending.COMPLETE
+    def command():
+        refused.extend(bench.command(Command.SKIP, "W9"))
+        refused.extend(bench.command(Command.RETRY, "W1"))
+        bench.supervisor.answer(
+            Answered(1, Answer.RETRY, "ann"),
+            lambda granted, text: refused.append((granted, text)),
+        )
+
+    assert bench.run(command).ended.ending is Ending.COMPLETE
+    assert [granted for granted, _ in refused] == [False] * 3
+    texts = [text for _, text in refused]
+    assert texts[0] == "there is no task 'W9'; there are W1, W2"
+    assert "only a task set aside can be retried" in texts[1]
+    assert texts[2] == "question 1 is not open; open is none"
     assert bench.events(Commanded) == []
 
 
-def test_an_operator_is_asked_when_there_is_one(url, tmp_path):
-    bench = Bench(url, tmp_path, attended=True)
-    asked = threading.Event()
+def test_a_question_is_asked_escalates_and_notifies(url):
+    policy = Policy(
+        {"insertion_jammed": (Response(Do.ASK_OPERATOR),)},
+        question=QuestionLimit(10.0, Do.SET_ASIDE),
+    )
+    bench = Bench(url, attended=True, policy=policy)
+    state = bench.run(JAM)
+    first = bench.events(Planned)[0].tasks[0]
+    assert [event.do for event in bench.events(Escalated)] == [Do.SET_ASIDE]
+    assert [each["event"] for each in bench.notified] == ["asked", "not answered"]
+    assert state.tasks[first].stage is Stage.SET_ASIDE
+    bench.database.close()
+
+
+def test_an_operator_answers(url):
+    policy = Policy({"insertion_jammed": (Response(Do.ASK_OPERATOR),)})
+    bench = Bench(url, attended=True, policy=policy)
+    replies = []
 
     def answer():
-        while not asked.wait(0.01):
-            question = bench.supervisor.state.question
-            if question is not None:
-                with pytest.raises(CellError, match="question 9 is not open"):
-                    bench.supervisor.answer(Answered(9, Answer.REPLAN, "ann"))
-                bench.supervisor.answer(Answered(question.number, Answer.MARK_DONE, "ann"))
-                asked.set()
+        for number, choice in ((9, Answer.REPLAN), (1, Answer.MARK_DONE)):
+            bench.supervisor.answer(
+                Answered(number, choice, "ann"), lambda *reply: replies.append(reply)
+            )
 
-    thread = threading.Thread(target=answer, daemon=True)
-    thread.start()
-    first = bench.work.planner.plan(["W1", "W2"])[0]
-    state = bench.run("finished", *[JAM] * 12)
-    thread.join(20.0)
-    assert asked.is_set()
-    assert state.tasks[first].first_pass
-    assert state.ended.ending is Ending.COMPLETE
+    bench.loop.every(30.0, lambda: answer() if bench.supervisor.state.question else None)
+    state = bench.run(JAM)
+    first = bench.events(Planned)[0].tasks[0]
+    assert replies[:2] == [(False, "question 9 is not open; open is question 1"), (True, "")]
+    assert state.tasks[first].stage is Stage.DONE
     bench.database.close()
 
 
 def test_another_cells_task_is_left_to_it_and_taken_over_when_it_dies(bench, url):
-    other = TaskLeases(ProductionDatabase(url), "house", "other", 1.0)
+    database = ProductionDatabase(url)
+    other = TaskLeases(database, "house", "other", 0.03, owner_of(database, "other"))
+    bench.leases.lease_s = 0.03
     other.claim("W1")
-    bench.peers.inspection.connected = {("W1", "a")}
+    bench.inspection.connected = {("W1", "a")}
     state = bench.run()
     assert state.ended.ending is Ending.COMPLETE
     assert [event.cell for event in bench.events(TaskElsewhere)] == ["other"]
     assert bench.ran == ["W2", "W1 Rest"]
+    database.close()
 
 
 def test_a_task_that_another_cell_has_taken_over_is_stopped(bench, url):
-    bench.leases.lease_s = 0.05
+    database = ProductionDatabase(url)
+    other = TaskLeases(database, "house", "other", 600.0, owner_of(database, "other"))
     taken = []
 
-    def be_slow():
-        other = TaskLeases(ProductionDatabase(url), "house", "other", 600.0)
+    def lose():
         name = bench.supervisor.state.current
-        bench.leases.lease_s = 30.0
-        with other._database.transaction() as session:
+        with database.transaction() as session:
             other._row(session, name).cell = "other"
-        while not bench.supervisor._lost_lease:
-            threading.Event().wait(0.01)
         taken.append(name)
-        bench.supervisor.command(Commanded(Command.STOP, "", "ann"))
+        bench.engine.end = None
+        bench.loop.arrivals += [lambda: None] * 400 + [lambda: bench.command(Command.STOP)]
 
-    bench.run(be_slow)
-    assert [event.task for event in bench.events(TaskElsewhere)] == taken
+    def start(behavior, original=bench.engine.start):
+        original(behavior)
+        if taken and behavior.endswith(taken[-1]):
+            bench.engine.end = None
+
+    bench.engine.start = start
+    bench.run(lose)
+    assert [event.task for event in bench.events(TaskElsewhere)][:1] == taken
+    database.close()
 
 
-def test_the_time_of_a_run_may_be_limited(url, tmp_path, monkeypatch):
-    bench = Bench(url, tmp_path, timeout_s=5.0)
-    clock = iter(range(0, 100, 2))
-    monkeypatch.setattr(use_case_supervisor.rospy, "get_time", lambda: float(next(clock)))
-    state = bench.run()
+def test_a_lease_that_cannot_be_renewed_stops_what_runs(bench, monkeypatch):
+    def lose(task):
+        raise LostError("the database does not answer")
+
+    def cut():
+        monkeypatch.setattr(bench.leases, "renew", lose)
+        bench.loop.every(60.0, monkeypatch.undo)
+
+    def start(behavior, original=bench.engine.start):
+        first = not bench.engine.ran
+        original(behavior)
+        if first:
+            bench.engine.end = None
+
+    bench.engine.start = start
+    state = bench.run(cut)
+    (interrupted,) = bench.events(Interrupted)[:1]
+    assert "the lease of task" in interrupted.because
+    assert state.ended.ending is Ending.COMPLETE
+
+
+def test_the_time_of_a_run_is_limited_also_after_a_restart(url):
+    bench = Bench(url, timeout_s=5.0)
+
+    def take_long():
+        bench.loop.wall += 8.0
+
+    state = bench.run(take_long)
     assert state.ended.because == "its time of 5 s has passed"
     bench.database.close()
 
 
-MANIFEST = """<?xml version="1.0"?>
-<behavior name="{name}"><description>A wire.\n{mark}</description></behavior>
-"""
-PACKAGE = """<package format="3"><name>made</name><version>0.0.0</version>
-<description>x</description><maintainer email="a@b.c">a</maintainer><license>BSD</license>
-<export><flexbe_behaviors/></export></package>"""
+def test_nothing_is_kept_for_a_supervisor_that_was_replaced(bench, url):
+    database = ProductionDatabase(url)
 
+    def replace_it():
+        owner_of(database, "cell", "station")
 
-def test_a_behavior_that_exists_with_the_same_content_is_not_made_again(
-    bench, tmp_path, monkeypatch
-):
-    first, second = bench.work.planner.plan(["W1", "W2"])
-    charts = {name: bench.work.planner.task(name).chart for name in (first, second)}
-    manifests = tmp_path / "made" / "manifest"
-    manifests.mkdir(parents=True)
-    (tmp_path / "made" / "package.xml").write_text(PACKAGE)
-    (manifests / "broken.xml").write_text("<behavior")
-    for name, mark in ((first, content_mark(charts[first])), (second, "Content 0000.")):
-        text = MANIFEST.format(name=charts[name].name, mark=mark)
-        (manifests / f"{name}.xml").write_text(text)
-    monkeypatch.setenv("ROS_PACKAGE_PATH", f"{tmp_path}:{os.environ['ROS_PACKAGE_PATH']}")
-    bench.run()
-    assert bench.peers.synthesizer.asked == [charts[second].name]
+    with pytest.raises(OwnerError):
+        bench.run(replace_it)
+    assert bench.engine.is_idle
+    database.close()
 
 
 def test_what_operations_did_is_kept(bench):

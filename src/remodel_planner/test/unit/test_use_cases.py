@@ -164,6 +164,10 @@ def learned(ability, frozen, least, most, values):
         ),
         (("give_up: take", ""), "the document: 'give_up' is a required property"),
         (("give_up: take", "give_up: drop"), "give_up: no action drop; there are take"),
+        (
+            ("give_up: take", "give_up: take\ndiscard: drop"),
+            "discard: no action drop; there are take",
+        ),
         (("do: [take]", "do: [grip]"), "methods.pick.take it: no task grip; there are fix, insert"),
         (("do: [take]", "do: [pick]"), "decomposition without end: pick needs pick"),
         (("[PickCable], ", "[Grip], "), "actions.take.abilities: no ability Grip; there are Pick"),

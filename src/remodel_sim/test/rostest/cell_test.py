@@ -74,7 +74,7 @@ class CellTest(unittest.TestCase):
     def setUpClass(cls):
         names = (
             "LocateGearboxComponent InsertCable FixCable ExtractCable DetectCable PickCable "
-            "CheckConnection PlaceConnector"
+            "CheckConnection PlaceConnector DiscardCable"
         )
         cls.on = {name: Client(name) for name in names.split()}
         for client in cls.on.values():
@@ -120,6 +120,9 @@ class CellTest(unittest.TestCase):
         code, told = conformance("LocateGearboxComponent", "{component_id: X1, terminal_id: '1'}")
         self.assertEqual(code, 0, told)
         self.assertIn("ok          a cancel while the ability works", told)
+        code, told = conformance("DiscardCable", "{robot_name: robot_1, cable_id: W1}")
+        self.assertEqual(code, 0, told)
+        self.setUp()
         code, told = conformance("DetectCable", "{cable_id: W1}")
         self.assertEqual(code, 0, told)
         at_x1 = "{cable_id: W1, cable_end: a, component_id: X1, terminal_id: '1'}"
@@ -241,6 +244,20 @@ class CellTest(unittest.TestCase):
         self.assertEqual(insert.client.get_state(), GoalStatus.PREEMPTED)
         again = self.on["PickCable"].do(robot_name="robot_1", cable_id="W1", cable_end="a")
         self.assertEqual(again.error_code, ErrorCode.OTHER_CABLE_HELD, "the wire stays held")
+
+    def test_the_wire_in_the_hand_is_discarded_and_a_new_piece_is_fed(self):
+        picked = self.on["PickCable"].do(robot_name="robot_1", cable_id="W1", cable_end="a")
+        self.assertTrue(picked.success, picked.error_message)
+        feed = rospy.ServiceProxy("cell/feed_wire", srv.FeedWire)
+        self.assertEqual(feed("W1", "A", 0).error_code, ErrorCode.OTHER_CABLE_HELD)
+        discarded = self.on["DiscardCable"].do(robot_name="robot_1")
+        self.assertTrue(discarded.success, discarded.error_message)
+        self.assertEqual(self.call("ground_truth", srv.GetGroundTruth).wires, [])
+        self.assertEqual(
+            self.on["DiscardCable"].do(robot_name="robot_1").error_code, ErrorCode.NOTHING_HELD
+        )
+        self.call("feed_wire", srv.FeedWire, "W1", "A", 0)
+        self.assertTrue(self.on["DetectCable"].do(cable_id="W1", view=1).success)
 
     def test_a_moved_component_fails_the_insertion_and_recovery_succeeds(self):
         socket = self.locate()

@@ -130,8 +130,8 @@ class Permit(Request):
 
     def take(self, answer: BeginOperationResponse) -> bool:
         """Take the supervisor's answer; return whether it is final."""
-        self.is_held = answer.answer == BeginOperationRequest.HELD
-        self.is_granted = answer.answer == BeginOperationRequest.GRANTED
+        self.is_held = answer.answer == BeginOperationResponse.HELD
+        self.is_granted = answer.answer == BeginOperationResponse.GRANTED
         self.is_refused = not self.is_held and not self.is_granted
         self.owner, self.message = answer.owner, answer.message
         # The supervisor is there: it alone ends the pause, even if the parameter is lost meanwhile.

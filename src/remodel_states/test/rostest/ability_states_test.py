@@ -17,7 +17,6 @@ from geometry_msgs.msg import PoseStamped
 from remodel_msgs.msg import AbilityRecord, ErrorCode
 from remodel_msgs.srv import (
     BeginOperation,
-    BeginOperationRequest,
     BeginOperationResponse,
     KeepRecord,
     KeepRecordResponse,
@@ -79,9 +78,9 @@ def run(state, data, limit_s=10.0):
     return outcome
 
 
-GRANTED = BeginOperationResponse(BeginOperationRequest.GRANTED, 17, "")
-HELD = BeginOperationResponse(BeginOperationRequest.HELD, 0, "paused by ann")
-REFUSED = BeginOperationResponse(BeginOperationRequest.REFUSED, 0, "the behavior is stopped")
+GRANTED = BeginOperationResponse(BeginOperationResponse.GRANTED, 17, "")
+HELD = BeginOperationResponse(BeginOperationResponse.HELD, 0, "paused by ann")
+REFUSED = BeginOperationResponse(BeginOperationResponse.REFUSED, 0, "the behavior is stopped")
 
 
 class Recorder:

@@ -2,6 +2,7 @@
 """A fake cell keeps the contract, refuses what cannot be, and outlives its processes."""
 
 import subprocess
+import threading
 import unittest
 
 import actionlib
@@ -213,8 +214,11 @@ class FakeCellTest(unittest.TestCase):
         self.assertTrue(client.wait_for_server(rospy.Duration(20.0)))
         call("slow/cell/load_panel", LoadPanel, panel=PANEL, owner=1)
         call("slow/cell/feed_wire", FeedWire, wire_id="W1", channel_id="A", owner=1)
-        client.send_goal(self.goal("InsertCable", owner="1:"))
-        call("slow/cell/load_panel", LoadPanel, panel=PANEL, keep=True, owner=2)
+        active = threading.Event()
+        client.send_goal(self.goal("InsertCable", owner="1:"), active_cb=active.set)
+        self.assertTrue(active.wait(5.0))
+        loaded = call("slow/cell/load_panel", LoadPanel, panel=PANEL, owner=2)
+        self.assertEqual(loaded.error_code, ErrorCode.BUSY)
         self.assertTrue(client.wait_for_result(rospy.Duration(5.0)))
         self.assertEqual(client.get_result().error_code, ErrorCode.STALE_OWNER)
 

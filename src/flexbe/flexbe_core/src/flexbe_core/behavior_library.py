@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
 
 import rospy
@@ -34,6 +35,7 @@ class BehaviorLibrary:
         """Look at all packages anew."""
         self._behavior_lib: dict[int, dict[str, str]] = {}
         self._files: dict[int, tuple[Path, int]] = {}
+        self._ids: dict[str, int] = {}
         self._folders = packages_exporting("flexbe_behaviors", self._warn)
         for package, folder in self._folders.items():
             self._read_manifests(str(folder), package)
@@ -109,6 +111,8 @@ class BehaviorLibrary:
                 f"{self._files[same][0]} is used, {file} is left out"
             )
             return
+        if before := self._behavior_lib.get(behavior_id):
+            self._ids.pop(before["name"], None)
         package, _, module = manifest.package_path.rpartition(".")
         self._behavior_lib[behavior_id] = {
             "name": manifest.name,
@@ -117,9 +121,10 @@ class BehaviorLibrary:
             "class": manifest.class_name,
         }
         self._files[behavior_id] = (file, file.stat().st_mtime_ns)
+        self._ids[manifest.name] = behavior_id
 
     def _find(self, name: str) -> int | None:
-        return next((i for i, entry in self._behavior_lib.items() if entry["name"] == name), None)
+        return self._ids.get(name)
 
     def _is_outdated(self, behavior_id: int) -> bool:
         file, read_at = self._files[behavior_id]
@@ -151,7 +156,13 @@ def _xml_files(folder: Path) -> Iterator[Path]:
 
 
 def _read(file: Path) -> Manifest | None:
-    size = file.stat().st_size
-    if size > _LONGEST_MANIFEST:
-        raise ManifestError(f"is {size} bytes long; at most {_LONGEST_MANIFEST} are read")
+    status = file.stat()
+    if status.st_size > _LONGEST_MANIFEST:
+        raise ManifestError(f"is {status.st_size} bytes long; at most {_LONGEST_MANIFEST} are read")
+    return _read_version(file, (status.st_mtime_ns, status.st_size))
+
+
+@lru_cache(maxsize=1 << 14)  # each new behavior has all manifests looked through
+def _read_version(file: Path, _version: tuple[int, int]) -> Manifest | None:
+    """Return the manifest that a version of a file holds; None if it holds none."""
     return read_manifest(file.read_bytes())

@@ -53,6 +53,16 @@ def test_behaviors_are_found_by_name_and_id(workspace):
     assert library.get_sourcecode_filepath(behavior_id, add_tmp=True).endswith("/wire_it_sm_tmp.py")
 
 
+def test_of_two_manifests_of_one_behavior_the_last_names_it(workspace):
+    add_package(workspace, "cell", {"Wire It": "wire_it_sm"})
+    other = MANIFEST.format(name="Tie It", path="cell.wire_it_sm")
+    write(workspace / "cell" / "manifest" / "zz.xml", other)
+    library = BehaviorLibrary()
+    assert library.find_behavior("Wire It") == (None, None)
+    behavior_id, entry = library.find_behavior("Tie It")
+    assert (behavior_id, entry["name"]) == (checksum("cell.wire_it_sm"), "Tie It")
+
+
 def test_what_does_not_exist_is_none(workspace):
     library = BehaviorLibrary()
     assert library.find_behavior("Nothing") == (None, None)

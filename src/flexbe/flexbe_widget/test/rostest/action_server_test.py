@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Behaviors as an action: how goals end, whatever happens."""
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -22,6 +23,8 @@ from flexbe_msgs.msg import (
     CommandFeedback,
 )
 from std_msgs.msg import String, UInt8
+
+from flexbe_widget.core.run_watch import ENGINE_LOST_TEXT, FAILED_TEXT, NOT_STARTED_TEXT
 
 LIMIT_S = 20.0
 
@@ -95,10 +98,12 @@ class ActionServerTest(unittest.TestCase):
 
     def test_a_failing_behavior_is_aborted_with_the_reason(self):
         text = self.assert_ends(self.send("Faulty Test"), GoalStatus.ABORTED)
+        self.assertTrue(text.startswith(f"{FAILED_TEXT}'Faulty Test': "), text)
         self.assertIn("/Faulty: RuntimeError: no camera image", text)
 
     def test_a_refused_behavior_is_aborted_with_the_reason(self):
         text = self.assert_ends(self.send("Quick Test", wait_time="soon"), GoalStatus.ABORTED)
+        self.assertTrue(text.startswith(f"{NOT_STARTED_TEXT}'Quick Test': "), text)
         self.assertIn("takes a value of type float, found 'soon'", text)
 
     def test_a_new_goal_stops_the_running_one_and_follows_it(self):
@@ -123,9 +128,52 @@ class ActionServerTest(unittest.TestCase):
         self.assertTrue(wait_until(self.is_running))
         os.kill(pid_of("/behavior"), signal.SIGKILL)
         text = self.assert_ends(handle, GoalStatus.ABORTED)
-        self.assertIn("engine", text)
+        self.assertTrue(text.startswith(ENGINE_LOST_TEXT), text)
         self.assertTrue(wait_until(lambda: self.statuses[-1].code == BEStatus.READY))
         self.assert_ends(self.send("Quick Test"), GoalStatus.SUCCEEDED, "finished")
+
+    @contextlib.contextmanager
+    def stopped_engine(self):
+        """Stop the engine's process, as a debugger or a machine that swaps does."""
+        engine = pid_of("/behavior")
+        os.kill(engine, signal.SIGSTOP)
+        try:
+            yield
+        finally:
+            os.kill(engine, signal.SIGCONT)
+
+    def assert_lost(self, handle):
+        text = self.assert_ends(handle, GoalStatus.ABORTED)
+        self.assertTrue(text.startswith(ENGINE_LOST_TEXT), text)
+
+    def assert_stopped(self):
+        """The behavior that was given up is stopped once the engine is back."""
+        self.assertTrue(wait_until(lambda: any(s.args == ["preempted"] for s in self.statuses)))
+
+    def test_an_engine_that_stalls_is_lost_and_stops_the_behavior_once_it_is_back(self):
+        handle = self.send("Quick Test", wait_time="60")
+        self.assertTrue(wait_until(self.is_running))
+        with self.stopped_engine():
+            self.assert_lost(handle)
+        self.assert_stopped()
+        self.assert_ends(self.send("Quick Test"), GoalStatus.SUCCEEDED, "finished")
+
+    def test_the_next_goal_waits_until_a_stalled_engine_has_stopped_the_last(self):
+        handle = self.send("Quick Test", wait_time="60")
+        self.assertTrue(wait_until(self.is_running))
+        with self.stopped_engine():
+            self.assert_lost(handle)
+            following = self.send("Quick Test", text="next")
+            accepted = wait_until(lambda: following.get_goal_status() == GoalStatus.ACTIVE)
+            self.assertTrue(accepted)
+        self.assert_ends(following, GoalStatus.SUCCEEDED, "finished")
+        outcomes = [status.args for status in self.statuses if status.code == BEStatus.FINISHED]
+        self.assertEqual(outcomes, [["preempted"], ["finished"]])
+
+    def test_a_behavior_that_a_stalled_engine_has_not_begun_is_stopped_once_it_begins(self):
+        with self.stopped_engine():
+            self.assert_lost(self.send("Quick Test", wait_time="60"))
+        self.assert_stopped()
 
     def test_an_operator_may_join_with_the_line_of_the_deliverable(self):
         handle = self.send("Quick Test", wait_time="60")
@@ -152,6 +200,7 @@ class ActionServerTest(unittest.TestCase):
     def test_without_an_engine_a_goal_is_aborted(self):
         alone = self.connect("alone/flexbe/execute_behavior")
         text = self.assert_ends(self.send("Quick Test", alone), GoalStatus.ABORTED)
+        self.assertTrue(text.startswith(ENGINE_LOST_TEXT), text)
         self.assertIn("roslaunch flexbe_onboard behavior_onboard.launch", text)
 
     def test_the_line_of_the_deliverable_works(self):

@@ -106,14 +106,21 @@ class LauncherTest(unittest.TestCase):
         self.assertEqual(launcher.returncode, ExitCode.PREEMPTED)
 
     def test_a_busy_engine_is_waited_for_up_to_a_bound(self):
-        first = self.begin("-b", "Quick Test", "wait_time:=4")
+        stop = rospy.Publisher("flexbe/commands/preempt", Empty, queue_size=1)
+        first = self.begin("-b", "Quick Test", "wait_time:=60")
         code, told = self.launch("-b", "Quick Test", "--wait", "1")
         self.assertEqual(code, ExitCode.NO_ENGINE)
         self.assertIn("the engine runs another behavior", told)
-        code, told = self.launch("-b", "Quick Test", "wait_time:=0")
-        self.assertEqual(code, ExitCode.FINISHED, told)
+        words = ("-b", "Quick Test", "wait_time:=0", "--wait", f"{LIMIT_S}")
+        second = subprocess.Popen([*LAUNCHER, *words], stdout=subprocess.PIPE, text=True)
+        while "the engine runs another behavior" not in second.stdout.readline():
+            self.assertIsNone(second.poll())
+        wait_until(lambda: stop.get_num_connections() > 0)
+        stop.publish()
         first.communicate(timeout=LIMIT_S)
-        self.assertEqual(first.returncode, ExitCode.FINISHED)
+        self.assertEqual(first.returncode, ExitCode.PREEMPTED)
+        told, _ = second.communicate(timeout=LIMIT_S)
+        self.assertEqual(second.returncode, ExitCode.FINISHED, told)
 
     def test_no_engine_is_told_and_given_up(self):
         code, told = self.launch("-b", "Quick Test", "--wait", "1", "__ns:=nobody")
@@ -133,7 +140,7 @@ class LauncherTest(unittest.TestCase):
         told, _ = launcher.communicate(timeout=LIMIT_S)
         self.assertEqual(launcher.returncode, ExitCode.ENGINE_LOST, told)
         ready = wait_until(lambda: self.statuses and self.statuses[-1].code == BEStatus.READY)
-        self.assertTrue(ready, "the engine was not started anew")
+        self.assertTrue(ready, "the engine was not restarted")
 
     def test_the_launch_file_keeps_blanks(self):
         roslaunch = subprocess.run(

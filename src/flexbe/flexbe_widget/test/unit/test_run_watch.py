@@ -37,8 +37,8 @@ ROWS = [
     ),
     ("failed", [STARTED, (Code.FAILED, MINE)], Ending(End.FAILED)),
     ("refused", [(Code.ERROR, MINE)], Ending(End.REFUSED)),
-    ("the engine is started anew before it began", [(Code.READY, 0)], Ending(End.RESTARTED)),
-    ("the engine is started anew in between", [STARTED, (Code.READY, 0)], Ending(End.RESTARTED)),
+    ("the engine is restarted before it began", [(Code.READY, 0)], Ending(End.RESTARTED)),
+    ("the engine is restarted in between", [STARTED, (Code.READY, 0)], Ending(End.RESTARTED)),
     ("a second request for it is refused", [STARTED, (Code.ERROR, MINE)], None),
     (
         "switched to another version, which ends",

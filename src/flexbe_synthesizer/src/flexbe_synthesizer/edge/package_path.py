@@ -20,6 +20,11 @@ from flexbe_synthesizer.core.manifest import Manifest, read_manifest
 from flexbe_synthesizer.core.signature import BehaviorClass, StateClass, Unreadable
 from flexbe_synthesizer.core.state_source import read_state_class
 
+# Files that are remembered as they were read last: those of orders with thousands of tasks as well.
+_REMEMBERED = 1 << 14
+
+_Version = tuple[int, int]
+
 
 @dataclass(frozen=True)
 class Package:
@@ -112,9 +117,7 @@ def _read_states(
                 continue
             module = ".".join((package.name, *path.relative_to(top).with_suffix("").parts))
             try:
-                status = path.stat()
-                version = (status.st_mtime_ns, status.st_size)
-                state = _read_state(path, version, package.name, module)
+                state = _read_state(path, _version_of(path), package.name, module)
             except (OSError, SyntaxError, ValueError, RecursionError) as error:
                 warnings.append(f"{path} cannot be read: {error}; its state is left out")
             else:
@@ -122,9 +125,14 @@ def _read_states(
                     yield state
 
 
-@lru_cache(maxsize=4096)  # a server reads the same files at each request
+def _version_of(path: Path) -> _Version:
+    status = path.stat()
+    return status.st_mtime_ns, status.st_size
+
+
+@lru_cache(maxsize=_REMEMBERED)  # a server reads the same files at each request
 def _read_state(
-    path: Path, _version: tuple[int, int], package: str, module: str
+    path: Path, _version: _Version, package: str, module: str
 ) -> StateClass | Unreadable | None:
     """Return the state class of a version of a file, None if it has none."""
     text = path.read_text(encoding="utf-8")
@@ -141,16 +149,34 @@ def _read_behaviors(
             if path.name.startswith("#"):
                 continue
             try:
-                manifest = read_manifest(path.read_bytes(), str(path))
+                manifest = _read_manifest(path, _version_of(path))
             except OSError as error:
                 warnings.append(f"{path} cannot be read: {error}")
                 continue
             if manifest is not None and manifest.package == package.name:
-                yield _read_behavior(package, manifest)
+                source = package.module_folder.joinpath(*manifest.module.split("."))
+                yield _known_behavior(source.with_suffix(".py"), manifest)
 
 
-def _read_behavior(package: Package, manifest: Manifest) -> BehaviorClass | Unreadable:
-    path = package.module_folder.joinpath(*manifest.module.split(".")).with_suffix(".py")
+@lru_cache(maxsize=_REMEMBERED)
+def _read_manifest(path: Path, _version: _Version) -> Manifest | None:
+    """Return the manifest that a version of a file holds; None if it holds none."""
+    return read_manifest(path.read_bytes(), str(path))
+
+
+def _known_behavior(path: Path, manifest: Manifest) -> BehaviorClass | Unreadable:
+    try:
+        version = _version_of(path)
+    except OSError:
+        version = (0, 0)  # it cannot be read
+    return _read_behavior(path, version, manifest)
+
+
+@lru_cache(maxsize=_REMEMBERED)
+def _read_behavior(
+    path: Path, _version: _Version, manifest: Manifest
+) -> BehaviorClass | Unreadable:
+    """Return the behavior class of a version of a file."""
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, ValueError) as error:

@@ -188,6 +188,28 @@ class UseCase:
         return sum(task.expected_s for task in self.tasks)
 
 
+# Tasks that a page shows at once, of which a quarter each may have ended before, or be skipped.
+SHOWN_TASKS = 200
+
+
+def shown_tasks(tasks: tuple[Task, ...]) -> tuple[Task, ...]:
+    """Return the tasks that a page shows: all, or of a large order those around the current one.
+
+    Skipped tasks, which a person may retry, are shown before them, the latest ones if there are
+    many. The tasks shown change seldom, so that rows stay where they are.
+
+    Args:
+        tasks: those that have ended, then the others.
+    """
+    if len(tasks) <= SHOWN_TASKS:
+        return tasks
+    quarter = SHOWN_TASKS // 4
+    ended = sum(task.phase in (TaskPhase.DONE, TaskPhase.SET_ASIDE) for task in tasks)
+    first = max(0, (ended - quarter // 2) // quarter * quarter)
+    skipped = [task for task in tasks[:first] if task.phase is TaskPhase.SET_ASIDE]
+    return (*skipped[-quarter:], *tasks[first : first + 3 * quarter])
+
+
 _LEVEL_WORDS = {
     "use_case": "Order",
     "task": "Task",

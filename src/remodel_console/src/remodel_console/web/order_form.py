@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class OrderForm:
-    """Says how the last run ended, and starts another."""
+    """Shows how the last run ended, and starts another."""
 
     def __init__(self, page: OverviewPage) -> None:
         """Build the form."""
@@ -35,12 +35,14 @@ class OrderForm:
         page.button("Start the order", self._start, icon="play_arrow")
 
     def show(self, now: UseCase) -> None:
-        """Show how the last run ended."""
+        """Show how the last run ended, or why no order can be taken."""
         is_over = now.phase is Phase.ENDED
-        self._ending.set_visibility(is_over)
-        is_all_done = now.done == now.total
-        self._ending.classes(replace="ending" if is_all_done else "ending bad")
-        self._words.text = f"Order '{now.order}', run {now.run}: {now.message}"
+        words = f"Order '{now.order}', run {now.run}: {now.message}" if is_over else now.message
+        self._ending.set_visibility(bool(words))
+        is_all_done = is_over and now.done == now.total
+        # Not `replace`, which would show again what is hidden.
+        self._ending.classes(add="" if is_all_done else "bad", remove="bad" if is_all_done else "")
+        self._words.text = words
         self._link.set_visibility(now.run > 0)
         self._link.props(f'href="/replay?run={now.run}"')
         if is_over and self._order.value is None:

@@ -34,6 +34,7 @@ _CAMERAS = (
     ("scene", "The cell", "no picture yet"),
 )
 _SHOWN_FAILURES = 20  # the latest; the record has all
+_PLOTTED_TASKS = 100  # the latest; the figures are of all
 
 
 class OverviewPage(Page):
@@ -183,16 +184,19 @@ class OverviewPage(Page):
         self._figures.clear()
         if found.first_pass_yield is None or found.mean_cycle_s is None:
             return
+        names = found.tasks[-_PLOTTED_TASKS:]
         with self._figures:
             _plot(
                 "First-pass yield",
                 f"{found.first_pass_yield:.0%}",
-                line_plot("First-pass yield over tasks", found.tasks, found.yields, 1.0),
+                line_plot(
+                    "First-pass yield over tasks", names, found.yields[-_PLOTTED_TASKS:], 1.0
+                ),
             )
             _plot(
                 "Cycle time",
                 f"{duration_words(found.mean_cycle_s)} on average",
-                bar_plot("Time of each task", found.tasks, found.cycles_s, "s"),
+                bar_plot("Time of each task", names, found.cycles_s[-_PLOTTED_TASKS:], "s"),
             )
             _plot(
                 "Recoveries by cause",

@@ -50,9 +50,8 @@ class RunHead:
             self._resume = button("Resume", resume, icon="play_arrow")
             self._pause = button("Pause", pause, icon="pause", look="quiet")
             button("Stop", stop, icon="stop", look="stop")
-            self._protect = button(
-                "Protective stop", protective_stop, icon="front_hand", look="stop"
-            )
+        self._protect = button("Protective stop", protective_stop, icon="front_hand", look="stop")
+        self._protect.classes("protect")
         self._pending = ui.label().classes("soft").props('role="status"')
         self._pending.set_visibility(False)
 

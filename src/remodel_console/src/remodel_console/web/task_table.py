@@ -7,7 +7,7 @@ from functools import partial
 
 from nicegui import ui
 
-from remodel_console.core.use_case import Task, TaskPhase, duration_words
+from remodel_console.core.use_case import Task, TaskPhase, duration_words, shown_tasks
 
 _WORDS = {
     TaskPhase.WAITING: "waiting",
@@ -27,50 +27,66 @@ class TaskTable:
         """Build an empty table; `skip` and `retry` get the name of a task."""
         self._deeds = {"Skip": skip, "Retry": retry}
         self._is_operator = is_operator
-        self._area = ui.element("div").classes("tasks")
+        with (
+            ui.element("div").classes("tasks"),
+            ui.element("table").classes("plain") as self._table,
+            ui.element("tr"),
+        ):
+            for head in ("Task", "State", "Tries", "Time", ""):
+                with ui.element("th"):
+                    ui.label(head)
+        self._more = ui.label().classes("soft")
         self._rows: dict[str, _Row] = {}
 
-    def show(self, tasks: tuple[Task, ...], *, is_under_way: bool) -> None:
-        """Show tasks, in their order."""
-        if [task.name for task in tasks] != list(self._rows):
-            self._build(tasks)
+    def show(self, all_tasks: tuple[Task, ...], *, is_under_way: bool) -> None:
+        """Show tasks, in their order; of many, those around the current one."""
+        tasks = shown_tasks(all_tasks)
+        self._table.set_visibility(bool(tasks))
+        self._more.text = f"{len(tasks)} of {len(all_tasks)} tasks are shown."
+        self._more.set_visibility(len(tasks) < len(all_tasks))
+        self._arrange([task.name for task in tasks])
         for task in tasks:
             self._rows[task.name].show(task, is_under_way=is_under_way)
 
-    def _build(self, tasks: tuple[Task, ...]) -> None:
-        self._area.clear()
-        self._rows.clear()
-        if not tasks:
+    def _arrange(self, names: list[str]) -> None:
+        """Have a row for each task, in this order; those that there are move."""
+        if names == list(self._rows):
             return
-        with self._area, ui.element("table").classes("plain"):
-            with ui.element("tr"):
-                for head in ("Task", "State", "Tries", "Time", ""):
-                    with ui.element("th"):
-                        ui.label(head)
-            for task in tasks:
-                self._rows[task.name] = _Row(task, self._deeds, self._is_operator)
+        for name in self._rows.keys() - set(names):
+            self._rows.pop(name).element.delete()
+        with self._table:
+            for name in names:
+                if name not in self._rows:
+                    self._rows[name] = _Row(name, self._deeds, self._is_operator)
+        rows = self._table.default_slot.children
+        for place, name in enumerate(names, start=1):  # after the heads
+            row = self._rows[name].element
+            if rows[place] is not row:
+                row.move(target_index=place)
+        self._rows = {name: self._rows[name] for name in names}
 
 
 class _Row:
     """A task."""
 
-    def __init__(self, task: Task, deeds: dict[str, Deed], is_operator: bool) -> None:
+    def __init__(self, name: str, deeds: dict[str, Deed], is_operator: bool) -> None:
         self._shown: tuple[Task, bool] | None = None
-        with ui.element("tr") as self._row:
+        with ui.element("tr") as self.element:
             with ui.element("td").classes("name"):
-                ui.label(task.name)
-                ui.label(task.description).classes("description")
+                ui.label(name)
+                self._description = ui.label().classes("description")
             self._phase, self._tries, self._time = _cell("phase"), _cell("tries"), _cell("time")
             with ui.element("td").classes("deeds"):
-                self._skip = _button("Skip", "skip_next", task.name, deeds, is_operator)
-                self._retry = _button("Retry", "replay", task.name, deeds, is_operator)
+                self._skip = _button("Skip", "skip_next", name, deeds, is_operator)
+                self._retry = _button("Retry", "replay", name, deeds, is_operator)
 
     def show(self, task: Task, *, is_under_way: bool) -> None:
         """Show what may have changed."""
         if self._shown == (task, is_under_way):
             return
         self._shown = (task, is_under_way)
-        self._row.classes(replace=f"task {task.phase.value}")
+        self._description.text = task.description
+        self.element.classes(replace=f"task {task.phase.value}")
         self._phase.text = _WORDS[task.phase]
         self._tries.text = str(task.attempts or "")
         self._time.text = _time_words(task)

@@ -11,7 +11,7 @@ from remodel_planner.core.supervision.attempts import attempts_of
 from remodel_planner.core.supervision.event_form import kind_of
 from remodel_planner.core.supervision.events import OperationEnded
 from remodel_planner.core.supervision.replay import path_difference, replayed
-from remodel_planner.core.supervision.step import next_step, said
+from remodel_planner.core.supervision.step import next_step, description_of
 from remodel_planner.edge.nested_charts import nested_charts
 from remodel_planner.edge.run_log import KeptEvent, kept_run
 from remodel_planner.errors import PlannerError
@@ -61,7 +61,7 @@ def _play(kept: tuple[KeptEvent, ...], *, quiet: bool) -> list[str]:
             print(f"{since_s:9.3f}      {operation.state_path} > {operation.outcome}")
             continue
         step = next_step(frame.after)
-        then = f"  then {said(step)}" if step is not None else ""
+        then = f"  then {description_of(step)}" if step is not None else ""
         print(f"{since_s:9.3f}  {kind_of(each.event)}{then}")
     for attempt in attempts:
         label = f"{attempt.execution.behavior}, attempt {attempt.execution.attempt}"

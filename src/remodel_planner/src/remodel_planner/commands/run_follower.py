@@ -127,7 +127,7 @@ class RunFollower:
 
     def _news(self) -> tuple[RunState, list[str]]:
         """Return the run's state, and lines about what has ended since the last call."""
-        kept = self._log.events(self.number, first=self._events)
+        kept = tuple(self._log.events(self.number, first=self._events))
         self._events += len(kept)
         events = [each.event for each in kept]
         lines = [f"plan: {' '.join(event.tasks)}" for event in events if isinstance(event, Planned)]

@@ -15,6 +15,7 @@ from flexbe_core.ros.master import NoMasterError, require_master, spin
 from remodel_planner.commands.database_option import add_database_option
 from remodel_planner.core.cell_order import USE_CASE
 from remodel_planner.edge.cell_ownership import CellOwnership
+from remodel_planner.edge.escalation_hook import EscalationHook
 from remodel_planner.edge.fault_file import read_faults
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.run_log import RunLog
@@ -73,9 +74,17 @@ def main(arguments: list[str] | None = None) -> int:
         "--search", type=float, default=0.3, metavar="S", help="for the best order (default 0.3)"
     )
     parser.add_argument(
-        "--frozen",
+        "--explore",
         action="store_true",
-        help="do what the use case states, whatever runs have taught",
+        help="try other parameters, such as forces, than the use case states, within its bounds,"
+        " and learn which are best (default: those of the use case)",
+    )
+    parser.add_argument(
+        "--escalate",
+        default="",
+        metavar="HOOK",
+        help="who is notified of questions: 'command:/path/to/program' gets JSON on its standard"
+        " input, 'https://...' as a POST (default nobody)",
     )
     add_database_option(parser)
     options = parser.parse_args(rospy.myargv()[1:] if arguments is None else arguments)
@@ -84,6 +93,7 @@ def main(arguments: list[str] | None = None) -> int:
         if not 0 < value < float("inf"):
             parser.error(f"--{name} must be a number > 0, found {value}")
     try:
+        hook = EscalationHook.from_option(options.escalate, rospy.logwarn)
         database = ProductionDatabase(options.database)
         faults = read_faults()
         find_use_case(options.use_case)
@@ -104,7 +114,8 @@ def main(arguments: list[str] | None = None) -> int:
         options.reconnect_timeout,
         options.lease,
         options.search,
-        options.frozen,
+        options.explore,
+        hook,
     )
     loop = RosEventLoop()
     cell = Cell(loop.background)
@@ -123,6 +134,8 @@ def main(arguments: list[str] | None = None) -> int:
     )
     exit_code = spin()
     del servers
+    if hook is not None:
+        hook.close()
     database.close()
     return exit_code
 

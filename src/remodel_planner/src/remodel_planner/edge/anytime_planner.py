@@ -110,10 +110,10 @@ class AnytimePlanner:
         search = self._problem.search(self._seed * _THREADS + index)
         if start is None:
             search.construct()
-            part = first_slice(self._problem.size, self._arms)
-            search.anneal(part.moves, part.start_temperature, part.end_temperature)
         else:
             search.adopt(*self._following(start.order, start.modes, opening_first=True))
+        part = first_slice(self._problem.size, self._arms)
+        search.anneal(part.moves, part.start_temperature, part.end_temperature)
         return search
 
     def _following(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -41,7 +42,7 @@ def reported() -> Iterator[None]:
         if _may_come_back(error, line):
             raise LostError(f"the production database does not answer: {line}") from error
         raise record_lost(f"cannot be used: {line}") from error
-    except json.JSONDecodeError as error:
+    except (json.JSONDecodeError, UnicodeDecodeError, zlib.error) as error:
         raise record_lost(f"has a damaged entry: {error}") from error
 
 

@@ -9,7 +9,7 @@ from sqlalchemy.engine import Connection
 
 from remodel_planner.errors import OrderError
 
-NEWEST = "0005"
+NEWEST = "0006"
 # Databases were not versioned at first; they have these tables.
 _UNVERSIONED = "0001"
 _FIRST_TABLES = {"orders", "wires", "executions"}

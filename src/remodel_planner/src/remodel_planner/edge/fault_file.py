@@ -9,7 +9,7 @@ from typing import Any
 import yaml
 from rospkg import RosPack
 
-from remodel_planner.core.recovery.fault import Fault, FaultTable, Level, Severity
+from remodel_planner.core.recovery.fault import Do, Fault, FaultTable, Level, Severity
 from remodel_planner.core.recovery.policy import response_from
 
 
@@ -30,6 +30,7 @@ def _fault(row: Mapping[str, Any], codes: Mapping[str, int]) -> Fault:
         row["symptoms"],
         Level(row["first_level"]),
         tuple(response_from(response) for response in row["responses"]),
+        row.get("unattended") == Do.STOP.value,
     )
 
 

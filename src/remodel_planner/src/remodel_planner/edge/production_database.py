@@ -10,11 +10,13 @@ import json
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from typing import Any
 
 from sqlalchemy import create_engine, event, select
-from sqlalchemy.engine import Connection, Engine
-from sqlalchemy.exc import SQLAlchemyError
+from sqlalchemy.engine import Connection, Engine, make_url
+from sqlalchemy.exc import DisconnectionError, SQLAlchemyError
 from sqlalchemy.orm import Session
+from sqlalchemy.pool import QueuePool
 
 from remodel_planner.core.ability import Ability, AbilityParameter
 from remodel_planner.core.learning.learned_expectations import Call
@@ -26,6 +28,8 @@ from remodel_planner.edge.production_models import (
     AbilityParameterRow,
     AbilityRow,
     OrderRow,
+    TaskRow,
+    WireRow,
 )
 from remodel_planner.edge.production_rows import add_order_rows, order_of_row
 from remodel_planner.edge.recorded_lessons import recorded_calls
@@ -141,11 +145,17 @@ class ProductionDatabase:
 
 
 def _engine(url: str) -> Engine:
-    engine = create_engine(url, future=True, json_serializer=_compact)
-    if engine.dialect.name == "sqlite":
+    made = make_url(url)
+    is_sqlite = made.get_backend_name() == "sqlite"
+    is_file = is_sqlite and made.database not in (None, "", ":memory:")
+    # Connections are kept: SQLite copies its log into the file when the last one is closed.
+    pool = {"poolclass": QueuePool, "connect_args": {"check_same_thread": False}}
+    engine = create_engine(url, future=True, json_serializer=_compact, **(pool if is_file else {}))
+    if is_sqlite:
         event.listen(engine, "connect", _prepare_sqlite)
         event.listen(engine, "begin", _begin_sqlite)
-        _require_file(engine)
+    if is_file:
+        _watch_file(engine)
     return engine
 
 
@@ -153,20 +163,44 @@ def _compact(value: object) -> str:
     return json.dumps(value, separators=(",", ":"), ensure_ascii=False)
 
 
-def _require_file(engine: Engine) -> None:
-    """Report a database file that has vanished; SQLite would begin an empty one in its place."""
-    file = engine.url.database
-    if not file or file == ":memory:":
-        return
+def _watch_file(engine: Engine) -> None:
+    """Report a database file that is gone or emptied, and open one that was put in its place.
+
+    SQLite would begin an empty one, or go on with what it remembers of the one that is gone.
+    """
+    file = engine.url.database or ""
     opened = False
 
-    def on_connect(*_: object) -> None:
-        nonlocal opened
-        if opened and not os.path.exists(file):
-            raise record_lost(f"{file} is gone")
-        opened = True
+    def before_connect(*_: object) -> None:
+        if opened:
+            _identity(file)
 
-    event.listen(engine, "do_connect", on_connect)
+    def on_connect(_connection: object, record: Any) -> None:  # noqa: ANN401 - the pool's
+        nonlocal opened
+        opened = True
+        record.info["file"] = _identity(file)
+
+    def on_checkout(_connection: object, record: Any, _proxy: object) -> None:  # noqa: ANN401
+        if record.info["file"] != _identity(file):
+            raise DisconnectionError
+
+    event.listen(engine, "do_connect", before_connect)
+    event.listen(engine, "connect", on_connect)
+    event.listen(engine, "checkout", on_checkout)
+
+
+def _identity(file: str) -> tuple[int, int]:
+    """Return what identifies a database file; RecordLostError if there is none of that name.
+
+    It is not opened: closing it would release the locks that SQLite has on it in this process.
+    """
+    try:
+        status = os.stat(file)
+    except FileNotFoundError:
+        raise record_lost(f"{file} is gone") from None
+    if not status.st_size:
+        raise record_lost(f"{file} is empty")
+    return status.st_dev, status.st_ino
 
 
 def _prepare_sqlite(connection: object, _record: object) -> None:
@@ -197,6 +231,19 @@ def order_row(session: Session, name: str, *, lock: bool = False) -> OrderRow:
         known = ", ".join(session.scalars(select(OrderRow.name).order_by(OrderRow.id))) or "none"
         raise OrderError(f"the database has no order {name}; it has: {known}")
     return row
+
+
+def task_row(session: Session, order: int, task: str, *, lock: bool = False) -> TaskRow | None:
+    """Return the row of a task of an order, found by indexes and locked on request."""
+    asked = (
+        select(TaskRow)
+        .join(OrderRow, TaskRow.order_id == OrderRow.id)
+        .join(WireRow, TaskRow.wire_id == WireRow.id)
+        .where(
+            OrderRow.id == order, WireRow.product_id == OrderRow.product_id, WireRow.name == task
+        )
+    )
+    return session.scalar(asked.with_for_update(of=TaskRow) if lock else asked)
 
 
 def _set_abilities(session: Session, abilities: Sequence[Ability]) -> None:

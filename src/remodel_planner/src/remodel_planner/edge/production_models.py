@@ -21,6 +21,8 @@ from sqlalchemy import (
 )
 from sqlalchemy.orm import declarative_base, relationship
 
+from remodel_planner.edge.packed import PackedJson, PackedText
+
 _NAMES = {
     "pk": "pk_%(table_name)s",
     "fk": "fk_%(table_name)s_%(column_0_name)s",
@@ -35,13 +37,15 @@ def _key() -> Column:
     return Column(Integer, primary_key=True, comment="number of the row")
 
 
-def _of(column: str, comment: str, *, optional: bool = False, key: bool = False) -> Column:
+def _of(
+    column: str, comment: str, *, optional: bool = False, key: bool = False, index: bool = True
+) -> Column:
     """Return a column that refers to a row of another table, and goes when that row goes."""
     return Column(
         ForeignKey(column, ondelete="CASCADE"),
         nullable=optional,
         primary_key=key,
-        index=not key,
+        index=index and not key,
         comment=comment,
     )
 
@@ -369,6 +373,15 @@ class RunRow(Base):
     )
 
 
+class ChartRow(Base):
+    """A chart."""
+
+    __tablename__ = "charts"
+    __table_args__ = _table("charts of behaviors that runs have begun, each once")
+    hash = Column(String, primary_key=True, comment="SHA-256 of the chart")
+    xml = Column(PackedText, nullable=False, comment="the chart")
+
+
 class RunEventRow(Base):
     """An event."""
 
@@ -378,11 +391,23 @@ class RunEventRow(Base):
         UniqueConstraint("run_id", "position"),
     )
     id = _key()
-    run_id = _of("runs.id", "in which it happened")
+    run_id = _of("runs.id", "in which it happened", index=False)
     position = Column(Integer, nullable=False, comment="in the run, from 0")
     at = Column(DateTime, nullable=False, comment="wall time, UTC")
     kind = _text("of the event, such as TaskBegun")
-    data = Column(JSON, nullable=False, comment="its fields, by name")
+    data = Column(
+        PackedJson, nullable=False, comment="its fields, by name; a chart by its hash (chart_hash)"
+    )
+
+
+class RunSnapshotRow(Base):
+    """A snapshot."""
+
+    __tablename__ = "run_snapshots"
+    __table_args__ = _table("the state of each run after some of its events, to resume it sooner")
+    run_id = _of("runs.id", "whose state it is", key=True)
+    events = Column(Integer, nullable=False, comment="how many events it covers")
+    data = Column(PackedJson, nullable=False, comment="the state, with the version of its form")
 
 
 class ExecutionRow(Base):
@@ -414,12 +439,18 @@ class AbilityRecordRow(Base):
     ability = _text("its name")
     outcome = _text("of the state; empty when it was left without one")
     error_code = Column(Integer, nullable=False, comment="remodel_msgs/ErrorCode, 0 for none")
-    text = _text("the result's message, or its error message")
     ended_s = Column(Float, nullable=False, comment="[s] ROS time")
     elapsed_s = Column(Float, nullable=False, comment="[s] ROS time")
-    goal_id = _text("of its goal")
-    parameters = Column(JSON, nullable=False, comment="of its goal: name and value")
-    measurements = Column(JSON, nullable=False, comment="of its result: name and value")
+    position = Column(
+        Integer,
+        nullable=True,
+        comment="of its event in the run, which has the rest; null in runs of older programs",
+    )
+    data = Column(
+        PackedJson,
+        nullable=True,
+        comment="text, goal_id, parameters and measurements; null if an event has them",
+    )
 
 
 class DecisionRow(Base):

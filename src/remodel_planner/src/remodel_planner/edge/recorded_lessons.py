@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import groupby
 
-from sqlalchemy import select
+from sqlalchemy import and_, select
 from sqlalchemy.orm import Session
 
 from remodel_planner.core.condition import Value
@@ -19,6 +19,7 @@ from remodel_planner.edge.production_models import (
     ComponentRow,
     DecisionRow,
     ExecutionRow,
+    RunEventRow,
     TaskRow,
     TerminalRow,
     WireRow,
@@ -39,16 +40,24 @@ def recorded_calls(session: Session) -> tuple[Call, ...]:
             WireRow.colour,
             AbilityRecordRow.error_code,
             AbilityRecordRow.elapsed_s,
-            AbilityRecordRow.parameters,
+            AbilityRecordRow.data,
+            RunEventRow.data,
         )
         .join(ExecutionRow, AbilityRecordRow.execution_id == ExecutionRow.id)
+        .outerjoin(
+            RunEventRow,
+            and_(
+                RunEventRow.run_id == ExecutionRow.run_id,
+                RunEventRow.position == AbilityRecordRow.position,
+            ),
+        )
         .join(TaskRow, ExecutionRow.task_id == TaskRow.id)
         .join(WireRow, TaskRow.wire_id == WireRow.id)
         .order_by(AbilityRecordRow.id)
     )
     calls = []
-    for ability, product, section, colour, code, elapsed_s, parameters in rows:
-        given = dict(parameters)
+    for ability, product, section, colour, code, elapsed_s, record, event in rows:
+        given = dict((record or event["operation"])["parameters"])
         place = (product, given.get("component_id", ""), given.get("terminal_id", ""))
         features = {"section_mm2": section, "colour": colour, **terminals.get(place, {})}
         calls.append(Call(ability, features, code, elapsed_s, numbers_from(given.items())))

@@ -6,45 +6,42 @@ ability records and decisions, and the state of each task. They change in the sa
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
+from datetime import datetime
 
-from sqlalchemy import exists, func, select, update
+from sqlalchemy import exists, func, insert, select, text, update
 from sqlalchemy.orm import Session
 
 from remodel_planner.core.learning.learned_responses import TriedResponse
-from remodel_planner.core.run import Operation
-from remodel_planner.core.supervision.attempts import INTERRUPTED
-from remodel_planner.core.supervision.event_form import data_of, event_from, kind_of
-from remodel_planner.core.supervision.events import (
-    Decided,
-    Event,
-    Interrupted,
-    RunBegun,
-    RunEnded,
-    TaskElsewhere,
-    TaskEnded,
-    TaskReturned,
-)
-from remodel_planner.core.supervision.state import RunState, Stage, TaskProgress, applied
+from remodel_planner.core.supervision.events import Event, RunBegun
+from remodel_planner.core.supervision.state import RunState, applied, state_after
+from remodel_planner.core.supervision.state_form import snapshot_of, state_from
 from remodel_planner.edge.cell_ownership import require_owner
 from remodel_planner.edge.database_errors import record_lost
+from remodel_planner.edge.event_rows import KeptEvent, add_event, events_between, now
 from remodel_planner.edge.production_database import ProductionDatabase, order_row
 from remodel_planner.edge.production_models import (
-    AbilityRecordRow,
     CellRow,
-    DecisionRow,
-    ExecutionRow,
     OrderRow,
-    RunEventRow,
     RunRow,
+    RunSnapshotRow,
     TaskRow,
-    WireRow,
 )
 from remodel_planner.edge.recorded_lessons import recorded_responses
+from remodel_planner.edge.run_rows import project
 from remodel_planner.errors import OrderError, OwnerError, PlannerError
 
-_STORED = {Stage.DONE: "done", Stage.SET_ASIDE: "set aside"}
+# After how many events the state of a run is kept, and how many are read at once.
+SNAPSHOT_EVERY = 500
+_READ_AT_ONCE = 1000
+
+# One statement, so that no other owner can come between the check and the event.
+_COUNT_EVENT = text(
+    "UPDATE runs SET events = events + 1 WHERE id = :run AND owner = :owner AND NOT ended AND "
+    "EXISTS (SELECT 1 FROM cells WHERE cells.name = runs.cell AND cells.token = :owner) "
+    "RETURNING events"
+)
 
 
 @dataclass(frozen=True)
@@ -62,18 +59,6 @@ class RunHead:
     ended: bool
 
 
-@dataclass(frozen=True)
-class KeptEvent:
-    """An event as it was kept.
-
-    Attributes:
-        at: wall time, UTC.
-    """
-
-    at: datetime
-    event: Event
-
-
 class RunLog:
     """The runs of a database."""
 
@@ -85,8 +70,8 @@ class RunLog:
         """Begin a run, and return its number and its first event, completed.
 
         Alone on its order, it tries again what was set aside. Beside runs of other cells it
-        leaves all tasks as they are. The event is completed with the
-        serial number, and whether wires of that product may be on its panel already.
+        leaves all tasks as they are. The event is completed with the serial number, and whether wires
+        of that product may be on its panel already.
 
         Args:
             event: its beginning.
@@ -118,12 +103,12 @@ class RunLog:
                     .where(TaskRow.order_id == order.id, TaskRow.state.in_(states))
                     .values(state="open", cell="", token=0, lease_until=None)
                 )
-            is_new = again or not order.units
+            is_new = bool(again or not order.units)
             order.units += is_new
             serial = f"{order.name}-{order.units:04d}"
             row = RunRow(
                 order_id=order.id,
-                started=_now(),
+                started=now(),
                 cell=event.cell,
                 ended=False,
                 owner=owner,
@@ -133,7 +118,7 @@ class RunLog:
             session.add(row)
             session.flush()
             completed = replace(event, serial=serial, keep_panel=not is_new)
-            session.add(_event_row(row.id, 0, completed))
+            add_event(session, row.id, 0, completed)
             return int(row.id), completed
 
     def take_up(self, run: int, owner: int) -> None:
@@ -173,26 +158,22 @@ class RunLog:
         """
         after = applied(event, before)
         with self._database.transaction() as session:
-            counted = session.execute(
-                update(RunRow)
-                .where(
-                    RunRow.id == run,
-                    RunRow.owner == owner,
-                    RunRow.ended.is_(False),
-                    _owns_cell(owner),
-                )
-                .values(events=RunRow.events + 1)
-                .execution_options(synchronize_session=False)
-            )
-            if not counted.rowcount:
+            asked = {"run": run, "owner": owner}
+            count = session.connection().execute(_COUNT_EVENT, asked).scalar()
+            if count is None:
                 raise _refusal(session, run, owner)
-            count = session.scalar(select(RunRow.events).where(RunRow.id == run))
-            session.add(_event_row(run, count - 1, event))
-            _project(session, run, event, before, after)
+            add_event(session, run, count - 1, event)
+            project(session, run, event, before, after)
+            if count % SNAPSHOT_EVERY == 0:
+                _store_snapshot(session, run, count, after)
         return after
 
-    def events(self, run: int, first: int = 0) -> tuple[KeptEvent, ...]:
-        """Return what happened in a run, in order.
+    def events(self, run: int, first: int = 0) -> Iterator[KeptEvent]:
+        """Return what happened in a run, in order; it is read while the iterator is used.
+
+        Args:
+            run: number of the run.
+            first: position of the first event that is returned, from 0.
 
         Args:
             run: number of the run.
@@ -200,27 +181,48 @@ class RunLog:
 
         Raises:
             OrderError: if there is no run of that number, or its events were not kept.
+            RecordLostError: if events of the run are gone.
         """
+        return self._between(run, first, self._count(run), charts=True)
+
+    def state(self, run: int) -> RunState:
+        """Return what is known of a run: its last snapshot, and what has happened since then.
+
+        Raises:
+            OrderError: if there is no run of that number, or its events were not kept.
+            RecordLostError: if events of the run are gone.
+        """
+        count = self._count(run)
         with self._database.reading() as session:
-            rows = session.scalars(
-                select(RunEventRow)
-                .where(RunEventRow.run_id == run, RunEventRow.position >= first)
-                .order_by(RunEventRow.position)
-            )
-            events = tuple(KeptEvent(row.at, event_from(row.kind, row.data)) for row in rows)
-        if not events and not first:
+            row = session.get(RunSnapshotRow, run)
+            state = state_from(row.data) if row is not None else None
+            first = row.events if state is not None else 0
+        tail = self._between(run, first, count, charts=False)
+        return state_after((kept.event for kept in tail), state)
+
+    def _count(self, run: int) -> int:
+        """Return how many events a run has."""
+        with self._database.reading() as session:
+            count = session.scalar(select(RunRow.events).where(RunRow.id == run))
+        if not count:
             known = ", ".join(str(head.number) for head in self.heads()) or "none"
             raise OrderError(f"there is no record of run {run}; there are {known}")
-        return events
+        return int(count)
+
+    def _between(self, run: int, first: int, end: int, *, charts: bool) -> Iterator[KeptEvent]:
+        for start in range(first, end, _READ_AT_ONCE):
+            stop = min(end, start + _READ_AT_ONCE)
+            with self._database.reading() as session:
+                batch = list(events_between(session, run, start, stop, charts=charts))
+            yield from batch
 
     def heads(self) -> tuple[RunHead, ...]:
         """Return the runs of which there is a record, the latest first."""
-        recorded = select(RunEventRow.run_id)
         with self._database.reading() as session:
             rows = session.execute(
                 select(RunRow, OrderRow.name)
                 .join(OrderRow, RunRow.order_id == OrderRow.id)
-                .where(RunRow.id.in_(recorded))
+                .where(RunRow.events > 0)
                 .order_by(RunRow.id.desc())
             )
             return tuple(
@@ -248,9 +250,22 @@ def kept_run(url: str, run: int) -> tuple[KeptEvent, ...]:
     """
     database = ProductionDatabase(url)
     try:
-        return RunLog(database).events(run)
+        return tuple(RunLog(database).events(run))
     finally:
         database.close()
+
+
+def _store_snapshot(session: Session, run: int, count: int, state: RunState) -> None:
+    """Replace the snapshot of a run."""
+    values = {"events": count, "data": snapshot_of(state)}
+    replaced = session.execute(
+        update(RunSnapshotRow)
+        .where(RunSnapshotRow.run_id == run)
+        .values(**values)
+        .execution_options(synchronize_session=False)
+    )
+    if not replaced.rowcount:
+        session.execute(insert(RunSnapshotRow).values(run_id=run, **values))
 
 
 def _owns_cell(owner: int) -> object:
@@ -270,113 +285,3 @@ def _refusal(session: Session, run: int, owner: int) -> PlannerError:
         f"run {run} belongs to another owner of cell {row.cell} (token {row.owner}; this one has "
         f"{owner}): take it up first"
     )
-
-
-def _event_row(run: int, position: int, event: Event) -> RunEventRow:
-    return RunEventRow(
-        run_id=run, position=position, at=_now(), kind=kind_of(event), data=data_of(event)
-    )
-
-
-def _project(session: Session, run: int, event: Event, before: RunState, after: RunState) -> None:
-    """Bring the tables that are made for questions up to date."""
-    # What other cells do with a task is theirs to keep.
-    if not isinstance(event, TaskElsewhere | TaskReturned):
-        for name in _touched(event, before):
-            stage = after.tasks[name].stage
-            if stage is not before.tasks[name].stage and stage in _STORED:
-                _end_task(_task_row(session, run, name), _STORED[stage], after.cell)
-    current = before.tasks.get(before.current)
-    match event:
-        case TaskEnded():
-            session.add(
-                _execution_row(session, run, current, event.outcome, event.at_s, event.placed)
-            )
-        case Interrupted() if current is not None and current.stage is Stage.RUNNING:
-            ended_s = max([current.began_s, *(o.ended_s for o in current.operations)])
-            session.add(_execution_row(session, run, current, INTERRUPTED, ended_s, False))
-        case Decided():
-            execution = session.scalar(
-                select(ExecutionRow)
-                .where(
-                    ExecutionRow.run_id == run,
-                    ExecutionRow.task_id == _task_row(session, run, event.task).id,
-                )
-                .order_by(ExecutionRow.id.desc())
-                .limit(1)
-            )
-            if execution is not None and execution.decision is None:
-                execution.decision = _decision_row(event)
-        case RunEnded():
-            session.get(RunRow, run).ended = True
-
-
-def _touched(event: Event, before: RunState) -> set[str]:
-    """Return the names of the tasks that an event may change."""
-    names = {getattr(event, "task", ""), before.current}
-    if before.question is not None:
-        names.add(before.question.task)
-    return names & before.tasks.keys()
-
-
-def _end_task(row: TaskRow, state: str, cell: str) -> None:
-    """Note that a cell has ended a task, unless another one has taken it over."""
-    if row.cell in ("", cell):
-        row.state, row.cell, row.lease_until = state, cell, None
-
-
-def _task_row(session: Session, run: int, task: str) -> TaskRow:
-    row = session.scalar(
-        select(TaskRow)
-        .join(WireRow, TaskRow.wire_id == WireRow.id)
-        .join(RunRow, RunRow.order_id == TaskRow.order_id)
-        .where(RunRow.id == run, WireRow.name == task)
-    )
-    if row is None:
-        raise record_lost(f"no longer has task {task} of run {run}")
-    return row
-
-
-def _execution_row(
-    session: Session, run: int, task: TaskProgress, outcome: str, ended_s: float, placed: bool
-) -> ExecutionRow:
-    return ExecutionRow(
-        run_id=run,
-        task_id=_task_row(session, run, task.name).id,
-        behavior=task.behavior,
-        attempt=task.attempts,
-        outcome=outcome,
-        placed=placed,
-        started_s=task.began_s,
-        ended_s=ended_s,
-        operations=[_record_row(operation) for operation in task.operations],
-    )
-
-
-def _record_row(operation: Operation) -> AbilityRecordRow:
-    return AbilityRecordRow(
-        state_path=operation.state_path,
-        ability=operation.ability,
-        outcome=operation.outcome,
-        error_code=operation.error_code,
-        text=operation.text,
-        ended_s=operation.ended_s,
-        elapsed_s=operation.elapsed_s,
-        goal_id=operation.goal_id,
-        parameters=[list(pair) for pair in operation.parameters],
-        measurements=[list(pair) for pair in operation.measurements],
-    )
-
-
-def _decision_row(event: Decided) -> DecisionRow:
-    return DecisionRow(
-        fault=event.fault,
-        error_code=event.code,
-        evidence=event.text,
-        response=event.do.value,
-        because=event.because,
-    )
-
-
-def _now() -> datetime:
-    return datetime.now(UTC).replace(tzinfo=None)

@@ -15,8 +15,8 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from remodel_planner.edge.cell_ownership import database_time_s, require_owner
-from remodel_planner.edge.production_database import ProductionDatabase, order_row
-from remodel_planner.edge.production_models import CellRow, TaskRow, WireRow
+from remodel_planner.edge.production_database import ProductionDatabase, order_row, task_row
+from remodel_planner.edge.production_models import CellRow, TaskRow
 from remodel_planner.errors import OrderError
 
 
@@ -119,12 +119,7 @@ class TaskLeases:
 
     def _row(self, session: Session, task: str) -> TaskRow:
         order = order_row(session, self._order)
-        row = session.scalar(
-            select(TaskRow)
-            .join(WireRow, TaskRow.wire_id == WireRow.id)
-            .where(TaskRow.order_id == order.id, WireRow.name == task)
-            .with_for_update(of=TaskRow)
-        )
+        row = task_row(session, order.id, task, lock=True)
         if row is None:
             raise OrderError(f"order {self._order} has no task {task}")
         return row

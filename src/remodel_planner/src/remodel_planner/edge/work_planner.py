@@ -11,10 +11,15 @@ from remodel_planner.core.learning.learned_expectations import Call, numbers_fro
 from remodel_planner.core.planning.listing import listing_of
 from remodel_planner.core.planning.modes import Mode
 from remodel_planner.core.planning.part import put_off
+from remodel_planner.core.recovery.decide import VIEW
 from remodel_planner.core.recovery.fault import Do
 from remodel_planner.core.run import Operation, step_of
 from remodel_planner.core.supervision.events import Chosen, Decided, Part
-from remodel_planner.core.use_case.changed_parameters import Adjustable, with_parameters
+from remodel_planner.core.use_case.changed_parameters import (
+    Adjustable,
+    observing_from,
+    with_parameters,
+)
 from remodel_planner.core.use_case.escalation import escalating
 from remodel_planner.core.use_case.model import UseCase
 from remodel_planner.core.use_case.planned_tasks import (
@@ -31,7 +36,7 @@ from remodel_planner.edge.order_planner import plan_problem, replan_problem
 
 # [s] wall time that the search gets when the rest of an order is planned again: what it starts from
 # is the result of a longer search, and the robot waits.
-REPLAN_SEARCH_S = 0.05
+REPLAN_SEARCH_S = 0.03
 
 
 @dataclass(frozen=True)
@@ -58,6 +63,7 @@ class WorkPlanner:
         search_s: float,
         documents: Sequence[tuple[str, object]] = (),
         escalated: Collection[int] = (),
+        undone: Collection[int] = (),
     ) -> None:
         """Take the order.
 
@@ -68,6 +74,7 @@ class WorkPlanner:
             search_s: [s] of wall time that a search for the best order gets.
             documents: preferences, parsed, with what to call them in errors.
             escalated: error codes after which a behavior gives up at once, for its supervisor.
+            undone: those of them before which it undoes what the step that failed has left.
         """
         self.order = order
         self.use_case = use_case
@@ -75,8 +82,9 @@ class WorkPlanner:
         self._search_s = search_s
         self._documents = documents
         self._escalated = escalated
+        self._undone = undone
         self._adjustable = Adjustable(
-            {each.name: {p.name for p in each.parameters} for each in read_abilities()},
+            {each.name: {p.name: p.type for p in each.parameters} for each in read_abilities()},
             nested_charts(),
         )
         self._prepared: Prepared | None = None
@@ -101,27 +109,27 @@ class WorkPlanner:
         Raises:
             InstanceError: if there is no plan.
         """
-        base = self._prepared
-        if base is None or not previous or not base.plan_of.keys() >= set(names):
-            base = self._prepare(names)
+        wanted, base = set(names), self._prepared
+        if base is None or not previous or not base.plan_of.keys() >= wanted:
+            base = self._prepare(wanted)
         self._prepared = base
-        prepared = base.only(names) if base.plan_of.keys() > set(names) else base
+        prepared = base.only(wanted) if base.plan_of.keys() > wanted else base
         problem = put_off(prepared.preferred.problem, last)
         if previous:
             modes = {name: place.mode.number for name, place in self._places.items()}
             search_s = min(self._search_s, REPLAN_SEARCH_S)
             plan = replan_problem(problem, previous, modes, search_s).plan
         else:
-            plan = plan_problem(problem, self._search_s if len(names) > 1 else 0.0).plan
-        if not self._places.keys() >= set(names):
+            plan = plan_problem(problem, self._search_s if len(wanted) > 1 else 0.0).plan
+        if not previous and not self._places.keys() >= wanted:
             for task in planned_tasks(prepared, plan):
                 _ = task.chart  # what its use case asks for in vain is reported before it begins
         listing = listing_of(problem, plan)
-        self._tasks = {name: task for name, task in self._tasks.items() if name not in names}
+        self._tasks = {name: task for name, task in self._tasks.items() if name not in wanted}
         self._places |= {name: _Place(base, listing.modes[name]) for name in listing.wires}
         return listing.wires
 
-    def _prepare(self, names: Collection[str]) -> Prepared:
+    def _prepare(self, names: set[str]) -> Prepared:
         tasks = tuple(task for task in self.order.tasks if task.name in names)
         order = replace(self.order, tasks=tasks)
         return prepare(
@@ -189,11 +197,13 @@ class WorkPlanner:
                 ability, step.features, task.bounds(step.title), f"{seed} {step.title}"
             ).items()
         )
-        return tuple(each for each in chosen if self._with(each, task.chart) != task.chart)
+        chart = task.chart
+        return tuple(each for each in chosen if self._with(each, chart) != chart)
 
     def _with(self, chosen: Chosen, chart: Chart) -> Chart:
         """Return a chart with a parameter, unless the chart itself states it."""
-        parameters = {chosen.ability: {chosen.parameter}}
+        types = self._adjustable.parameters.get(chosen.ability, {})
+        parameters = {chosen.ability: {p: t for p, t in types.items() if p == chosen.parameter}}
         adjustable = replace(self._adjustable, parameters=parameters, keeps_stated=True)
         return with_parameters(chart, chosen.step, {chosen.parameter: chosen.value}, adjustable)
 
@@ -217,14 +227,18 @@ class WorkPlanner:
         task = self.task(name, decisions)
         if part is Part.CLEAR:
             return task.clear()
+        if part is Part.DISCARD:
+            return task.discard()
         chart = task.rest(connected) if part is Part.REST else task.chart
         for each in chosen:
             chart = self._with(each, chart)
         for decision in decisions:
-            if decision.change:
-                values, where = dict(decision.change), decision.state_path
+            values, where = dict(decision.change), decision.state_path
+            if decision.do is Do.LOOK_AGAIN and values:
+                chart = observing_from(chart, int(values[VIEW]), self._adjustable)
+            elif values:
                 chart = with_parameters(chart, where, values, self._adjustable)
-        return escalating(chart, self._escalated) if self._escalated else chart
+        return escalating(chart, self._escalated, self._undone) if self._escalated else chart
 
     def _otherwise(self, task: PlannedTask, state_path: str) -> PlannedTask | None:
         return done_otherwise(self._place(task.name).prepared, task, state_path)
@@ -232,7 +246,7 @@ class WorkPlanner:
     def _place(self, name: str) -> _Place:
         """Return how a task is done; one that was not planned is planned alone."""
         if name not in self._places:
-            prepared = self._prepare([name])
+            prepared = self._prepare({name})
             plan = plan_problem(prepared.preferred.problem, 0.0).plan
             modes = listing_of(prepared.preferred.problem, plan).modes
             self._places[name] = _Place(prepared, modes[name])

@@ -18,8 +18,8 @@ from remodel_planner.supervisors.ports import BehaviorEnd, End
 ACTION = "flexbe/execute_behavior"
 
 # With these words be_action_server begins the status text of a goal whose engine was lost, stalled
-# or restarted (flexbe_widget/core/run_watch.py).
-_ENGINE_LOST = "engine lost: "
+# or restarted, or that it gives up itself (flexbe_widget/core/run_watch.py).
+_LOST = ("engine lost: ", "action server ended: ")
 
 # [s] wall time without a sign of the engine, which sends a heartbeat each second, after which it
 # counts as lost; and after which it does not count as answering.
@@ -63,7 +63,7 @@ class EngineLink:
             return BehaviorEnd(End.PREEMPTED, text)
         if goal.lost:
             return BehaviorEnd(End.LOST, "the engine's action server lost the behavior")
-        is_lost = goal.status == GoalStatus.ABORTED and goal.text.startswith(_ENGINE_LOST)
+        is_lost = goal.status == GoalStatus.ABORTED and goal.text.startswith(_LOST)
         return BehaviorEnd(End.LOST if is_lost else End.FAILED, goal.text if is_lost else text)
 
     @property

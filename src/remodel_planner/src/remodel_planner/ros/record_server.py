@@ -64,7 +64,7 @@ class RecordServer:
     def _summary(self, head: RunHead) -> RunSummary:
         if head.number in self._summaries:
             return self._summaries[head.number]
-        summary = _summary(head, state_after(k.event for k in self._log.events(head.number)))
+        summary = _summary(head, self._log.state(head.number))
         if summary.ended:
             self._summaries[head.number] = summary
         return summary
@@ -72,7 +72,7 @@ class RecordServer:
     def _of(self, run: int) -> list[RunEntry]:
         if run in self._entries:
             return self._entries[run]
-        kept: tuple[KeptEvent, ...] = self._log.events(run)
+        kept: tuple[KeptEvent, ...] = tuple(self._log.events(run))
         events = [each.event for each in kept]
         entries = entries_of(events)
         if state_after(events).ended is not None:

@@ -111,7 +111,8 @@ class RunServer:
     def close(self) -> None:
         """Stop what moves, and end; the run goes on when the node is started again."""
         self._loop.leave()
-        self._thread.join(_LEAVE_LIMIT_S)
+        if threading.current_thread() is not self._thread:
+            self._thread.join(_LEAVE_LIMIT_S)
 
     @property
     def _supervisor(self) -> UseCaseSupervisor | None:
@@ -198,7 +199,7 @@ class RunServer:
     def _resumed(self, run: int) -> _Active:
         """Return a run that was cut short, taken up."""
         self._log.take_up(run, self._owner)
-        state = state_after(kept.event for kept in self._log.events(run))
+        state = self._log.state(run)
         rospy.loginfo("resuming run %d of order %s", run, state.order)
         work = self._maker.work(state.order, len(state.tasks), self._owner)
         return self._made(run, state, work, None)

@@ -78,11 +78,17 @@ class StatePublisher:
     def idle(self, cell: str, text: str = "", *, starting: bool = False) -> None:
         """Publish that there is no run.
 
+        How a run has ended stays published, and its tasks served, as long as there is nothing to
+        report about the supervisor itself.
+
         Args:
             cell: name of this cell.
-            text: why, for a person.
+            text: why, for a person; empty if it waits for an order.
             starting: an order cannot be taken yet.
         """
+        has_ended = self._published is not None and self._published.view.state.ended is not None
+        if has_ended and not text and not starting:
+            return
         with self._lock:
             self._published = self._waiting = None
         phase = UseCaseState.STARTING if starting else UseCaseState.IDLE

@@ -17,6 +17,7 @@ from remodel_planner.core.recovery.fault import FaultTable
 from remodel_planner.core.use_case.model import UseCase
 from remodel_planner.core.use_case.work_order import WorkOrder
 from remodel_planner.edge.catalogue_file import read_catalogue
+from remodel_planner.edge.escalation_hook import EscalationHook
 from remodel_planner.edge.package_files import catalogue_file
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.task_leases import TaskLeases
@@ -40,7 +41,9 @@ class WorkMaker:
         reconnect_s: [s] wall time that a process that is lost or silent gets to answer again.
         lease_s: [s] wall time for which a task is taken.
         search_s: [s] wall time that the search for the best order of tasks gets.
-        frozen: do what the use case states, and learn nothing from runs.
+        explore: try parameters other than those the use case states, and spare responses that
+            hardly ever help, both as recorded runs have taught.
+        escalation: is notified of questions; None: nobody is.
         descriptions: of the tasks made last, for a person, by name.
     """
 
@@ -52,7 +55,8 @@ class WorkMaker:
     reconnect_s: float
     lease_s: float
     search_s: float
-    frozen: bool = False
+    explore: bool = False
+    escalation: EscalationHook | None = None
     descriptions: Mapping[str, str] = field(default_factory=dict)
 
     def work(self, name: str, tasks: int, owner: int) -> Work:
@@ -71,8 +75,7 @@ class WorkMaker:
         use_case = find_use_case(self.use_case)
         use_case.recovery.require_known(self.faults)
         order, panel, channels = _in_cell(stored, use_case)
-        calls = () if self.frozen else self.database.ability_calls()
-        experience = Experience(use_case, calls, frozen=self.frozen)
+        experience = Experience(use_case, self.database.ability_calls(), explore=self.explore)
         leases = TaskLeases(self.database, name, self.cell, self.lease_s, owner)
         self.descriptions = {
             wire.name: f"{wire.a} to {wire.b}, {wire.colour}, {wire.section_mm2:g} mm2"
@@ -85,6 +88,7 @@ class WorkMaker:
                 experience,
                 self.search_s,
                 escalated=self.faults.codes_above_behaviors,
+                undone=self.faults.codes_to_undo,
             ),
             faults=self.faults,
             panel=panel,
@@ -92,6 +96,7 @@ class WorkMaker:
             leases=leases,
             attended=self.attended,
             reconnect_s=self.reconnect_s,
+            notify=self.escalation.notify if self.escalation else lambda event: None,
         )
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import TypeVar
 
 from flexbe_synthesizer.core.codec import write_chart
 from flexbe_synthesizer.core.model import Chart
@@ -12,6 +13,7 @@ from remodel_planner.core.recovery.fault import Do, FaultTable
 from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.events import (
     Answered,
+    Asked,
     AsLeft,
     Blocked,
     Chosen,
@@ -88,8 +90,13 @@ from remodel_planner.supervisors.ports import (
 )
 from remodel_planner.supervisors.task_supervisor import TaskSupervisor
 
+T = TypeVar("T")
+
 # [s] wall time between two checks of what nobody reports: other cells' tasks, the run's time.
 _CHECK_S = 0.2
+
+# [s] wall time after which something that is gone counts as lost.
+_GRACE_S = 0.2
 
 # [s] wall time between two attempts to reach a database that does not answer.
 _RETRY_S = 0.25
@@ -123,6 +130,7 @@ class Work:
         leases: on the tasks.
         attended: whether there is an operator who can be asked.
         reconnect_s: [s] wall time that a process that is lost or silent gets to answer again.
+        notify: is called with each question, and when nobody answers it in time; returns at once.
     """
 
     planner: WorkPlanner
@@ -132,6 +140,7 @@ class Work:
     leases: Leases
     attended: bool
     reconnect_s: float
+    notify: Callable[[Mapping[str, object]], None] = lambda event: None
 
 
 @dataclass(frozen=True)
@@ -204,7 +213,7 @@ class UseCaseSupervisor:
         self._before_s = state.cell_s
         self._begun_s = 0.0
         # A run whose order of tasks is decided was supervised by another process before.
-        self._is_resumed = not state.to_plan
+        self._is_resumed = self._is_planned = not state.to_plan
         # Where the cell answered that has the panel.
         self._loaded_at = ""
 
@@ -316,9 +325,11 @@ class UseCaseSupervisor:
 
     def _planned(self) -> tuple[str, ...]:
         """Return the waiting tasks in their best order; those that were begun before come last."""
-        tasks = self.state.tasks
-        order = self.work.planner.plan(self.state.waiting)
-        return tuple(sorted(order, key=lambda name: tasks[name].attempts > 0))
+        waiting, tasks = self.state.waiting, self.state.tasks
+        last = [name for name in waiting if tasks[name].attempts]
+        previous = waiting if self._is_planned else ()
+        self._is_planned = True
+        return self.work.planner.plan(waiting, previous, last)
 
     def _execute(self, name: str, part: Part) -> None:
         if not self._has(name):
@@ -442,7 +453,7 @@ class UseCaseSupervisor:
         policy = planner.use_case.recovery
         bounds = planner.task(name, task.decisions).bounds(failure.state_path)
         unpromising = planner.experience.unpromising(
-            failure.fault.name, possible, self._log.tried_responses()
+            failure.fault.name, possible, self._insist(self._log.tried_responses)
         )
         faults = self.work.faults
         self._append(judged(state, name, faults, policy, possible, now_s, bounds, unpromising))
@@ -475,7 +486,9 @@ class UseCaseSupervisor:
     def _ask(self, name: str) -> None:
         policy = self.work.planner.use_case.recovery
         now_s, limit_s = self._loop.now_s(), policy.question.timeout_s
-        self._append(question_about(self.state, name, self.work.faults, now_s, limit_s))
+        asked = question_about(self.state, name, self.work.faults, now_s, limit_s)
+        self._append(asked)
+        self._notify("asked", asked)
 
     def _wait(self) -> None:
         """Wait for a command, an answer, other cells, or the end of a question's time."""
@@ -485,24 +498,44 @@ class UseCaseSupervisor:
             return
         asked = self.state.question
         if asked is not None and 0 < asked.timeout_s < self._loop.now_s() - asked.at_s:
-            do = self.work.planner.use_case.recovery.escalation
+            fault = self.work.faults[self.state.tasks[asked.task].decisions[-1].fault]
+            do = self.work.planner.use_case.recovery.unanswered_for(fault)
             self._append(Escalated(asked.number, asked.task, do))
+            self._notify("not answered", asked, do=do.value)
         for name in self.state.in_stage(Stage.ELSEWHERE):
-            claim = self.work.leases.claim(name)
+            claim = self._insist(lambda n=name: self.work.leases.claim(n))  # type: ignore[misc]
             if claim.holding in (Holding.DONE, Holding.SET_ASIDE):
                 self._append(TaskElsewhere(name, claim.cell, _AS_LEFT[claim.holding]))
             elif claim.holding is not Holding.ELSEWHERE:
                 self._append(TaskReturned(name, claim.cell))
 
+    def _notify(self, event: str, asked: Asked, **more: str) -> None:
+        """Notify whoever is to know of a question, wherever they are."""
+        self.work.notify(
+            {
+                "event": event,
+                "cell": self.state.cell,
+                "order": self.state.order,
+                "serial": self.state.serial,
+                "run": self.run,
+                "question": asked.number,
+                "task": asked.task,
+                "text": asked.text,
+                "choices": [choice.value for choice in asked.choices],
+                "timeout_s": asked.timeout_s,
+                **more,
+            }
+        )
+
     def _has(self, name: str) -> bool:
         """Return whether this cell has a task; if another one has it, or has had it, keep that."""
         task, leases = self.state.tasks[name], self.work.leases
         if name == self.state.current:
-            if leases.renew(name):
+            if self._insist(lambda: leases.renew(name)):
                 return True
             self._append(TaskElsewhere(name, "", AsLeft.RUNNING))
             return False
-        claim = leases.claim(name)
+        claim = self._insist(lambda: leases.claim(name))
         if claim.holding is Holding.MINE:
             return True
         if claim.holding is Holding.MINE_IN_DOUBT:
@@ -573,6 +606,8 @@ class UseCaseSupervisor:
 
     def _recover(self, because: str, *, is_resumed: bool = True) -> None:
         """Wait for what was lost, and stop what runs; what it was doing is in doubt."""
+        # With the launch everything ends at once, this process not first: that is no event.
+        self._loop.run_until(lambda: False, _GRACE_S)
         if is_resumed:
             self._append(Interrupted(because))
             self._describe(f"waiting, since {because}")
@@ -600,15 +635,16 @@ class UseCaseSupervisor:
     # --- events
 
     def _append(self, event: Event) -> None:
-        """Keep an event, however long the database takes to answer."""
+        self._insist(lambda: self._append_now(event))
+
+    def _insist(self, ask: Callable[[], T]) -> T:
+        """Return what the database answers, however long it takes to answer."""
         while True:
             try:
-                self._append_now(event)
+                return ask()
             except LostError as error:
                 self._describe(f"waiting, since {error}")
                 self._loop.run_until(lambda: False, _RETRY_S)
-            else:
-                return
 
     def _append_now(self, event: Event) -> None:
         self.state = self._log.append(self.run, event, self.state, self.owner)

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from remodel_sim.abilities.grasping import holds
-from remodel_sim.abilities.looking import camera_above, go_and_see
+from remodel_sim.abilities.looking import go_and_see
 from remodel_sim.abilities.motions import park
 from remodel_sim.abilities.station import Station, Steps
+from remodel_sim.abilities.viewpoints import camera_above
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.codes import Code

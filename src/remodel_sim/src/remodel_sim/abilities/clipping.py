@@ -13,7 +13,7 @@ import numpy as np
 
 from remodel_sim.abilities.carrying import carry
 from remodel_sim.abilities.grasping import FLOOR_CLEARANCE_M, MISSED_SHARE, OPEN_SPEED
-from remodel_sim.abilities.looking import camera_above, go_and_see
+from remodel_sim.abilities.looking import go_and_see
 from remodel_sim.abilities.motions import (
     APPROACH_SPEED,
     FREE_SPEED,
@@ -26,6 +26,7 @@ from remodel_sim.abilities.motions import (
     wait,
 )
 from remodel_sim.abilities.station import Station, Steps
+from remodel_sim.abilities.viewpoints import camera_above
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.codes import Code
 from remodel_sim.core.course import world_from_clip

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remodel_sim.abilities.looking import (
+    GraspSighting,
     OverheadSighting,
     look_from_above,
     look_from_aside,
@@ -57,10 +58,53 @@ def _trace(above: OverheadSighting, wire: Wire) -> Array:
     return paths[first] if first is End.A else paths[first][::-1]
 
 
+def _look_aside(
+    station: Station, above: OverheadSighting, ends: list[End], view: int
+) -> Steps[dict[End, GraspSighting]]:
+    """Look for ends from the hand; return those seen.
+
+    Raises:
+        AbilityError: CABLE_NOT_FOUND when no end is seen at all, TIP_NOT_FOUND when one of them is
+            hidden from everywhere.
+    """
+    wire, seen = station.wire, dict[End, GraspSighting]()
+    if not above.ends and not view:
+        ends = []
+    for end in ends:
+        station.report(f"looking for end {end.value} from aside", 0.85)
+        sighting = yield from look_from_aside(station, end, view)
+        if sighting is not None:
+            seen[end] = sighting
+    found = {*above.ends, *seen}
+    if not found:
+        raise AbilityError(
+            Code.CABLE_NOT_FOUND,
+            f"no end of {wire.id!r} ({wire.colour}) is seen; feed the wire again",
+        )
+    for end in ends:
+        if end not in found:
+            others = ", ".join(sorted(end.value for end in found))
+            raise AbilityError(
+                Code.TIP_NOT_FOUND,
+                f"end {end.value} of {wire.id!r} ({wire.colour}) is hidden, from above and from "
+                f"aside; seen: {others}; feed the wire again",
+            )
+    return seen
+
+
+def _centreline(above: OverheadSighting, aside: dict[End, GraspSighting], wire: Wire) -> Array:
+    """Return the wire's centreline (n, 3) [m], end a first: from above, or from the hand."""
+    if above.ends:
+        return above.picture.view.on_plane(_trace(above, wire), wire.radius)
+    first = max(aside, key=lambda end: (len(aside[end].line), end is End.A))
+    return aside[first].line if first is End.A else aside[first].line[::-1]
+
+
 def detect_cable(station: Station, goal: DetectGoal) -> Steps[CableDetected]:
     """Look from above, find the ferrules of the wire, and follow it from one of them.
 
-    An end that is hidden from above is looked for from the hand.
+    An end that is hidden from above is looked for from the hand; with another view, and an empty
+    hand, every end.
     """
     station.report("taking the arm out of the picture", 0.0)
     above = yield from look_from_above(station)
@@ -73,25 +117,13 @@ def detect_cable(station: Station, goal: DetectGoal) -> Steps[CableDetected]:
         text = ", ".join(end.value for end in hidden)
         drawing.title(f"{wire.id}: end {text} not seen from above")
         station.show("overhead", above.picture, drawing.image)
-    if not above.ends:
-        raise AbilityError(
-            Code.CABLE_NOT_FOUND,
-            f"no end of {wire.id!r} ({wire.colour}) is seen; feed the wire again",
-        )
-    for end in hidden:
-        station.report(f"looking for end {end.value} from aside", 0.85)
-        if not (yield from look_from_aside(station, end)):
-            seen = ", ".join(end.value for end in above.ends)
-            raise AbilityError(
-                Code.TIP_NOT_FOUND,
-                f"end {end.value} of {wire.id!r} ({wire.colour}) is hidden, from above and from "
-                f"aside; seen: {seen}; feed the wire again",
-            )
-    pixels = _trace(above, wire)
-    line = view.on_plane(pixels, wire.radius)
+    if goal.view and station.book.grip is None:
+        hidden = wanted
+    aside = yield from _look_aside(station, above, hidden, goal.view)
+    line = _centreline(above, aside, wire)
     length = float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
     confidence = float(np.clip(1 - abs(length / wire.length - 1), 0, 1))
-    drawing.path(pixels, ORANGE)
+    drawing.path(view.project(line), ORANGE)
     for end, sighting in above.ends.items():
         mark_end(drawing, sighting, f"{wire.id} end {end.value}")
     drawing.title(

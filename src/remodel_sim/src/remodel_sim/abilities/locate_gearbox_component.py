@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remodel_sim.abilities.looking import go_and_see, label_views
+from remodel_sim.abilities.looking import go_and_see
 from remodel_sim.abilities.motions import disengage, park
 from remodel_sim.abilities.station import Station, Steps
+from remodel_sim.abilities.viewpoints import label_views
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.codes import Code
 from remodel_sim.core.component_shape import label_corners
@@ -95,7 +96,7 @@ def _look_from_hand(
         goes_to = (coarse @ component.terminal(goal.terminal_id).component_from_socket).yaw
     sighting: ComponentSighting | None = None
     looks: list[Look] = []
-    for tool in label_views(station, label, goes_to):
+    for tool in label_views(station, label, goes_to, goal.view):
         picture = yield from go_and_see(station, tool)
         seen = _see(station, "wrist", picture, component, goal, coarse, looks)
         sighting = seen or sighting

@@ -144,10 +144,14 @@ class Goal(Protocol):
 
 @dataclass(frozen=True)
 class LocateGoal:
-    """Find a component and, unless the id is empty, one of its terminals."""
+    """Find a component and, unless the id is empty, one of its terminals.
+
+    `view` 0 is the usual viewpoint, more are others.
+    """
 
     component_id: str
     terminal_id: str
+    view: int = 0
 
     def check(self, panel: Panel, book: Book) -> None:
         """Raise when a name is unknown."""
@@ -173,9 +177,10 @@ class CheckGoal:
 
 @dataclass(frozen=True)
 class DetectGoal:
-    """Find a wire and its loose ends."""
+    """Find a wire and its loose ends; `view` 0 is the usual viewpoint, more are others."""
 
     cable_id: str
+    view: int = 0
 
     def check(self, panel: Panel, book: Book) -> None:
         """Raise when the wire is unknown or not fed."""

@@ -54,7 +54,7 @@ class Ability:
 ABILITIES = (
     Ability(
         "LocateGearboxComponent",
-        lambda m: goals.LocateGoal(m.component_id, m.terminal_id),
+        lambda m: goals.LocateGoal(m.component_id, m.terminal_id, m.view),
         locate_gearbox_component,
     ),
     Ability(
@@ -64,7 +64,7 @@ ABILITIES = (
         ),
         check_connection,
     ),
-    Ability("DetectCable", lambda m: goals.DetectGoal(m.cable_id), detect_cable),
+    Ability("DetectCable", lambda m: goals.DetectGoal(m.cable_id, m.view), detect_cable),
     Ability(
         "PickCable",
         lambda m: goals.PickGoal(

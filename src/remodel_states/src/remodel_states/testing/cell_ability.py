@@ -22,6 +22,7 @@ from remodel_states.testing.operations import OPERATIONS, Effect, perform
 from remodel_states.testing.ownership import admitted, owner_of
 from remodel_states.testing.panel import fill_result
 from remodel_states.testing.robot_lock import RobotLock
+from remodel_states.testing.steady_server import SteadyServer
 from remodel_states.testing.world import WorldError
 from remodel_states.testing.world_file import WorldFile
 
@@ -71,7 +72,7 @@ class CellAbility:
         self._feedback = getattr(remodel_msgs, f"{ability}Feedback")
         self._lock = RobotLock(site.lock_path)
         self._jobs: dict[str, Job] = {}
-        self._server = actionlib.ActionServer(
+        self._server = SteadyServer(
             f"remodel_abilities/{ability.lower()}",
             getattr(remodel_msgs, f"{ability}Action"),
             self._on_goal,

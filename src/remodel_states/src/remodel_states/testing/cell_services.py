@@ -57,33 +57,40 @@ class CellServices:
             rospy.Service(f"cell/{name}", kind, answer)
 
     def _load_panel(self, request: srv.LoadPanelRequest) -> srv.LoadPanelResponse:
-        try:
-            self._site.admit(request.owner)
+        def load() -> str:
             panel = panel_from(request.panel)
             faults = tuple(self._table.fault(**row) for row in self._read_faults())
-        except WorldError as error:
-            return srv.LoadPanelResponse(False, str(error), error.code)
-        except (ValueError, TypeError) as error:
-            return srv.LoadPanelResponse(False, str(error), ErrorCode.INVALID_GOAL)
-        with self._site.file.change() as draft:
-            if request.keep and draft.world.panel == panel:
-                return srv.LoadPanelResponse(True, f"panel {panel.name!r} is there", 0)
-            draft.world, draft.faults, draft.goals = World(panel), faults, {}
-            draft.entries.append(Entry(Deed.LOAD, self._site.cell, panel.name))
-        return srv.LoadPanelResponse(True, f"panel {panel.name!r} built", 0)
+            with self._site.file.change() as draft:
+                if request.keep and draft.world.panel == panel:
+                    return f"panel {panel.name!r} is there"
+                draft.world, draft.faults, draft.goals = World(panel), faults, {}
+                draft.entries.append(Entry(Deed.LOAD, self._site.cell, panel.name))
+            return f"panel {panel.name!r} built"
+
+        return srv.LoadPanelResponse(*self._done(load, request.owner))
 
     def _feed_wire(self, request: srv.FeedWireRequest) -> srv.FeedWireResponse:
-        if not self._lock.take():
-            text = "the robot is doing a goal; wait for it or cancel it"
-            return srv.FeedWireResponse(False, text, ErrorCode.BUSY)
-        try:
-            self._site.admit(request.owner)
+        def feed() -> str:
             self._feed(request.wire_id, request.channel_id, request.owner)
+            return f"{request.wire_id} lies in {request.channel_id}"
+
+        return srv.FeedWireResponse(*self._done(feed, request.owner))
+
+    def _done(self, action: Callable[[], str], owner: int) -> tuple[bool, str, int]:
+        """Do something for a supervisor while the robot is idle; return the fields of an answer."""
+        try:
+            self._site.admit(owner)
+            if not self._lock.take():
+                text = "the robot is doing a goal; wait for it or cancel it"
+                return False, text, ErrorCode.BUSY
+            try:
+                return True, action(), ErrorCode.NONE
+            finally:
+                self._lock.free()
         except WorldError as error:
-            return srv.FeedWireResponse(False, str(error), error.code)
-        finally:
-            self._lock.free()
-        return srv.FeedWireResponse(True, f"{request.wire_id} lies in {request.channel_id}", 0)
+            return False, str(error), error.code
+        except (ValueError, TypeError) as error:
+            return False, str(error), ErrorCode.INVALID_GOAL
 
     def _feed(self, wire: str, channel: str, owner: int) -> None:
         site = self._site

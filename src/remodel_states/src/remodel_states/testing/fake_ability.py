@@ -16,6 +16,7 @@ from remodel_msgs import msg as remodel_msgs
 from remodel_msgs.msg import ErrorCode
 
 from remodel_states.testing.nonsense import nonsense
+from remodel_states.testing.steady_server import SteadyServer
 
 ABILITIES = (
     "CheckConnection",
@@ -66,7 +67,7 @@ class FakeAbility:
         self._lock = threading.Lock()
         self.goals: list[Message] = []
         self.cancelled: list[str] = []
-        self._server = actionlib.ActionServer(
+        self._server = SteadyServer(
             topic or f"remodel_abilities/{ability.lower()}",
             self._types["Action"],
             self._on_goal,

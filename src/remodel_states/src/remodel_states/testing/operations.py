@@ -23,6 +23,9 @@ DEPTH_M = 0.012
 PUSH_N = 5.0
 GRIP_M = 0.003
 
+# Failures of which the table of error codes states that nothing moved.
+_UNMOVED = frozenset({ErrorCode.STALE_OWNER, ErrorCode.SEVERAL_SERVERS})
+
 
 @dataclass(frozen=True)
 class Effect:
@@ -61,6 +64,8 @@ class Operation:
 
 def fail(world: World, cell: str, ability: str, code: int, goal: Any) -> World:  # noqa: ANN401
     """Return the world after an ability failed with a code."""
+    if code in _UNMOVED:
+        return world
     if code == ErrorCode.GRASP_SLIPPED:
         return _let_go(world, cell)
     if ability == "InsertCable" and code < ErrorCode.UNKNOWN_NAME:
@@ -224,6 +229,6 @@ def perform(ability: str, world: World, cell: str, goal: Any, code: int = 0) -> 
     operation = OPERATIONS[ability]
     done = Effect(fail(world, cell, ability, code, goal), "") if code else None
     effect = done or operation.do(world, cell, goal)
-    if operation.observes:
+    if operation.observes or code in _UNMOVED:
         return effect
     return replace(effect, world=effect.world.touched(getattr(goal, "cable_id", "")))

@@ -34,7 +34,7 @@ MEANINGS = {
     ExitCode.REFUSED: "the engine did not start it, see its log",
     ExitCode.FAILED: "a state failed in a way that the behavior does not foresee",
     ExitCode.PREEMPTED: "it was stopped",
-    ExitCode.ENGINE_LOST: "the engine went away, or was started anew, while it ran",
+    ExitCode.ENGINE_LOST: "the engine went away, or was restarted, while it ran",
     ExitCode.INTERRUPTED: "interrupted from the keyboard; the behavior goes on",
 }
 

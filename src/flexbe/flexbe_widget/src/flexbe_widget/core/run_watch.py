@@ -3,7 +3,7 @@
     SENT --STARTED--> RUNNING --FINISHED, FAILED--> ended    (--SWITCHING, STARTED--> RUNNING)
       |                  |
       +--ERROR----> ended (refused)
-      +--READY-----------+----> ended (the engine was started anew)
+      +--READY-----------+----> ended (the engine was restarted)
       +--silence---------+----> ended (the engine is gone)
       +--START_LIMIT_S--> ended (the engine is still preparing it)
 
@@ -26,6 +26,14 @@ SILENCE_S = 5.0
 # [s] Wall time that the engine gets to prepare a behavior. Each action server that is missing costs
 # it up to 10 s.
 START_LIMIT_S = 300.0
+
+
+# How the status text of a goal that was aborted begins, so that clients can distinguish a behavior
+# that failed from an engine that was lost: part of the interface, see the README.
+FAILED_TEXT = "failed: "
+NOT_STARTED_TEXT = "not started: "
+ENGINE_LOST_TEXT = "engine lost: "
+SERVER_ENDED_TEXT = "action server ended: "
 
 
 class Code(Enum):
@@ -78,7 +86,7 @@ class RunWatch:
             return Ending(End.RESTARTED)
         if self._is_switching and code == Code.STARTED.value:
             self._behavior_id, self._is_switching = behavior_id, False
-        if behavior_id != self._behavior_id:
+        if not self.concerns(behavior_id):
             return None
         if code == Code.STARTED.value:
             self.is_running = True
@@ -104,6 +112,10 @@ class RunWatch:
             return Ending(End.LOST)
         is_late = not self.is_running and waited_s > START_LIMIT_S
         return Ending(End.LATE) if is_late else None
+
+    def concerns(self, behavior_id: int) -> bool:
+        """Return whether a status with this checksum is about this run."""
+        return behavior_id == self._behavior_id
 
 
 def is_busy(code: int) -> bool:

@@ -5,10 +5,14 @@ How goals end:
     the behavior is unknown, a file value cannot be read    REJECTED, with a text
     it finishes                                             SUCCEEDED, outcome
     it is cancelled, or stopped otherwise                   PREEMPTED, outcome 'preempted'
-    it fails, is not started, the engine goes away          ABORTED, with a text
+    it fails                                                ABORTED, "failed: ..."
+    the engine does not start it                            ABORTED, "not started: ..."
+    the engine is missing, goes away, stalls or restarts    ABORTED, "engine lost: ..."
+    this node is shut down                                  ABORTED, "action server ended: ..."
 
-A goal that comes while another runs stops that one and waits for its end; one that waits already is
-dropped for it.
+A stalled engine, once it is back, stops the behavior that was given up; only then is another one
+started. A goal that comes while another runs stops that one and waits for its end; one that waits
+already is dropped for it.
 
 Callbacks of ROS only put events into a queue. One thread takes them out and does everything.
 """
@@ -34,7 +38,19 @@ from flexbe_msgs.msg import (
 
 from flexbe_core import BehaviorLibrary
 from flexbe_core.engine.supervision import PREEMPTED
-from flexbe_widget.core.run_watch import START_LIMIT_S, End, Ending, RunWatch
+from flexbe_widget.core.run_watch import (
+    ENGINE_LOST_TEXT,
+    FAILED_TEXT,
+    NOT_STARTED_TEXT,
+    SERVER_ENDED_TEXT,
+    SILENCE_S,
+    START_LIMIT_S,
+    Code,
+    End,
+    Ending,
+    RunWatch,
+    is_busy,
+)
 from flexbe_widget.edge.value_file import resolved
 from flexbe_widget.errors import RequestError
 from flexbe_widget.ros.engine_link import EngineLink, Entered, Status
@@ -58,11 +74,11 @@ class Act(Enum):
 _ENDS = {
     End.FINISHED: (Act.SUCCEED, ""),
     End.PREEMPTED: (Act.CANCEL, "{name!r} was stopped"),
-    End.FAILED: (Act.ABORT, "{name!r} failed: {why}"),
-    End.REFUSED: (Act.ABORT, "{name!r} was not started: {why}"),
-    End.LATE: (Act.ABORT, "{name!r} is not started after " + f"{START_LIMIT_S:g} s"),
-    End.RESTARTED: (Act.ABORT, "the behavior engine was started anew"),
-    End.LOST: (Act.ABORT, "the behavior engine gives no sign of life"),
+    End.FAILED: (Act.ABORT, FAILED_TEXT + "{name!r}: {why}"),
+    End.REFUSED: (Act.ABORT, NOT_STARTED_TEXT + "{name!r}: {why}"),
+    End.LATE: (Act.ABORT, NOT_STARTED_TEXT + f"{{name!r}} within {START_LIMIT_S:g} s"),
+    End.RESTARTED: (Act.ABORT, ENGINE_LOST_TEXT + "it was restarted during {name!r}"),
+    End.LOST: (Act.ABORT, ENGINE_LOST_TEXT + f"it has been silent for {SILENCE_S:g} s"),
 }
 
 
@@ -107,6 +123,7 @@ class BehaviorActionServer:
         self._link = EngineLink(self._events.put)
         self._run: _Run | None = None
         self._next: _Run | None = None
+        self._given_up: RunWatch | None = None
         self._server = actionlib.ActionServer(
             "flexbe/execute_behavior",
             BehaviorExecutionAction,
@@ -129,6 +146,7 @@ class BehaviorActionServer:
             except Exception as error:  # noqa: BLE001 - without this thread no goal would end
                 rospy.logerr("%s", traceback.format_exc())
                 if self._run is not None:
+                    self._link.preempt()
                     self._finish(self._run, Act.ABORT, "", f"internal error: {error}")
 
     def _handle(self, event: object) -> None:
@@ -136,6 +154,8 @@ class BehaviorActionServer:
             self._on_goal(event.handle)
         elif isinstance(event, _Cancelled):
             self._on_cancel(event.handle)
+        elif isinstance(event, Status) and self._given_up is not None:
+            self._settle(self._given_up, event)
         run = self._run
         if run is None:
             return
@@ -189,13 +209,14 @@ class BehaviorActionServer:
             self._run.since = time.monotonic()
 
     def _ask(self, run: _Run) -> None:
-        """Ask the engine, as soon as it is there."""
-        if self._link.is_there:
+        """Ask the engine, as soon as it is there and has stopped what was given up."""
+        if self._link.is_there and self._given_up is None:
             run.watch = RunWatch(run.request.behavior_checksum)
             run.older = self._link.start(run.request)
         elif time.monotonic() - run.since > _ENGINE_LIMIT_S:
+            self._given_up = None
             text = (
-                f"no behavior engine for {_ENGINE_LIMIT_S:g} s; "
+                f"{ENGINE_LOST_TEXT}none is there and free after {_ENGINE_LIMIT_S:g} s; "
                 "start it with: roslaunch flexbe_onboard behavior_onboard.launch"
             )
             self._finish(run, Act.ABORT, "", text)
@@ -206,6 +227,18 @@ class BehaviorActionServer:
         if run.is_stopping and watch.is_running and not was_running:
             self._link.preempt()
         self._end(run, ending)
+
+    def _settle(self, given_up: RunWatch, status: Status) -> None:
+        """Stop a run that goes on although it was given up; forget it once the engine is free.
+
+        A preempt that the engine gets before the start request has no effect: they come on
+        connections of their own.
+        """
+        given_up.on_status(status.code, status.behavior_id, status.args)
+        if not is_busy(status.code) or not given_up.concerns(status.behavior_id):
+            self._given_up = None
+        elif status.code == Code.STARTED.value:
+            self._link.preempt()
 
     def _stop(self, run: _Run) -> None:
         """Stop the behavior, now or as soon as it runs."""
@@ -218,8 +251,10 @@ class BehaviorActionServer:
         """End the goal, if its run has ended."""
         if ending is None:
             return
-        if ending.end is End.LATE:
+        if ending.end in (End.LATE, End.LOST):
             self._link.preempt()
+        if ending.end is End.LOST:
+            self._given_up = run.watch
         act, text = _ENDS[ending.end]
         why = self._link.why() if "{why}" in text else ""
         name = run.handle.get_goal().behavior_name
@@ -240,7 +275,7 @@ class BehaviorActionServer:
         """Leave no client waiting when the node is shut down."""
         for run in (self._run, self._next):
             if run is not None:
-                text = "be_action_server was shut down; what runs in the engine goes on"
+                text = f"{SERVER_ENDED_TEXT}what runs in the engine goes on"
                 run.handle.set_aborted(BehaviorExecutionResult(), text)
 
 

@@ -11,6 +11,8 @@ import rospy
 from flexbe_msgs.msg import BehaviorLog, BehaviorSelection, BEStatus
 from std_msgs.msg import Empty, String
 
+from flexbe_widget.core.run_watch import SILENCE_S
+
 # [s] Wall time by which the reason for a status may come behind it.
 _LOG_LIMIT_S = 0.5
 
@@ -104,7 +106,10 @@ class EngineLink:
 
     @property
     def is_there(self) -> bool:
-        """Return whether an engine has said what it is doing, hears requests, and is heard."""
+        """Return whether an engine has reported what it does, hears requests, and is heard.
+
+        A process that is stopped keeps its connections, but is silent.
+        """
         heard = set.intersection(*(_senders(subscriber) for subscriber in self._news))
         now = time.monotonic()
         if self.last_status is None or not heard:
@@ -112,6 +117,8 @@ class EngineLink:
             return False
         self._heard_since = self._heard_since or now
         hears_requests = any(self._start.impl.has_connection(node) for node in heard)
+        if self.silent_s() > SILENCE_S:
+            return False
         return hears_requests and now - self._heard_since >= _SETTLING_S
 
     @property

@@ -132,8 +132,8 @@ class Launch:
             End.FAILED: "failed",
             End.REFUSED: "was not started",
             End.LATE: f"is not started after {START_LIMIT_S:g} s, and is called off",
-            End.RESTARTED: "is gone: the engine was started anew",
-            End.LOST: "is gone: the engine gives no sign of life",
+            End.RESTARTED: "is gone: the engine was restarted",
+            End.LOST: "is gone: the engine is silent",
         }[ending.end]
         return f"'{self._name}' {text}"
 

@@ -1,4 +1,10 @@
-"""What recorded runs have taught, for one use case; it follows what happens on line."""
+"""What recorded runs have taught, for one use case; it follows what happens on line.
+
+Durations and successes are learned always: they decide the order of tasks and which method is
+cheaper. Parameters, such as forces, are chosen only on request, and responses are passed over only
+on request: otherwise the robot does with each wire exactly what its use case and the table of
+faults state.
+"""
 
 from __future__ import annotations
 
@@ -22,26 +28,27 @@ class Experience:
     """
 
     def __init__(
-        self, use_case: UseCase, calls: Iterable[Call] = (), *, frozen: bool = False
+        self, use_case: UseCase, calls: Iterable[Call] = (), *, explore: bool = False
     ) -> None:
         """Take in recorded calls, in their order.
 
         Args:
             use_case: what it states counts until calls have taught better.
             calls: recorded.
-            frozen: learn nothing, and do what the use case states.
+            explore: choose parameters by what was learned, trying others than the frozen ones, and
+                pass over responses to faults that have hardly ever helped.
         """
         self.expectations = LearnedExpectations(use_case.expectations)
         self._bounds = use_case.learned
         self._parameters = LearnedParameters()
-        self._is_frozen = frozen
+        self._explores = explore
         for call in calls:
             self.learn(call)
 
     def learn(self, call: Call) -> None:
         """Take in a call of an ability."""
-        if not self._is_frozen:
-            self.expectations.learn(call)
+        self.expectations.learn(call)
+        if self._explores:
             self._parameters.learn(call)
 
     def parameters(
@@ -56,10 +63,11 @@ class Experience:
             seed: of what is left to chance, such as run, task and attempt.
 
         Returns:
-            Parameter -> value; empty where the use case's own are to be kept.
+            Parameter -> value; empty where the use case's own are to be kept, always so unless
+            this explores.
         """
         bounds = _within(self._bounds.get(ability, {}), limits)
-        if self._is_frozen or not bounds:
+        if not self._explores or not bounds:
             return {}
         chosen = self._parameters.choose(ability, features, bounds, seed)
         return {name: value for name, value in chosen.items() if value != bounds[name].frozen}
@@ -69,12 +77,14 @@ class Experience:
     ) -> frozenset[Do]:
         """Return the responses that have hardly ever helped against a fault.
 
+        Without exploring there are none: the policy is followed as it stands.
+
         Args:
             fault: its name.
             possible: the responses that can be given.
             responses: recorded.
         """
-        if self._is_frozen:
+        if not self._explores:
             return frozenset()
         return frozenset(possible) - LearnedResponses(responses).promising(fault, possible)
 

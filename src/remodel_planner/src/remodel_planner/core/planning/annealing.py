@@ -35,6 +35,8 @@ _LONGEST_ROUND_PER_PAIR = 200
 _MOST_MOVES_PER_WIRE = {1: 500_000, 2: 50_000}
 _GROWTH = 4
 _SLICE_S = 0.02
+# Of a short search, so that the clock can stop it in time.
+_LEAST_SLICES = 10
 
 
 def first_slice(wires: int, arms: int) -> Slice:
@@ -66,7 +68,8 @@ def slices(wires: int, arms: int, limit_s: float) -> Iterator[Slice]:
     allotted = int(limit_s * moves_per_second(wires, arms))
     left = min(allotted, _MOST_MOVES_PER_WIRE[arms] * wires)
     longest = _LONGEST_ROUND_PER_PAIR * wires * wires
-    slice_moves = max(1, int(_SLICE_S * moves_per_second(wires, arms)))
+    slice_s = min(_SLICE_S, limit_s / _LEAST_SLICES)
+    slice_moves = max(1, int(slice_s * moves_per_second(wires, arms)))
     length = min(max(_SHORTEST_ROUND_PER_WIRE[arms] * wires, left // _GROWTH**3), longest)
     turn = 0
     while left > 0:

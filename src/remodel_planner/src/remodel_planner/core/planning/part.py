@@ -15,6 +15,8 @@ PUT_OFF = "put off"
 def part_of(problem: Problem, names: Collection[str]) -> Problem:
     """Return the part of a sound problem that is about some of its wires; it is sound as well.
 
+    Of two wires that one in between kept in order, the order stays when that one is left out.
+
     Args:
         problem: in which no wire has been picked yet.
         names: of the wires that are left.
@@ -23,7 +25,7 @@ def part_of(problem: Problem, names: Collection[str]) -> Problem:
     return replace(
         problem,
         wires=tuple(wire for wire in problem.wires if wire.name in left),
-        unders=tuple(u for u in problem.unders if u.before in left and u.after in left),
+        unders=tuple(_unders(problem, left)),
         pins=tuple(p for p in problem.pins if p.before in left and p.after in left),
         wishes=tuple(w for w in problem.wishes if w.before in left and w.after in left),
         rankings=tuple(_rankings(problem, left)),
@@ -44,6 +46,28 @@ def put_off(problem: Problem, names: Collection[str]) -> Problem:
         if wire.name not in late
     )
     return replace(problem, unders=(*problem.unders, *unders)) if last else problem
+
+
+def _unders(problem: Problem, left: set[str]) -> Iterator[Under]:
+    after: dict[str, list[str]] = {}
+    for under in problem.unders:
+        after.setdefault(under.before, []).append(under.after)
+    for under in problem.unders:
+        if under.before in left and under.after in left:
+            yield under
+        elif under.before in left:
+            for name in _reached(under.after, after, left):
+                yield replace(under, after=name)
+
+
+def _reached(start: str, after: dict[str, list[str]], left: set[str]) -> list[str]:
+    """Return the first wires that are left on all ways on from one that is not."""
+    seen, frontier = {start}, [start]
+    while frontier:
+        fresh = [name for name in after.get(frontier.pop(), ()) if name not in seen]
+        seen.update(fresh)
+        frontier.extend(name for name in fresh if name not in left)
+    return sorted(seen & left)
 
 
 def _rankings(problem: Problem, left: set[str]) -> Iterator[Ranking]:

@@ -10,6 +10,9 @@ from remodel_planner.core.recovery.failure import Failure, Spent
 from remodel_planner.core.recovery.fault import Do, Response
 from remodel_planner.core.recovery.policy import Limits, Policy
 
+# Field of the goals of abilities that observe: 0 is the usual viewpoint, 1 and up are others.
+VIEW = "view"
+
 
 @dataclass(frozen=True)
 class Decision:
@@ -18,7 +21,8 @@ class Decision:
     Attributes:
         failure: what it answers.
         do: what.
-        change: parameter -> new value; only with Do.RETRY_WITH.
+        change: parameter -> new value; with Do.RETRY_WITH, and with Do.LOOK_AGAIN the `view` from
+            which the task's observations are made.
         because: the reason, one sentence for a person.
     """
 
@@ -38,8 +42,10 @@ def decide(
 ) -> Decision:
     """Return what to do about a failure.
 
-    The responses to its fault are taken in order, each as often as it says; those that are not
-    possible now, or hardly ever help, are passed over. A task or run beyond its limits is ended.
+    The responses to its fault are taken in order, each as often as stated; those that are not
+    possible now, or hardly ever help, are passed over. A task or run beyond its limits is ended,
+    and so is a task for which an operator would be asked and none is there: nothing is tried again
+    in place of an answer.
 
     Args:
         failure: what happened.
@@ -56,7 +62,9 @@ def decide(
     responses = policy.responses_to(failure.fault)
     reason = _task_is_over(spent, policy.limits)
     if reason:
-        return _lasting(failure, responses[-1].do, reason, policy, possible)
+        last = responses[-1].do
+        ending = last if last.is_lasting else policy.unattended_for(failure.fault)
+        return _lasting(failure, ending, reason, policy, possible)
     spared = [each.do for each in responses if each.do in unpromising and each.do in possible]
     without = f"; {_listed(spared)} spared, which hardly ever helps" if spared else ""
     for response in responses:
@@ -68,9 +76,17 @@ def decide(
             change = _changed(response, failure, done)
             if response.do is Do.RETRY_WITH and not change:
                 continue
+            if response.do is Do.LOOK_AGAIN:
+                change = ((VIEW, _views(earlier) + 1),)
             because = f"answer {done + 1} of {response.times} to {failure.fault.name}{without}"
             return Decision(failure, response.do, change, because)
-    return _lasting(failure, policy.unattended, f"no response is left{without}", policy, possible)
+    unattended = policy.unattended_for(failure.fault)
+    return _lasting(failure, unattended, f"no response is left{without}", policy, possible)
+
+
+def _views(earlier: Sequence[tuple[str, Do]]) -> int:
+    """Return how many viewpoints but the usual one a task was observed from."""
+    return sum(do is Do.LOOK_AGAIN for _, do in earlier)
 
 
 def _run_is_over(spent: Spent, limits: Limits) -> str:
@@ -93,7 +109,8 @@ def _lasting(
     failure: Failure, do: Do, reason: str, policy: Policy, possible: Collection[Do]
 ) -> Decision:
     if do is Do.ASK_OPERATOR and do not in possible:
-        return Decision(failure, policy.unattended, (), f"{reason}; no operator to ask")
+        unattended = policy.unattended_for(failure.fault)
+        return Decision(failure, unattended, (), f"{reason}; no operator to ask")
     return Decision(failure, do, (), reason)
 
 

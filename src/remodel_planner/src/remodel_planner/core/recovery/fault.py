@@ -83,6 +83,7 @@ class Fault:
         symptoms: what is seen, felt or heard of it, a sentence.
         first_level: who handles it first.
         responses: tried in this order; the last is lasting.
+        stops_unattended: whether nothing may move after it until a person has been there.
     """
 
     name: str
@@ -93,6 +94,7 @@ class Fault:
     symptoms: str
     first_level: Level
     responses: tuple[Response, ...]
+    stops_unattended: bool = False
 
 
 class FaultTable:
@@ -120,6 +122,18 @@ class FaultTable:
             for code in codes
             if (fault := self.diagnose([code])) is not None
             and fault.first_level in (Level.TASK, Level.USE_CASE)
+        )
+
+    @property
+    def codes_to_undo(self) -> frozenset[int]:
+        """Those of codes_above_behaviors before which a behavior undoes what it has done.
+
+        What is serious is left as it is: the arm may be blocked, or its server not to be trusted.
+        """
+        return frozenset(
+            code
+            for code in self.codes_above_behaviors
+            if self.of(code).severity is Severity.RECOVERABLE
         )
 
     def of(self, code: int) -> Fault:

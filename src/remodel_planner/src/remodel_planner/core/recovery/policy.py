@@ -1,4 +1,4 @@
-"""A use case's answers to faults, and its limits: nothing is tried for ever."""
+"""A use case's responses to faults, and its limits: nothing is tried for ever."""
 
 from __future__ import annotations
 
@@ -28,22 +28,46 @@ class Limits:
 
 
 @dataclass(frozen=True)
+class QuestionLimit:
+    """How long an operator has for an answer.
+
+    Attributes:
+        timeout_s: [s] ROS time from the question; 0: as long as it takes.
+        escalate: what is done when it has passed, SET_ASIDE or STOP; None: what Policy.unattended
+            says.
+    """
+
+    timeout_s: float = 0.0
+    escalate: Do | None = None
+
+
+@dataclass(frozen=True)
 class Policy:
     """What to do about faults.
 
     Attributes:
-        responses: fault name -> responses, where a use case answers otherwise than the fault table.
+        responses: fault name -> responses, where a use case responds otherwise than the table.
         limits: see Limits.
-        unattended: what to do instead of asking an operator when there is none.
+        unattended: what to do instead of asking an operator when there is none: SET_ASIDE or STOP.
+        question: see QuestionLimit.
     """
 
     responses: Mapping[str, tuple[Response, ...]] = field(default_factory=dict)
     limits: Limits = Limits()
     unattended: Do = Do.SET_ASIDE
+    question: QuestionLimit = QuestionLimit()
 
     def responses_to(self, fault: Fault) -> tuple[Response, ...]:
         """Return what to do about a fault, in order."""
         return self.responses.get(fault.name, fault.responses)
+
+    def unattended_for(self, fault: Fault) -> Do:
+        """Return what to do about a fault where an operator would be asked and none is there."""
+        return Do.STOP if fault.stops_unattended else self.unattended
+
+    def unanswered_for(self, fault: Fault) -> Do:
+        """Return what to do about a fault when a question about it was not answered in time."""
+        return Do.STOP if fault.stops_unattended else self.question.escalate or self.unattended
 
     def require_known(self, faults: FaultTable) -> None:
         """Return if there is every fault that is answered.
@@ -68,7 +92,13 @@ def policy_from(data: Mapping[str, Any]) -> Policy:
         },
         Limits(**data.get("limits", {})),
         Do(data.get("unattended", Do.SET_ASIDE.value)),
+        _question_limit(data.get("question", {})),
     )
+
+
+def _question_limit(data: Mapping[str, Any]) -> QuestionLimit:
+    escalate = data.get("escalate")
+    return QuestionLimit(float(data.get("timeout_s", 0.0)), Do(escalate) if escalate else None)
 
 
 def response_from(data: Mapping[str, Any]) -> Response:

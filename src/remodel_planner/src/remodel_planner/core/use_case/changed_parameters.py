@@ -1,8 +1,8 @@
-"""Change the parameters of a task's states, for another try."""
+"""Change the parameters of a task's states, for another attempt."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from flexbe_synthesizer.core.model import (
@@ -14,8 +14,11 @@ from flexbe_synthesizer.core.model import (
     Param,
     State,
 )
+from remodel_planner.core.recovery.decide import VIEW
 from remodel_planner.core.run import step_of
 from remodel_planner.core.use_case.task_chart import marked
+
+_INTEGERS = ("int", "uint")
 
 
 @dataclass(frozen=True)
@@ -23,12 +26,12 @@ class Adjustable:
     """Whose parameters can be changed.
 
     Attributes:
-        parameters: ability -> names of its goal's parameters.
+        parameters: ability -> its goal's parameters by name, with their ROS types.
         nested: charts of the behaviors that tasks nest, by name.
         keeps_stated: whether what a chart itself says of a parameter stays.
     """
 
-    parameters: Mapping[str, Collection[str]]
+    parameters: Mapping[str, Mapping[str, str]]
     nested: Mapping[str, Chart]
     keeps_stated: bool = False
 
@@ -53,12 +56,27 @@ def with_parameters(
     return marked(replace(chart, nodes=nodes))
 
 
+def observing_from(chart: Chart, view: int, adjustable: Adjustable) -> Chart:
+    """Return a task's chart in which everything is observed from another viewpoint.
+
+    All observations change, not only those of the step that failed: a step often fails by what
+    another one before it has seen. Behaviors that nest observations become containers.
+
+    Args:
+        chart: of the task.
+        view: 0 the usual viewpoint, 1 and up others.
+        adjustable: see Adjustable.
+    """
+    nodes = tuple(_changed(node, {VIEW: view}, adjustable) for node in chart.nodes)
+    return marked(replace(chart, nodes=nodes))
+
+
 def _changed(node: AnyNode, values: Mapping[str, float], adjustable: Adjustable) -> AnyNode:
     if isinstance(node, State):
-        taken = adjustable.parameters.get(node.type.removesuffix("State"), ())
+        taken = adjustable.parameters.get(node.type.removesuffix("State"), {})
         stated = {param.name for param in node.params} if adjustable.keeps_stated else set()
         new = tuple(
-            Param(name, value)
+            Param(name, _literal(value, taken[name]))
             for name, value in values.items()
             if name in taken and name not in stated
         )
@@ -89,3 +107,8 @@ def _changed(node: AnyNode, values: Mapping[str, float], adjustable: Adjustable)
         inside = tuple(_changed(each, values, adjustable) for each in node.body.nodes)
         return replace(node, body=replace(node.body, nodes=inside))
     return node
+
+
+def _literal(value: float, ros_type: str) -> float:
+    """Return a value as a field of a ROS type takes it: whole numbers where it takes no others."""
+    return int(value) if ros_type.startswith(_INTEGERS) else value

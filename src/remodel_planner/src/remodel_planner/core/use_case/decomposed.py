@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from remodel_planner.core.condition import Features
 from remodel_planner.core.planning.problem import End
@@ -116,7 +117,7 @@ class Decomposition:
             if step.macro is macro and (macro is not Macro.INSERT or step.end is end)
         )
 
-    @property
+    @cached_property
     def duration_s(self) -> float:
         """How long all of it is expected to take [s]."""
         return sum(step.expected.duration_s for step in self.steps)

@@ -186,6 +186,7 @@ class UseCase:
         learned: ability -> parameter -> within which values runs may choose it.
         methods: by the name of the task that they do, in the order in which they are preferred.
         give_up: the action that empties the hand when a task is given up.
+        discard: the action that takes a task's part off the panel into the scrap bin; empty: none.
         preferences: weights, preferences and requirements, as in a preferences document.
         recovery: what is done about tasks that fail.
         designs: how imported designs become its orders; None: they do not.
@@ -205,6 +206,7 @@ class UseCase:
     rules: tuple[ControlRule, ...]
     cell: CellTimes
     give_up: str
+    discard: str
     preferences: dict[str, object]
     recovery: Policy
     designs: Designs | None

@@ -11,10 +11,10 @@ from remodel_planner.core.planning.modes import Mode
 from remodel_planner.core.planning.problem import Plan
 from remodel_planner.core.run import step_of
 from remodel_planner.core.use_case.decomposed import Decomposition, Limits, Step
-from remodel_planner.core.use_case.model import Macro, UseCase
+from remodel_planner.core.use_case.model import Action, Macro, UseCase
 from remodel_planner.core.use_case.preparation import Prepared
 from remodel_planner.core.use_case.task_chart import task_chart
-from remodel_planner.errors import InstanceError
+from remodel_planner.errors import InstanceError, UseCaseError
 
 
 @dataclass(frozen=True)
@@ -56,10 +56,24 @@ class PlannedTask:
         return self._part(self.left(connected), " Rest")
 
     def clear(self) -> Chart:
-        """Return the chart that empties the hand of the task's part."""
+        """Return the chart that lays down whatever part the hand holds."""
         give_up = self.use_case.actions[self.use_case.give_up]
-        last = self.decomposition.steps[-1]
-        return self._part((replace(last, action=give_up, end=None, clip=None),), " Clear")
+        inputs = tuple((key, "" if value == "$task" else value) for key, value in give_up.inputs)
+        return self._alone(replace(give_up, inputs=inputs), " Clear")
+
+    def discard(self) -> Chart:
+        """Return the chart that takes the task's part off the panel into the scrap bin.
+
+        Raises:
+            UseCaseError: if the use case has no action for it.
+        """
+        name = self.use_case.discard
+        if not name:
+            raise UseCaseError(
+                f"task {self.name}: use case {self.use_case.name} states no `discard` action, so "
+                "its part cannot be discarded: take it out by hand, or add the action"
+            )
+        return self._alone(self.use_case.actions[name], " Discard")
 
     def left(self, connected: Collection[str]) -> tuple[Step, ...]:
         """Return the steps that are left when the ends with these letters are connected.
@@ -74,6 +88,11 @@ class PlannedTask:
         ]
         begin = max(done, default=0)
         return (*_looks(steps[:begin], steps[begin:]), *steps[begin:])
+
+    def _alone(self, action: Action, suffix: str) -> Chart:
+        """Return the chart of one action that is about no end and no clip."""
+        last = self.decomposition.steps[-1]
+        return self._part((replace(last, action=action, end=None, clip=None),), suffix)
 
     def _part(self, steps: tuple[Step, ...], suffix: str) -> Chart:
         done = replace(self.decomposition, steps=steps)

@@ -66,6 +66,7 @@ def use_case_from(data: Json) -> UseCase:
         ),
         cell=CellTimes(**data["cell"]),
         give_up=data["give_up"],
+        discard=data.get("discard", ""),
         preferences=data.get("preferences", {}),
         recovery=policy_from(data.get("recovery", {})),
         designs=designs_from(data.get("designs")),
@@ -166,6 +167,8 @@ def _unknown_names(use_case: UseCase) -> Iterator[str]:
     tasks = [macro.value for macro in _REQUIRED if macro.value not in use_case.methods]
     yield from (f"methods: none for {task}, of which every task is made" for task in tasks)
     yield from _missing("give_up", [use_case.give_up], actions, "action")
+    discard = [use_case.discard] if use_case.discard else []
+    yield from _missing("discard", discard, actions, "action")
     for name, fact in facts.items():
         yield from _missing(f"unknown.{name}.look", [fact.look], actions, "action")
         revealed = [f for f, _ in actions[fact.look].reveals] if fact.look in actions else [name]

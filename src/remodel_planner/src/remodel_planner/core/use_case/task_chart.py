@@ -10,7 +10,7 @@ state that has looked last to those that need it.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from flexbe_synthesizer.core.codec import write_chart
@@ -83,6 +83,15 @@ def marked(chart: Chart) -> Chart:
 def content_mark(chart: Chart) -> str:
     """Return the last line of a task chart's description, a hash of all that the chart says."""
     return chart.description.splitlines()[-1]
+
+
+def node_ids(steps: Sequence[Step]) -> Iterator[str]:
+    """Yield the id of each step's node in the chart of these steps."""
+    counts: dict[str, int] = {}
+    for step in steps:
+        counts[step.title] = counts.get(step.title, 0) + 1
+        count = counts[step.title]
+        yield step.title if count == 1 else f"{step.title} {count}"
 
 
 @dataclass(frozen=True)
@@ -223,6 +232,7 @@ class _Charting:
     def _bound(self, placed: _Placed) -> Iterator[Input]:
         """Yield the inputs that take values of the task, and connect them to the chart's."""
         for key, reference in placed.step.action.inputs:
+            # An empty text stands for itself: whatever part the hand holds.
             name = _input_name(reference.removeprefix("$"), key, placed.step)
             value = self._value(placed, reference)
             kind = "string" if isinstance(value, str) else None
@@ -251,18 +261,17 @@ class _Charting:
 
 def _place(steps: tuple[Step, ...], arms: tuple[str, ...]) -> Iterator[_Placed]:
     """Yield the steps with ids of their own; who takes over at a handover does the rest."""
-    ids: dict[str, int] = {}
     arm = arms[0]
-    for step in steps:
+    for step, node in zip(steps, node_ids(steps), strict=True):
         if step.macro is Macro.HAND_OVER and step.action.grasps:
             arm = arms[-1]
-        ids[step.title] = ids.get(step.title, 0) + 1
-        count = ids[step.title]
-        yield _Placed(step, step.title if count == 1 else f"{step.title} {count}", arm)
+        yield _Placed(step, node, arm)
 
 
 def _input_name(reference: str, key: str, step: Step) -> str:
     """Return the name of the chart's input for a value of the task, of one end, or of one clip."""
+    if not reference:
+        return key
     if reference in ("end", "component", "terminal") and step.end is not None:
         return f"{step.end.letter}_{reference}"
     if reference == "clip" and step.clip is not None:
