@@ -44,14 +44,6 @@ _CATALOGUE = Path(__file__).parents[2] / "config" / "catalogue.yaml"
 
 
 @dataclass(frozen=True)
-class SimulatedPolicy(Policy):
-    """A policy whose questions escalate."""
-
-    question_timeout_s: float = 0.0
-    escalation: Do = Do.SET_ASIDE
-
-
-@dataclass(frozen=True)
 class Plant:
     """What all schedules share.
 
@@ -73,7 +65,7 @@ def plant() -> Plant:
     layout = lay_out(ORDER, read_catalogue(_CATALOGUE), rules)
     use_case = find_use_case(USE_CASE)
     order = cell_order(layout)
-    real = WorkPlanner(order, use_case, Experience(use_case, (), frozen=True), 0.0)
+    real = WorkPlanner(order, use_case, Experience(use_case, ()), 0.0)
     names = real.plan([task.name for task in order.tasks])
     return Plant(
         panel_from(panel_message(layout, rules)),
@@ -94,7 +86,7 @@ class _NoExperience:
 @dataclass(frozen=True)
 class _UseCase:
     name: str
-    recovery: SimulatedPolicy
+    recovery: Policy
 
 
 class SimulatedPlanner:
@@ -106,7 +98,8 @@ class SimulatedPlanner:
         """Plan some tasks, from the first."""
         self.names = tuple(f"W{n}" for n in range(1, count + 1))
         limits = Limits(run_s=1e6)
-        recovery = SimulatedPolicy(limits=limits, question_timeout_s=question_timeout_s)
+        question = replace(Policy().question, timeout_s=question_timeout_s)
+        recovery = Policy(limits=limits, question=question)
         self.use_case = _UseCase(USE_CASE, recovery)
 
     def plan(self, names: Collection[str], *_: object) -> tuple[str, ...]:

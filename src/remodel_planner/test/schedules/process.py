@@ -14,6 +14,9 @@ from schedules.simulation import Simulation, ViolationError
 
 T = TypeVar("T")
 
+# Things done at one moment after which a process counts as one that turns in circles.
+_TURNS = 5000
+
 
 class KilledError(BaseException):
     """The process is dead: raised out of whatever it calls."""
@@ -78,6 +81,7 @@ class Process:
         self._open: dict[int, Callable[[Any], None]] = {}
         self._requests = 0
         self._timers: list[RepeatedCall] = []
+        self._turned_s, self._turns = 0.0, 0
         self._stalled_until_s = 0.0
         self._waiting = 0
         self._is_waiting = False
@@ -103,6 +107,7 @@ class Process:
         end_s = self.simulation.now_s + limit_s
         while True:
             self.require_alive()
+            self._require_progress()
             if self.is_leaving and not while_leaving:
                 self.noticed_leaving = True
                 raise LeavingError("this node is shutting down")
@@ -210,9 +215,20 @@ class Process:
         if self.is_dead:
             raise KilledError
 
+    def _require_progress(self) -> None:
+        """End the schedule if the process does many things while no time passes."""
+        if self.simulation.now_s != self._turned_s:
+            self._turned_s, self._turns = self.simulation.now_s, 0
+        self._turns += 1
+        if self._turns > _TURNS:
+            self.simulation.violated(f"{self.name} turns in circles")
+            self._die()
+            raise KilledError
+
     def step(self) -> None:
         """Pass a point at which the process may be killed or stalled."""
         self.require_alive()
+        self._require_progress()
         ambush = self.ambush
         if ambush is None:
             return

@@ -342,7 +342,7 @@ class Life:
 
     def _resumed(self, run: int) -> UseCaseSupervisor:
         self._log.take_up(run, self._owner)
-        state = state_after(kept.event for kept in self._log.events(run))
+        state = self._log.state(run)
         self._note("resumes run {}", run)
         return self._made(run, state)
 

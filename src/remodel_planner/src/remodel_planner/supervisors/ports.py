@@ -209,6 +209,9 @@ class Log(Protocol):
             RecordLostError: if the database has lost the run.
         """
 
+    def state(self, run: int) -> RunState:
+        """Return what is known of a run."""
+
     def tried_responses(self) -> Sequence[TriedResponse]:
         """Return what was done about faults in any run, and whether it helped."""
 

@@ -7,7 +7,7 @@ with; it must lead to the same outcome, over the states that the engine said it 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from flexbe_synthesizer.core.model import Chart
 from remodel_planner.core.supervision.attempts import INTERRUPTED, Attempt
@@ -117,7 +117,8 @@ def _difference(event: Event, state: RunState) -> str:
         asked = state.question
         fits = asked is not None and asked.number == event.number and event.choice in asked.choices
         return "" if fits else f"question {event.number} was not open, or has no such answer"
-    step = next_step(state)
+    # An inspection during which somebody paused the run is kept.
+    step = next_step(replace(state, paused=False) if isinstance(event, Settled) else state)
     return "" if _fits(event, step) else f"next was {step}"
 
 
