@@ -54,6 +54,10 @@ class Invariants:
         self.closed.pop(station.name, None)
         self.states[run] = state_after([event])
 
+    def on_take_up(self, run: int, state: RunState) -> None:
+        """Learn what is known of a run; its last event may have been kept unheard."""
+        self.states[run] = state
+
     def on_event(
         self, station: Station, process: Process, run: int, event: Event, after: RunState
     ) -> None:

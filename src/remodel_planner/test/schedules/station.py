@@ -262,6 +262,7 @@ class Life:
         self._owner = 0
         self._owned_until_s = 0.0
         self._disowned = ""
+        self._unsure = True
         self._next: UseCaseSupervisor | None = None
         servers = station.servers
         self._peers = Peers(
@@ -328,21 +329,30 @@ class Life:
         return self._disowned
 
     def _supervise_runs(self) -> None:
-        unfinished = self._log.unfinished(self._station.cell)
-        if unfinished is not None:
-            self._supervise(self._resumed(unfinished))
+        self._unsure = True
         while True:
+            if self._unsure:
+                self._resume()
             self.closed = ""
             self.process.run_until(
-                lambda: self._next is not None or bool(self._disowned), float("inf")
+                lambda: self._next is not None or self._unsure or bool(self._disowned),
+                float("inf"),
             )
-            if self._next is None:
+            if self._next is not None:
+                self._supervise(self._next)
+            elif not self._unsure:
                 raise OwnerError(self._disowned)
-            self._supervise(self._next)
+
+    def _resume(self) -> None:
+        unfinished = self._log.unfinished(self._station.cell)
+        self._unsure = False
+        if unfinished is not None:
+            self._supervise(self._resumed(unfinished))
 
     def _resumed(self, run: int) -> UseCaseSupervisor:
         self._log.take_up(run, self._owner)
         state = self._log.state(run)
+        self._station.invariants.on_take_up(run, state)
         self._note("resumes run {}", run)
         return self._made(run, state)
 
@@ -390,6 +400,9 @@ class Life:
         begun = RunBegun(ORDER.name, USE_CASE, self._station.cell, planner.names)
         try:
             run, begun = self._log.begin(begun, self._owner, again=again)
+        except LostError as error:
+            self._unsure = True
+            return str(error)
         except PlannerError as error:
             return str(error)
         self._note("begins run {}: {}", run, begun)

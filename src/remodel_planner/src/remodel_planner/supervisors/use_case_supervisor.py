@@ -680,6 +680,12 @@ class UseCaseSupervisor:
 
     def _next_step(self) -> Step | None:
         self._insist(self._catch_up)
+        while lost := self._disowned():
+            # The lease on the cell ran out during an outage: nothing moves before it is renewed.
+            self._describe(f"waiting, since {lost}")
+            self._insist(lambda: self._log.take_up(self.run, self.owner))
+            self._loop.run_until(lambda: not self._disowned(), _RETRY_S)
+        self._close_or_open()
         return next_step(self.state)
 
     def _catch_up(self) -> None:
