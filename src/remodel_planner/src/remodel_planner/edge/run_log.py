@@ -42,6 +42,7 @@ _SHOWN = 10
 # One statement, so that no other owner can come between the check and the event.
 _COUNT_EVENT = text(
     "UPDATE runs SET events = events + 1 WHERE id = :run AND owner = :owner AND NOT ended AND "
+    "events = :events AND "
     "EXISTS (SELECT 1 FROM cells WHERE cells.name = runs.cell AND cells.token = :owner) "
     "RETURNING events"
 )
@@ -159,14 +160,14 @@ class RunLog:
         Raises:
             OwnerError: if another supervisor owns the run or the cell now; nothing is kept.
             LostError: if the database does not answer.
-            RecordLostError: if the run is gone.
+            RecordLostError: if the run is gone, or has other events than those that led to `before`.
         """
         after = applied(event, before)
         with self._database.transaction() as session:
-            asked = {"run": run, "owner": owner}
+            asked = {"run": run, "owner": owner, "events": before.events}
             count = session.connection().execute(_COUNT_EVENT, asked).scalar()
             if count is None:
-                raise _refusal(session, run, owner)
+                raise _refusal(session, run, owner, before.events)
             add_event(session, run, count - 1, event)
             project(session, run, event, before, after)
             if count % SNAPSHOT_EVERY == 0:
@@ -292,14 +293,18 @@ def _owns_cell(owner: int) -> object:
     return exists().where(CellRow.name == RunRow.cell, CellRow.token == owner)
 
 
-def _refusal(session: Session, run: int, owner: int) -> PlannerError:
-    """Return why nothing can be added to a run."""
+def _refusal(
+    session: Session, run: int, owner: int, events: int | None = None
+) -> PlannerError:
+    """Return why nothing can be added to a run of which so many events are known."""
     row = session.get(RunRow, run)
     if row is None:
         return record_lost(f"no longer has run {run}")
     require_owner(session, row.cell, owner)
     if row.ended:
         return OwnerError(f"run {run} has ended: nothing can be added to it")
+    if row.owner == owner and events is not None:
+        return record_lost(f"has {row.events} events of run {run}; its supervisor knows {events}")
     return OwnerError(
         f"run {run} belongs to another owner of cell {row.cell} (token {row.owner}; this one has "
         f"{owner}): take it up first"

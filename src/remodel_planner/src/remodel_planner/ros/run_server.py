@@ -88,6 +88,8 @@ class RunServer:
         self._owner = 0
         self._owned_until_s = 0.0
         self._disowned = ""
+        # Whether the cell may have a run that has not ended and that nobody supervises.
+        self._unsure = True
         self._closed = "this node is starting; ask again"
         self._active: _Active | None = None
         self._next: _Active | None = None
@@ -182,19 +184,28 @@ class RunServer:
         return self._disowned
 
     def _supervise_runs(self) -> None:
-        unfinished = self._log.unfinished(self._maker.cell)
-        if unfinished is not None:
-            self._supervise(self._resumed(unfinished))
+        self._unsure = True
         while True:
+            if self._unsure:
+                self._resume()
             self._closed = self._services.safety
             if self._active is None:
                 self._publisher.idle(self._maker.cell, self._closed)
             self._loop.run_until(
-                lambda: self._next is not None or bool(self._disowned), float("inf")
+                lambda: self._next is not None or self._unsure or bool(self._disowned),
+                float("inf"),
             )
-            if self._next is None:
+            if self._next is not None:
+                self._supervise(self._next)
+            elif not self._unsure:
                 raise OwnerError(self._disowned)
-            self._supervise(self._next)
+
+    def _resume(self) -> None:
+        """Take the cell's run to its end that was cut short, or begun without an answer."""
+        unfinished = self._log.unfinished(self._maker.cell)
+        self._unsure = False
+        if unfinished is not None:
+            self._supervise(self._resumed(unfinished))
 
     def _resumed(self, run: int) -> _Active:
         """Return a run that was cut short, taken up."""
@@ -288,7 +299,11 @@ class RunServer:
             tasks,
             timeout_s=goal.timeout,
         )
-        run, begun = self._log.begin(begun, self._owner, again=goal.again)
+        try:
+            run, begun = self._log.begin(begun, self._owner, again=goal.again)
+        except LostError as error:
+            self._unsure = True
+            raise LostError(f"{error}; if the run was begun nevertheless, it is done") from error
         return self._made(run, state_after([begun]), work, handle)
 
     def _on_cancel(self, handle: actionlib.ServerGoalHandle) -> None:

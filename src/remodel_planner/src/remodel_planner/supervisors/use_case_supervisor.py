@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 from flexbe_synthesizer.core.codec import write_chart
@@ -216,6 +217,9 @@ class UseCaseSupervisor:
         self._is_resumed = self._is_planned = not state.to_plan
         # Where the cell answered that has the panel.
         self._loaded_at = ""
+        # An event of which it is not known whether it was kept, and one that turned out to be.
+        self._unsure: Event | None = None
+        self._kept: Event | None = None
 
     @property
     def doing_now(self) -> Doing | None:
@@ -247,7 +251,7 @@ class UseCaseSupervisor:
         timer = self._loop.every(_CHECK_S, self._tick)
         try:
             self._recover("the use case supervisor was restarted", is_resumed=self._is_resumed)
-            while (step := next_step(self.state)) is not None:
+            while (step := self._next_step()) is not None:
                 try:
                     self._do(step)
                 except LostError as error:
@@ -344,7 +348,7 @@ class UseCaseSupervisor:
             self._load_panel()
             is_ready = part is not Part.WHOLE or self._feed(name)
             # A command may have come meanwhile, after which something else is to be done.
-            if is_ready and next_step(self.state) == Execute(name, part):
+            if is_ready and self._next_step() == Execute(name, part):
                 self._run(name, part, chart, chosen)
         finally:
             self._lease.release()
@@ -418,11 +422,13 @@ class UseCaseSupervisor:
         except UnseenError as error:
             if self._gate.halt:
                 raise HaltedError(self._gate.halt) from error
-            self._append(Settled(name, tuple(connected), 1, error.code, str(error)))
+            unseen = Settled(name, tuple(connected), 1, error.code, str(error))
+            self._append_found(Settle(name), unseen)
             return
         finally:
             self._gate.end(_OWN)
-        self._append(Settled(name, tuple(connected), len(planned.left(connected))))
+        settled = Settled(name, tuple(connected), len(planned.left(connected)))
+        self._append_found(Settle(name), settled)
 
     def _inspect(self, name: str, planned: PlannedTask, connected: list[str]) -> None:
         """Add the letters of the ends that are in their terminals."""
@@ -438,9 +444,10 @@ class UseCaseSupervisor:
                 connected.append(end.letter)
 
     def _decide(self, name: str) -> None:
-        state, planner = self.state, self.work.planner
+        planner = self.work.planner
+        self._await_server(self.state.tasks[name])
+        state = self.state
         task = state.tasks[name]
-        self._await_server(task)
         now_s = self._loop.now_s()
         possible = {Do.RETRY, Do.RETRY_WITH, Do.LOOK_AGAIN, Do.NEW_PART, Do.SET_ASIDE, Do.STOP}
         if state.waiting:
@@ -456,7 +463,8 @@ class UseCaseSupervisor:
             failure.fault.name, possible, self._insist(self._log.tried_responses)
         )
         faults = self.work.faults
-        self._append(judged(state, name, faults, policy, possible, now_s, bounds, unpromising))
+        decided = judged(state, name, faults, policy, possible, now_s, bounds, unpromising)
+        self._append_found(Decide(name), decided)
 
     def _await_server(self, task: TaskProgress) -> None:
         """Wait until the ability server with which a task had trouble answers, and rests.
@@ -593,6 +601,8 @@ class UseCaseSupervisor:
         )
 
     def _tick(self) -> None:
+        with suppress(LostError):
+            self._catch_up()
         self._lease.check()
         self._close_or_open()
         self._replies.check()
@@ -647,7 +657,49 @@ class UseCaseSupervisor:
                 self._loop.run_until(lambda: False, _RETRY_S)
 
     def _append_now(self, event: Event) -> None:
-        self.state = self._log.append(self.run, event, self.state, self.owner)
+        self._catch_up()
+        kept, self._kept = self._kept, None
+        if kept == event:
+            return
+        try:
+            self._know(self._log.append(self.run, event, self.state, self.owner))
+        except LostError:
+            self._unsure = event
+            raise
+
+    def _append_found(self, step: Step, event: Event) -> None:
+        """Keep what a step that takes time has led to.
+
+        Raises:
+            HaltedError: if something else is to be done by now.
+        """
+        self._insist(self._catch_up)
+        if next_step(replace(self.state, paused=False)) != step:
+            raise HaltedError("something else is to be done by now")
+        self._append(event)
+
+    def _next_step(self) -> Step | None:
+        self._insist(self._catch_up)
+        while lost := self._disowned():
+            # The lease on the cell ran out during an outage: nothing moves before it is renewed.
+            self._describe(f"waiting, since {lost}")
+            self._insist(lambda: self._log.take_up(self.run, self.owner))
+            self._loop.run_until(lambda: not self._disowned(), _RETRY_S)
+        self._close_or_open()
+        return next_step(self.state)
+
+    def _catch_up(self) -> None:
+        """Learn whether an event was kept whose commit was not answered: the log has it or not."""
+        if self._unsure is None:
+            return
+        known = self._log.state(self.run)
+        unsure, self._unsure = self._unsure, None
+        if known.events != self.state.events:
+            self._kept = unsure
+            self._know(known)
+
+    def _know(self, state: RunState) -> None:
+        self.state = state
         self._close_or_open()
         self._on_change()
 
