@@ -81,7 +81,7 @@ class People:
             self._invariants.on_resume(station)
         resumes_s = self._resumed_s.get(station.name, -1.0)
 
-        def on_answer(granted: bool) -> None:  # noqa: FBT001 - a callback
+        def on_answer(granted: bool) -> None:
             is_resumed = self._resumed_s.get(station.name, -1.0) != resumes_s
             if granted and not is_resumed:
                 self._invariants.on_reply(station, event, sent_s)

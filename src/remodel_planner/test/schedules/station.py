@@ -358,9 +358,7 @@ class Life:
 
     def _made(self, run: int, state: RunState) -> UseCaseSupervisor:
         setting = self._station.setting
-        leases = TaskLeases(
-            self._database, ORDER.name, self._station.cell, LEASE_S, self._owner
-        )
+        leases = TaskLeases(self._database, ORDER.name, self._station.cell, LEASE_S, self._owner)
         work = Work(
             planner=SimulatedPlanner(len(state.tasks), setting.question_timeout_s),  # type: ignore[arg-type]
             faults=plant().faults,

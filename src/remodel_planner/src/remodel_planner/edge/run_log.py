@@ -293,9 +293,7 @@ def _owns_cell(owner: int) -> object:
     return exists().where(CellRow.name == RunRow.cell, CellRow.token == owner)
 
 
-def _refusal(
-    session: Session, run: int, owner: int, events: int | None = None
-) -> PlannerError:
+def _refusal(session: Session, run: int, owner: int, events: int | None = None) -> PlannerError:
     """Return why nothing can be added to a run of which so many events are known."""
     row = session.get(RunRow, run)
     if row is None:

@@ -17,6 +17,7 @@ from remodel_msgs.msg import (
     RunUseCaseResult,
 )
 
+from flexbe_core.ros.steady_action_server import SteadyActionServer
 from remodel_planner.core.supervision.events import Command, Commanded, Ending, RunBegun
 from remodel_planner.core.supervision.state import RunState, Stage, state_after
 from remodel_planner.edge.cell_ownership import CellOwnership, Owned
@@ -96,7 +97,7 @@ class RunServer:
         self._publisher = StatePublisher()
         self._publisher.idle(maker.cell, self._closed, starting=True)
         self._services = RunServices(loop, lambda: self._supervisor, self._why_closed, peers)
-        self._server = actionlib.ActionServer(
+        self._server = SteadyActionServer(
             ACTION,
             RunUseCaseAction,
             lambda handle: loop.post(lambda: self._on_goal(handle)),
