@@ -203,10 +203,10 @@ def test_an_order_done_again_begins_from_nothing_but_not_beside_others(
     other_owner = owner_of(database, "other", "another station")
     with pytest.raises(OrderError, match="cannot be done again: cell cell works on it"):
         log.begin(other, other_owner, again=True)
-    log.append(run, RunEnded(Ending.STOPPED, ""), state_after([BEGUN]), owner)
+    log.append(run, RunEnded(Ending.STOPPED, ""), log.state(run), owner)
     assert log.begin(other, other_owner) == (2, product(other, 1, keep_panel=True))
     assert rows(url, "SELECT state FROM tasks ORDER BY id") == [("done",), ("open",)]
-    log.append(2, RunEnded(Ending.STOPPED, ""), state_after([other]), other_owner)
+    log.append(2, RunEnded(Ending.STOPPED, ""), log.state(2), other_owner)
     assert log.begin(BEGUN, owner, again=True) == (3, product(BEGUN, 2))
     assert rows(url, "SELECT state FROM tasks ORDER BY id") == [("open",), ("open",)]
     assert next(iter(log.events(3))).event.serial == "house-0002"
