@@ -607,6 +607,7 @@ class UseCaseSupervisor:
         with suppress(LostError):
             self._catch_up()
         self._lease.check()
+        self.tasks.check()
         self._close_or_open()
         self._replies.check()
 
