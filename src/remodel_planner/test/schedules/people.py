@@ -128,7 +128,8 @@ class People:
     def _choice(self, state: RunState, task: str, choices: Sequence[Answer]) -> Answer:
         if self.is_calm:
             self._site.mend()
-            return Answer.FIXED
+            useful = (Answer.FIXED, Answer.RETRY, Answer.SKIP, Answer.REPLAN)
+            choices = [choice for choice in choices if choice in useful]
         choice = self._simulation.random.choice(tuple(choices))
         world = self._site.world
         is_there = world.panel.serial == state.serial and world.is_placed(task)
@@ -153,6 +154,7 @@ class People:
             if self._simulation.chance(0.5):
                 self.send_goal(self._simulation.random.choice(self._stations))
             return
+        self._invariants.read_open_runs()
         latest = self._invariants.states[max(self._invariants.states)]
         is_open = any(state.ended is None for state in self._invariants.states.values())
         is_complete = not is_open and self._is_complete(latest)

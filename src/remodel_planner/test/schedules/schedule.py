@@ -97,7 +97,7 @@ class Schedules:
             random.choice((30.0, 120.0)),
         )
         site = Site(simulation, plant().panel)
-        invariants = Invariants(simulation, site)
+        invariants = Invariants(simulation, site, RunLog(self._memory.door))
         cells = random.choice((("cell",),) * 5 + (("cell", "other"),) * 3 + (("cell", "cell"),))
         stations = [
             Station(simulation, site, self._memory, setting, invariants, f"station{n}", cell)

@@ -41,6 +41,8 @@ class TaskSupervisor:
         self._kept: Counter[str] = Counter()
         self._goals: set[str] = set()
         self._server_gone = ""
+        # Operations whose server may still be at them: path of the state -> ability, and since when.
+        self._unended: dict[str, tuple[str, float]] = {}
         self._is_cut = False
         self._settling = True
 
@@ -65,7 +67,8 @@ class TaskSupervisor:
             self._engine.start(behavior)
             outcome = self._watch()
             self._await_path()
-            self._gate.clear()
+            for path in self._gate.moving.keys() - self._unended.keys():
+                self._gate.end(path)
             # It failed since an operation was refused, before it could be stopped.
             return PREEMPTED if self._is_cut and outcome != FINISHED else outcome
         finally:
@@ -95,6 +98,7 @@ class TaskSupervisor:
             while_leaving,
         )
         self._gate.clear()
+        self._unended.clear()
         self._settling = False
 
     def begin_operation(self, behavior: str, state_path: str, ability: str) -> tuple[Permit, str]:
@@ -128,8 +132,18 @@ class TaskSupervisor:
             self._kept[operation.state_path] += 1
         if operation.error_code in SERVER_GONE:
             self._server_gone = f"the server of {operation.ability} is lost"
-        self._gate.end(operation.state_path)
+            self._unended[operation.state_path] = operation.ability, self._loop.wall_s()
+        else:
+            self._gate.end(operation.state_path)
         return True, ""
+
+    def check(self) -> None:
+        """Learn which servers that were lost rest by now, or have ended."""
+        for path, (ability, since_s) in list(self._unended.items()):
+            is_connected = self._abilities.is_connected(ability)
+            if not is_connected or self._abilities.answers(ability, since_s):
+                del self._unended[path]
+                self._gate.end(path)
 
     def _watch(self) -> str:
         end = self._ended(lambda: bool(self._gate.halt))

@@ -275,6 +275,7 @@ class UseCaseSupervisor:
         The reply comes when nothing moves any more: after a pause when the operation under way has
         ended, after a stop of any kind when what ran is cancelled and at rest.
         """
+        is_under_way = bool(event.task) and event.task == self.state.current
         try:
             require_sense(event, self.state)
             self._append_now(event)
@@ -288,7 +289,7 @@ class UseCaseSupervisor:
         elif self._gate.halt and self.tasks.behavior:
             ended = self._behaviors_ended + 1
             self._replies.reply_when(lambda: self._behaviors_ended >= ended, reply)
-        elif self._gate.halt:
+        elif self._gate.halt or is_under_way:
             self._replies.reply_when(lambda: self._gate.is_still, reply)
         else:
             reply(True, "")
@@ -346,9 +347,11 @@ class UseCaseSupervisor:
             self._close_or_open()
             self._peers.maker.make(chart)
             self._load_panel()
-            is_ready = part is not Part.WHOLE or self._feed(name)
-            # A command may have come meanwhile, after which something else is to be done.
-            if is_ready and self._next_step() == Execute(name, part):
+            step = Execute(name, part)
+            # A command may come at any time, after which something else is to be done.
+            if self._next_step() != step or (part is Part.WHOLE and not self._feed(name)):
+                return
+            if self._next_step() == step:
                 self._run(name, part, chart, chosen)
         finally:
             self._lease.release()
@@ -604,6 +607,7 @@ class UseCaseSupervisor:
         with suppress(LostError):
             self._catch_up()
         self._lease.check()
+        self.tasks.check()
         self._close_or_open()
         self._replies.check()
 
