@@ -626,7 +626,7 @@ def test_a_question_is_asked_escalates_and_notifies(url):
     state = bench.run(JAM)
     first = bench.events(Planned)[0].tasks[0]
     assert [event.do for event in bench.events(Escalated)] == [Do.SET_ASIDE]
-    assert [each["event"] for each in bench.notified] == ["asked", "not answered"]
+    assert [each["event"] for each in bench.notified] == ["question_asked", "question_timed_out"]
     assert state.tasks[first].stage is Stage.SET_ASIDE
     bench.database.close()
 
