@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from flexbe_synthesizer.core.model import Chart
+from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.attempts import INTERRUPTED, Attempt
 from remodel_planner.core.supervision.events import (
     Answered,
@@ -34,7 +35,13 @@ from remodel_planner.core.supervision.events import (
     TaskEnded,
     TaskReturned,
 )
-from remodel_planner.core.supervision.state import PREEMPTED, RunState, Stage, applied
+from remodel_planner.core.supervision.state import (
+    PREEMPTED,
+    SERVER_GONE,
+    RunState,
+    Stage,
+    applied,
+)
 from remodel_planner.core.supervision.step import (
     Ask,
     Decide,
@@ -91,9 +98,15 @@ def path_difference(attempt: Attempt, chart: Chart, nested: Mapping[str, Chart])
     if attempt.path and entered != asked:
         return f"the engine entered {entered}, operations are of {asked}"
     outcome = trace(chart, execution.operations, nested).outcome
+    if outcome is None and any(map(_lost_server, execution.operations[-1:])):
+        return ""  # what the chart asked for next was refused, and left no record
     if outcome != execution.outcome:
         return f"the chart leads to {outcome}, the behavior ended {execution.outcome}"
     return ""
+
+
+def _lost_server(operation: Operation) -> bool:
+    return operation.error_code in SERVER_GONE
 
 
 def _difference(event: Event, state: RunState) -> str:

@@ -416,6 +416,10 @@ STUCK_HAND_LIMIT = 2
 # remodel_msgs/ErrorCode: TIMEOUT, SERVER_LOST, INTERNAL, BUSY, SERVER_HUNG, CONTRADICTORY_RESULT.
 SERVER_TROUBLE = frozenset({1, 4, 5, 6, 7, 8})
 
+# remodel_msgs/ErrorCode: SERVER_LOST, SERVER_HUNG. After them nothing more of a behavior is
+# granted: the server may complete its goal when it wakes up.
+SERVER_GONE = frozenset({4, 7})
+
 # remodel_msgs/ErrorCode: NOTHING_HELD and WIRE_NOT_FED; PREEMPTED; SERVER_LOST; OTHER_CABLE_HELD;
 # EXTRACTION_STUCK; WIRE_LEFT_BEHIND; INTERNAL, of a task that failed though no ability reported
 # an error.
