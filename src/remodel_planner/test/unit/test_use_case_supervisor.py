@@ -552,6 +552,23 @@ def test_a_pause_holds_the_next_operation_and_is_answered_when_the_one_under_way
     assert seen == [[], [(True, "")], Permit.HELD, Permit.GRANTED]
 
 
+def test_a_record_of_a_behavior_that_was_stopped_is_dropped(bench):
+    answers = []
+
+    def send(owner):
+        behavior = bench.engine.ran[-1] if bench.engine.ran else "W1"
+        goal = f"{owner}:{behavior}/Find wire#1"
+        found = Operation("/Find wire", "DetectCable", "detected", 0, "", 2.0, 1.0, goal)
+        answers.append(bench.supervisor.tasks.keep_record(behavior, found))
+
+    stopped = (True, "of a behavior that was stopped; it is not kept")
+    send(bench.owner)  # before this supervisor has stopped what runs
+    bench.run(lambda: send(bench.owner - 1), lambda: send(bench.owner))
+    assert answers == [stopped, stopped, (True, "")]
+    second = bench.events(Planned)[0].tasks[1]
+    assert [event.task for event in bench.events(OperationEnded)] == [second]
+
+
 def test_a_running_task_that_is_skipped_leaves_an_empty_hand(bench):
     replies = []
 
@@ -581,6 +598,19 @@ def test_a_stop_ends_the_run(bench):
     assert (state.ended.ending, state.ended.because) == (Ending.STOPPED, "ann stopped it")
     assert replies == [[(True, "")]]
     assert bench.command(Command.STOP) == [(False, "the run has ended")]
+
+
+def test_a_task_that_was_skipped_is_retried(bench):
+    skipped = []
+
+    def skip():
+        skipped.append(bench.events(Planned)[0].tasks[1])
+        bench.command(Command.SKIP, skipped[0])
+        bench.command(Command.RETRY, skipped[0])
+
+    state = bench.run(skip)
+    assert state.ended.ending is Ending.COMPLETE
+    assert bench.ran[-1] == skipped[0]
 
 
 def test_a_protective_stop_cuts_the_behavior_short_and_the_run_waits(bench):
