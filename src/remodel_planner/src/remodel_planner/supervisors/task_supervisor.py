@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.gate import Gate, Permit
-from remodel_planner.core.supervision.state import PREEMPTED
+from remodel_planner.core.supervision.state import PREEMPTED, SERVER_GONE
 from remodel_planner.errors import LostError, PlannerError
 from remodel_planner.supervisors.ports import Abilities, BehaviorEnd, End, Engine, EventLoop
 
@@ -20,10 +20,6 @@ STOP_LIMIT_S = 20.0
 # [s] wall time that the engine's topic may lag behind the end of a behavior.
 _LAG_LIMIT_S = 2.0
 
-# remodel_msgs/ErrorCode: SERVER_LOST, SERVER_HUNG. After them nothing of the behavior moves any
-# more: the server may complete its goal when it wakes up.
-_SERVER_GONE = (4, 7)
-
 Keep = Callable[[Operation], None]
 
 
@@ -34,9 +30,17 @@ class TaskSupervisor:
         behavior: name of the one that runs; empty if none does.
     """
 
-    def __init__(self, loop: EventLoop, engine: Engine, abilities: Abilities, gate: Gate) -> None:
-        """Take the ports, and the gate that its operations pass."""
+    def __init__(
+        self,
+        loop: EventLoop,
+        engine: Engine,
+        abilities: Abilities,
+        gate: Gate,
+        owner: int = 0,
+    ) -> None:
+        """Take the ports, the gate that its operations pass, and the token of the cell's owner."""
         self.behavior = ""
+        self._owner = owner
         self._loop = loop
         self._engine = engine
         self._abilities = abilities
@@ -113,9 +117,14 @@ class TaskSupervisor:
         return self._gate.ask(state_path, ability), self._gate.why
 
     def keep_record(self, behavior: str, operation: Operation) -> tuple[bool, str]:
-        """Keep what an operation did; return whether the state may go on, and why not."""
-        if self._settling:
-            return False, "this behavior is about to be stopped"
+        """Keep what an operation did; return whether the state may go on, and why not.
+
+        A record of a behavior that was, or is about to be, stopped is accepted and dropped: what
+        that behavior has done is inspected, nothing more of it is granted, and its state would
+        send the record again to the next behavior of the same name.
+        """
+        if self._settling or self._is_of_another_owner(operation):
+            return True, "of a behavior that was stopped; it is not kept"
         if self._keep is None or behavior != self.behavior:
             return True, "of no task; it is not kept"
         if operation.goal_id not in self._goals:
@@ -125,10 +134,15 @@ class TaskSupervisor:
                 return False, str(error)
             self._goals.add(operation.goal_id)
             self._kept[operation.state_path] += 1
-        if operation.error_code in _SERVER_GONE:
+        if operation.error_code in SERVER_GONE:
             self._server_gone = f"the server of {operation.ability} is lost"
         self._gate.end(operation.state_path)
         return True, ""
+
+    def _is_of_another_owner(self, operation: Operation) -> bool:
+        """Return whether a supervisor before this one granted an operation."""
+        token, colon, _ = operation.goal_id.partition(":")
+        return bool(colon) and token.isdecimal() and int(token) != self._owner
 
     def _watch(self) -> str:
         end = self._ended(lambda: bool(self._gate.halt))
