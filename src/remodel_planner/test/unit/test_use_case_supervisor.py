@@ -34,6 +34,7 @@ from remodel_planner.core.supervision.events import (
     TaskElsewhere,
 )
 from remodel_planner.core.supervision.gate import Permit
+from remodel_planner.core.supervision.replay import replayed
 from remodel_planner.core.supervision.state import Stage, cause_of, state_after
 from remodel_planner.edge.catalogue_file import read_catalogue
 from remodel_planner.edge.fault_file import read_faults
@@ -625,6 +626,41 @@ def test_a_protective_stop_cuts_the_behavior_short_and_the_run_waits(bench):
     assert [event.because for event in bench.events(Interrupted)] == ["protective stop by ann"]
     assert bench.ran[:3] == [first, f"{first} Clear", first]
     assert state.ended.ending is Ending.COMPLETE
+
+
+def during(bench, port, name, command):
+    """Give a command once, while a port is being called after the first behavior."""
+    original = getattr(port, name)
+
+    def called(*arguments):
+        if not bench.engine.ran:
+            return original(*arguments)
+        setattr(port, name, original)
+        bench.command(command)
+        bench.loop.arrivals += [lambda: None] * 20 + [lambda: bench.command(Command.RESUME)]
+        return original(*arguments)
+
+    setattr(port, name, called)
+
+
+@pytest.mark.parametrize(
+    ("port", "name", "command"),
+    [
+        ("maker", "make", Command.PAUSE),
+        ("maker", "make", Command.PROTECTIVE_STOP),
+        ("inspection", "is_connected", Command.PAUSE),
+        ("inspection", "is_connected", Command.PROTECTIVE_STOP),
+        ("abilities", "answers", Command.STOP),
+    ],
+)
+def test_what_a_command_has_overtaken_is_not_recorded(bench, port, name, command):
+    during(bench, getattr(bench, port), name, command)
+    state = bench.run(*([] if port == "maker" else [LOST]))
+    assert command in [event.command for event in bench.events(Commanded)]
+    events = [kept.event for kept in bench.log.events(bench.number)]
+    assert [frame.differs for frame in replayed(events) if frame.differs] == []
+    expected = Ending.STOPPED if command is Command.STOP else Ending.COMPLETE
+    assert state.ended.ending is expected
 
 
 def test_commands_that_make_no_sense_are_refused(bench):

@@ -342,12 +342,16 @@ class UseCaseSupervisor:
             self._close_or_open()
             self._peers.maker.make(chart)
             self._load_panel()
-            is_ready = part is not Part.WHOLE or self._feed(name)
-            # A command may have come meanwhile, after which something else is to be done.
-            if is_ready and next_step(self.state) == Execute(name, part):
+            step = Execute(name, part)
+            is_ready = self._is_next(step) and (part is not Part.WHOLE or self._feed(name))
+            if is_ready and self._is_next(step):
                 self._run(name, part, chart, chosen)
         finally:
             self._lease.release()
+
+    def _is_next(self, step: Step) -> bool:
+        """Return whether a step is still to be done: a command may have come since it began."""
+        return next_step(self.state) == step
 
     def _chosen(self, task: TaskProgress, part: Part) -> tuple[Chosen, ...]:
         """Return the parameters by which a task is attempted that learning chose."""
@@ -418,11 +422,13 @@ class UseCaseSupervisor:
         except UnseenError as error:
             if self._gate.halt:
                 raise HaltedError(self._gate.halt) from error
-            self._append(Settled(name, tuple(connected), 1, error.code, str(error)))
-            return
+            settled = Settled(name, tuple(connected), 1, error.code, str(error))
+        else:
+            settled = Settled(name, tuple(connected), len(planned.left(connected)))
         finally:
             self._gate.end(_OWN)
-        self._append(Settled(name, tuple(connected), len(planned.left(connected))))
+        if self._is_next(Settle(name)):
+            self._append(settled)
 
     def _inspect(self, name: str, planned: PlannedTask, connected: list[str]) -> None:
         """Add the letters of the ends that are in their terminals."""
@@ -438,9 +444,11 @@ class UseCaseSupervisor:
                 connected.append(end.letter)
 
     def _decide(self, name: str) -> None:
+        self._await_server(self.state.tasks[name])
+        if not self._is_next(Decide(name)):
+            return
         state, planner = self.state, self.work.planner
         task = state.tasks[name]
-        self._await_server(task)
         now_s = self._loop.now_s()
         possible = {Do.RETRY, Do.RETRY_WITH, Do.LOOK_AGAIN, Do.NEW_PART, Do.SET_ASIDE, Do.STOP}
         if state.waiting:
