@@ -207,7 +207,7 @@ class UseCaseSupervisor:
         self._on_change = on_change
         self._disowned = disowned
         self._gate = Gate()
-        self.tasks = TaskSupervisor(loop, peers.engine, peers.abilities, self._gate)
+        self.tasks = TaskSupervisor(loop, peers.engine, peers.abilities, self._gate, owner)
         self._lease = LeaseKeeper(loop, work.leases, self._close_or_open)
         self._replies = PendingReplies()
         self._behaviors_ended = 0
