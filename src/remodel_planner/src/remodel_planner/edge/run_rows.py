@@ -47,9 +47,11 @@ def project(session: Session, run: int, event: Event, before: RunState, after: R
     # What other cells do with a task is theirs to keep.
     if not isinstance(event, TaskElsewhere | TaskReturned):
         for name in _touched(event, before):
-            stage = after.tasks[name].stage
-            if stage is not before.tasks[name].stage and stage in _STORED:
+            stage, stage_before = after.tasks[name].stage, before.tasks[name].stage
+            if stage is not stage_before and stage in _STORED:
                 _end_task(_row_of(session, run, name), _STORED[stage], after.cell)
+            elif stage is not stage_before and stage_before in _STORED:
+                _reopen_task(_row_of(session, run, name), _STORED[stage_before], after.cell)
     current = before.tasks.get(before.current)
     if current is not None and current.stage is Stage.RUNNING:
         if isinstance(event, TaskEnded):
@@ -77,6 +79,12 @@ def _end_task(row: TaskRow, state: str, cell: str) -> None:
     """Note that a cell has ended a task, unless another one has taken it over."""
     if row.cell in ("", cell):
         row.state, row.cell, row.lease_until = state, cell, None
+
+
+def _reopen_task(row: TaskRow, state: str, cell: str) -> None:
+    """Note that a task that had ended is to be done by a cell after all: it counts as begun."""
+    if row.state == state:
+        row.state, row.cell, row.lease_until = "begun", cell, None
 
 
 def _row_of(session: Session, run: int, task: str) -> TaskRow:
