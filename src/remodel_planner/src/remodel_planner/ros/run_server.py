@@ -186,15 +186,25 @@ class RunServer:
         if unfinished is not None:
             self._supervise(self._resumed(unfinished))
         while True:
-            self._closed = self._services.safety
-            if self._active is None:
-                self._publisher.idle(self._maker.cell, self._closed)
+            self._supervise(self._requested())
+
+    def _requested(self) -> _Active:
+        """Wait for a goal, and return its run; OwnerError if the cell is lost meanwhile."""
+        while True:
+            closed = self._closed = self._services.safety
+            self._publisher.idle(self._maker.cell, closed)
             self._loop.run_until(
-                lambda: self._next is not None or bool(self._disowned), float("inf")
+                lambda: (
+                    self._next is not None
+                    or bool(self._disowned)
+                    or self._services.safety != closed
+                ),
+                float("inf"),
             )
-            if self._next is None:
+            if self._next is not None:
+                return self._next
+            if self._disowned:
                 raise OwnerError(self._disowned)
-            self._supervise(self._next)
 
     def _resumed(self, run: int) -> _Active:
         """Return a run that was cut short, taken up."""
@@ -223,6 +233,7 @@ class RunServer:
     def _supervise(self, active: _Active) -> None:
         self._active, self._next = active, None
         self._services.ask_to_be_asked()
+        self._services.stop_if_unsafe()
         self._on_change()
         try:
             state = active.supervisor.supervise()
