@@ -642,7 +642,7 @@ def test_a_question_is_asked_escalates_and_notifies(url):
     state = bench.run(JAM)
     first = bench.events(Planned)[0].tasks[0]
     assert [event.do for event in bench.events(Escalated)] == [Do.SET_ASIDE]
-    assert [each["event"] for each in bench.notified] == ["asked", "not answered"]
+    assert [each["event"] for each in bench.notified] == ["question_asked", "question_timed_out"]
     assert state.tasks[first].stage is Stage.SET_ASIDE
     bench.database.close()
 
@@ -668,8 +668,8 @@ def test_an_operator_answers(url):
 
 def test_another_cells_task_is_left_to_it_and_taken_over_when_it_dies(bench, url):
     database = ProductionDatabase(url)
-    other = TaskLeases(database, "house", "other", 0.03, owner_of(database, "other"))
-    bench.leases.lease_s = 0.03
+    other = TaskLeases(database, "house", "other", 0.5, owner_of(database, "other"))
+    bench.leases.lease_s = 0.5
     other.claim("W1")
     bench.inspection.connected = {("W1", "a")}
     state = bench.run()

@@ -17,6 +17,7 @@ from remodel_msgs.msg import (
     RunUseCaseResult,
 )
 
+from flexbe_core.ros.steady_action_server import SteadyActionServer
 from remodel_planner.core.supervision.events import Command, Commanded, Ending, RunBegun
 from remodel_planner.core.supervision.state import RunState, Stage, state_after
 from remodel_planner.edge.cell_ownership import CellOwnership, Owned
@@ -88,13 +89,15 @@ class RunServer:
         self._owner = 0
         self._owned_until_s = 0.0
         self._disowned = ""
+        # Whether the cell may have a run that has not ended and that nobody supervises.
+        self._unsure = True
         self._closed = "this node is starting; ask again"
         self._active: _Active | None = None
         self._next: _Active | None = None
         self._publisher = StatePublisher()
         self._publisher.idle(maker.cell, self._closed, starting=True)
         self._services = RunServices(loop, lambda: self._supervisor, self._why_closed, peers)
-        self._server = actionlib.ActionServer(
+        self._server = SteadyActionServer(
             ACTION,
             RunUseCaseAction,
             lambda handle: loop.post(lambda: self._on_goal(handle)),
@@ -182,29 +185,36 @@ class RunServer:
         return self._disowned
 
     def _supervise_runs(self) -> None:
+        self._unsure = True
+        while True:
+            if self._unsure:
+                self._resume()
+            self._await_goal()
+            if self._next is not None:
+                self._supervise(self._next)
+            elif not self._unsure:
+                raise OwnerError(self._disowned)
+
+    def _await_goal(self) -> None:
+        """Return when there is a goal, or none can be taken before something else is done."""
+
+        def is_over() -> bool:
+            return self._next is not None or self._unsure or bool(self._disowned)
+
+        def is_outdated() -> bool:
+            return self._closed != self._services.safety
+
+        while not is_over():
+            self._closed = self._services.safety
+            self._publisher.idle(self._maker.cell, self._closed)
+            self._loop.run_until(lambda: is_over() or is_outdated(), float("inf"))
+
+    def _resume(self) -> None:
+        """Take the cell's run to its end that was cut short, or begun without an answer."""
         unfinished = self._log.unfinished(self._maker.cell)
+        self._unsure = False
         if unfinished is not None:
             self._supervise(self._resumed(unfinished))
-        while True:
-            self._supervise(self._requested())
-
-    def _requested(self) -> _Active:
-        """Wait for a goal, and return its run; OwnerError if the cell is lost meanwhile."""
-        while True:
-            closed = self._closed = self._services.safety
-            self._publisher.idle(self._maker.cell, closed)
-            self._loop.run_until(
-                lambda: (
-                    self._next is not None
-                    or bool(self._disowned)
-                    or self._services.safety != closed
-                ),
-                float("inf"),
-            )
-            if self._next is not None:
-                return self._next
-            if self._disowned:
-                raise OwnerError(self._disowned)
 
     def _resumed(self, run: int) -> _Active:
         """Return a run that was cut short, taken up."""
@@ -299,7 +309,11 @@ class RunServer:
             tasks,
             timeout_s=goal.timeout,
         )
-        run, begun = self._log.begin(begun, self._owner, again=goal.again)
+        try:
+            run, begun = self._log.begin(begun, self._owner, again=goal.again)
+        except LostError as error:
+            self._unsure = True
+            raise LostError(f"{error}; if the run was begun nevertheless, it is done") from error
         return self._made(run, state_after([begun]), work, handle)
 
     def _on_cancel(self, handle: actionlib.ServerGoalHandle) -> None:

@@ -209,6 +209,12 @@ class Log(Protocol):
             RecordLostError: if the database has lost the run.
         """
 
+    def state(self, run: int) -> RunState:
+        """Return what is known of a run."""
+
+    def take_up(self, run: int, owner: int) -> None:
+        """Take up a run; OwnerError if another supervisor owns the cell now."""
+
     def tried_responses(self) -> Sequence[TriedResponse]:
         """Return what was done about faults in any run, and whether it helped."""
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.gate import Gate, Permit
-from remodel_planner.core.supervision.state import PREEMPTED
+from remodel_planner.core.supervision.state import FINISHED, PREEMPTED, SERVER_GONE
 from remodel_planner.errors import LostError, PlannerError
 from remodel_planner.supervisors.ports import Abilities, BehaviorEnd, End, Engine, EventLoop
 
@@ -19,10 +19,6 @@ STOP_LIMIT_S = 20.0
 
 # [s] wall time that the engine's topic may lag behind the end of a behavior.
 _LAG_LIMIT_S = 2.0
-
-# remodel_msgs/ErrorCode: SERVER_LOST, SERVER_HUNG. After them nothing of the behavior moves any
-# more: the server may complete its goal when it wakes up.
-_SERVER_GONE = (4, 7)
 
 Keep = Callable[[Operation], None]
 
@@ -45,6 +41,9 @@ class TaskSupervisor:
         self._kept: Counter[str] = Counter()
         self._goals: set[str] = set()
         self._server_gone = ""
+        # Operations whose server may still be at them: path of the state -> ability, and since when.
+        self._unended: dict[str, tuple[str, float]] = {}
+        self._is_cut = False
         self._settling = True
 
     def run(self, behavior: str, keep: Keep) -> str:
@@ -61,14 +60,17 @@ class TaskSupervisor:
         if self._gate.halt:
             return PREEMPTED
         self.behavior, self._keep, self._server_gone = behavior, keep, ""
+        self._is_cut = False
         self._kept.clear()
         self._goals.clear()
         try:
             self._engine.start(behavior)
             outcome = self._watch()
             self._await_path()
-            self._gate.clear()
-            return outcome
+            for path in self._gate.moving.keys() - self._unended.keys():
+                self._gate.end(path)
+            # It failed since an operation was refused, before it could be stopped.
+            return PREEMPTED if self._is_cut and outcome != FINISHED else outcome
         finally:
             self.behavior, self._keep = "", None
 
@@ -96,6 +98,7 @@ class TaskSupervisor:
             while_leaving,
         )
         self._gate.clear()
+        self._unended.clear()
         self._settling = False
 
     def begin_operation(self, behavior: str, state_path: str, ability: str) -> tuple[Permit, str]:
@@ -110,7 +113,9 @@ class TaskSupervisor:
             return Permit.REFUSED, f"behavior {behavior!r} is about to be stopped"
         if self._server_gone:
             return Permit.REFUSED, self._server_gone
-        return self._gate.ask(state_path, ability), self._gate.why
+        permit = self._gate.ask(state_path, ability)
+        self._is_cut = self._is_cut or permit is Permit.REFUSED
+        return permit, self._gate.why
 
     def keep_record(self, behavior: str, operation: Operation) -> tuple[bool, str]:
         """Keep what an operation did; return whether the state may go on, and why not."""
@@ -125,10 +130,20 @@ class TaskSupervisor:
                 return False, str(error)
             self._goals.add(operation.goal_id)
             self._kept[operation.state_path] += 1
-        if operation.error_code in _SERVER_GONE:
+        if operation.error_code in SERVER_GONE:
             self._server_gone = f"the server of {operation.ability} is lost"
-        self._gate.end(operation.state_path)
+            self._unended[operation.state_path] = operation.ability, self._loop.wall_s()
+        else:
+            self._gate.end(operation.state_path)
         return True, ""
+
+    def check(self) -> None:
+        """Learn which servers that were lost rest by now, or have ended."""
+        for path, (ability, since_s) in list(self._unended.items()):
+            is_connected = self._abilities.is_connected(ability)
+            if not is_connected or self._abilities.answers(ability, since_s):
+                del self._unended[path]
+                self._gate.end(path)
 
     def _watch(self) -> str:
         end = self._ended(lambda: bool(self._gate.halt))

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 from flexbe_synthesizer.core.codec import write_chart
 from flexbe_synthesizer.core.model import Chart
 from remodel_planner.core.planning.problem import End as WireEnd
 from remodel_planner.core.recovery.fault import Do, FaultTable
+from remodel_planner.core.recovery.notice import NoticeKind, QuestionNotice
 from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.events import (
     Answered,
@@ -216,6 +218,9 @@ class UseCaseSupervisor:
         self._is_resumed = self._is_planned = not state.to_plan
         # Where the cell answered that has the panel.
         self._loaded_at = ""
+        # An event of which it is not known whether it was kept, and one that turned out to be.
+        self._unsure: Event | None = None
+        self._kept: Event | None = None
 
     @property
     def doing_now(self) -> Doing | None:
@@ -247,7 +252,7 @@ class UseCaseSupervisor:
         timer = self._loop.every(_CHECK_S, self._tick)
         try:
             self._recover("the use case supervisor was restarted", is_resumed=self._is_resumed)
-            while (step := next_step(self.state)) is not None:
+            while (step := self._next_step()) is not None:
                 try:
                     self._do(step)
                 except LostError as error:
@@ -271,6 +276,7 @@ class UseCaseSupervisor:
         The reply comes when nothing moves any more: after a pause when the operation under way has
         ended, after a stop of any kind when what ran is cancelled and at rest.
         """
+        is_under_way = bool(event.task) and event.task == self.state.current
         try:
             require_sense(event, self.state)
             self._append_now(event)
@@ -284,7 +290,7 @@ class UseCaseSupervisor:
         elif self._gate.halt and self.tasks.behavior:
             ended = self._behaviors_ended + 1
             self._replies.reply_when(lambda: self._behaviors_ended >= ended, reply)
-        elif self._gate.halt:
+        elif self._gate.halt or is_under_way:
             self._replies.reply_when(lambda: self._gate.is_still, reply)
         else:
             reply(True, "")
@@ -342,9 +348,11 @@ class UseCaseSupervisor:
             self._close_or_open()
             self._peers.maker.make(chart)
             self._load_panel()
-            is_ready = part is not Part.WHOLE or self._feed(name)
-            # A command may have come meanwhile, after which something else is to be done.
-            if is_ready and next_step(self.state) == Execute(name, part):
+            step = Execute(name, part)
+            # A command may come at any time, after which something else is to be done.
+            if self._next_step() != step or (part is Part.WHOLE and not self._feed(name)):
+                return
+            if self._next_step() == step:
                 self._run(name, part, chart, chosen)
         finally:
             self._lease.release()
@@ -418,11 +426,13 @@ class UseCaseSupervisor:
         except UnseenError as error:
             if self._gate.halt:
                 raise HaltedError(self._gate.halt) from error
-            self._append(Settled(name, tuple(connected), 1, error.code, str(error)))
+            unseen = Settled(name, tuple(connected), 1, error.code, str(error))
+            self._append_found(Settle(name), unseen)
             return
         finally:
             self._gate.end(_OWN)
-        self._append(Settled(name, tuple(connected), len(planned.left(connected))))
+        settled = Settled(name, tuple(connected), len(planned.left(connected)))
+        self._append_found(Settle(name), settled)
 
     def _inspect(self, name: str, planned: PlannedTask, connected: list[str]) -> None:
         """Add the letters of the ends that are in their terminals."""
@@ -438,9 +448,10 @@ class UseCaseSupervisor:
                 connected.append(end.letter)
 
     def _decide(self, name: str) -> None:
-        state, planner = self.state, self.work.planner
+        planner = self.work.planner
+        self._await_server(self.state.tasks[name])
+        state = self.state
         task = state.tasks[name]
-        self._await_server(task)
         now_s = self._loop.now_s()
         possible = {Do.RETRY, Do.RETRY_WITH, Do.LOOK_AGAIN, Do.NEW_PART, Do.SET_ASIDE, Do.STOP}
         if state.waiting:
@@ -456,7 +467,8 @@ class UseCaseSupervisor:
             failure.fault.name, possible, self._insist(self._log.tried_responses)
         )
         faults = self.work.faults
-        self._append(judged(state, name, faults, policy, possible, now_s, bounds, unpromising))
+        decided = judged(state, name, faults, policy, possible, now_s, bounds, unpromising)
+        self._append_found(Decide(name), decided)
 
     def _await_server(self, task: TaskProgress) -> None:
         """Wait until the ability server with which a task had trouble answers, and rests.
@@ -488,7 +500,7 @@ class UseCaseSupervisor:
         now_s, limit_s = self._loop.now_s(), policy.question.timeout_s
         asked = question_about(self.state, name, self.work.faults, now_s, limit_s)
         self._append(asked)
-        self._notify("asked", asked)
+        self._notify(NoticeKind.ASKED, asked)
 
     def _wait(self) -> None:
         """Wait for a command, an answer, other cells, or the end of a question's time."""
@@ -501,7 +513,7 @@ class UseCaseSupervisor:
             fault = self.work.faults[self.state.tasks[asked.task].decisions[-1].fault]
             do = self.work.planner.use_case.recovery.unanswered_for(fault)
             self._append(Escalated(asked.number, asked.task, do))
-            self._notify("not answered", asked, do=do.value)
+            self._notify(NoticeKind.TIMED_OUT, asked)
         for name in self.state.in_stage(Stage.ELSEWHERE):
             claim = self._insist(lambda n=name: self.work.leases.claim(n))  # type: ignore[misc]
             if claim.holding in (Holding.DONE, Holding.SET_ASIDE):
@@ -509,23 +521,22 @@ class UseCaseSupervisor:
             elif claim.holding is not Holding.ELSEWHERE:
                 self._append(TaskReturned(name, claim.cell))
 
-    def _notify(self, event: str, asked: Asked, **more: str) -> None:
+    def _notify(self, event: NoticeKind, asked: Asked) -> None:
         """Notify whoever is to know of a question, wherever they are."""
-        self.work.notify(
-            {
-                "event": event,
-                "cell": self.state.cell,
-                "order": self.state.order,
-                "serial": self.state.serial,
-                "run": self.run,
-                "question": asked.number,
-                "task": asked.task,
-                "text": asked.text,
-                "choices": [choice.value for choice in asked.choices],
-                "timeout_s": asked.timeout_s,
-                **more,
-            }
+        state, fault = self.state, self.state.tasks[asked.task].decisions[-1].fault
+        notice = QuestionNotice(
+            event,
+            state.cell,
+            state.order,
+            self.run,
+            asked.task,
+            asked.number,
+            asked.text,
+            tuple(choice.value for choice in asked.choices),
+            asked.timeout_s,
+            self.work.planner.use_case.recovery.unanswered_for(self.work.faults[fault]).value,
         )
+        self.work.notify(notice.data())
 
     def _has(self, name: str) -> bool:
         """Return whether this cell has a task; if another one has it, or has had it, keep that."""
@@ -593,7 +604,10 @@ class UseCaseSupervisor:
         )
 
     def _tick(self) -> None:
+        with suppress(LostError):
+            self._catch_up()
         self._lease.check()
+        self.tasks.check()
         self._close_or_open()
         self._replies.check()
 
@@ -647,7 +661,49 @@ class UseCaseSupervisor:
                 self._loop.run_until(lambda: False, _RETRY_S)
 
     def _append_now(self, event: Event) -> None:
-        self.state = self._log.append(self.run, event, self.state, self.owner)
+        self._catch_up()
+        kept, self._kept = self._kept, None
+        if kept == event:
+            return
+        try:
+            self._know(self._log.append(self.run, event, self.state, self.owner))
+        except LostError:
+            self._unsure = event
+            raise
+
+    def _append_found(self, step: Step, event: Event) -> None:
+        """Keep what a step that takes time has led to.
+
+        Raises:
+            HaltedError: if something else is to be done by now.
+        """
+        self._insist(self._catch_up)
+        if next_step(replace(self.state, paused=False)) != step:
+            raise HaltedError("something else is to be done by now")
+        self._append(event)
+
+    def _next_step(self) -> Step | None:
+        self._insist(self._catch_up)
+        while lost := self._disowned():
+            # The lease on the cell ran out during an outage: nothing moves before it is renewed.
+            self._describe(f"waiting, since {lost}")
+            self._insist(lambda: self._log.take_up(self.run, self.owner))
+            self._loop.run_until(lambda: not self._disowned(), _RETRY_S)
+        self._close_or_open()
+        return next_step(self.state)
+
+    def _catch_up(self) -> None:
+        """Learn whether an event was kept whose commit was not answered: the log has it or not."""
+        if self._unsure is None:
+            return
+        known = self._log.state(self.run)
+        unsure, self._unsure = self._unsure, None
+        if known.events != self.state.events:
+            self._kept = unsure
+            self._know(known)
+
+    def _know(self, state: RunState) -> None:
+        self.state = state
         self._close_or_open()
         self._on_change()
 

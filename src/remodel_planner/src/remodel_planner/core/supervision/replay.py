@@ -7,7 +7,7 @@ with; it must lead to the same outcome, over the states that the engine said it 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from flexbe_synthesizer.core.model import Chart
 from remodel_planner.core.supervision.attempts import INTERRUPTED, Attempt
@@ -34,7 +34,7 @@ from remodel_planner.core.supervision.events import (
     TaskEnded,
     TaskReturned,
 )
-from remodel_planner.core.supervision.state import PREEMPTED, RunState, Stage, applied
+from remodel_planner.core.supervision.state import PREEMPTED, SERVER_GONE, RunState, Stage, applied
 from remodel_planner.core.supervision.step import (
     Ask,
     Decide,
@@ -86,11 +86,16 @@ def path_difference(attempt: Attempt, chart: Chart, nested: Mapping[str, Chart])
     execution = attempt.execution
     if execution.outcome in (INTERRUPTED, PREEMPTED):
         return ""
-    asked = [operation.state_path for operation in execution.operations]
+    operations = execution.operations
+    asked = [operation.state_path for operation in operations]
     entered = [path for path in attempt.path if path in set(asked)]
+    if operations and operations[-1].error_code in SERVER_GONE:
+        # What would begin after it is refused, which leaves no record.
+        followed = list(attempt.path)[: len(asked)] == asked
+        return "" if followed else f"the engine entered {entered}, operations are of {asked}"
     if attempt.path and entered != asked:
         return f"the engine entered {entered}, operations are of {asked}"
-    outcome = trace(chart, execution.operations, nested).outcome
+    outcome = trace(chart, operations, nested).outcome
     if outcome != execution.outcome:
         return f"the chart leads to {outcome}, the behavior ended {execution.outcome}"
     return ""
@@ -117,7 +122,8 @@ def _difference(event: Event, state: RunState) -> str:
         asked = state.question
         fits = asked is not None and asked.number == event.number and event.choice in asked.choices
         return "" if fits else f"question {event.number} was not open, or has no such answer"
-    step = next_step(state)
+    # An inspection during which somebody paused the run is kept.
+    step = next_step(replace(state, paused=False) if isinstance(event, Settled) else state)
     return "" if _fits(event, step) else f"next was {step}"
 
 

@@ -139,6 +139,7 @@ class RunState:
         questions: how many were asked.
         failures: attempts that failed.
         cell_s: [s] ROS time of all behaviors.
+        events: how many this is the state after.
     """
 
     order: str = ""
@@ -161,6 +162,7 @@ class RunState:
     failures: int = 0
     cell_s: float = 0.0
     ended: RunEnded | None = None
+    events: int = 0
 
     def with_task(self, task: TaskProgress, **changes: object) -> RunState:
         """Return this state with other progress of a task, and other changes."""
@@ -192,13 +194,17 @@ def cause_of(operations: Sequence[Operation]) -> Operation | None:
     return failed[-1] if failed else None
 
 
-@singledispatch
 def applied(event: Event, state: RunState) -> RunState:
     """Return the state after an event."""
+    return replace(_applied(event, state), events=state.events + 1)
+
+
+@singledispatch
+def _applied(event: Event, state: RunState) -> RunState:
     raise TypeError(f"no event: {event!r}")
 
 
-@applied.register
+@_applied.register
 def _(event: RunBegun, state: RunState) -> RunState:
     tasks = {name: TaskProgress(name) for name in event.tasks}
     return replace(
@@ -215,17 +221,17 @@ def _(event: RunBegun, state: RunState) -> RunState:
     )
 
 
-@applied.register
+@_applied.register
 def _(_: PanelLoaded, state: RunState) -> RunState:
     return replace(state, keep_panel=True)
 
 
-@applied.register
+@_applied.register
 def _(event: PartRequested, state: RunState) -> RunState:
     return _under_way(state, replace(state.tasks[event.task], stage=Stage.READY, piece=True))
 
 
-@applied.register
+@_applied.register
 def _(event: FeedRefused, state: RunState) -> RunState:
     task = state.tasks[event.task]
     refused = Operation("", "FeedWire", "refused", event.code, event.text, event.at_s, 0.0)
@@ -241,12 +247,12 @@ def _(event: FeedRefused, state: RunState) -> RunState:
     return state.with_task(task, failures=state.failures + 1)
 
 
-@applied.register
+@_applied.register
 def _(event: Planned, state: RunState) -> RunState:
     return replace(state, waiting=event.tasks, to_plan="")
 
 
-@applied.register
+@_applied.register
 def _(event: TaskBegun, state: RunState) -> RunState:
     task = replace(
         state.tasks[event.task],
@@ -261,7 +267,7 @@ def _(event: TaskBegun, state: RunState) -> RunState:
     return _under_way(state, task)
 
 
-@applied.register
+@_applied.register
 def _(event: OperationEnded, state: RunState) -> RunState:
     task, operation = state.tasks[event.task], event.operation
     failed = operation.error_code not in (0, _PREEMPTED_CODE)
@@ -271,7 +277,7 @@ def _(event: OperationEnded, state: RunState) -> RunState:
     )
 
 
-@applied.register
+@_applied.register
 def _(event: TaskEnded, state: RunState) -> RunState:
     task = state.tasks[event.task]
     took_s = max(0.0, event.at_s - task.began_s)
@@ -290,7 +296,7 @@ def _(event: TaskEnded, state: RunState) -> RunState:
     return _failed(state, task)
 
 
-@applied.register
+@_applied.register
 def _(event: Interrupted, state: RunState) -> RunState:
     state = replace(state, interruptions=state.interruptions + 1)
     if not state.current or state.tasks[state.current].stage is not Stage.RUNNING:
@@ -303,7 +309,7 @@ def _(event: Interrupted, state: RunState) -> RunState:
     return state.with_task(replace(task, stage=Stage.READY, part=Part.CLEAR))
 
 
-@applied.register
+@_applied.register
 def _(event: Settled, state: RunState) -> RunState:
     task = replace(state.tasks[event.task], connected=event.connected, unseen=event.unseen)
     if not event.left and not event.unseen:
@@ -317,18 +323,18 @@ def _(event: Settled, state: RunState) -> RunState:
     return _under_way(state, replace(task, stage=Stage.READY, part=part))
 
 
-@applied.register
+@_applied.register
 def _(event: Decided, state: RunState) -> RunState:
     task = state.tasks[event.task]
     return _act(event.do, state, replace(task, decisions=(*task.decisions, event)), event.because)
 
 
-@applied.register
+@_applied.register
 def _(event: Asked, state: RunState) -> RunState:
     return replace(state, question=event, questions=event.number)
 
 
-@applied.register
+@_applied.register
 def _(event: Answered, state: RunState) -> RunState:
     if state.question is None:
         return state
@@ -340,7 +346,7 @@ def _(event: Answered, state: RunState) -> RunState:
     return _act(_ANSWERED[event.choice], state, task, because)
 
 
-@applied.register
+@_applied.register
 def _(event: Escalated, state: RunState) -> RunState:
     if state.question is None or state.question.number != event.number:
         return state
@@ -348,7 +354,7 @@ def _(event: Escalated, state: RunState) -> RunState:
     return _act(event.do, replace(state, question=None), state.tasks[event.task], because)
 
 
-@applied.register
+@_applied.register
 def _(event: Commanded, state: RunState) -> RunState:
     match event.command:
         case Command.PAUSE:
@@ -386,24 +392,24 @@ def _skipped(state: RunState, task: TaskProgress, by: str) -> RunState:
     return state
 
 
-@applied.register
+@_applied.register
 def _(event: TaskElsewhere, state: RunState) -> RunState:
     return _leave(state, replace(state.tasks[event.task], stage=_AS_LEFT[event.as_left]))
 
 
-@applied.register
+@_applied.register
 def _(event: TaskReturned, state: RunState) -> RunState:
     task = replace(state.tasks[event.task], stage=Stage.DOUBTFUL, part=Part.AGAIN, piece=True)
     waiting = tuple(name for name in state.waiting if name != task.name)
     return state.with_task(task, waiting=(*waiting, task.name))
 
 
-@applied.register
+@_applied.register
 def _(event: Blocked, state: RunState) -> RunState:
     return replace(state, stop=event.because)
 
 
-@applied.register
+@_applied.register
 def _(event: RunEnded, state: RunState) -> RunState:
     return replace(state, ended=event)
 
@@ -415,6 +421,10 @@ STUCK_HAND_LIMIT = 2
 
 # remodel_msgs/ErrorCode: TIMEOUT, SERVER_LOST, INTERNAL, BUSY, SERVER_HUNG, CONTRADICTORY_RESULT.
 SERVER_TROUBLE = frozenset({1, 4, 5, 6, 7, 8})
+
+# remodel_msgs/ErrorCode: SERVER_LOST, SERVER_HUNG. After them nothing of the behavior moves any
+# more: the server may complete its goal when it wakes up.
+SERVER_GONE = frozenset({4, 7})
 
 # remodel_msgs/ErrorCode: NOTHING_HELD and WIRE_NOT_FED; PREEMPTED; SERVER_LOST; OTHER_CABLE_HELD;
 # EXTRACTION_STUCK; WIRE_LEFT_BEHIND; INTERNAL, of a task that failed though no ability reported
@@ -538,6 +548,8 @@ def _under_way(state: RunState, task: TaskProgress) -> RunState:
 
 def _leave(state: RunState, task: TaskProgress, **changes: object) -> RunState:
     """Return the state after a task was done, set aside, or begun by another cell."""
+    if task.stage is Stage.DONE:
+        task = replace(task, operations=())  # the log has them; a long run need not carry them
     waiting = tuple(name for name in state.waiting if name != task.name)
     current = "" if state.current == task.name else state.current
     skipped = {name: by for name, by in state.skipped.items() if name != task.name}
