@@ -267,6 +267,15 @@ def test_a_task_that_another_cell_ends_stays_its_own(keep, url):
     assert rows(url, "SELECT state, cell FROM tasks ORDER BY id") == [("open", ""), ("open", "")]
 
 
+def test_a_task_that_is_retried_can_be_claimed(keep, database, owner):
+    skip, retry = (Commanded(each, "W1", "ann") for each in (Command.SKIP, Command.RETRY))
+    leases = TaskLeases(database, "house", "cell", 30.0, owner)
+    keep(Planned(("W1", "W2"), ""), skip)
+    assert leases.claim("W1").holding is Holding.SET_ASIDE
+    keep(Planned(("W1", "W2"), ""), skip, retry)
+    assert leases.claim("W1").holding is Holding.MINE_IN_DOUBT
+
+
 def test_a_task_that_another_cell_has_taken_over_is_not_ended_for_it(keep, database, url):
     leases = TaskLeases(database, "house", "other", 30.0, owner_of(database, "other", "b"))
     leases.claim("W1")

@@ -587,6 +587,22 @@ def test_a_running_task_that_is_skipped_leaves_an_empty_hand(bench):
     assert state.tasks[second].stage is Stage.DONE
 
 
+def test_a_task_that_was_skipped_is_retried(bench):
+    def skip():
+        bench.engine.end = None
+        bench.command(Command.SKIP, bench.supervisor.state.current)
+        bench.engine.cancel()
+
+    def retry():
+        (skipped,) = bench.supervisor.state.in_stage(Stage.SET_ASIDE)
+        assert bench.command(Command.RETRY, skipped) == [(True, "")]
+
+    state = bench.run(skip, retry)
+    first, second = bench.events(Planned)[0].tasks
+    assert bench.ran == [first, f"{first} Clear", f"{first} Discard", second, first]
+    assert state.ended.ending is Ending.COMPLETE
+
+
 def test_a_stop_ends_the_run(bench):
     replies = []
 

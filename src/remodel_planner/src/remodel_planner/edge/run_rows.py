@@ -50,8 +50,8 @@ def project(session: Session, run: int, event: Event, before: RunState, after: R
             stage, stage_before = after.tasks[name].stage, before.tasks[name].stage
             if stage is not stage_before and stage in _STORED:
                 _end_task(_row_of(session, run, name), _STORED[stage], after.cell)
-            elif stage is not stage_before and stage_before is Stage.SET_ASIDE:
-                _reopen_task(_row_of(session, run, name))
+            elif stage is not stage_before and stage_before in _STORED:
+                _reopen_task(_row_of(session, run, name), _STORED[stage_before], after.cell)
     current = before.tasks.get(before.current)
     if current is not None and current.stage is Stage.RUNNING:
         if isinstance(event, TaskEnded):
@@ -81,10 +81,10 @@ def _end_task(row: TaskRow, state: str, cell: str) -> None:
         row.state, row.cell, row.lease_until = state, cell, None
 
 
-def _reopen_task(row: TaskRow) -> None:
-    """Note that a task which was set aside is to be retried; what is done of it is in doubt."""
-    if row.state == _STORED[Stage.SET_ASIDE]:
-        row.state, row.lease_until = "begun", None
+def _reopen_task(row: TaskRow, state: str, cell: str) -> None:
+    """Note that a task that had ended is to be done by a cell after all: it counts as begun."""
+    if row.state == state:
+        row.state, row.cell, row.lease_until = "begun", cell, None
 
 
 def _row_of(session: Session, run: int, task: str) -> TaskRow:

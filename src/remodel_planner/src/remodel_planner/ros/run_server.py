@@ -189,17 +189,25 @@ class RunServer:
         while True:
             if self._unsure:
                 self._resume()
-            self._closed = self._services.safety
-            if self._active is None:
-                self._publisher.idle(self._maker.cell, self._closed)
-            self._loop.run_until(
-                lambda: self._next is not None or self._unsure or bool(self._disowned),
-                float("inf"),
-            )
+            self._await_goal()
             if self._next is not None:
                 self._supervise(self._next)
             elif not self._unsure:
                 raise OwnerError(self._disowned)
+
+    def _await_goal(self) -> None:
+        """Return when there is a goal, or none can be taken before something else is done."""
+
+        def is_over() -> bool:
+            return self._next is not None or self._unsure or bool(self._disowned)
+
+        def is_outdated() -> bool:
+            return self._closed != self._services.safety
+
+        while not is_over():
+            self._closed = self._services.safety
+            self._publisher.idle(self._maker.cell, self._closed)
+            self._loop.run_until(lambda: is_over() or is_outdated(), float("inf"))
 
     def _resume(self) -> None:
         """Take the cell's run to its end that was cut short, or begun without an answer."""
@@ -235,6 +243,7 @@ class RunServer:
     def _supervise(self, active: _Active) -> None:
         self._active, self._next = active, None
         self._services.ask_to_be_asked()
+        self._services.stop_if_unsafe()
         self._on_change()
         try:
             state = active.supervisor.supervise()
