@@ -29,7 +29,7 @@ from remodel_planner.core.supervision.events import (
     TaskElsewhere,
     TaskEnded,
 )
-from remodel_planner.core.supervision.state import Stage, state_after
+from remodel_planner.core.supervision.state import state_after
 from remodel_planner.edge import production_database
 from remodel_planner.edge.cell_ownership import database_time_s
 from remodel_planner.edge.production_database import ProductionDatabase
@@ -110,17 +110,6 @@ def keep(log, owner):
         return run
 
     return keep
-
-
-def test_a_task_that_was_set_aside_can_be_claimed_when_it_is_retried(database, log, owner):
-    leases = TaskLeases(database, "house", "cell", 30.0, owner)
-    run, begun = log.begin(BEGUN, owner)
-    planned = state_after([begun, Planned(("W1", "W2"), "the run begins")])
-    skipped = log.append(run, Commanded(Command.SKIP, "W2", "ann"), planned, owner)
-    assert leases.claim("W2").holding is Holding.SET_ASIDE
-    retried = log.append(run, Commanded(Command.RETRY, "W2", "ann"), skipped, owner)
-    assert retried.tasks["W2"].stage is Stage.DOUBTFUL
-    assert leases.claim("W2").holding is Holding.MINE_IN_DOUBT
 
 
 def test_events_come_back_in_order(keep, log):
