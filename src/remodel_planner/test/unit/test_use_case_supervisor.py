@@ -617,7 +617,7 @@ def test_a_stop_ends_the_run(bench):
     assert bench.command(Command.STOP) == [(False, "the run has ended")]
 
 
-def test_a_task_that_was_skipped_is_retried(bench):
+def test_a_waiting_task_that_was_skipped_is_retried(bench):
     skipped = []
 
     def skip():
