@@ -23,7 +23,8 @@ from remodel_planner.errors import (
     PlannerError,
     RecordLostError,
 )
-from remodel_planner.supervisors.use_case_supervisor import Peers, UseCaseSupervisor, Work
+from remodel_planner.supervisors.use_case_supervisor import UseCaseSupervisor
+from remodel_planner.supervisors.work import Peers, Work
 from remodel_states.testing.operations import OPERATIONS
 from schedules.cell_services import CellServices
 from schedules.database import FailingDatabase, Memory

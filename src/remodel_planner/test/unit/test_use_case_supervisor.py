@@ -46,7 +46,8 @@ from remodel_planner.edge.work_planner import WorkPlanner
 from remodel_planner.errors import LeavingError, LostError, OwnerError, RefusedError
 from remodel_planner.ros.panel_message import panel_message
 from remodel_planner.supervisors.ports import BehaviorEnd, End, UnseenError
-from remodel_planner.supervisors.use_case_supervisor import Peers, UseCaseSupervisor, Work
+from remodel_planner.supervisors.use_case_supervisor import UseCaseSupervisor
+from remodel_planner.supervisors.work import Peers, Work
 
 CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
 LAYOUT = lay_out(HOUSE, CATALOGUE, PanelRules())

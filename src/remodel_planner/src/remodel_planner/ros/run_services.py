@@ -28,7 +28,8 @@ from remodel_planner.core.supervision.events import Answer, Answered, Command, C
 from remodel_planner.core.supervision.gate import Permit
 from remodel_planner.ros.event_loop import RosEventLoop
 from remodel_planner.supervisors.commands import Reply
-from remodel_planner.supervisors.use_case_supervisor import Peers, UseCaseSupervisor
+from remodel_planner.supervisors.use_case_supervisor import UseCaseSupervisor
+from remodel_planner.supervisors.work import Peers
 
 RECORDER = "remodel/keep_record"
 RECORDER_PARAMETER = "remodel/recorder"
