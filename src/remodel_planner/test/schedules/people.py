@@ -150,11 +150,11 @@ class People:
 
     def _look_after_runs(self) -> None:
         """Nobody works on the order: ask for the rest of it, until all of it is done."""
+        self._invariants.read_open_runs()
         if not self._invariants.states:
             if self._simulation.chance(0.5):
                 self.send_goal(self._simulation.random.choice(self._stations))
             return
-        self._invariants.read_open_runs()
         latest = self._invariants.states[max(self._invariants.states)]
         is_open = any(state.ended is None for state in self._invariants.states.values())
         is_complete = not is_open and self._is_complete(latest)

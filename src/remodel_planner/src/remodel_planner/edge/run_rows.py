@@ -48,8 +48,11 @@ def project(session: Session, run: int, event: Event, before: RunState, after: R
     if not isinstance(event, TaskElsewhere | TaskReturned):
         for name in _touched(event, before):
             stage = after.tasks[name].stage
-            if stage is not before.tasks[name].stage and stage in _STORED:
+            was = before.tasks[name].stage
+            if stage is not was and stage in _STORED:
                 _end_task(_row_of(session, run, name), _STORED[stage], after.cell)
+            elif was is Stage.SET_ASIDE and stage is not was:
+                _begin_again(_row_of(session, run, name), after.cell)
     current = before.tasks.get(before.current)
     if current is not None and current.stage is Stage.RUNNING:
         if isinstance(event, TaskEnded):
@@ -74,9 +77,15 @@ def _touched(event: Event, before: RunState) -> set[str]:
 
 
 def _end_task(row: TaskRow, state: str, cell: str) -> None:
-    """Note that a cell has ended a task, unless another one has taken it over."""
-    if row.cell in ("", cell):
+    """Note that a cell has ended a task, unless another one has taken it over, or it is done."""
+    if row.cell in ("", cell) and row.state != _STORED[Stage.DONE]:
         row.state, row.cell, row.lease_until = state, cell, None
+
+
+def _begin_again(row: TaskRow, cell: str) -> None:
+    """Note that a cell is to retry a task that was set aside."""
+    if row.state == _STORED[Stage.SET_ASIDE]:
+        row.state, row.cell, row.lease_until = "begun", cell, None
 
 
 def _row_of(session: Session, run: int, task: str) -> TaskRow:
