@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from remodel_msgs.msg import ErrorCode
+
 from remodel_states.testing.ownership import admitted
 from remodel_states.testing.world import World, WorldError
 from schedules.node import Node
@@ -33,7 +34,7 @@ class CellServices(Node):
         """The world, as ground truth has it."""
         return self._site.world
 
-    def on_load(self, serial: str, owner: int, keep: bool, reply: Reply) -> None:  # noqa: FBT001
+    def on_load(self, serial: str, owner: int, keep: bool, reply: Reply) -> None:
         """Build the panel of a product."""
         try:
             self._site.admit(self._cell, owner)
@@ -54,7 +55,9 @@ class CellServices(Node):
         except WorldError as error:
             reply(error)
             return
-        self._motion = motion = Motion(self._station, self._cell, owner, f"feed {wire}", wire, self.simulation.now_s)
+        self._motion = motion = Motion(
+            self._station, self._cell, owner, f"feed {wire}", wire, self.simulation.now_s
+        )
         site.locks[self._cell] = motion
         site.begin(motion)
         takes_s = self.simulation.random.uniform(*_TAKES_S)

@@ -34,7 +34,7 @@ class Memory:
         """Make it, with an order in it."""
         self.door = ProductionDatabase("sqlite://")
         self.door.add_order(order)
-        with self.door._engine.connect() as connection:  # noqa: SLF001 - a double of its insides
+        with self.door._engine.connect() as connection:
             self._raw: Any = connection.connection.dbapi_connection
         self._content = self._raw.serialize()
         self.outage_until_s = 0.0
@@ -55,7 +55,7 @@ class FailingDatabase(ProductionDatabase):
 
     def __init__(self, memory: Memory, process: Process) -> None:
         """Open the door; nothing is connected or upgraded."""
-        self._engine = memory.door._engine  # noqa: SLF001 - the same connection for all
+        self._engine = memory.door._engine
         self._memory = memory
         self._process = process
 

@@ -69,7 +69,7 @@ class Disturbances:
         for _ in range(count):
             kind, at_s = random.choice(kinds), random.uniform(0.5, calm_s)
             self._simulation.at(at_s, kind, random.choice(self._stations), random)
-            if random.random() < 0.3:  # noqa: PLR2004 - some strike while others are mended
+            if random.random() < 0.3:
                 soon_s = min(calm_s, at_s + random.uniform(0.0, 5.0))
                 self._simulation.at(
                     soon_s, random.choice(kinds), random.choice(self._stations), random

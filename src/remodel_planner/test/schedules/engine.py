@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections import Counter
 from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from flexbe_synthesizer.core.model import Chart, Node as ChartNode
 from remodel_msgs.msg import ErrorCode
+
+from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.model import Node as ChartNode
 from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.gate import Permit
 from remodel_planner.supervisors.ports import BehaviorEnd, End
@@ -28,9 +31,7 @@ Callback = Callable[[Any], None]
 class Supervision(Protocol):
     """What the states of behaviors ask a supervisor, whichever runs."""
 
-    def begin_operation(
-        self, behavior: str, path: str, ability: str, answer: Callback
-    ) -> None:
+    def begin_operation(self, behavior: str, path: str, ability: str, answer: Callback) -> None:
         """Answer with (Permit, owner), or None if nobody answered."""
 
     def keep_record(self, behavior: str, operation: Operation, answer: Callback) -> None:
@@ -135,9 +136,7 @@ class Engine(Node):
             current = targets[event]
         self._finish(run, BehaviorEnd(End.FINISHED, current))
 
-    def _state(
-        self, run: _Run, node: ChartNode
-    ) -> Generator[Callable[[Callback], None], Any, str]:
+    def _state(self, run: _Run, node: ChartNode) -> Generator[Callable[[Callback], None], Any, str]:
         """Run an ability state; return its outcome."""
         path, ability, name = f"/{node.id}", node.type, run.chart.name
         run.sent[path] += 1
@@ -211,8 +210,10 @@ class Engine(Node):
 
         server.deliver(simulation.latency_s(), server.on_goal, goal, reply)
         server.on_death(
-            lambda: life == self.life
-            and self.deliver(simulation.random.uniform(*_NOTICED_S), answer, _GONE)
+            lambda: (
+                life == self.life
+                and self.deliver(simulation.random.uniform(*_NOTICED_S), answer, _GONE)
+            )
         )
         self.deliver(goal.timeout + _GRACE_S, answer, _HUNG)
 
@@ -245,10 +246,8 @@ class Engine(Node):
         if run is not self._run or run.is_over or run.steps is None:
             return
         run.ticket += 1
-        try:
+        with contextlib.suppress(PreemptedError, StopIteration):
             run.steps.throw(PreemptedError())
-        except (PreemptedError, StopIteration):
-            pass
         self._finish(run, BehaviorEnd(End.PREEMPTED, "preempted"))
 
     def _finish(self, run: _Run, end: BehaviorEnd) -> None:

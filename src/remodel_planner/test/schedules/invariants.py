@@ -160,7 +160,7 @@ class Invariants:
 
     def _require_on_purpose(self, entry: Entry) -> None:
         fixed = {f"{entry.wire}/a", f"{entry.wire}/b"} & self._fixed
-        if len(fixed) == 2:  # noqa: PLR2004 - both ends
+        if len(fixed) == 2:
             self.simulation.violated(f"{entry.wire} was discarded, though both ends were fixed")
         if entry.wire not in self._discards:
             self.simulation.violated(f"{entry.wire} was discarded, though no run had decided so")
@@ -172,4 +172,4 @@ class Invariants:
 
 def _short(event: Event) -> str:
     text = str(event)
-    return text if len(text) < 260 else f"{text[:260]}..."  # noqa: PLR2004 - a chart is long
+    return text if len(text) < 260 else f"{text[:260]}..."

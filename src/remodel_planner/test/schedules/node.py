@@ -38,7 +38,7 @@ class Node:
         """[s] until when it has reported regularly."""
         return self.simulation.now_s if self.stalled_s is None else self.stalled_s
 
-    def deliver(self, delay_s: float, call: Callable[..., None], *args: Any) -> None:  # noqa: ANN401
+    def deliver(self, delay_s: float, call: Callable[..., None], *args: Any) -> None:
         """Have it do something after a time [s]; it does not if it dies before."""
         self.simulation.after(delay_s, self._arrive, self.life, call, args)
 

@@ -6,8 +6,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from flexbe_synthesizer.core.model import Chart
 from remodel_msgs.msg import ErrorCode
+
+from flexbe_synthesizer.core.model import Chart
 from remodel_planner.errors import LostError, RefusedError
 from remodel_planner.supervisors.ports import BehaviorEnd, Doing, End, UnseenError
 from schedules.cell_services import CellServices
@@ -80,9 +81,7 @@ class SimulatedEngine:
     def wait(self, limit_s: float) -> None:
         """Wait until it answers."""
         self._process.step()
-        self._process.run_until(
-            lambda: not self.trouble and self._silent_s <= _FRESH_S, limit_s
-        )
+        self._process.run_until(lambda: not self.trouble and self._silent_s <= _FRESH_S, limit_s)
         if self.trouble or self._silent_s > _FRESH_S:
             raise LostError(self.trouble or "the engine does not answer")
 

@@ -182,9 +182,7 @@ class Process:
         self._requests += 1
         number = self._requests
         self._open[number] = answer
-        self.post(
-            lambda: request(lambda granted, text: self.answer(number, (granted, text)))
-        )
+        self.post(lambda: request(lambda granted, text: self.answer(number, (granted, text))))
 
     def leave(self) -> None:
         """Have the process end, as after SIGTERM."""

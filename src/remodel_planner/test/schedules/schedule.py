@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from sqlalchemy import select
+
 from flexbe_synthesizer.core import codec
 from flexbe_synthesizer.core.model import Chart
 from remodel_planner.core.supervision.attempts import attempts_of
@@ -16,12 +18,12 @@ from remodel_planner.supervisors import use_case_supervisor
 from schedules.database import Memory
 from schedules.disturbances import CALM_AFTER_S, Disturbances
 from schedules.invariants import Invariants
+from schedules.life import Setting
 from schedules.people import People
 from schedules.planner import ORDER, plant
 from schedules.simulation import Simulation, ViolationError
 from schedules.site import Site
-from schedules.station import Setting, Station
-from sqlalchemy import select
+from schedules.station import Station
 
 # [s] that everything gets to be done once nothing goes wrong any more.
 _LIMIT_S = 1500.0
@@ -91,7 +93,7 @@ class Schedules:
         count = random.randint(2, 5)
         setting = Setting(
             count,
-            random.random() < 0.7,  # noqa: PLR2004 - share of runs with an operator
+            random.random() < 0.7,
             random.choice((0.0, 20.0)),
             random.choice((30.0, 120.0)),
         )
@@ -103,13 +105,15 @@ class Schedules:
             for n, cell in enumerate(cells, 1)
         ]
         calm_s = CALM_AFTER_S * count
-        again_s = random.uniform(0.0, calm_s) if random.random() < 0.15 else None  # noqa: PLR2004
+        again_s = random.uniform(0.0, calm_s) if random.random() < 0.15 else None
         people = People(simulation, site, stations, invariants, count, calm_s, again_s)
         disturbances = Disturbances(simulation, site, self._memory, stations, people)
         disturbances.draw(random.randint(0, 8), calm_s)
         simulation.at(calm_s, self._calm, simulation)
         if not simulation.run(calm_s + _LIMIT_S, lambda: people.is_done):
-            doing = [f"{s.name}: {s.supervisor.doing if s.supervisor else 'no run'}" for s in stations]
+            doing = [
+                f"{s.name}: {s.supervisor.doing if s.supervisor else 'no run'}" for s in stations
+            ]
             simulation.violated(f"nothing ends: {'; '.join(doing)}")
             raise simulation.violation  # type: ignore[misc]
         self._check(simulation, invariants, site)

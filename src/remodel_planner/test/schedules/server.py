@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from remodel_msgs.msg import ErrorCode
+
 from remodel_states.testing.faults import Behaves, Fault, at_goal
 from remodel_states.testing.operations import OPERATIONS, perform
 from remodel_states.testing.ownership import admitted, owner_of
@@ -112,7 +113,14 @@ class Server(Node):
 
     def _begin(self, goal: Goal, reply: Reply, fault: Fault | None) -> None:
         owner = owner_of(goal.id)
-        motion = Motion(self._station, self._cell, owner, f"{self.ability} {goal.id}", goal.cable_id, self.simulation.now_s)
+        motion = Motion(
+            self._station,
+            self._cell,
+            owner,
+            f"{self.ability} {goal.id}",
+            goal.cable_id,
+            self.simulation.now_s,
+        )
         self.simulation.note(self.name, "begins {}{}", goal.id, f", {fault.name}" if fault else "")
         self._job = job = _Job(goal, reply, motion, fault)
         self._changed_s = self.simulation.now_s

@@ -42,12 +42,12 @@ class Simulation:
         self._events: list[tuple[float, int, Callable[..., None], tuple[Any, ...]]] = []
         self._count = 0
 
-    def at(self, at_s: float, call: Callable[..., None], *args: Any) -> None:  # noqa: ANN401
+    def at(self, at_s: float, call: Callable[..., None], *args: Any) -> None:
         """Have something called at a time [s]."""
         self._count += 1
         heapq.heappush(self._events, (max(at_s, self.now_s), self._count, call, args))
 
-    def after(self, delay_s: float, call: Callable[..., None], *args: Any) -> None:  # noqa: ANN401
+    def after(self, delay_s: float, call: Callable[..., None], *args: Any) -> None:
         """Have something called after a time [s]."""
         self.at(self.now_s + delay_s, call, *args)
 

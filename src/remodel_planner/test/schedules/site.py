@@ -87,7 +87,9 @@ class Site:
     def write(self, entry: Entry) -> None:
         """Write a deed down."""
         entry = replace(entry, at_s=self.simulation.now_s)
-        self.simulation.note("ledger", "{}", f"{entry.deed.value} {entry.wire} {entry.end} {entry.goal}")
+        self.simulation.note(
+            "ledger", "{}", f"{entry.deed.value} {entry.wire} {entry.end} {entry.goal}"
+        )
         self.ledger.append(entry)
         self.on_entry(entry)
 

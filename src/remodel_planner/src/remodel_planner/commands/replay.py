@@ -11,7 +11,7 @@ from remodel_planner.core.supervision.attempts import attempts_of
 from remodel_planner.core.supervision.event_form import kind_of
 from remodel_planner.core.supervision.events import OperationEnded
 from remodel_planner.core.supervision.replay import path_difference, replayed
-from remodel_planner.core.supervision.step import next_step, description_of
+from remodel_planner.core.supervision.step import description_of, next_step
 from remodel_planner.edge.nested_charts import nested_charts
 from remodel_planner.edge.run_log import KeptEvent, kept_run
 from remodel_planner.errors import PlannerError

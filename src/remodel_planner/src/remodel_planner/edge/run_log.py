@@ -71,8 +71,8 @@ class RunLog:
         """Begin a run, and return its number and its first event, completed.
 
         Alone on its order, it tries again what was set aside. Beside runs of other cells it
-        leaves all tasks as they are. The event is completed with the serial number, and whether wires
-        of that product may be on its panel already.
+        leaves all tasks as they are. The event is completed with the serial number, and whether
+        wires of that product may be on its panel already.
 
         Args:
             event: its beginning.
@@ -155,7 +155,7 @@ class RunLog:
         Raises:
             OwnerError: if another supervisor owns the run or the cell now; nothing is kept.
             LostError: if the database does not answer.
-            RecordLostError: if the run is gone, or has other events than those that led to `before`.
+            RecordLostError: if the run is gone, or has not the events that led to `before`.
         """
         after = applied(event, before)
         with self._database.transaction() as session:
@@ -274,9 +274,7 @@ def _owns_cell(owner: int) -> object:
     return exists().where(CellRow.name == RunRow.cell, CellRow.token == owner)
 
 
-def _refusal(
-    session: Session, run: int, owner: int, events: int | None = None
-) -> PlannerError:
+def _refusal(session: Session, run: int, owner: int, events: int | None = None) -> PlannerError:
     """Return why nothing can be added to a run of which so many events are known."""
     row = session.get(RunRow, run)
     if row is None:

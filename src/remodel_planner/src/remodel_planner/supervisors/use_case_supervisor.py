@@ -97,6 +97,9 @@ T = TypeVar("T")
 # [s] wall time between two checks of what nobody reports: other cells' tasks, the run's time.
 _CHECK_S = 0.2
 
+# [s] wall time between two questions to the database whether other cells are done with a task.
+_OTHERS_S = 1.0
+
 # [s] wall time after which something that is gone counts as lost.
 _GRACE_S = 0.2
 
@@ -517,7 +520,8 @@ class UseCaseSupervisor:
     def _wait(self) -> None:
         """Wait for a command, an answer, other cells, or the end of a question's time."""
         before = self.state
-        self._loop.run_until(lambda: self.state is not before, _CHECK_S)
+        limit_s = _OTHERS_S if before.in_stage(Stage.ELSEWHERE) else _CHECK_S
+        self._loop.run_until(lambda: self.state is not before, limit_s)
         if self.state is not before:
             return
         asked = self.state.question

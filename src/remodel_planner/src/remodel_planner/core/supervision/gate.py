@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import Enum
 
-
 # The feeder asks under this name. Nobody can stop it: it moves until it has answered.
 FEEDER = "feeder"
 
