@@ -22,7 +22,7 @@ CORES = {"flexbe_core": "engine", "flexbe_synthesizer": "core", "remodel_console
 CORES |= {"remodel_planner": "core", "remodel_sim": "core"}
 ROS_ROOMS = {"ros", "commands"}
 MAY_IMPORT = {
-    "flexbe_synthesizer": set(),
+    "flexbe_synthesizer": {"flexbe_core"},
     "remodel_states": {"flexbe_core"},
     "remodel_behaviors": {"flexbe_core", "flexbe_states", "remodel_states"},
     "remodel_sim": set(),
@@ -113,10 +113,12 @@ def test_packages_import_one_way(package):
         assert not tops & others, name
 
 
-def test_the_planner_takes_only_the_master_from_the_engine():
-    for name, path in modules("remodel_planner").items():
+@pytest.mark.parametrize("package", ["remodel_planner", "flexbe_synthesizer"])
+def test_only_the_care_for_master_and_clock_is_taken_from_the_engine(package):
+    allowed = ("flexbe_core.ros.master", "flexbe_core.ros.steady_action_server")
+    for name, path in modules(package).items():
         found = {n for n in imported_names(path) if n.startswith("flexbe_core")}
-        assert all(n.startswith("flexbe_core.ros.master") for n in found), name
+        assert all(n.startswith(allowed) for n in found), name
 
 
 def test_only_the_room_physics_knows_pybullet():

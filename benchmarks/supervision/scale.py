@@ -10,7 +10,6 @@ and its peak memory.
 from __future__ import annotations
 
 import argparse
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -26,6 +25,7 @@ from sqlalchemy.engine import Engine
 from remodel_planner.core.production import Order
 from remodel_planner.core.supervision.state import RunState, state_after
 from remodel_planner.edge.cell_ownership import CellOwnership, Owned
+from remodel_planner.edge.database_backup import back_up
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.run_log import RunLog
 
@@ -42,8 +42,8 @@ def append_run(url: str, tasks: int) -> tuple[int, float]:
     events = list(long_run(order))
     with _hasty():
         log, token = _opened(url, order)
-        run, _ = log.begin(events[0], token)
-        state = state_after(events[:1])
+        run, begun = log.begin(events[0], token)
+        state = state_after([begun])
         for each in events[1:-_MEASURED]:
             state = log.append(run, each, state, token)
     log = RunLog(ProductionDatabase(url))
@@ -114,7 +114,7 @@ def main() -> int:
         took = [subprocess.run(line, check=True, capture_output=True, text=True) for _ in range(3)]
         runs = [tuple(map(float, each.stdout.split())) for each in took]
         if options.keep:
-            shutil.copy(file, options.keep)
+            back_up(url, Path(options.keep), replace=True)
         size_mb = sum(each.stat().st_size for each in Path(folder).iterdir()) / 1e6
     resume_s, peak_mb = min(r[0] for r in runs), max(r[1] for r in runs)
     print(f"{options.tasks} tasks, {count} events, {runs[0][2]:.0f} tasks ended")

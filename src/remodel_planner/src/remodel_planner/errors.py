@@ -63,6 +63,10 @@ class RecordLostError(PlannerError):
     """The production database has lost what a run needs: a row, a table, or the whole file."""
 
 
+class BackupError(PlannerError):
+    """The production database cannot be backed up, or restored."""
+
+
 class InstanceError(PlannerError):
     """A planning problem or a plan is malformed, or the problem has no plan."""
 

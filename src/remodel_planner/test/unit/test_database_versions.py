@@ -129,7 +129,8 @@ def test_an_unversioned_database_keeps_its_orders_and_records(url):
         " JOIN wires w ON w.id = t.wire_id",
     ) == [("W1", 2, "InsertCable")]
     begun = RunBegun("house", "switchgear", "cell", ("W1", "W2"))
-    assert RunLog(database).begin(begun, owner_of(database)) == (41, "house-0001")
+    run, completed = RunLog(database).begin(begun, owner_of(database))
+    assert (run, completed.serial) == (41, "house-0001")
     database.close()
     assert execute(url, "SELECT max(id) FROM runs") == [(41,)]
 

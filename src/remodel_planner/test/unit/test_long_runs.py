@@ -39,8 +39,7 @@ class Kept:
         self.owner = owner_of(self.database)
         self.log = RunLog(self.database)
         begun, *self.events = long_run.long_run(order)
-        self.run, serial = self.log.begin(begun, self.owner)
-        self.begun = replace(begun, serial=serial)
+        self.run, self.begun = self.log.begin(begun, self.owner)
         self.state = state_after([self.begun])
         for event in self.events:
             self.state = self.log.append(self.run, event, self.state, self.owner)

@@ -102,7 +102,7 @@ def test_each_event_is_read_once(supervised, monkeypatch):
     events = supervised.log.events
 
     def read(run, first=0):
-        reads.append((first, len(found := events(run, first))))
+        reads.append((first, len(found := tuple(events(run, first)))))
         return found
 
     begins = threading.Timer(0.05, lambda: supervised.tell(supervised.do_run()))

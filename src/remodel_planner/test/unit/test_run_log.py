@@ -15,6 +15,8 @@ from remodel_planner.core.recovery.fault import Do
 from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.events import (
     AsLeft,
+    Command,
+    Commanded,
     Decided,
     Ending,
     Interrupted,
@@ -70,6 +72,11 @@ def database(url):
     database.add_order(HOUSE)
     yield database
     database.close()
+
+
+def product(begun, number, *, keep_panel=False):
+    """Return the beginning of a run of one of the order's products."""
+    return replace(begun, serial=f"house-{number:04d}", keep_panel=keep_panel)
 
 
 def rows(url, query):
@@ -198,19 +205,20 @@ def test_an_order_done_again_begins_from_nothing_but_not_beside_others(
     other_owner = owner_of(database, "other", "another station")
     with pytest.raises(OrderError, match="cannot be done again: cell cell works on it"):
         log.begin(other, other_owner, again=True)
-    log.append(run, RunEnded(Ending.STOPPED, ""), state_after([BEGUN]), owner)
-    assert log.begin(other, other_owner) == (2, "house-0001")
+    log.append(run, RunEnded(Ending.STOPPED, ""), log.state(run), owner)
+    assert log.begin(other, other_owner) == (2, product(other, 1, keep_panel=True))
     assert rows(url, "SELECT state FROM tasks ORDER BY id") == [("done",), ("open",)]
-    log.append(2, RunEnded(Ending.STOPPED, ""), state_after([other]), other_owner)
-    assert log.begin(BEGUN, owner, again=True) == (3, "house-0002")
+    log.append(2, RunEnded(Ending.STOPPED, ""), log.state(2), other_owner)
+    assert log.begin(BEGUN, owner, again=True) == (3, product(BEGUN, 2))
     assert rows(url, "SELECT state FROM tasks ORDER BY id") == [("open",), ("open",)]
     assert next(iter(log.events(3))).event.serial == "house-0002"
 
 
 def test_cells_that_share_an_order_wire_the_same_product(log, owner, database):
     other = replace(BEGUN, cell="other")
-    assert log.begin(BEGUN, owner) == (1, "house-0001")
-    assert log.begin(other, owner_of(database, "other", "b")) == (2, "house-0001")
+    assert log.begin(BEGUN, owner) == (1, product(BEGUN, 1))
+    second = log.begin(other, owner_of(database, "other", "b"))
+    assert second == (2, product(other, 1, keep_panel=True))
 
 
 def test_an_owner_that_was_replaced_adds_nothing_to_its_run(keep, log, owner, database, url):
@@ -246,6 +254,15 @@ def test_only_a_run_that_has_not_ended_is_taken_up(keep, log, owner):
 def test_a_task_that_another_cell_ends_stays_its_own(keep, url):
     keep(Planned(("W1", "W2"), ""), TaskElsewhere("W1", "other", AsLeft.DONE))
     assert rows(url, "SELECT state, cell FROM tasks ORDER BY id") == [("open", ""), ("open", "")]
+
+
+def test_a_task_that_is_retried_can_be_claimed(keep, database, owner):
+    skip, retry = (Commanded(each, "W1", "ann") for each in (Command.SKIP, Command.RETRY))
+    leases = TaskLeases(database, "house", "cell", 30.0, owner)
+    keep(Planned(("W1", "W2"), ""), skip)
+    assert leases.claim("W1").holding is Holding.SET_ASIDE
+    keep(Planned(("W1", "W2"), ""), skip, retry)
+    assert leases.claim("W1").holding is Holding.MINE_IN_DOUBT
 
 
 def test_a_task_that_another_cell_has_taken_over_is_not_ended_for_it(keep, database, url):

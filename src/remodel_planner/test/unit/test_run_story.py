@@ -124,14 +124,14 @@ def test_a_run_is_told_cause_by_cause(keep, url, capsys):
         "    so: ask operator, since nothing else fits",
         "question 1: W1 failed (retry, skip)",
         "ann answered retry to question 1",
-        "W1: looked what is done of it: end a connected; 3 steps left",
+        "W1: inspected: end a connected; 3 steps left",
         "W1, attempt 2: Place Wire W1 ended interrupted after 0.0 s and 0 operations",
         "interrupted: the engine is gone",
         "W1, attempt 2: Place Wire W1 ended failed after 8.6 s and 1 operation",
         "    /Insert: InsertCable, error 204: stuck at 4 mm",
         "        asked for: force_limit 8.0",
         "        found: depth 0.004, peak_force 8.2",
-        "W1: looked what is done of it: end a and end b connected; it is done",
+        "W1: inspected: end a and end b connected; it is done",
         "ann asked for: pause",
         "ann asked for: resume",
         "W2: cell other has left it set aside",
@@ -164,6 +164,22 @@ def test_a_record_that_was_tampered_with_differs(keep, url, capsys, position, ev
     keep(*story)
     assert replay.main(["1", "--quiet", "--database", url]) == 1
     assert differs in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("code", "differs"), [(4, 0), (301, 1)])
+def test_what_is_refused_after_a_server_was_lost_needs_no_record(keep, url, capsys, code, differs):
+    lay_down = """<state id="Lay" type="PlaceCableState">
+      <transition event="placed" target="failed"/></state></statemachine>"""
+    chart = CHART.replace('"failed" target="failed"', '"failed" target="Lay"')
+    chart = chart.replace("</statemachine>", lay_down)
+    keep(
+        Planned(("W1", "W2"), "the run begins"),
+        TaskBegun("W1", 1, Part.WHOLE, "Place Wire W1", chart, 1.0),
+        OperationEnded("W1", operation("failed", code)),
+        TaskEnded("W1", "failed", 9.5, False, ("/Insert", "/Lay")),
+    )
+    assert replay.main(["1", "--quiet", "--database", url]) == differs
+    assert f"{differs} differences" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("command", [explain, replay])

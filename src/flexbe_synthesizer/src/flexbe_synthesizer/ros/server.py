@@ -19,6 +19,7 @@ from flexbe_msgs.msg import (
     SynthesisErrorCodes,
 )
 
+from flexbe_core.ros.steady_action_server import SteadyActionServer
 from flexbe_synthesizer.core.instantiate import Instantiation
 from flexbe_synthesizer.request import (
     Answer,
@@ -43,7 +44,7 @@ class SynthesisServer:
         self._time_limit_s = time_limit_s
         self._waiting: queue.Queue[actionlib.ServerGoalHandle] = queue.Queue(_MOST_WAITING)
         self._worker = threading.Thread(target=self._work, name="synthesis", daemon=True)
-        self._server = actionlib.ActionServer(
+        self._server = SteadyActionServer(
             ACTION, BehaviorSynthesisAction, self._take_goal, self._take_cancel, auto_start=False
         )
         self._worker.start()

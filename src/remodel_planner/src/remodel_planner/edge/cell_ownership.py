@@ -21,6 +21,9 @@ _CLOCK = {
     "postgresql": "SELECT EXTRACT(EPOCH FROM clock_timestamp())",
 }
 
+# A cell that is not known begins above the tokens that were given before a backup was restored.
+_FLOOR = "SELECT coalesce(max(token), 0) AS floor FROM cells WHERE name = '(restored)'"
+
 
 @dataclass(frozen=True)
 class Owned:
@@ -83,8 +86,8 @@ class CellOwnership:
             # Two stations may come first at once.
             session.execute(
                 text(
-                    "INSERT INTO cells (name, token, station, holder) VALUES (:name, 0, '', '') "
-                    "ON CONFLICT (name) DO NOTHING"
+                    "INSERT INTO cells (name, token, station, holder) SELECT :name, floor, '', '' "
+                    f"FROM ({_FLOOR}) AS known WHERE true ON CONFLICT (name) DO NOTHING"
                 ),
                 {"name": self._cell},
             )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import groupby
 
 from sqlalchemy import and_, select
@@ -24,6 +25,9 @@ from remodel_planner.edge.production_models import (
     TerminalRow,
     WireRow,
 )
+
+# How many records are decoded at once.
+_READ_AT_ONCE = 1000
 
 # A product's number, a component and its terminal, by name.
 _Place = tuple[int, str, str]
@@ -54,13 +58,22 @@ def recorded_calls(session: Session) -> tuple[Call, ...]:
         .join(TaskRow, ExecutionRow.task_id == TaskRow.id)
         .join(WireRow, TaskRow.wire_id == WireRow.id)
         .order_by(AbilityRecordRow.id)
+        .execution_options(yield_per=_READ_AT_ONCE)
     )
     calls = []
+    # Shared by calls that have the same: there are tens of thousands of calls, and few of these.
+    features: dict[tuple[_Place, float, str], dict[str, Value]] = {}
+    settings: dict[tuple[tuple[str, float], ...], Mapping[str, float]] = {}
     for ability, product, section, colour, code, elapsed_s, record, event in rows:
         given = dict((record or event["operation"])["parameters"])
         place = (product, given.get("component_id", ""), given.get("terminal_id", ""))
-        features = {"section_mm2": section, "colour": colour, **terminals.get(place, {})}
-        calls.append(Call(ability, features, code, elapsed_s, numbers_from(given.items())))
+        about = (place, section, colour)
+        if about not in features:
+            own = {"section_mm2": section, "colour": colour}
+            features[about] = own | terminals.get(place, {})
+        found = numbers_from(given.items())
+        numbers = settings.setdefault(tuple(found.items()), found)
+        calls.append(Call(ability, features[about], code, elapsed_s, numbers))
     return tuple(calls)
 
 

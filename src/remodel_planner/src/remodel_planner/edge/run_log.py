@@ -36,6 +36,9 @@ from remodel_planner.errors import OrderError, OwnerError, PlannerError
 SNAPSHOT_EVERY = 500
 _READ_AT_ONCE = 1000
 
+# How many serial numbers an error names.
+_SHOWN = 10
+
 # One statement, so that no other owner can come between the check and the event.
 _COUNT_EVENT = text(
     "UPDATE runs SET events = events + 1 WHERE id = :run AND owner = :owner AND NOT ended AND "
@@ -51,6 +54,7 @@ class RunHead:
 
     Attributes:
         started: wall time, UTC.
+        serial: number of the product; empty if not known.
     """
 
     number: int
@@ -58,6 +62,7 @@ class RunHead:
     cell: str
     started: datetime
     ended: bool
+    serial: str = ""
 
 
 class RunLog:
@@ -104,7 +109,7 @@ class RunLog:
                     .where(TaskRow.order_id == order.id, TaskRow.state.in_(states))
                     .values(state="open", cell="", token=0, lease_until=None)
                 )
-            is_new = bool(again or not order.units)
+            is_new = again or not order.units
             order.units += is_new
             serial = f"{order.name}-{order.units:04d}"
             row = RunRow(
@@ -169,22 +174,19 @@ class RunLog:
                 _store_snapshot(session, run, count, after)
         return after
 
-    def events(self, run: int, first: int = 0) -> Iterator[KeptEvent]:
+    def events(self, run: int, first: int = 0, *, charts: bool = True) -> Iterator[KeptEvent]:
         """Return what happened in a run, in order; it is read while the iterator is used.
 
         Args:
             run: number of the run.
-            first: position of the first event that is returned, from 0.
-
-        Args:
-            run: number of the run.
             first: how many events, from the first, are left out since they are known.
+            charts: whether charts are read; without, they are empty.
 
         Raises:
             OrderError: if there is no run of that number, or its events were not kept.
             RecordLostError: if events of the run are gone.
         """
-        return self._between(run, first, self._count(run), charts=True)
+        return self._between(run, first, self._count(run), charts=charts)
 
     def state(self, run: int) -> RunState:
         """Return what is known of a run: its last snapshot, and what has happened since then.
@@ -219,15 +221,32 @@ class RunLog:
 
     def heads(self) -> tuple[RunHead, ...]:
         """Return the runs of which there is a record, the latest first."""
+        return self._heads()[::-1]
+
+    def runs_of(self, serial: str) -> tuple[RunHead, ...]:
+        """Return the runs that wired a product, the first first.
+
+        Raises:
+            OrderError: if there is no product of that serial number.
+        """
+        heads = self._heads(RunRow.serial == serial) if serial else ()
+        if not heads:
+            known = sorted({head.serial for head in self.heads()} - {""})
+            shown = ", ".join(known[-_SHOWN:]) or "none"
+            raise OrderError(f"there is no product {serial!r}; the last ones are: {shown}")
+        return heads
+
+    def _heads(self, *conditions: object) -> tuple[RunHead, ...]:
         with self._database.reading() as session:
             rows = session.execute(
                 select(RunRow, OrderRow.name)
                 .join(OrderRow, RunRow.order_id == OrderRow.id)
-                .where(RunRow.events > 0)
-                .order_by(RunRow.id.desc())
+                .where(RunRow.events > 0, *conditions)
+                .order_by(RunRow.id)
             )
             return tuple(
-                RunHead(row.id, order, row.cell, row.started, row.ended) for row, order in rows
+                RunHead(row.id, order, row.cell, row.started, row.ended, row.serial)
+                for row, order in rows
             )
 
     def tried_responses(self) -> tuple[TriedResponse, ...]:

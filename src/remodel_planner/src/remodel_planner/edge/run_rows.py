@@ -47,12 +47,11 @@ def project(session: Session, run: int, event: Event, before: RunState, after: R
     # What other cells do with a task is theirs to keep.
     if not isinstance(event, TaskElsewhere | TaskReturned):
         for name in _touched(event, before):
-            stage = after.tasks[name].stage
-            was = before.tasks[name].stage
-            if stage is not was and stage in _STORED:
+            stage, stage_before = after.tasks[name].stage, before.tasks[name].stage
+            if stage is not stage_before and stage in _STORED:
                 _end_task(_row_of(session, run, name), _STORED[stage], after.cell)
-            elif was is Stage.SET_ASIDE and stage is not was:
-                _begin_again(_row_of(session, run, name), after.cell)
+            elif stage is not stage_before and stage_before in _STORED:
+                _reopen_task(_row_of(session, run, name), _STORED[stage_before], after.cell)
     current = before.tasks.get(before.current)
     if current is not None and current.stage is Stage.RUNNING:
         if isinstance(event, TaskEnded):
@@ -82,9 +81,9 @@ def _end_task(row: TaskRow, state: str, cell: str) -> None:
         row.state, row.cell, row.lease_until = state, cell, None
 
 
-def _begin_again(row: TaskRow, cell: str) -> None:
-    """Note that a cell is to retry a task that was set aside."""
-    if row.state == _STORED[Stage.SET_ASIDE]:
+def _reopen_task(row: TaskRow, state: str, cell: str) -> None:
+    """Note that a task that had ended is to be done by a cell after all: it counts as begun."""
+    if row.state == state:
         row.state, row.cell, row.lease_until = "begun", cell, None
 
 

@@ -17,6 +17,7 @@ from remodel_msgs.msg import (
     RunUseCaseResult,
 )
 
+from flexbe_core.ros.steady_action_server import SteadyActionServer
 from remodel_planner.core.supervision.events import Command, Commanded, Ending, RunBegun
 from remodel_planner.core.supervision.state import RunState, Stage, state_after
 from remodel_planner.edge.cell_ownership import CellOwnership, Owned
@@ -96,7 +97,7 @@ class RunServer:
         self._publisher = StatePublisher()
         self._publisher.idle(maker.cell, self._closed, starting=True)
         self._services = RunServices(loop, lambda: self._supervisor, self._why_closed, peers)
-        self._server = actionlib.ActionServer(
+        self._server = SteadyActionServer(
             ACTION,
             RunUseCaseAction,
             lambda handle: loop.post(lambda: self._on_goal(handle)),
@@ -188,17 +189,25 @@ class RunServer:
         while True:
             if self._unsure:
                 self._resume()
-            self._closed = self._services.safety
-            if self._active is None:
-                self._publisher.idle(self._maker.cell, self._closed)
-            self._loop.run_until(
-                lambda: self._next is not None or self._unsure or bool(self._disowned),
-                float("inf"),
-            )
+            self._await_goal()
             if self._next is not None:
                 self._supervise(self._next)
             elif not self._unsure:
                 raise OwnerError(self._disowned)
+
+    def _await_goal(self) -> None:
+        """Return when there is a goal, or none can be taken before something else is done."""
+
+        def is_over() -> bool:
+            return self._next is not None or self._unsure or bool(self._disowned)
+
+        def is_outdated() -> bool:
+            return self._closed != self._services.safety
+
+        while not is_over():
+            self._closed = self._services.safety
+            self._publisher.idle(self._maker.cell, self._closed)
+            self._loop.run_until(lambda: is_over() or is_outdated(), float("inf"))
 
     def _resume(self) -> None:
         """Take the cell's run to its end that was cut short, or begun without an answer."""
@@ -234,6 +243,7 @@ class RunServer:
     def _supervise(self, active: _Active) -> None:
         self._active, self._next = active, None
         self._services.ask_to_be_asked()
+        self._services.stop_if_unsafe()
         self._on_change()
         try:
             state = active.supervisor.supervise()

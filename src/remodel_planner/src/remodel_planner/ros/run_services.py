@@ -66,7 +66,8 @@ class RunServices:
         self._active = active
         self._why_closed = why_closed
         self._peers = peers
-        # Controllers that ask for a protective stop by the topic, and have not released it.
+        # Controllers that ask for a protective stop by the topic, and have not released it; only
+        # the loop's thread has it.
         self._stopped_by: set[str] = set()
         rospy.Service(RECORDER, KeepRecord, self._on_record)
         rospy.Service(BEGIN, BeginOperation, self._on_begin)
@@ -168,18 +169,22 @@ class RunServices:
 
     def _on_stop(self, message: Bool) -> None:
         by = message._connection_header.get("callerid", "a safety controller")
-        if not message.data:
-            self._stopped_by.discard(by)
-            return
-        is_new = by not in self._stopped_by
-        self._stopped_by.add(by)
-        self._peers.abilities.cancel()
-        if is_new:
-            self._loop.post(lambda: self._stop(by))
+        if message.data:
+            self._peers.abilities.cancel()
+        self._loop.post(lambda: self._note_stop(by, is_stopped=message.data))
 
-    def _stop(self, by: str) -> None:
+    def _note_stop(self, by: str, *, is_stopped: bool) -> None:
+        if not is_stopped:
+            self._stopped_by.discard(by)
+        elif by not in self._stopped_by:
+            self._stopped_by.add(by)
+            self.stop_if_unsafe()
+
+    def stop_if_unsafe(self) -> None:
+        """Stop the run under way if a safety controller has asked for it, before the run or now."""
         supervisor = self._active()
-        if supervisor is not None:
+        if supervisor is not None and self._stopped_by:
+            by = ", ".join(sorted(self._stopped_by))
             stop = Commanded(Command.PROTECTIVE_STOP, "", by)
             supervisor.command(stop, lambda granted, text: None)
 

@@ -11,6 +11,7 @@ from flexbe_synthesizer.core.codec import write_chart
 from flexbe_synthesizer.core.model import Chart
 from remodel_planner.core.planning.problem import End as WireEnd
 from remodel_planner.core.recovery.fault import Do, FaultTable
+from remodel_planner.core.recovery.notice import NoticeKind, QuestionNotice
 from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.events import (
     Answered,
@@ -210,7 +211,7 @@ class UseCaseSupervisor:
         self._on_change = on_change
         self._disowned = disowned
         self._gate = Gate()
-        self.tasks = TaskSupervisor(loop, peers.engine, peers.abilities, self._gate)
+        self.tasks = TaskSupervisor(loop, peers.engine, peers.abilities, self._gate, owner)
         self._lease = LeaseKeeper(loop, work.leases, self._close_or_open)
         self._replies = PendingReplies()
         self._behaviors_ended = 0
@@ -515,7 +516,7 @@ class UseCaseSupervisor:
         now_s, limit_s = self._loop.now_s(), policy.question.timeout_s
         asked = question_about(self.state, name, self.work.faults, now_s, limit_s)
         self._append(asked)
-        self._notify("asked", asked)
+        self._notify(NoticeKind.ASKED, asked)
 
     def _wait(self) -> None:
         """Wait for a command, an answer, other cells, or the end of a question's time."""
@@ -529,7 +530,7 @@ class UseCaseSupervisor:
             fault = self.work.faults[self.state.tasks[asked.task].decisions[-1].fault]
             do = self.work.planner.use_case.recovery.unanswered_for(fault)
             self._append(Escalated(asked.number, asked.task, do))
-            self._notify("not answered", asked, do=do.value)
+            self._notify(NoticeKind.TIMED_OUT, asked)
         for name in self.state.in_stage(Stage.ELSEWHERE):
             claim = self._insist(lambda n=name: self.work.leases.claim(n))  # type: ignore[misc]
             if claim.holding in (Holding.DONE, Holding.SET_ASIDE):
@@ -537,23 +538,22 @@ class UseCaseSupervisor:
             elif claim.holding is not Holding.ELSEWHERE:
                 self._append(TaskReturned(name, claim.cell))
 
-    def _notify(self, event: str, asked: Asked, **more: str) -> None:
+    def _notify(self, event: NoticeKind, asked: Asked) -> None:
         """Notify whoever is to know of a question, wherever they are."""
-        self.work.notify(
-            {
-                "event": event,
-                "cell": self.state.cell,
-                "order": self.state.order,
-                "serial": self.state.serial,
-                "run": self.run,
-                "question": asked.number,
-                "task": asked.task,
-                "text": asked.text,
-                "choices": [choice.value for choice in asked.choices],
-                "timeout_s": asked.timeout_s,
-                **more,
-            }
+        state, fault = self.state, self.state.tasks[asked.task].decisions[-1].fault
+        notice = QuestionNotice(
+            event,
+            state.cell,
+            state.order,
+            self.run,
+            asked.task,
+            asked.number,
+            asked.text,
+            tuple(choice.value for choice in asked.choices),
+            asked.timeout_s,
+            self.work.planner.use_case.recovery.unanswered_for(self.work.faults[fault]).value,
         )
+        self.work.notify(notice.data())
 
     def _has(self, name: str) -> bool:
         """Return whether this cell has a task; if another one has it, or has had it, keep that."""

@@ -65,8 +65,7 @@ def discard_cable(station: Station, goal: DiscardGoal) -> Steps[CableDiscarded]:
         book.grip = None
         if not goal.cable_id:
             raise AbilityError(Code.NOTHING_HELD, f"{wire_id!r} slipped out of the fingers")
-    if book.feed is None or book.feed.wire_id != wire_id:
-        station.revive(wire_id)
+    station.make_live(wire_id)
     yield from _release_ends(station)
     if book.grip is None:
         yield from _pick_an_end(station, above_bin)

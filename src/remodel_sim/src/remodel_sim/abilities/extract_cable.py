@@ -54,6 +54,7 @@ class CableExtracted:
 def extract_cable(station: Station, goal: ExtractGoal) -> Steps[CableExtracted]:
     """Bring the wire back to where its end lies loose in the channel, from wherever it is."""
     book = station.book
+    station.make_live(goal.cable_id)
     end = _end_at(station, goal)
     where = f"'{goal.component_id}/{goal.terminal_id}'"
     if book.grip is not None and not holds(station):

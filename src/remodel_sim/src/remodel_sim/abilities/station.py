@@ -284,11 +284,14 @@ class Station:
         """Where the hand drops wires into the scrap bin; raises UNREACHABLE when there is none."""
         return bin_of(self._design, self.panel)
 
-    def revive(self, wire_id: str) -> None:
-        """Make a wire that was parked live again, so that it can be handled.
+    def make_live(self, wire_id: str) -> None:
+        """Make a wire that was parked live again, so that it can be handled; a live one is.
 
         The world is built again for it, so every other robot must stand still; raises BUSY.
         """
+        live = self._plant.live
+        if live is not None and live.wire.id == wire_id:
+            return
         for other in self.peers:
             if other.busy:
                 raise AbilityError(

@@ -2,7 +2,6 @@
 
 fake_ability.py    one server that answers as it is told, at once or never
 nonsense.py        goals that no ability can take
-steady_server.py   an action server that outlives a ROS clock which is set back
 
 A fake cell: all abilities over one physical world that outlives their processes (node fake_cell).
 

@@ -15,6 +15,7 @@ from genpy import Message
 from remodel_msgs import msg as remodel_msgs
 from remodel_msgs.msg import ErrorCode
 
+from flexbe_core.ros.steady_action_server import SteadyActionServer
 from remodel_states.testing.faults import Behaves, Fault, at_goal
 from remodel_states.testing.job import Job, Stopped
 from remodel_states.testing.nonsense import nonsense
@@ -22,7 +23,6 @@ from remodel_states.testing.operations import OPERATIONS, Effect, perform
 from remodel_states.testing.ownership import admitted, owner_of
 from remodel_states.testing.panel import fill_result
 from remodel_states.testing.robot_lock import RobotLock
-from remodel_states.testing.steady_server import SteadyServer
 from remodel_states.testing.world import WorldError
 from remodel_states.testing.world_file import WorldFile
 
@@ -72,7 +72,7 @@ class CellAbility:
         self._feedback = getattr(remodel_msgs, f"{ability}Feedback")
         self._lock = RobotLock(site.lock_path)
         self._jobs: dict[str, Job] = {}
-        self._server = SteadyServer(
+        self._server = SteadyActionServer(
             f"remodel_abilities/{ability.lower()}",
             getattr(remodel_msgs, f"{ability}Action"),
             self._on_goal,

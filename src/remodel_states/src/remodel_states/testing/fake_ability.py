@@ -15,8 +15,8 @@ from genpy import Message
 from remodel_msgs import msg as remodel_msgs
 from remodel_msgs.msg import ErrorCode
 
+from flexbe_core.ros.steady_action_server import SteadyActionServer
 from remodel_states.testing.nonsense import nonsense
-from remodel_states.testing.steady_server import SteadyServer
 
 ABILITIES = (
     "CheckConnection",
@@ -67,7 +67,7 @@ class FakeAbility:
         self._lock = threading.Lock()
         self.goals: list[Message] = []
         self.cancelled: list[str] = []
-        self._server = SteadyServer(
+        self._server = SteadyActionServer(
             topic or f"remodel_abilities/{ability.lower()}",
             self._types["Action"],
             self._on_goal,

@@ -18,6 +18,8 @@ import actionlib
 import rospy
 from flexbe_msgs.msg import BehaviorInputAction, BehaviorInputGoal, BehaviorInputResult
 
+from flexbe_core.ros.steady_action_server import SteadyActionServer
+
 DEFAULT_OPERATOR_LIMIT_S = 10.0
 
 # [s] Wall time between two looks whether the interface is still there.
@@ -40,7 +42,7 @@ class Relay:
         self._operator_limit = rospy.Duration.from_sec(operator_limit_s)
         self._operator = actionlib.ActionClient("flexbe/operator_input", BehaviorInputAction)
         self._answered: dict[str, threading.Event] = {}
-        self._server = actionlib.ActionServer(
+        self._server = SteadyActionServer(
             "flexbe/behavior_input",
             BehaviorInputAction,
             self._on_goal,

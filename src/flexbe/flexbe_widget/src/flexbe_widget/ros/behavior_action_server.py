@@ -38,6 +38,7 @@ from flexbe_msgs.msg import (
 
 from flexbe_core import BehaviorLibrary
 from flexbe_core.engine.supervision import PREEMPTED
+from flexbe_core.ros.steady_action_server import SteadyActionServer
 from flexbe_widget.core.run_watch import (
     ENGINE_LOST_TEXT,
     FAILED_TEXT,
@@ -124,7 +125,7 @@ class BehaviorActionServer:
         self._run: _Run | None = None
         self._next: _Run | None = None
         self._given_up: RunWatch | None = None
-        self._server = actionlib.ActionServer(
+        self._server = SteadyActionServer(
             "flexbe/execute_behavior",
             BehaviorExecutionAction,
             lambda handle: self._events.put(_NewGoal(handle)),

@@ -25,7 +25,7 @@ class QuestionNotice:
         question: its number in the run.
         text: of the question.
         choices: that it has.
-        timeout_s: [s] wall time for an answer; 0: as long as it takes.
+        timeout_s: [s] ROS time for an answer; 0: as long as it takes.
         then: what is done when it has passed, "set_aside" or "stop".
     """
 

@@ -548,6 +548,8 @@ def _under_way(state: RunState, task: TaskProgress) -> RunState:
 
 def _leave(state: RunState, task: TaskProgress, **changes: object) -> RunState:
     """Return the state after a task was done, set aside, or begun by another cell."""
+    if task.stage is Stage.DONE:
+        task = replace(task, operations=())  # the log has them; a long run need not carry them
     waiting = tuple(name for name in state.waiting if name != task.name)
     current = "" if state.current == task.name else state.current
     skipped = {name: by for name, by in state.skipped.items() if name != task.name}

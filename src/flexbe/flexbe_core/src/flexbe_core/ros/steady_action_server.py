@@ -6,10 +6,10 @@ import actionlib
 import rospy
 
 
-class SteadyServer(actionlib.ActionServer):
+class SteadyActionServer(actionlib.ActionServer):
     """An action server that goes on publishing its status when `/clock` jumps back.
 
-    The timer of actionlib's own server ends for ever then; clients take the server for dead.
+    The timer of actionlib's own server ends for ever then; clients then count the server as lost.
     """
 
     def initialize(self) -> None:

@@ -1,0 +1,32 @@
+"""`rosrun remodel_planner backup FILE`: back the production database up while it is in use."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from remodel_planner.commands.database_option import add_database_option
+from remodel_planner.edge.database_backup import back_up
+from remodel_planner.errors import PlannerError
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Write the backup, and return the exit code."""
+    parser = argparse.ArgumentParser(
+        prog="backup",
+        description="Back the production database up as it is at one moment; it may be in use. "
+        "PostgreSQL needs pg_dump.",
+        epilog="Exit code: 0 done, 1 refused or failed, 2 wrong usage.",
+    )
+    parser.add_argument("file", type=Path, metavar="FILE", help="to write")
+    parser.add_argument("--replace", action="store_true", help="write over a file that is there")
+    add_database_option(parser)
+    options = parser.parse_args(arguments)
+    try:
+        back_up(options.database, options.file, replace=options.replace)
+    except PlannerError as error:
+        print(f"backup: {error}", file=sys.stderr)
+        return 1
+    print(f"{options.file}: {options.file.stat().st_size / 1e6:.1f} MB")
+    return 0

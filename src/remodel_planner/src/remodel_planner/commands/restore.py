@@ -1,0 +1,32 @@
+"""`rosrun remodel_planner restore FILE`: put a backup in the place of the production database."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from remodel_planner.commands.database_option import add_database_option
+from remodel_planner.edge.database_backup import restore
+from remodel_planner.errors import PlannerError
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Restore the backup, and return the exit code."""
+    parser = argparse.ArgumentParser(
+        prog="restore",
+        description="Verify a backup of the production database, and put it in its place. It is "
+        "refused while a supervisor owns a cell of that database. PostgreSQL needs psql.",
+        epilog="Exit code: 0 done, 1 refused or failed, 2 wrong usage.",
+    )
+    parser.add_argument("file", type=Path, metavar="FILE", help="that `backup` has written")
+    parser.add_argument("--replace", action="store_true", help="give up the database that is there")
+    add_database_option(parser)
+    options = parser.parse_args(arguments)
+    try:
+        restore(options.database, options.file, replace=options.replace)
+    except PlannerError as error:
+        print(f"restore: {error}", file=sys.stderr)
+        return 1
+    print(f"restored from {options.file}")
+    return 0
