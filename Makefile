@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-sim bench-vision bench-learning bench-replan bench-scale evaluate-abilities chaos campaign clean
+.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-sim bench-vision bench-learning bench-replan bench-scale evaluate-abilities schedules chaos campaign clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -48,6 +48,9 @@ lint: .venv/.ready ## Style, types of the pure cores, and XML
 
 bench-engine: build build/bench-venv/.ready ## Measure the engine, with peers; figures in out/bench/engine.jsonl
 	@$(SOURCED) benchmarks/engine/run.py --py-trees build/bench-venv/bin/python
+
+schedules: build ## Simulate schedules of kills, stalls and commands (BENCH="--count 10000 --seed 0")
+	@$(SOURCED) PYTHONPATH="src/remodel_planner/test:$$PYTHONPATH" python3 -m schedules $(BENCH)
 
 chaos: build ## Kill processes of running orders at random moments (BENCH="--kills 200")
 	@$(SOURCED) benchmarks/supervision/chaos.py $(BENCH)

@@ -30,7 +30,7 @@ from remodel_planner.core.supervision.events import (
     TaskEnded,
     TaskReturned,
 )
-from remodel_planner.core.supervision.gate import Gate, Permit
+from remodel_planner.core.supervision.gate import FEEDER, Gate, Permit
 from remodel_planner.core.supervision.state import (
     PREEMPTED,
     RunState,
@@ -55,6 +55,7 @@ from remodel_planner.errors import (
     CellError,
     HaltedError,
     InstanceError,
+    LeavingError,
     LostError,
     RefusedError,
     UseCaseError,
@@ -79,6 +80,9 @@ from remodel_planner.supervisors.work import Peers, Work
 
 # [s] wall time between two checks of what nobody reports: other cells' tasks, the run's time.
 _CHECK_S = 0.2
+
+# [s] wall time between two questions to the database whether other cells are done with a task.
+_OTHERS_S = 1.0
 
 # [s] wall time after which something that is gone counts as lost.
 _GRACE_S = 0.2
@@ -173,7 +177,7 @@ class UseCaseSupervisor:
     @property
     def is_moving(self) -> bool:
         """Whether something moves that has passed the gate."""
-        return not self._gate.is_still
+        return not self.tasks.is_still
 
     def supervise(self) -> RunState:
         """Do what comes next until the run has ended, and return how it ended.
@@ -224,12 +228,12 @@ class UseCaseSupervisor:
         if self._gate.halt and not self.tasks.behavior:
             self._peers.abilities.cancel()
         if event.command is Command.PAUSE:
-            self._replies.reply_when(lambda: self._gate.is_still, reply)
+            self._replies.reply_when(lambda: self.tasks.is_still, reply)
         elif self._gate.halt and self.tasks.behavior:
             ended = self._behaviors_ended + 1
             self._replies.reply_when(lambda: self._behaviors_ended >= ended, reply)
         elif self._gate.halt or is_under_way:
-            self._replies.reply_when(lambda: self._gate.is_still, reply)
+            self._replies.reply_when(lambda: self.tasks.is_still, reply)
         else:
             reply(True, "")
 
@@ -305,14 +309,19 @@ class UseCaseSupervisor:
     def _feed(self, name: str) -> bool:
         """Have a piece presented; return whether it is there."""
         self._record.append(PartRequested(name))
-        self._pass_gate(f"feeding {name}")
+        self._pass_gate(FEEDER, f"feeding {name}")
         try:
             self._peers.cell.feed(name, self.work.channels.get(name, ""), self.owner)
         except RefusedError as error:
+            self._gate.end(FEEDER)
             self._record.append(FeedRefused(name, error.code, str(error), self._loop.now_s()))
             return False
-        finally:
-            self._gate.end(_OWN)
+        except LeavingError:
+            raise  # the feeder goes on
+        except BaseException:
+            self._gate.end(FEEDER)
+            raise
+        self._gate.end(FEEDER)
         return True
 
     def _run(self, name: str, part: Part, chart: Chart, chosen: tuple[Chosen, ...]) -> None:
@@ -362,17 +371,20 @@ class UseCaseSupervisor:
         self._close_or_open()
         planned = self.work.planner.task(name, self.state.tasks[name].decisions)
         connected: list[str] = []
-        self._pass_gate(f"inspecting {name}")
+        self._pass_gate(_OWN, f"inspecting {name}")
         try:
             self._inspect(name, planned, connected)
+            self._gate.end(_OWN)
+        except HaltedError:
+            self._gate.end(_OWN)
+            raise
         except UnseenError as error:
+            self._gate.end(_OWN)
             if self._gate.halt:
                 raise HaltedError(self._gate.halt) from error
             unseen = Settled(name, tuple(connected), 1, error.code, str(error))
             self._record.append_found(Settle(name), unseen)
             return
-        finally:
-            self._gate.end(_OWN)
         settled = Settled(name, tuple(connected), len(planned.left(connected)))
         self._record.append_found(Settle(name), settled)
 
@@ -392,7 +404,8 @@ class UseCaseSupervisor:
     def _wait(self) -> None:
         """Wait for a command, an answer, other cells, or the end of a question's time."""
         before = self.state
-        self._loop.run_until(lambda: self.state is not before, _CHECK_S)
+        limit_s = _OTHERS_S if before.in_stage(Stage.ELSEWHERE) else _CHECK_S
+        self._loop.run_until(lambda: self.state is not before, limit_s)
         if self.state is not before:
             return
         self._judge.escalate()
@@ -428,7 +441,7 @@ class UseCaseSupervisor:
         """Have the cell build the product's panel, unless this cell process has it."""
         if self.work.panel is None or self._peers.cell.address() == self._loaded_at:
             return
-        self._pass_gate("loading the panel")
+        self._pass_gate(_OWN, "loading the panel")
         state = self.state
         try:
             self._peers.cell.load(self.work.panel, state.serial, self.owner, keep=state.keep_panel)
@@ -439,13 +452,13 @@ class UseCaseSupervisor:
 
     # --- what closes the gate, and what was lost
 
-    def _pass_gate(self, what: str) -> None:
+    def _pass_gate(self, name: str, what: str) -> None:
         """Return when something may begin that this supervisor makes move.
 
         Raises:
             HaltedError: if it may not.
         """
-        while (permit := self._gate.ask(_OWN, what)) is Permit.HELD:
+        while (permit := self._gate.ask(name, what)) is Permit.HELD:
             self._loop.run_until(lambda: not self._gate.hold or bool(self._gate.halt), _CHECK_S)
         if permit is Permit.REFUSED:
             raise HaltedError(self._gate.halt)
@@ -496,8 +509,9 @@ class UseCaseSupervisor:
             self.tasks.stop_all(self.work.reconnect_s)
         except LostError as error:
             self._record.append(Blocked(str(error)))
-        self._behaviors_ended += 1
-        self._replies.check()
+        else:
+            self._behaviors_ended += 1
+            self._replies.check()
 
     def _come_to_rest(self, error: BaseException) -> None:
         """Stop what runs before this process, or its ownership, ends."""
