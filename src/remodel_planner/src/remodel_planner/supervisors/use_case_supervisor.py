@@ -222,6 +222,7 @@ class UseCaseSupervisor:
         self._is_resumed = self._is_planned = not state.to_plan
         # Where the cell answered that has the panel.
         self._loaded_at = ""
+        self._step: Step | None = None
         # An event of which it is not known whether it was kept, and those that turned out to be.
         self._unsure: Event | None = None
         self._kept: list[Event] = []
@@ -280,7 +281,7 @@ class UseCaseSupervisor:
         The reply comes when nothing moves any more: after a pause when the operation under way has
         ended, after a stop of any kind when what ran is cancelled and at rest.
         """
-        is_under_way = bool(event.task) and event.task == self.state.current
+        is_under_way = bool(event.task) and event.task == getattr(self._step, "task", "")
         try:
             require_sense(event, self.state)
             self._append_now(event)
@@ -312,6 +313,7 @@ class UseCaseSupervisor:
     # --- steps
 
     def _do(self, step: Step) -> None:
+        self._step = step
         self._describe(description_of(step))
         if self._is_overdue() and not isinstance(step, End):
             limit = f"its time of {self.state.timeout_s:g} s has passed"
