@@ -582,10 +582,12 @@ class UseCaseSupervisor:
         """Have the cell build the product's panel, unless this cell process has it."""
         if self.work.panel is None or self._peers.cell.address() == self._loaded_at:
             return
-        self._pass_gate(_OWN, "loading the panel")
         state = self.state
+        # A cell that began later may have built it first, and placed wires on it.
+        keep = state.keep_panel or self._insist(self.work.leases.begun_elsewhere)
+        self._pass_gate(_OWN, "loading the panel")
         try:
-            self._peers.cell.load(self.work.panel, state.serial, self.owner, keep=state.keep_panel)
+            self._peers.cell.load(self.work.panel, state.serial, self.owner, keep=keep)
         finally:
             self._gate.end(_OWN)
         self._append(PanelLoaded(state.serial))
