@@ -59,9 +59,10 @@ class Invariants:
         self.closed.pop(station.name, None)
         self.states[run] = state_after([event])
 
-    def on_unsure(self, station: Station) -> None:
-        """Note that a run may have begun, and that nobody knows."""
-        self.closed.pop(station.name, None)
+    def on_goal(self, station: Station) -> None:
+        """Note that somebody asks for another run: what was stopped may go on in it."""
+        if self.closed.get(station.name) == Command.STOP.value:
+            del self.closed[station.name]
 
     def on_take_up(self, run: int, state: RunState) -> None:
         """Learn what is known of a run; its last event may have been kept unheard."""

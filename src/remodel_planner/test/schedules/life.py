@@ -238,7 +238,6 @@ class Life:
             run, begun = self._log.begin(begun, self._owner, again=again)
         except LostError as error:
             self._unsure = True
-            self._station.invariants.on_unsure(self._station)
             return str(error)
         except PlannerError as error:
             return str(error)

@@ -72,6 +72,8 @@ class People:
             self._simulation.note("people", "goal at {}: {}", station.name, why_not or "accepted")
 
         self._is_waiting_for_goal.add(station.name)
+        self._resumed_s[station.name] = self._simulation.now_s
+        self._invariants.on_goal(station)
         station.send_goal(self._count, on_answer, again=again)
 
     def command(self, station: Station, command: Command, task: str = "") -> None:

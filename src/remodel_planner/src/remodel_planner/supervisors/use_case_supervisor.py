@@ -154,6 +154,7 @@ class UseCaseSupervisor:
         self._is_resumed = self._is_planned = not state.to_plan
         # Where the cell answered that has the panel.
         self._loaded_at = ""
+        self._step: Step | None = None
         self._record = RunRecord(run, owner, state, log, loop, self._on_state, self._describe)
         self._judge = FailureJudge(
             self._record, loop, log, work, peers.abilities, self._gate, self._describe
@@ -218,7 +219,7 @@ class UseCaseSupervisor:
         The reply comes when nothing moves any more: after a pause when the operation under way has
         ended, after a stop of any kind when what ran is cancelled and at rest.
         """
-        is_under_way = bool(event.task) and event.task == self.state.current
+        is_under_way = bool(event.task) and event.task == getattr(self._step, "task", "")
         try:
             require_sense(event, self.state)
             self._record.append_now(event)
@@ -250,6 +251,7 @@ class UseCaseSupervisor:
     # --- steps
 
     def _do(self, step: Step) -> None:
+        self._step = step
         self._describe(description_of(step))
         if self._is_overdue() and not isinstance(step, End):
             limit = f"its time of {self.state.timeout_s:g} s has passed"
@@ -441,10 +443,12 @@ class UseCaseSupervisor:
         """Have the cell build the product's panel, unless this cell process has it."""
         if self.work.panel is None or self._peers.cell.address() == self._loaded_at:
             return
-        self._pass_gate(_OWN, "loading the panel")
         state = self.state
+        # A cell that began later may have built it first, and placed wires on it.
+        keep = state.keep_panel or self._record.insist(self.work.leases.begun_elsewhere)
+        self._pass_gate(_OWN, "loading the panel")
         try:
-            self._peers.cell.load(self.work.panel, state.serial, self.owner, keep=state.keep_panel)
+            self._peers.cell.load(self.work.panel, state.serial, self.owner, keep=keep)
         finally:
             self._gate.end(_OWN)
         self._record.append(PanelLoaded(state.serial))
