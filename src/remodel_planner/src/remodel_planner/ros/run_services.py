@@ -137,9 +137,6 @@ class RunServices:
         rospy.Service(f"remodel/use_case/{command.value}", CommandTask, on_call)
 
     def _command(self, command: Command, task: str, by: str) -> tuple[bool, str]:
-        if command is Command.PROTECTIVE_STOP:
-            self._peers.abilities.cancel()
-
         def do(reply: Reply) -> None:
             supervisor = self._active()
             if command is Command.RESUME and self.safety:
@@ -149,6 +146,9 @@ class RunServices:
             else:
                 reply(False, self._why_closed() or "no run is under way")
 
+        # The gate closes first: what is cancelled before it does may be followed by another goal.
+        if command is Command.PROTECTIVE_STOP:
+            return self._loop.ask(do, self._peers.abilities.cancel)
         return self._loop.ask(do)
 
     def _on_answer(self, request: object) -> AnswerQuestionResponse:
@@ -173,9 +173,9 @@ class RunServices:
             return
         is_new = by not in self._stopped_by
         self._stopped_by.add(by)
-        self._peers.abilities.cancel()
         if is_new:
             self._loop.post(lambda: self._stop(by))
+        self._peers.abilities.cancel()
 
     def _stop(self, by: str) -> None:
         supervisor = self._active()
