@@ -49,7 +49,7 @@ lint: .venv/.ready ## Style, types of the pure cores, and XML
 bench-engine: build build/bench-venv/.ready ## Measure the engine, with peers; figures in out/bench/engine.jsonl
 	@$(SOURCED) benchmarks/engine/run.py --py-trees build/bench-venv/bin/python
 
-chaos: build ## Kill processes of running orders at random moments (BENCH="--kills 200")
+chaos: build ## Disturb running orders at random moments (BENCH="--faults 100 --seed 77 --postgresql")
 	@$(SOURCED) benchmarks/supervision/chaos.py $(BENCH)
 
 campaign: build ## Cause every kind of fault, 20 runs each, two policies (BENCH="--kinds slipped --runs 3", BENCH=--physical)

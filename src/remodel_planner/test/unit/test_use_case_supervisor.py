@@ -738,8 +738,8 @@ def test_an_operator_answers(url):
 
 def test_another_cells_task_is_left_to_it_and_taken_over_when_it_dies(bench, url):
     database = ProductionDatabase(url)
-    other = TaskLeases(database, "house", "other", 0.03, owner_of(database, "other"))
-    bench.leases.lease_s = 0.03
+    other = TaskLeases(database, "house", "other", 0.5, owner_of(database, "other"))
+    bench.leases.lease_s = 0.5
     other.claim("W1")
     bench.inspection.connected = {("W1", "a")}
     state = bench.run()
