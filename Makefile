@@ -52,7 +52,7 @@ bench-engine: build build/bench-venv/.ready ## Measure the engine, with peers; f
 schedules: build ## Simulate schedules of kills, stalls and commands (BENCH="--count 10000 --seed 0")
 	@$(SOURCED) PYTHONPATH="src/remodel_planner/test:$$PYTHONPATH" python3 -m schedules $(BENCH)
 
-chaos: build ## Kill processes of running orders at random moments (BENCH="--kills 200")
+chaos: build ## Disturb running orders at random moments (BENCH="--faults 100 --seed 77 --postgresql")
 	@$(SOURCED) benchmarks/supervision/chaos.py $(BENCH)
 
 campaign: build ## Cause every kind of fault, 20 runs each, two policies (BENCH="--kinds slipped --runs 3", BENCH=--physical)

@@ -172,11 +172,14 @@ class TaskSupervisor:
 
     def _watch(self) -> str:
         end = self._ended(lambda: bool(self._gate.halt))
-        if end is None:
+        # It may also have ended because its goals were refused or cancelled, before it was stopped.
+        is_halted = end is None or bool(self._gate.halt)
+        if end is None or is_halted:
             end = self._halted()
         if end.end is End.LOST:
             raise LostError(end.text)
-        return PREEMPTED if end.end is End.PREEMPTED else end.text
+        is_stopped = end.end is End.PREEMPTED or (is_halted and end.text != FINISHED)
+        return PREEMPTED if is_stopped else end.text
 
     def _halted(self) -> BehaviorEnd:
         """Stop the behavior, and return how it ended when nothing moves any more."""
