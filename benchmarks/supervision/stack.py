@@ -1,4 +1,4 @@
-"""A ROS master of its own with the nodes of a launch file, an order, and a way to kill nodes."""
+"""A ROS master with the nodes of a launch file, an order, and ways to disturb the nodes."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ import socket
 import subprocess
 import time
 from collections.abc import Callable, Iterator
+from http.client import HTTPConnection
 from pathlib import Path
-from xmlrpc.client import ServerProxy
+from xmlrpc.client import ServerProxy, Transport
 
 import rosgraph
 
@@ -18,6 +19,10 @@ ORDER = "house"
 DESIGN = "/usr/share/qelectrotech/examples/tableau_domestique.qet"
 _LOOK_S = 0.02
 _START_LIMIT_S = 90.0
+
+# [s] wall time that a node gets to answer, and that roslaunch and roscore get to end.
+_ANSWER_LIMIT_S = 2.0
+_END_LIMIT_S = 60.0
 
 
 class TroubleError(Exception):
@@ -41,18 +46,21 @@ def wait_until(holds: Callable[[], bool], limit_s: float, what: str) -> None:
 
 
 @contextlib.contextmanager
-def stack(launch: Path, output: Path, design: str = DESIGN, **arguments: object) -> Iterator[Stack]:
+def stack(
+    launch: Path, output: Path, design: str = DESIGN, url: str = "", **arguments: object
+) -> Iterator[Stack]:
     """Launch nodes below a master of their own, with an order in a database, and end them.
 
     Args:
         launch: the launch file; it takes `output` and `database`.
         output: folder of everything; made.
         design: file of the order.
+        url: of the database; empty for a SQLite file in the folder.
         arguments: more of the launch file's.
     """
     (output / "charts").mkdir(parents=True)
+    url = url or f"sqlite:///{output}/production.sqlite"
     port = free_port()
-    url = f"sqlite:///{output}/production.sqlite"
     os.environ |= {
         "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
         "ROS_IP": "127.0.0.1",
@@ -67,41 +75,96 @@ def stack(launch: Path, output: Path, design: str = DESIGN, **arguments: object)
     )
     arguments = {"output": output, "database": url, **arguments}
     given = [f"{name}:={value}" for name, value in arguments.items()]
-    with (output / "nodes.log").open("w") as log:
-        nodes = subprocess.Popen(
-            ["roslaunch", "-p", str(port), str(launch), *given],
-            stdout=log,
-            stderr=subprocess.STDOUT,
-        )
+    nodes = Stack(port, [str(launch), *given], output, url)
+    try:
+        nodes.start_master()
+        nodes.start_launch()
+        yield nodes
+    finally:
+        nodes.end_launch()
+        nodes.end_master()
+
+
+class Program:
+    """A program that is started and ended, again and again, and logs to a file."""
+
+    def __init__(
+        self, line: list[str], log: Path, environment: dict[str, str] | None = None
+    ) -> None:
+        """Take the command line, the file that its output is added to, and its environment."""
+        self._line = line
+        self._log = log
+        self._environment = environment
+        self._process: subprocess.Popen[bytes] | None = None
+
+    @property
+    def runs(self) -> bool:
+        """Whether it was started and has not ended."""
+        return self._process is not None and self._process.poll() is None
+
+    def start(self) -> None:
+        """Start it."""
+        with self._log.open("a") as log:
+            self._process = subprocess.Popen(
+                self._line,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                env=self._environment,
+                start_new_session=True,
+            )
+
+    def end(self, number: int = signal.SIGINT) -> None:
+        """Send it a signal, and return when it has ended."""
+        if self._process is None:
+            return
+        self._process.send_signal(number)
         try:
-            yield Stack(nodes, output, url)
-        finally:
-            nodes.send_signal(signal.SIGINT)
-            try:
-                nodes.wait(60.0)
-            except subprocess.TimeoutExpired:
-                nodes.kill()
-                nodes.wait()
+            self._process.wait(_END_LIMIT_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
 
 
 class Stack:
-    """Nodes that run.
+    """Nodes that run, below a master of their own.
 
     Attributes:
         output: folder of everything.
         database: its URL.
     """
 
-    def __init__(self, nodes: subprocess.Popen[bytes], output: Path, database: str) -> None:
-        """Take the launch that runs them."""
-        self._nodes = nodes
+    def __init__(self, port: int, arguments: list[str], output: Path, database: str) -> None:
+        """Prepare a master at a port, and a launch with these arguments."""
         self.output = output
         self.database = database
         self._master = rosgraph.Master("/bench")
+        self._core = Program(["roscore", "-p", str(port)], output / "master.log")
+        self._nodes = Program(["roslaunch", *arguments], output / "nodes.log")
+
+    def start_master(self) -> None:
+        """Start the ROS master, and return when it answers."""
+        self._core.start()
+        wait_until(self._has_run_id, _START_LIMIT_S, "start of the ROS master")
+
+    def end_master(self, number: int = signal.SIGINT) -> None:
+        """Send the ROS master a signal, and return when it has ended."""
+        pid = self.master_pid()
+        self._core.end(number)
+        if number == signal.SIGKILL and pid:  # its launcher cannot end it
+            os.kill(pid, signal.SIGKILL)
+        wait_until(lambda: self.master_pid() == 0, _END_LIMIT_S, "end of the ROS master")
+
+    def start_launch(self) -> None:
+        """Start all nodes."""
+        self._nodes.start()
+
+    def end_launch(self) -> None:
+        """End all nodes as Ctrl-C in the terminal of roslaunch does."""
+        self._nodes.end(signal.SIGINT)
 
     def require(self) -> None:
         """Return if the launch runs; TroubleError if it has ended."""
-        if self._nodes.poll() is not None:
+        if not self._nodes.runs:
             raise TroubleError(f"roslaunch has ended; see {self.output}/nodes.log")
 
     def wait_for(self, *nodes: str) -> None:
@@ -113,16 +176,47 @@ class Stack:
     def pid(self, node: str) -> int:
         """Return a node's process; 0 if it does not answer."""
         try:
-            uri = self._master.lookupNode(f"/{node}")
-            return int(ServerProxy(uri).getPid("/bench")[2])
+            return _pid(self._master.lookupNode(f"/{node}"))
         except (OSError, rosgraph.MasterError):
             return 0
 
-    def kill(self, *nodes: str) -> dict[str, int]:
-        """Kill nodes, and return the processes that they were."""
+    def master_pid(self) -> int:
+        """Return the process of the ROS master; 0 if it does not answer."""
+        return _pid(os.environ["ROS_MASTER_URI"])
+
+    def kill(self, *nodes: str, number: int = signal.SIGKILL) -> dict[str, int]:
+        """Send nodes a signal, and return the processes that they were."""
         pids = {node: self.pid(node) for node in nodes}
         for pid in pids.values():
             if pid:
                 with contextlib.suppress(ProcessLookupError):
-                    os.kill(pid, signal.SIGKILL)
+                    os.kill(pid, number)
         return pids
+
+    def wait_for_others(self, pids: dict[str, int], limit_s: float) -> None:
+        """Return when nodes answer from other processes than these."""
+        for node, pid in pids.items():
+            wait_until(lambda n=node, p=pid: self.pid(n) not in (0, p), limit_s, f"{node} back")
+
+    def _has_run_id(self) -> bool:
+        try:
+            return bool(self._master.hasParam("/run_id"))
+        except (OSError, rosgraph.MasterError):
+            return False
+
+
+def _pid(uri: str) -> int:
+    """Return the process that serves ROS at an address; 0 if none answers."""
+    try:
+        return int(ServerProxy(uri, _ImpatientTransport()).getPid("/bench")[2])
+    except OSError:
+        return 0
+
+
+class _ImpatientTransport(Transport):
+    """Does not wait for ever for what was stopped."""
+
+    def make_connection(self, host: str) -> HTTPConnection:  # type: ignore[override]
+        connection = super().make_connection(host)  # type: ignore[arg-type]
+        connection.timeout = _ANSWER_LIMIT_S
+        return connection

@@ -166,6 +166,22 @@ def test_a_record_that_was_tampered_with_differs(keep, url, capsys, position, ev
     assert differs in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(("code", "differs"), [(4, 0), (301, 1)])
+def test_what_is_refused_after_a_server_was_lost_needs_no_record(keep, url, capsys, code, differs):
+    lay_down = """<state id="Lay" type="PlaceCableState">
+      <transition event="placed" target="failed"/></state></statemachine>"""
+    chart = CHART.replace('"failed" target="failed"', '"failed" target="Lay"')
+    chart = chart.replace("</statemachine>", lay_down)
+    keep(
+        Planned(("W1", "W2"), "the run begins"),
+        TaskBegun("W1", 1, Part.WHOLE, "Place Wire W1", chart, 1.0),
+        OperationEnded("W1", operation("failed", code)),
+        TaskEnded("W1", "failed", 9.5, False, ("/Insert", "/Lay")),
+    )
+    assert replay.main(["1", "--quiet", "--database", url]) == differs
+    assert f"{differs} differences" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize("command", [explain, replay])
 def test_a_run_that_is_not_there_is_told_with_those_there_are(command, keep, url, capsys):
     keep()

@@ -34,6 +34,7 @@ from remodel_planner.core.supervision.events import (
     TaskElsewhere,
 )
 from remodel_planner.core.supervision.gate import Permit
+from remodel_planner.core.supervision.replay import replayed
 from remodel_planner.core.supervision.state import Stage, cause_of, state_after
 from remodel_planner.edge.catalogue_file import read_catalogue
 from remodel_planner.edge.fault_file import read_faults
@@ -552,6 +553,23 @@ def test_a_pause_holds_the_next_operation_and_is_answered_when_the_one_under_way
     assert seen == [[], [(True, "")], Permit.HELD, Permit.GRANTED]
 
 
+def test_a_record_of_a_behavior_that_was_stopped_is_dropped(bench):
+    answers = []
+
+    def send(owner):
+        behavior = bench.engine.ran[-1] if bench.engine.ran else "W1"
+        goal = f"{owner}:{behavior}/Find wire#1"
+        found = Operation("/Find wire", "DetectCable", "detected", 0, "", 2.0, 1.0, goal)
+        answers.append(bench.supervisor.tasks.keep_record(behavior, found))
+
+    stopped = (True, "of a behavior that was stopped; it is not kept")
+    send(bench.owner)  # before this supervisor has stopped what runs
+    bench.run(lambda: send(bench.owner - 1), lambda: send(bench.owner))
+    assert answers == [stopped, stopped, (True, "")]
+    second = bench.events(Planned)[0].tasks[1]
+    assert [event.task for event in bench.events(OperationEnded)] == [second]
+
+
 def test_a_running_task_that_is_skipped_leaves_an_empty_hand(bench):
     replies = []
 
@@ -599,6 +617,19 @@ def test_a_stop_ends_the_run(bench):
     assert bench.command(Command.STOP) == [(False, "the run has ended")]
 
 
+def test_a_waiting_task_that_was_skipped_is_retried(bench):
+    skipped = []
+
+    def skip():
+        skipped.append(bench.events(Planned)[0].tasks[1])
+        bench.command(Command.SKIP, skipped[0])
+        bench.command(Command.RETRY, skipped[0])
+
+    state = bench.run(skip)
+    assert state.ended.ending is Ending.COMPLETE
+    assert bench.ran[-1] == skipped[0]
+
+
 def test_a_protective_stop_cuts_the_behavior_short_and_the_run_waits(bench):
     def stop():
         bench.engine.end = None
@@ -611,6 +642,41 @@ def test_a_protective_stop_cuts_the_behavior_short_and_the_run_waits(bench):
     assert [event.because for event in bench.events(Interrupted)] == ["protective stop by ann"]
     assert bench.ran[:3] == [first, f"{first} Clear", first]
     assert state.ended.ending is Ending.COMPLETE
+
+
+def during(bench, port, name, command):
+    """Give a command once, while a port is being called after the first behavior."""
+    original = getattr(port, name)
+
+    def called(*arguments):
+        if not bench.engine.ran:
+            return original(*arguments)
+        setattr(port, name, original)
+        bench.command(command)
+        bench.loop.arrivals += [lambda: None] * 20 + [lambda: bench.command(Command.RESUME)]
+        return original(*arguments)
+
+    setattr(port, name, called)
+
+
+@pytest.mark.parametrize(
+    ("port", "name", "command"),
+    [
+        ("maker", "make", Command.PAUSE),
+        ("maker", "make", Command.PROTECTIVE_STOP),
+        ("inspection", "is_connected", Command.PAUSE),
+        ("inspection", "is_connected", Command.PROTECTIVE_STOP),
+        ("abilities", "answers", Command.STOP),
+    ],
+)
+def test_what_a_command_has_overtaken_is_not_recorded(bench, port, name, command):
+    during(bench, getattr(bench, port), name, command)
+    state = bench.run(*([] if port == "maker" else [LOST]))
+    assert command in [event.command for event in bench.events(Commanded)]
+    events = [kept.event for kept in bench.log.events(bench.number)]
+    assert [frame.differs for frame in replayed(events) if frame.differs] == []
+    expected = Ending.STOPPED if command is Command.STOP else Ending.COMPLETE
+    assert state.ended.ending is expected
 
 
 def test_commands_that_make_no_sense_are_refused(bench):

@@ -30,9 +30,17 @@ class TaskSupervisor:
         behavior: name of the one that runs; empty if none does.
     """
 
-    def __init__(self, loop: EventLoop, engine: Engine, abilities: Abilities, gate: Gate) -> None:
-        """Take the ports, and the gate that its operations pass."""
+    def __init__(
+        self,
+        loop: EventLoop,
+        engine: Engine,
+        abilities: Abilities,
+        gate: Gate,
+        owner: int = 0,
+    ) -> None:
+        """Take the ports, the gate that its operations pass, and the token of the cell's owner."""
         self.behavior = ""
+        self._owner = owner
         self._loop = loop
         self._engine = engine
         self._abilities = abilities
@@ -118,9 +126,14 @@ class TaskSupervisor:
         return permit, self._gate.why
 
     def keep_record(self, behavior: str, operation: Operation) -> tuple[bool, str]:
-        """Keep what an operation did; return whether the state may go on, and why not."""
-        if self._settling:
-            return False, "this behavior is about to be stopped"
+        """Keep what an operation did; return whether the state may go on, and why not.
+
+        A record of a behavior that was, or is about to be, stopped is accepted and dropped: what
+        that behavior has done is inspected, nothing more of it is granted, and its state would
+        send the record again to the next behavior of the same name.
+        """
+        if self._settling or self._is_of_another_owner(operation):
+            return True, "of a behavior that was stopped; it is not kept"
         if self._keep is None or behavior != self.behavior:
             return True, "of no task; it is not kept"
         if operation.goal_id not in self._goals:
@@ -144,6 +157,11 @@ class TaskSupervisor:
             if not is_connected or self._abilities.answers(ability, since_s):
                 del self._unended[path]
                 self._gate.end(path)
+
+    def _is_of_another_owner(self, operation: Operation) -> bool:
+        """Return whether a supervisor before this one granted an operation."""
+        token, colon, _ = operation.goal_id.partition(":")
+        return bool(colon) and token.isdecimal() and int(token) != self._owner
 
     def _watch(self) -> str:
         end = self._ended(lambda: bool(self._gate.halt))

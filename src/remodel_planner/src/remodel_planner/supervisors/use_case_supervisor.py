@@ -207,7 +207,7 @@ class UseCaseSupervisor:
         self._on_change = on_change
         self._disowned = disowned
         self._gate = Gate()
-        self.tasks = TaskSupervisor(loop, peers.engine, peers.abilities, self._gate)
+        self.tasks = TaskSupervisor(loop, peers.engine, peers.abilities, self._gate, owner)
         self._lease = LeaseKeeper(loop, work.leases, self._close_or_open)
         self._replies = PendingReplies()
         self._behaviors_ended = 0
@@ -218,9 +218,9 @@ class UseCaseSupervisor:
         self._is_resumed = self._is_planned = not state.to_plan
         # Where the cell answered that has the panel.
         self._loaded_at = ""
-        # An event of which it is not known whether it was kept, and one that turned out to be.
+        # An event of which it is not known whether it was kept, and those that turned out to be.
         self._unsure: Event | None = None
-        self._kept: Event | None = None
+        self._kept: list[Event] = []
 
     @property
     def doing_now(self) -> Doing | None:
@@ -387,6 +387,10 @@ class UseCaseSupervisor:
         self._peers.pictures.begin()
 
         def keep(operation: Operation) -> None:
+            self._catch_up()
+            kept = self.state.tasks[name].operations
+            if operation.goal_id in [each.goal_id for each in kept]:
+                return  # the answer to its commit was lost
             self._append_now(OperationEnded(name, operation))
             self.work.planner.learn(name, operation)
 
@@ -650,6 +654,7 @@ class UseCaseSupervisor:
 
     def _append(self, event: Event) -> None:
         self._insist(lambda: self._append_now(event))
+        self._kept.clear()
 
     def _insist(self, ask: Callable[[], T]) -> T:
         """Return what the database answers, however long it takes to answer."""
@@ -662,8 +667,7 @@ class UseCaseSupervisor:
 
     def _append_now(self, event: Event) -> None:
         self._catch_up()
-        kept, self._kept = self._kept, None
-        if kept == event:
+        if any(event is kept for kept in self._kept):
             return
         try:
             self._know(self._log.append(self.run, event, self.state, self.owner))
@@ -699,7 +703,7 @@ class UseCaseSupervisor:
         known = self._log.state(self.run)
         unsure, self._unsure = self._unsure, None
         if known.events != self.state.events:
-            self._kept = unsure
+            self._kept.append(unsure)
             self._know(known)
 
     def _know(self, state: RunState) -> None:
