@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-sim bench-vision bench-learning bench-replan bench-scale evaluate-abilities schedules chaos campaign clean
+.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale evaluate-abilities schedules chaos campaign clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -57,6 +57,9 @@ chaos: build ## Disturb running orders at random moments (BENCH="--faults 100 --
 
 campaign: build ## Cause every kind of fault, 20 runs each, two policies (BENCH="--kinds slipped --runs 3", BENCH=--physical)
 	@$(SOURCED) benchmarks/supervision/campaign.py $(BENCH)
+
+bench-pause: build ## Operations begun after a pause was answered, 50 random moments (BENCH="--moments 200")
+	@$(SOURCED) benchmarks/supervision/pause.py $(BENCH)
 
 bench-replan: build ## Time from a failure to the first goal of the new plan, 300 tasks left
 	@$(SOURCED) benchmarks/supervision/replan.py $(BENCH)

@@ -154,6 +154,26 @@ def test_a_file_that_is_gone_or_damaged_is_replaced(tmp_path, file):
     assert [each.name for each in tmp_path.iterdir() if each.name.startswith(".")] == []
 
 
+def test_an_emptied_file_does_not_become_a_database_before_it_is_replaced(
+    tmp_path, file, monkeypatch
+):
+    url = f"sqlite:///{tmp_path}/production.sqlite"
+    database = ProductionDatabase(url)
+    assert backup.main([str(file), "--database", url]) == 0
+    database.close()
+    emptied = tmp_path / "production.sqlite"
+    emptied.write_bytes(b"")
+    sizes, copy = [], database_backup._copy_sqlite
+
+    def copied(source, target):
+        sizes.append(emptied.stat().st_size)
+        copy(source, target)
+
+    monkeypatch.setattr(database_backup, "_copy_sqlite", copied)
+    assert restore.main([str(file), "--replace", "--database", url]) == 0
+    assert sizes == [0]
+
+
 def test_a_database_that_is_not_there_has_no_backup(tmp_path, file, capsys):
     assert backup.main([str(file), "--database", f"sqlite:///{tmp_path}/none.sqlite"]) == 1
     assert f"there is no database {tmp_path}/none.sqlite" in capsys.readouterr().err

@@ -11,7 +11,7 @@ from pathlib import Path
 import rosgraph
 import rospy
 
-from flexbe_core.ros.master import NoMasterError, require_master, spin
+from flexbe_core.ros.master import NoMasterError, join, require_master, spin
 from remodel_planner.commands.database_option import add_database_option
 from remodel_planner.core.cell_order import USE_CASE
 from remodel_planner.edge.cell_ownership import CellOwnership
@@ -103,7 +103,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 2
     except KeyboardInterrupt:
         return 130
-    rospy.init_node("use_case_supervisor")
+    join("use_case_supervisor")
     output = options.output.resolve()
     maker = WorkMaker(
         database,

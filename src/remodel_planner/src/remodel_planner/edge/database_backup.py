@@ -95,6 +95,9 @@ def _require_replaceable(url: str, *, replace: bool) -> None:
 
 def _live_owners(url: str) -> tuple[LiveOwner, ...]:
     """Return who owns cells of a database; nobody if it is too damaged to report it."""
+    target = make_url(url)
+    if target.get_backend_name() == "sqlite" and not _file_of(target).stat().st_size:
+        return ()  # opened, it would become a new database, which a waiting supervisor takes
     try:
         database = ProductionDatabase(url)
     except PlannerError:

@@ -18,8 +18,8 @@ ABILITIES = tuple(
     if name.endswith(_FEEDBACK) and isinstance(value, type) and not name.startswith("RunUseCase")
 )
 
-# A goal that is recalled never begins. A server that is told to cancel a goal it does not know, such
-# as one of its predecessor, lists it as recalled, and for ever if it has no clock yet.
+# A goal that is recalled never begins. A server that is asked to cancel a goal it does not know,
+# such as one of its predecessor, lists it as recalled, and for ever if it has no clock yet.
 _RUNNING = (GoalStatus.PENDING, GoalStatus.ACTIVE, GoalStatus.PREEMPTING)
 
 

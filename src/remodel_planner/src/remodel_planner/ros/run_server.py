@@ -144,7 +144,7 @@ class RunServer:
             rospy.signal_shutdown(str(error))
 
     def _acquire(self) -> None:
-        """Own the cell; as long as another station does, publish that and wait."""
+        """Own the cell; until it can be owned, publish why not, and wait."""
         while True:
             asked_s = self._loop.wall_s()
             try:
@@ -155,7 +155,7 @@ class RunServer:
                     f"cell {self._maker.cell} is owned by another station: {found.holder}; stop "
                     "that one, or give this cell a name of its own (cell_name:=)"
                 )
-            except LostError as error:
+            except (LostError, RecordLostError) as error:
                 text = str(error)
             if text != self._closed:
                 rospy.logerr("%s", text)
@@ -281,6 +281,8 @@ class RunServer:
             self._require_sound(goal)
             self._next = self._begun(goal, handle)
         except PlannerError as error:
+            if isinstance(error, OwnerError):
+                self._disowned = str(error)
             is_busy = self._active is not None or bool(self._closed)
             code = ErrorCode.BUSY if is_busy else ErrorCode.INVALID_GOAL
             handle.set_rejected(_refusal(goal, code, str(error)), str(error))

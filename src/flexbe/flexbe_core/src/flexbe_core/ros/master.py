@@ -1,12 +1,15 @@
 """The ROS master: whether it answers, and whether it is still the one that this node joined.
 
 rospy waits for a master for ever, and registers a node only once. A node that must not do so calls
-`require_master` before it joins, and `spin` or a `MasterWatch` afterwards.
+`require_master` before it joins, and `spin` or a `MasterWatch` afterwards. rospy's handler of
+signals deadlocks when one arrives while the node still advertises its topics: nodes call `join`.
 """
 
 from __future__ import annotations
 
+import _thread
 import http.client
+import signal
 import threading
 import time
 import xmlrpc.client
@@ -169,26 +172,37 @@ class MasterWatch:
             self._on_return()
 
 
+_ended = threading.Event()
+
+
+def join(name: str) -> None:
+    """Become a node that SIGINT and SIGTERM end once it calls `spin`, not while it is set up."""
+    rospy.init_node(name, disable_signals=True)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        # On a thread of its own: the main thread may hold any lock now, that of the event too.
+        signal.signal(number, lambda *_: _thread.start_new_thread(_ended.set, ()))
+
+
 def spin() -> int:
     """Serve until ROS shuts this node down, or its master was restarted; return the exit code.
 
     roslaunch respawns a node that ends with EXIT_MASTER_RESTARTED; it then joins the new master.
     """
-    ended = threading.Event()
     restarts: list[str] = []
 
     def on_restart(text: str) -> None:
         restarts.append(text)
-        ended.set()
+        _ended.set()
 
     watch = MasterWatch(on_restart)
-    rospy.on_shutdown(ended.set)
+    rospy.on_shutdown(_ended.set)
     # Python handles signals in the main thread, but the system may deliver one to another thread,
     # for instance while that starts a third. Only a main thread that wakes up notices it then.
-    while not ended.wait(_SIGNALS_EVERY_S):
+    while not _ended.wait(_SIGNALS_EVERY_S):
         pass
     watch.stop()
     if not restarts:
+        rospy.signal_shutdown("asked to end")
         return 0
     rospy.logfatal("%s", restarts[0])
     rospy.signal_shutdown(restarts[0])

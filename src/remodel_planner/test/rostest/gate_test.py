@@ -1,0 +1,229 @@
+#!/usr/bin/env python3
+"""After a pause, a skip or a stop is answered nothing moves, and the order can always go on."""
+
+import shutil
+import signal
+import sys
+import time
+import unittest
+from pathlib import Path
+from random import Random
+
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+from remodel_msgs.msg import (
+    ErrorCode,
+    RunUseCaseActionGoal,
+    RunUseCaseActionResult,
+    RunUseCaseGoal,
+    TaskState,
+    UseCaseState,
+)
+from std_msgs.msg import Bool
+
+from remodel_planner.core.supervision.events import Blocked, Ending, Interrupted, RunEnded
+from remodel_planner.testing.motion_watch import MotionWatch
+from remodel_planner.testing.order_client import (
+    ORDER,
+    SUPERVISOR,
+    OrderClient,
+    import_order,
+    wait_until,
+)
+from remodel_planner.testing.pause_moments import PauseMoments
+
+OUTPUT = Path(sys.argv[1])
+
+# [s] wall time for which nothing may move after an answer: longer than any operation takes.
+WINDOW_S = 0.4
+
+
+class GateTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("test_gate")
+        OUTPUT.mkdir(exist_ok=True)
+        cls.addClassCleanup(shutil.rmtree, OUTPUT, ignore_errors=True)
+        import_order(f"sqlite:///{OUTPUT}/production.sqlite")
+        cls.orders = OrderClient(OUTPUT)
+        cls.motions = MotionWatch(cls.orders.world)
+
+    def assert_complete(self, run, done=()):
+        """Check that a run is over, with all tasks done, and nothing done twice."""
+        state = self.orders.wait_for_end(run)
+        self.assertEqual(state.ended.ending, Ending.COMPLETE, state.ended)
+        self.assert_sound(run)
+
+    def assert_sound(self, run):
+        found = self.orders.account(run)
+        self.assertEqual((found.fixed_again, found.scrapped), ((), ()))
+        if self.orders.run_state(run).ended.ending is Ending.COMPLETE:
+            self.assertEqual(found.omitted, ())
+
+    def wait_for_goal(self):
+        """Wait until an ability has a goal."""
+        wait_until(lambda: self.motions.running, "an ability has a goal")
+
+    def test_nothing_moves_after_a_pause_is_answered(self):
+        random = Random(14)
+        moments = PauseMoments(self.orders, self.motions, random)
+        while moments.paused < 12:
+            run = self.orders.start(6)
+            while moments.paused < 12 and moments.pause(run, WINDOW_S):
+                pass
+            self.assert_complete(run)
+        self.assertEqual(moments.moved, [])
+
+    def test_a_running_task_is_skipped_and_done_later(self):
+        random = Random(3)
+        run = self.orders.start(10)
+        skipped = set()
+        while len(skipped) < 6:
+            before = time.monotonic()
+            wait_until(lambda: self.orders.state.task not in ("", *skipped), "the next task")
+            task = self.orders.state.task
+            until = before + random.uniform(0.0, 1.0)
+            wait_until(
+                lambda t=until, n=task: time.monotonic() > t or self.orders.state.task != n,
+                "a random moment",
+            )
+            granted, text = self.orders.command("skip", task=task)
+            answered_s = time.time()
+            if not granted:
+                self.assertIn("cannot be skipped", text)
+                continue
+            skipped.add(task)
+            self.assertEqual(self.motions.under_way(answered_s), (), f"{task} moves")
+            if len(skipped) in (2, 5):
+                self.orders.end_process(SUPERVISOR)
+        wait_until(lambda: self.is_set_aside(run, skipped), "the skipped tasks are set aside")
+        for task in skipped:
+            self.orders.require("retry", task=task)
+        self.assert_complete(run)
+        self.assertEqual(self.orders.held, "")
+
+    def is_set_aside(self, run, names):
+        states = self.orders.task_states(run)
+        return all(states[name] == TaskState.SET_ASIDE for name in names)
+
+    def test_a_protective_stop_by_the_topic_cancels_and_holds_until_it_is_released(self):
+        run = self.orders.start(3)
+        self.wait_for_goal()
+        topic = rospy.Publisher("remodel/protective_stop", Bool, queue_size=1, latch=True)
+        topic.publish(True)
+        self.orders.wait_for_phase(UseCaseState.PROTECTIVE_STOP)
+        wait_until(lambda: not self.motions.running, "what ran is cancelled")
+        self.assertEqual(self.motions.after(time.time(), WINDOW_S), ())
+        granted, text = self.orders.command("resume")
+        self.assertFalse(granted)
+        self.assertIn("release it first", text)
+        self.assertEqual(self.motions.after(time.time(), WINDOW_S), ())
+        topic.publish(False)
+        wait_until(lambda: self.orders.command("resume")[0], "the run is resumed")
+        self.assert_complete(run)
+
+    def test_a_protective_stop_by_the_service_is_answered_when_nothing_moves(self):
+        run = self.orders.start(3)
+        self.wait_for_goal()
+        self.orders.require("protective_stop")
+        answered_s = time.time()
+        self.assertEqual(self.motions.under_way(answered_s), ())
+        self.assertEqual(self.motions.after(answered_s, WINDOW_S), ())
+        self.orders.wait_for_phase(UseCaseState.PROTECTIVE_STOP)
+        self.orders.require("resume")
+        self.assert_complete(run)
+
+    def test_a_protective_stop_without_a_run_refuses_goals_until_it_is_released(self):
+        wait_until(lambda: self.orders.is_free, "no run is under way")
+        topic = rospy.Publisher("remodel/protective_stop", Bool, queue_size=1, latch=True)
+        topic.publish(True)
+        wait_until(lambda: "protective stop by" in self.orders.state.message, "it is published")
+        before = self.orders.runs()
+        handle = self.orders.send(2)
+        wait_until(lambda: handle.get_result() is not None, "the goal is answered")
+        self.assertEqual(handle.get_goal_status(), GoalStatus.REJECTED)
+        self.assertIn("protective stop by", handle.get_goal_status_text())
+        self.assertEqual(self.orders.runs(), before)
+        topic.publish(False)
+        wait_until(lambda: self.orders.is_free, "the release is published")
+        self.assert_complete(self.orders.start(2))
+
+    def test_the_wire_held_when_a_run_was_stopped_does_not_hinder_the_next_run(self):
+        run = self.orders.start(3)
+        wait_until(lambda: self.orders.held, "a wire is held")
+        self.orders.require("stop")
+        self.assertEqual(self.motions.after(time.time(), WINDOW_S), ())
+        state = self.orders.wait_for_end(run)
+        self.assertEqual(state.ended.ending, Ending.STOPPED)
+        self.assert_complete(self.orders.start(3, again=False))
+        self.assertEqual(self.orders.held, "")
+
+    def test_a_shutdown_of_the_supervisor_leaves_no_event_and_the_run_is_resumed(self):
+        random = Random(2)
+        run = self.orders.start(6)
+        signals = [signal.SIGINT, signal.SIGTERM, signal.SIGINT, signal.SIGTERM]
+        for count, number in enumerate(signals):
+            wait_until(lambda n=count: self.orders.state.interruptions == n, "it is resumed")
+            until = time.monotonic() + random.uniform(0.1, 1.0)
+            wait_until(lambda t=until: time.monotonic() > t, "a random moment")
+            self.orders.end_process(SUPERVISOR, number)
+        self.assert_complete(run)
+        events = self.orders.events(run)
+        self.assertEqual([event for event in events if isinstance(event, Blocked)], [])
+        self.assertEqual(sum(isinstance(event, Interrupted) for event in events), len(signals))
+        self.assertEqual(sum(isinstance(event, RunEnded) for event in events), 1)
+
+    def test_a_signal_that_arrives_while_the_supervisor_starts_ends_it(self):
+        for delay_s in (0.0, 0.1, 0.2):
+            self.orders.end_process(SUPERVISOR)
+            until = time.monotonic() + delay_s
+            wait_until(lambda t=until: time.monotonic() > t, "a moment of its start")
+            self.orders.end_process(SUPERVISOR, signal.SIGTERM)
+
+    def test_of_two_goals_at_once_one_is_refused(self):
+        wait_until(lambda: self.orders.is_free, "no run is under way")
+        before = self.orders.runs()
+        handles = [self.orders.send(2), self.orders.send(2)]
+        wait_until(lambda: any(h.get_result() is not None for h in handles), "one is answered")
+        (refused,) = [handle for handle in handles if handle.get_result() is not None]
+        self.assertEqual(refused.get_goal_status(), GoalStatus.REJECTED)
+        self.assertEqual(refused.get_result().error_code, ErrorCode.BUSY)
+        self.assertEqual(len(self.orders.runs()), len(before) + 1)
+        self.assert_complete(self.orders.runs()[0])
+
+    def test_a_goal_that_waits_for_the_node_does_not_displace_the_unfinished_run(self):
+        results = []
+        rospy.Subscriber("remodel/run_use_case/result", RunUseCaseActionResult, results.append)
+        run = self.orders.start(3)
+        self.wait_for_goal()
+        waiting = rospy.Publisher(
+            "remodel/run_use_case/goal", RunUseCaseActionGoal, queue_size=1, latch=True
+        )
+        try:
+            # A latched goal: the node that runs refuses it, and so does the next one.
+            message = RunUseCaseActionGoal(
+                goal=RunUseCaseGoal(id="waiting", order=ORDER, tasks=2, again=True)
+            )
+            message.goal_id.id = "waiting"
+            waiting.publish(message)
+            wait_until(lambda: len(self.refused(results)) == 1, "the running node refuses it")
+            self.orders.end_process(SUPERVISOR)
+            wait_until(lambda: len(self.refused(results)) == 2, "the next node refuses it")
+            self.assertEqual(self.orders.runs()[0], run)
+        finally:
+            waiting.unregister()
+        self.assert_complete(run)
+
+    def refused(self, results):
+        return [
+            each
+            for each in results
+            if each.status.goal_id.id == "waiting"
+            and each.status.status == GoalStatus.REJECTED
+            and each.result.error_code == ErrorCode.BUSY
+        ]
+
+
+if __name__ == "__main__":
+    rostest.rosrun("remodel_planner", "test_gate", GateTest)
