@@ -3,7 +3,10 @@
 A schedule that fails here is shown by `make schedules BENCH="--seed SEED --count 1 --trace"`.
 """
 
+import gc
 import sys
+from concurrent.futures import ProcessPoolExecutor
+from functools import cache
 from pathlib import Path
 from random import SystemRandom
 
@@ -16,27 +19,41 @@ from schedules.schedule import Schedules
 FIXED, FRESH, AT_ONCE = 2000, 500, 100
 
 
-@pytest.fixture(scope="module")
+@cache
 def schedules():
-    return Schedules()
+    """Return the schedules of this process."""
+    made = Schedules()
+    gc.freeze()
+    return made
 
 
-def failures(schedules, first, count):
-    verdicts = [schedules.run(seed) for seed in range(first, first + count)]
+def failures_from(first):
+    """Run some schedules, and return those that fail."""
+    verdicts = [schedules().run(seed) for seed in range(first, first + AT_ONCE)]
     return [f"seed {each.seed}: {each.violation}" for each in verdicts if each.violation]
 
 
-@pytest.mark.parametrize("first", range(0, FIXED, AT_ONCE))
-def test_fixed_seeds(schedules, first):
-    assert not failures(schedules, first, AT_ONCE)
+@pytest.fixture(scope="module")
+def pool():
+    with ProcessPoolExecutor() as pool:
+        yield pool
 
 
-def test_fresh_seeds(schedules):
+def failures(pool, first, count):
+    chunks = pool.map(failures_from, range(first, first + count, AT_ONCE))
+    return [failure for chunk in chunks for failure in chunk]
+
+
+def test_fixed_seeds(pool):
+    assert not failures(pool, 0, FIXED)
+
+
+def test_fresh_seeds(pool):
     first = SystemRandom().randrange(10**6, 10**9)
-    assert not failures(schedules, first, FRESH), f"fresh seeds from {first} on"
+    assert not failures(pool, first, FRESH), f"fresh seeds from {first} on"
 
 
-def test_a_seed_gives_the_same_schedule_again(schedules):
-    first, again = (schedules.run(8, tracing=True) for _ in range(2))
+def test_a_seed_gives_the_same_schedule_again():
+    first, again = (schedules().run(8, tracing=True) for _ in range(2))
     assert first.trace
     assert first == again
