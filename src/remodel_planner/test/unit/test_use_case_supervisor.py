@@ -665,6 +665,30 @@ def test_a_behavior_that_fails_because_it_is_halted_counts_as_stopped(bench, com
     assert stopped == (["preempted"] if command is Command.STOP else ["finished"])
 
 
+def test_a_protective_stop_that_is_released_at_once_does_not_end_the_run(bench):
+    permits, start = [], bench.engine.start
+
+    def start_and_stop(behavior):
+        bench.engine.start = start
+        start(behavior)
+        bench.engine.end = None
+        bench.engine.cancel = resume
+        bench.command(Command.PROTECTIVE_STOP)
+
+    def resume():
+        """The run is resumed before the engine has stopped the behavior."""
+        del bench.engine.cancel
+        bench.command(Command.RESUME)
+        permits.append(bench.engine.operate(bench.engine.ran[-1], JAM))
+        bench.engine.cancel()
+
+    bench.engine.start = start_and_stop
+    state = bench.run()
+    assert permits == [Permit.REFUSED]
+    assert [event.because for event in bench.events(Interrupted)] == ["protective stop by ann"]
+    assert state.ended.ending is Ending.COMPLETE
+
+
 def during(bench, port, name, command):
     """Give a command once, while a port is being called after the first behavior."""
     original = getattr(port, name)

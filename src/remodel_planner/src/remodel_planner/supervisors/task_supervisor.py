@@ -28,6 +28,7 @@ class TaskSupervisor:
 
     Attributes:
         behavior: name of the one that runs; empty if none does.
+        halted: why the gate stopped the one started last; empty if it did not.
     """
 
     def __init__(
@@ -40,6 +41,7 @@ class TaskSupervisor:
     ) -> None:
         """Take the ports, the gate that its operations pass, and the token of the cell's owner."""
         self.behavior = ""
+        self.halted = ""
         self._owner = owner
         self._loop = loop
         self._engine = engine
@@ -70,7 +72,8 @@ class TaskSupervisor:
             LostError: if engine or action server are lost; what the behavior did is in doubt.
             LeavingError: if this process is to end.
         """
-        if self._gate.halt:
+        self.halted = self._gate.halt
+        if self.halted:
             return PREEMPTED
         self.behavior, self._keep, self._server_gone = behavior, keep, ""
         self._is_cut = False
@@ -122,7 +125,7 @@ class TaskSupervisor:
             state_path: of the state that asks.
             ability: such as "InsertCable".
         """
-        if self._settling or behavior != self.behavior:
+        if self._settling or self.halted or behavior != self.behavior:
             return Permit.REFUSED, f"behavior {behavior!r} is about to be stopped"
         if self._server_gone:
             return Permit.REFUSED, self._server_gone
@@ -173,12 +176,12 @@ class TaskSupervisor:
     def _watch(self) -> str:
         end = self._ended(lambda: bool(self._gate.halt))
         # It may also have ended because its goals were refused or cancelled, before it was stopped.
-        is_halted = end is None or bool(self._gate.halt)
-        if end is None or is_halted:
+        self.halted = self._gate.halt
+        if end is None or self.halted:
             end = self._halted()
         if end.end is End.LOST:
             raise LostError(end.text)
-        is_stopped = end.end is End.PREEMPTED or (is_halted and end.text != FINISHED)
+        is_stopped = end.end is End.PREEMPTED or (bool(self.halted) and end.text != FINISHED)
         return PREEMPTED if is_stopped else end.text
 
     def _halted(self) -> BehaviorEnd:

@@ -346,7 +346,7 @@ class UseCaseSupervisor:
         outcome = self.tasks.run(chart.name, keep)
         self._behaviors_ended += 1
         self._replies.check()
-        if outcome == PREEMPTED and self._is_cut_short():
+        if outcome == PREEMPTED and self._is_cut_short(name):
             self._explain_cut(name)
             return
         pictures = self._peers.pictures.keep(self.run, f"{name}-{attempt}-{part.value}")
@@ -355,16 +355,22 @@ class UseCaseSupervisor:
         at_s, denied = self._loop.now_s(), placed is False
         self._record.append(TaskEnded(name, outcome, at_s, bool(placed), path, pictures, denied))
 
-    def _is_cut_short(self) -> bool:
-        """Return whether the behavior was stopped by what is neither a stop nor a skip."""
-        return bool(self._disowned() or self._lease.lost or self.state.protective)
+    def _is_cut_short(self, name: str) -> bool:
+        """Return whether the behavior was stopped by what is neither a stop nor a skip.
+
+        What stopped it may be over by now: a protective stop can be released at once.
+        """
+        if self._disowned() or self._lease.lost or self.state.protective:
+            return True
+        is_asked_for = bool(self.state.stop) or name in self.state.skipped
+        return bool(self.tasks.halted) and not is_asked_for
 
     def _explain_cut(self, name: str) -> None:
         """Record why a behavior was cut short; what it has done is in doubt."""
         if self._lease.is_taken:
             self._record.append(TaskElsewhere(name, "", AsLeft.RUNNING))
         else:
-            self._record.append(Interrupted(self._gate.halt))
+            self._record.append(Interrupted(self.tasks.halted))
 
     def _settle(self, name: str) -> None:
         if not self._has(name):
