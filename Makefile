@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale evaluate-abilities chaos campaign clean
+.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale evaluate-abilities schedules chaos campaign clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -49,7 +49,10 @@ lint: .venv/.ready ## Style, types of the pure cores, and XML
 bench-engine: build build/bench-venv/.ready ## Measure the engine, with peers; figures in out/bench/engine.jsonl
 	@$(SOURCED) benchmarks/engine/run.py --py-trees build/bench-venv/bin/python
 
-chaos: build ## Kill processes of running orders at random moments (BENCH="--kills 200")
+schedules: build ## Simulate schedules of kills, stalls and commands (BENCH="--count 10000 --seed 0")
+	@$(SOURCED) PYTHONPATH="src/remodel_planner/test:$$PYTHONPATH" python3 -m schedules $(BENCH)
+
+chaos: build ## Disturb running orders at random moments (BENCH="--faults 100 --seed 77 --postgresql")
 	@$(SOURCED) benchmarks/supervision/chaos.py $(BENCH)
 
 campaign: build ## Cause every kind of fault, 20 runs each, two policies (BENCH="--kinds slipped --runs 3", BENCH=--physical)

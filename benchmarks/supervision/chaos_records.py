@@ -14,6 +14,7 @@ from stack import TroubleError, wait_until
 
 from remodel_planner.commands import replay
 from remodel_planner.core.supervision.events import (
+    Command,
     Commanded,
     Ending,
     Event,
@@ -128,18 +129,22 @@ class Records:
         is_complete = state.ended is not None and state.ended.ending is Ending.COMPLETE
         found = account(self._world.ledger(), list(state.tasks))
         omitted = [end for end in found.omitted if end[:-2] in done]
+        # A cell takes up only the wire fed last: a half placed one that was skipped is replaced.
+        skipped = self._skipped(run)
+        repeated = [end for end in found.fixed_again if end[:-2] not in skipped]
+        scrapped = [wire for wire in found.scrapped if wire not in skipped]
         differences = _differences(self._url, run)
         score.faults += faults
         score.orders += 1
         score.tasks += len(state.tasks)
         score.complete += is_complete
-        score.repeated += len(found.fixed_again)
+        score.repeated += len(repeated)
         score.omitted += len(omitted)
-        score.scrapped += len(found.scrapped)
+        score.scrapped += len(scrapped)
         score.differences += len(differences)
-        violations = [f"{end} fixed twice" for end in found.fixed_again]
+        violations = [f"{end} fixed twice" for end in repeated]
         violations += [f"{end} left out" for end in omitted]
-        violations += [f"a piece of {wire} scrapped with an end fixed" for wire in found.scrapped]
+        violations += [f"a piece of {wire} scrapped with an end fixed" for wire in scrapped]
         violations += [f"replay: {difference}" for difference in differences]
         violations += [f"{late} after the answer to {f.kind}" for f in faults for late in f.late]
         if not is_complete:
@@ -148,6 +153,11 @@ class Records:
             violations.append(f"reported complete without {found.omitted}")
         score.violations += [f"run {run}: {violation}" for violation in violations]
         self._count_retried(run, faults, score)
+
+    def _skipped(self, run: int) -> set[str]:
+        """Return the tasks that were skipped on request."""
+        events = [kept.event for kept in self.events(run)]
+        return {e.task for e in events if isinstance(e, Commanded) and e.command is Command.SKIP}
 
     def _count_retried(self, run: int, faults: Sequence[Struck], score: Score) -> None:
         """Count the tasks that were attempted again between each fault and the next one."""

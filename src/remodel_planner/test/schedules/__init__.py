@@ -2,8 +2,8 @@
 
 Everything runs in one process, on one thread, over one clock and one heap of events; all that is
 left to chance comes from one seed. Real are the supervisors with their state machine, the run log,
-the task leases and the ownership of cells over SQLite. Simulated are time, messages, the engine, the
-ability servers, the cell, and people.
+the task leases and the ownership of cells over SQLite. Simulated are time, messages, the engine,
+the ability servers, the cell, and people.
 
 simulation.py  clock, events, chance, trace
 node.py        a process that can be killed, stalled and restarted
@@ -13,7 +13,7 @@ server.py      an ability server; cell_services.py: feeder and panel; engine.py:
 ports.py       the supervisors' ports to all of them
 database.py    a database in memory that fails, and whose clock is simulated
 planner.py     an order, its plan, and charts for the simulated engine
-station.py     a supervisor's life, as ros/run_server.py leads it
+station.py     a robot with its processes; life.py: of its supervisor, as ros/run_server.py
 disturbances.py  what goes wrong, drawn by a seed
 people.py      who sends goals, answers questions, and resumes
 invariants.py  what must hold, whatever happens

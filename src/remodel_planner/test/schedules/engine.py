@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections import Counter
 from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass, field
@@ -245,10 +246,8 @@ class Engine(Node):
         if run is not self._run or run.is_over or run.steps is None:
             return
         run.ticket += 1
-        try:
+        with contextlib.suppress(PreemptedError, StopIteration):
             run.steps.throw(PreemptedError())
-        except (PreemptedError, StopIteration):
-            pass
         self._finish(run, BehaviorEnd(End.PREEMPTED, "preempted"))
 
     def _finish(self, run: _Run, end: BehaviorEnd) -> None:

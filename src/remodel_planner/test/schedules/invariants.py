@@ -12,6 +12,7 @@ from remodel_planner.core.supervision.events import (
     Event,
     Part,
     RunBegun,
+    TaskBegun,
 )
 from remodel_planner.core.supervision.state import RunState, Stage, state_after
 from remodel_planner.edge.run_log import RunLog
@@ -43,6 +44,7 @@ class Invariants:
     ended: dict[int, RunState] = field(default_factory=dict)
     closed: dict[str, str] = field(default_factory=dict)
     _fixed: set[str] = field(default_factory=set)
+    _discards: set[str] = field(default_factory=set)
     _serial: str = ""
 
     def __post_init__(self) -> None:
@@ -57,15 +59,21 @@ class Invariants:
         self.closed.pop(station.name, None)
         self.states[run] = state_after([event])
 
+    def on_goal(self, station: Station) -> None:
+        """Note that somebody asks for another run: what was stopped may go on in it."""
+        if self.closed.get(station.name) == Command.STOP.value:
+            del self.closed[station.name]
+
     def on_take_up(self, run: int, state: RunState) -> None:
         """Learn what is known of a run; its last event may have been kept unheard."""
         self.states[run] = state
 
     def read_open_runs(self) -> None:
         """Learn of events of which no supervisor has heard; there is none at work."""
-        for run, state in self.states.items():
-            if state.ended is None:
-                self.states[run] = self.log.state(run)
+        for head in self.log.heads():
+            known = self.states.get(head.number)
+            if known is None or known.ended is None:
+                self.states[head.number] = self.log.state(head.number)
 
     def on_event(
         self, station: Station, process: Process, run: int, event: Event, after: RunState
@@ -74,6 +82,10 @@ class Invariants:
         self.simulation.note(process.name, "run {}: {}", run, _short(event))
         if process.noticed_leaving and not isinstance(event, Commanded | Answered):
             self.simulation.violated(f"a shutdown left the event {event}")
+        if isinstance(event, TaskBegun) and event.part is Part.DISCARD:
+            self._discards.add(event.task)
+        elif isinstance(event, TaskBegun) and event.part is Part.WHOLE:
+            self._discards.discard(event.task)
         before = self.states.get(run)
         self.states[run] = after
         for name, task in after.tasks.items():
@@ -151,12 +163,7 @@ class Invariants:
         fixed = {f"{entry.wire}/a", f"{entry.wire}/b"} & self._fixed
         if len(fixed) == 2:
             self.simulation.violated(f"{entry.wire} was discarded, though both ends were fixed")
-        is_asked = any(
-            state.tasks[entry.wire].part is Part.DISCARD
-            for state in self.states.values()
-            if entry.wire in state.tasks and state.ended is None
-        )
-        if not is_asked:
+        if entry.wire not in self._discards:
             self.simulation.violated(f"{entry.wire} was discarded, though no run had decided so")
 
     def _is_placed(self, state: RunState, name: str) -> bool:

@@ -52,7 +52,7 @@ class People:
         self._calm_s = calm_s
         self._again_s = again_s
         self._paused_until_s: dict[str, float] = {}
-        self._answered: dict[str, int] = {}
+        self._answered: dict[str, tuple[int, int]] = {}
         self._resumed_s: dict[str, float] = {}
         self._is_waiting_for_goal: set[str] = set()
         for station in stations:
@@ -72,6 +72,8 @@ class People:
             self._simulation.note("people", "goal at {}: {}", station.name, why_not or "accepted")
 
         self._is_waiting_for_goal.add(station.name)
+        self._resumed_s[station.name] = self._simulation.now_s
+        self._invariants.on_goal(station)
         station.send_goal(self._count, on_answer, again=again)
 
     def command(self, station: Station, command: Command, task: str = "") -> None:
@@ -117,13 +119,14 @@ class People:
         if state.paused and now_s > self._paused_until_s.get(station.name, 0.0):
             self.command(station, Command.RESUME)
         asked = state.question
-        is_new = asked is not None and self._answered.get(station.name) != hash((run, asked.number))
+        is_new = asked is not None and self._answered.get(station.name) != (run, asked.number)
         patient = 0.5 if self.is_calm else 0.1
-        if asked is not None and (is_new or self._simulation.chance(patient)):
-            if self._simulation.chance(0.5):
-                self._answered[station.name] = hash((run, asked.number))
-                choice = self._choice(state, asked.task, asked.choices)
-                station.answer(Answered(asked.number, choice, "ann"), lambda _: None)
+        if asked is None or not (is_new or self._simulation.chance(patient)):
+            return
+        if self._simulation.chance(0.5):
+            self._answered[station.name] = run, asked.number
+            choice = self._choice(state, asked.task, asked.choices)
+            station.answer(Answered(asked.number, choice, "ann"), lambda _: None)
 
     def _choice(self, state: RunState, task: str, choices: Sequence[Answer]) -> Answer:
         if self.is_calm:
@@ -150,14 +153,16 @@ class People:
 
     def _look_after_runs(self) -> None:
         """Nobody works on the order: ask for the rest of it, until all of it is done."""
-        if not self._invariants.states:
+        states = self._invariants.states
+        known = [state.ended is not None for state in states.values()]
+        if not (known and all(known)) or self.is_calm:
+            self._invariants.read_open_runs()
+        if not states:
             if self._simulation.chance(0.5):
                 self.send_goal(self._simulation.random.choice(self._stations))
             return
-        self._invariants.read_open_runs()
-        latest = self._invariants.states[max(self._invariants.states)]
-        is_open = any(state.ended is None for state in self._invariants.states.values())
-        is_complete = not is_open and self._is_complete(latest)
+        is_open = any(state.ended is None for state in states.values())
+        is_complete = not is_open and self._is_complete(states[max(states)])
         if is_complete and self._again_s is not None and not self.is_calm:
             self._again_s = None
             self.send_goal(self._stations[0], again=True)

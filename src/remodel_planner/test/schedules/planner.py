@@ -1,4 +1,4 @@
-"""An order, its plan, and charts for the simulated engine: what supervisors use of a WorkPlanner."""
+"""An order, its plan, and charts for the simulated engine."""
 
 from __future__ import annotations
 

@@ -41,6 +41,9 @@ class SimulatedEngine:
         self._process = process
         self._engine = engine
         self._number = 0
+        # Of an engine that was silent before nothing is known.
+        self._counted_s = 0.0 if engine.answers else _FRESH_S + 1.0
+        process.every(1.0, self._count)
         self._end: BehaviorEnd | None = None
         self._path: list[str] = []
 
@@ -69,8 +72,11 @@ class SimulatedEngine:
     @property
     def _silent_s(self) -> float:
         """How long it has been silent while this process listened [s]."""
-        since_s = max(self._engine.heard_s, self._process.woke_s)
-        return self._process.simulation.now_s - since_s
+        return 0.0 if self._engine.answers else self._counted_s
+
+    def _count(self) -> None:
+        """Count its silence, as long as this process is not stalled itself."""
+        self._counted_s = 0.0 if self._engine.answers else self._counted_s + 1.0
 
     def wait(self, limit_s: float) -> None:
         """Wait until it answers."""

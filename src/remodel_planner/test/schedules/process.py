@@ -73,7 +73,6 @@ class Process:
         self.is_dead = False
         self.is_leaving = False
         self.ambush: Ambush | None = None
-        self.woke_s = simulation.now_s
         self.noticed_leaving = False
         self._main = main
         self._on_end = on_end
@@ -280,8 +279,7 @@ class Process:
         if self.simulation.now_s < self._stalled_until_s and not self.is_dead:
             self.simulation.at(self._stalled_until_s, self._wake, waiting)
             return
-        if self._stalled_until_s:
-            self.woke_s, self._stalled_until_s = self.simulation.now_s, 0.0
+        self._stalled_until_s = 0.0
         self._greenlet.switch()
 
     def _fire(self) -> None:

@@ -18,11 +18,12 @@ from remodel_planner.supervisors import use_case_supervisor
 from schedules.database import Memory
 from schedules.disturbances import CALM_AFTER_S, Disturbances
 from schedules.invariants import Invariants
+from schedules.life import Setting
 from schedules.people import People
 from schedules.planner import ORDER, plant
 from schedules.simulation import Simulation, ViolationError
 from schedules.site import Site
-from schedules.station import Setting, Station
+from schedules.station import Station
 
 # [s] that everything gets to be done once nothing goes wrong any more.
 _LIMIT_S = 1500.0
@@ -141,9 +142,15 @@ class Schedules:
                 select(WireRow.name, TaskRow.state).join(TaskRow, TaskRow.wire_id == WireRow.id)
             ).all()
         latest = invariants.states[max(invariants.states)]
+        done = {
+            name
+            for state in invariants.states.values()
+            if state.serial == latest.serial
+            for name in state.in_stage(Stage.DONE)
+        }
         for name, kept in rows:
             if name in latest.tasks:
-                self._check_task(simulation, latest, site, name, kept)
+                self._check_task(simulation, latest, site, name, kept, done)
 
     def _check_replay(self, simulation: Simulation, run: int, events: list[Event]) -> None:
         for number, frame in enumerate(replayed(events)):
@@ -158,10 +165,17 @@ class Schedules:
 
     @staticmethod
     def _check_task(
-        simulation: Simulation, latest: RunState, site: Site, name: str, kept: str
+        simulation: Simulation,
+        latest: RunState,
+        site: Site,
+        name: str,
+        kept: str,
+        done: set[str],
     ) -> None:
         task = latest.tasks[name]
-        if _KEPT.get(kept) is not task.stage:
+        # What a run of another cell has done stays done, whatever this one was told to leave.
+        stage = Stage.DONE if name in done else task.stage
+        if _KEPT.get(kept) is not stage:
             simulation.violated(f"{name} is {task.stage.value} by the log, {kept} by its table")
         if not site.world.is_placed(name):
             simulation.violated(f"{name} is {task.stage.value}, and not placed")

@@ -32,6 +32,7 @@ from remodel_planner.core.supervision.events import (
     Settled,
     TaskBegun,
     TaskElsewhere,
+    TaskEnded,
 )
 from remodel_planner.core.supervision.gate import Permit
 from remodel_planner.core.supervision.replay import replayed
@@ -46,7 +47,8 @@ from remodel_planner.edge.work_planner import WorkPlanner
 from remodel_planner.errors import LeavingError, LostError, OwnerError, RefusedError
 from remodel_planner.ros.panel_message import panel_message
 from remodel_planner.supervisors.ports import BehaviorEnd, End, UnseenError
-from remodel_planner.supervisors.use_case_supervisor import Peers, UseCaseSupervisor, Work
+from remodel_planner.supervisors.use_case_supervisor import UseCaseSupervisor
+from remodel_planner.supervisors.work import Peers, Work
 
 CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
 LAYOUT = lay_out(HOUSE, CATALOGUE, PanelRules())
@@ -642,6 +644,25 @@ def test_a_protective_stop_cuts_the_behavior_short_and_the_run_waits(bench):
     assert [event.because for event in bench.events(Interrupted)] == ["protective stop by ann"]
     assert bench.ran[:3] == [first, f"{first} Clear", first]
     assert state.ended.ending is Ending.COMPLETE
+
+
+@pytest.mark.parametrize(
+    ("command", "ending"),
+    [(Command.PROTECTIVE_STOP, Ending.COMPLETE), (Command.STOP, Ending.STOPPED)],
+)
+def test_a_behavior_that_fails_because_it_is_halted_counts_as_stopped(bench, command, ending):
+    def fail():
+        """End by itself since a goal is refused, before the supervisor stops the behavior."""
+        bench.command(command)
+        assert bench.engine.operate(bench.engine.ran[-1], JAM) is Permit.REFUSED
+        bench.engine.end = BehaviorEnd(End.FINISHED, "failed")
+        bench.loop.arrivals += [lambda: None] * 20 + [lambda: bench.command(Command.RESUME)]
+
+    state = bench.run(fail)
+    assert bench.events(Decided) == []
+    assert state.ended.ending is ending
+    stopped = [event.outcome for event in bench.events(TaskEnded)][:1]
+    assert stopped == (["preempted"] if command is Command.STOP else ["finished"])
 
 
 def during(bench, port, name, command):

@@ -1,6 +1,7 @@
 """The check for a ROS master, and the watch, against masters that are stopped and replaced."""
 
 import queue
+import signal
 import socket
 import threading
 import time
@@ -144,3 +145,33 @@ def test_a_run_id_that_comes_later_is_no_restart():
     assert joined.is_same(Identity(7, "a"))
     assert not Identity(7, "a").is_same(Identity(7, "b"))
     assert Identity(7, "a").is_same(Identity(7, ""))
+
+
+def test_a_node_ends_by_a_signal_that_another_thread_received(port, monkeypatch):
+    on_shutdown, overdue = [], threading.Event()
+    monkeypatch.setattr(master.rospy, "on_shutdown", on_shutdown.append)
+
+    def end(*_):
+        for call in on_shutdown:
+            call()
+
+    def signal_oneself():
+        while len(on_shutdown) < 2:  # of the watch, and of the node that waits
+            time.sleep(0.01)
+        time.sleep(0.1)
+        signal.pthread_kill(threading.get_ident(), signal.SIGUSR1)
+
+    def give_up():
+        overdue.set()
+        end()
+
+    before = signal.signal(signal.SIGUSR1, end)
+    limit = threading.Timer(LIMIT_S, give_up)
+    limit.start()
+    threading.Thread(target=signal_oneself, daemon=True).start()
+    try:
+        assert master.spin() == 0
+    finally:
+        limit.cancel()
+        signal.signal(signal.SIGUSR1, before)
+    assert not overdue.is_set()

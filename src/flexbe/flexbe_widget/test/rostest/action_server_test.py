@@ -124,9 +124,15 @@ class ActionServerTest(unittest.TestCase):
             self.assertIn("has no entry 'times/long'; at 'long' there are: short", text)
 
     def test_a_killed_engine_aborts_the_goal(self):
+        self.check_engine_ended_by(signal.SIGKILL)
+
+    def test_an_engine_that_is_terminated_has_not_been_asked_to_stop_the_behavior(self):
+        self.check_engine_ended_by(signal.SIGTERM)
+
+    def check_engine_ended_by(self, number):
         handle = self.send("Quick Test", wait_time="60")
         self.assertTrue(wait_until(self.is_running))
-        os.kill(pid_of("/behavior"), signal.SIGKILL)
+        os.kill(pid_of("/behavior"), number)
         text = self.assert_ends(handle, GoalStatus.ABORTED)
         self.assertTrue(text.startswith(ENGINE_LOST_TEXT), text)
         self.assertTrue(wait_until(lambda: self.statuses[-1].code == BEStatus.READY))

@@ -31,7 +31,7 @@ from remodel_planner.ros.pictures import CellPictures
 from remodel_planner.ros.record_server import RecordServer
 from remodel_planner.ros.run_server import RunServer
 from remodel_planner.ros.work import WorkMaker
-from remodel_planner.supervisors.use_case_supervisor import Peers
+from remodel_planner.supervisors.work import Peers
 
 
 def main(arguments: list[str] | None = None) -> int:

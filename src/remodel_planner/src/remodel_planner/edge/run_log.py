@@ -160,7 +160,7 @@ class RunLog:
         Raises:
             OwnerError: if another supervisor owns the run or the cell now; nothing is kept.
             LostError: if the database does not answer.
-            RecordLostError: if the run is gone, or has other events than those that led to `before`.
+            RecordLostError: if the run is gone, or has not the events that led to `before`.
         """
         after = applied(event, before)
         with self._database.transaction() as session:

@@ -76,8 +76,8 @@ def _touched(event: Event, before: RunState) -> set[str]:
 
 
 def _end_task(row: TaskRow, state: str, cell: str) -> None:
-    """Note that a cell has ended a task, unless another one has taken it over."""
-    if row.cell in ("", cell):
+    """Note that a cell has ended a task, unless another one has taken it over, or it is done."""
+    if row.cell in ("", cell) and row.state != _STORED[Stage.DONE]:
         row.state, row.cell, row.lease_until = state, cell, None
 
 

@@ -89,11 +89,15 @@ class TaskLeases:
             row.lease_until = now + self.lease_s
             return Claim(Holding.MINE_IN_DOUBT if begun else Holding.MINE, before)
 
-    def any_begun(self) -> bool:
-        """Tell whether a task of the order is begun, done or set aside."""
+    def begun_elsewhere(self) -> bool:
+        """Return whether another cell has begun, done or set aside a task of the order."""
         with self._database.reading() as session:
             order = order_row(session, self._order)
-            begun = select(TaskRow.id).where(TaskRow.order_id == order.id, TaskRow.state != "open")
+            begun = select(TaskRow.id).where(
+                TaskRow.order_id == order.id,
+                TaskRow.state != "open",
+                TaskRow.cell.not_in(("", self._cell)),
+            )
             return session.scalar(begun.limit(1)) is not None
 
     def renew(self, task: str) -> bool:

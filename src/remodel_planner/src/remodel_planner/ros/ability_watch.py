@@ -17,7 +17,10 @@ ABILITIES = tuple(
     for name, value in sorted(vars(msg).items())
     if name.endswith(_FEEDBACK) and isinstance(value, type) and not name.startswith("RunUseCase")
 )
-_RUNNING = (GoalStatus.PENDING, GoalStatus.ACTIVE, GoalStatus.PREEMPTING, GoalStatus.RECALLING)
+
+# A goal that is recalled never begins. A server that is asked to cancel a goal it does not know,
+# such as one of its predecessor, lists it as recalled, and for ever if it has no clock yet.
+_RUNNING = (GoalStatus.PENDING, GoalStatus.ACTIVE, GoalStatus.PREEMPTING)
 
 
 @dataclass(frozen=True)

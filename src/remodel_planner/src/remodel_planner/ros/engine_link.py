@@ -85,10 +85,15 @@ class EngineLink:
     def wait(self, limit_s: float) -> None:
         """Wait until both answer, up to a limit of wall time [s].
 
+        Whatever was started before counts as lost: it is cancelled, since an action server that has
+        no engine would start it as soon as there is one.
+
         Raises:
             LostError: if one of them does not in time.
             LeavingError: if this process is to end.
         """
+        if self._goal is not None and not self._goal.wait(0.0):
+            self._goal.cancel()
         end_s = time.monotonic() + limit_s
         self._loop.run_until(
             lambda: self._is_fresh and not self.trouble and self._server.is_there, limit_s

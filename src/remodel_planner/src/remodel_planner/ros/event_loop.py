@@ -109,10 +109,18 @@ class RosEventLoop:
         self.post(lambda: results.put(call()))
         return self._awaited(results, default)
 
-    def ask(self, request: Callable[[Reply], None]) -> tuple[bool, str]:
-        """Have a request processed on the loop's thread, and return its reply; from others."""
+    def ask(
+        self, request: Callable[[Reply], None], meanwhile: Callable[[], None] = lambda: None
+    ) -> tuple[bool, str]:
+        """Have a request processed on the loop's thread, and return its reply; from others.
+
+        Args:
+            request: to be processed; it gets what it replies with.
+            meanwhile: done on this thread once the request is in the queue.
+        """
         replies: queue.SimpleQueue[tuple[bool, str]] = queue.SimpleQueue()
         self.post(lambda: request(lambda granted, text: replies.put((granted, text))))
+        meanwhile()
         return self._awaited(replies, (False, _LEAVING))
 
     def background(self, call: Callable[[], T]) -> T:

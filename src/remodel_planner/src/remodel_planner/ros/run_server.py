@@ -35,7 +35,8 @@ from remodel_planner.ros.run_messages import RunView, levels
 from remodel_planner.ros.run_services import RunServices
 from remodel_planner.ros.state_publisher import StatePublisher
 from remodel_planner.ros.work import WorkMaker
-from remodel_planner.supervisors.use_case_supervisor import Peers, UseCaseSupervisor
+from remodel_planner.supervisors.use_case_supervisor import UseCaseSupervisor
+from remodel_planner.supervisors.work import Peers
 
 ACTION = "remodel/run_use_case"
 

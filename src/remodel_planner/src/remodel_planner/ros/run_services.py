@@ -28,7 +28,8 @@ from remodel_planner.core.supervision.events import Answer, Answered, Command, C
 from remodel_planner.core.supervision.gate import Permit
 from remodel_planner.ros.event_loop import RosEventLoop
 from remodel_planner.supervisors.commands import Reply
-from remodel_planner.supervisors.use_case_supervisor import Peers, UseCaseSupervisor
+from remodel_planner.supervisors.use_case_supervisor import UseCaseSupervisor
+from remodel_planner.supervisors.work import Peers
 
 RECORDER = "remodel/keep_record"
 RECORDER_PARAMETER = "remodel/recorder"
@@ -138,9 +139,6 @@ class RunServices:
         rospy.Service(f"remodel/use_case/{command.value}", CommandTask, on_call)
 
     def _command(self, command: Command, task: str, by: str) -> tuple[bool, str]:
-        if command is Command.PROTECTIVE_STOP:
-            self._peers.abilities.cancel()
-
         def do(reply: Reply) -> None:
             supervisor = self._active()
             if command is Command.RESUME and self.safety:
@@ -150,6 +148,9 @@ class RunServices:
             else:
                 reply(False, self._why_closed() or "no run is under way")
 
+        # The gate closes first: what is cancelled before it does may be followed by another goal.
+        if command is Command.PROTECTIVE_STOP:
+            return self._loop.ask(do, self._peers.abilities.cancel)
         return self._loop.ask(do)
 
     def _on_answer(self, request: object) -> AnswerQuestionResponse:
@@ -169,9 +170,9 @@ class RunServices:
 
     def _on_stop(self, message: Bool) -> None:
         by = message._connection_header.get("callerid", "a safety controller")
+        self._loop.post(lambda: self._note_stop(by, is_stopped=message.data))
         if message.data:
             self._peers.abilities.cancel()
-        self._loop.post(lambda: self._note_stop(by, is_stopped=message.data))
 
     def _note_stop(self, by: str, *, is_stopped: bool) -> None:
         if not is_stopped:

@@ -25,7 +25,7 @@ from remodel_planner.edge.use_case_files import find_use_case
 from remodel_planner.edge.work_planner import WorkPlanner
 from remodel_planner.ros.board_message import MAGAZINE, board_message
 from remodel_planner.ros.panel_message import panel_message
-from remodel_planner.supervisors.use_case_supervisor import Work
+from remodel_planner.supervisors.work import Work
 
 
 @dataclass

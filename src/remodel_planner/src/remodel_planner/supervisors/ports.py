@@ -231,6 +231,9 @@ class Leases(Protocol):
     def claim(self, task: str) -> Claim:
         """Take a task unless another cell has it, or it is done."""
 
+    def begun_elsewhere(self) -> bool:
+        """Return whether another cell has begun a task of the order: it has built the panel."""
+
     def renew(self, task: str) -> bool:
         """Keep a task; False if another cell has taken it over."""
 

@@ -49,10 +49,15 @@ class TaskSupervisor:
         self._kept: Counter[str] = Counter()
         self._goals: set[str] = set()
         self._server_gone = ""
-        # Operations whose server may still be at them: path of the state -> ability, and since when.
+        # Operations whose server may still do them: path of the state -> ability, and since when.
         self._unended: dict[str, tuple[str, float]] = {}
         self._is_cut = False
         self._settling = True
+
+    @property
+    def is_still(self) -> bool:
+        """Whether nothing moves, for all that is known: at first, and after a loss, nothing is."""
+        return self._gate.is_still and not self._settling
 
     def run(self, behavior: str, keep: Keep) -> str:
         """Run a behavior to its end, and return its outcome; stop it when the gate halts.
@@ -145,6 +150,8 @@ class TaskSupervisor:
             self._kept[operation.state_path] += 1
         if operation.error_code in SERVER_GONE:
             self._server_gone = f"the server of {operation.ability} is lost"
+        if operation.error_code in SERVER_GONE or not operation.outcome:
+            # A goal that was given up is cancelled; the server has not reported its end.
             self._unended[operation.state_path] = operation.ability, self._loop.wall_s()
         else:
             self._gate.end(operation.state_path)
@@ -165,11 +172,14 @@ class TaskSupervisor:
 
     def _watch(self) -> str:
         end = self._ended(lambda: bool(self._gate.halt))
-        if end is None:
+        # It may also have ended because its goals were refused or cancelled, before it was stopped.
+        is_halted = end is None or bool(self._gate.halt)
+        if end is None or is_halted:
             end = self._halted()
         if end.end is End.LOST:
             raise LostError(end.text)
-        return PREEMPTED if end.end is End.PREEMPTED else end.text
+        is_stopped = end.end is End.PREEMPTED or (is_halted and end.text != FINISHED)
+        return PREEMPTED if is_stopped else end.text
 
     def _halted(self) -> BehaviorEnd:
         """Stop the behavior, and return how it ended when nothing moves any more."""

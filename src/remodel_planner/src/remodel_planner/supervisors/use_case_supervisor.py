@@ -2,27 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from typing import TypeVar
 
 from flexbe_synthesizer.core.codec import write_chart
 from flexbe_synthesizer.core.model import Chart
 from remodel_planner.core.planning.problem import End as WireEnd
-from remodel_planner.core.recovery.fault import Do, FaultTable
-from remodel_planner.core.recovery.notice import NoticeKind, QuestionNotice
 from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.events import (
     Answered,
-    Asked,
     AsLeft,
     Blocked,
     Chosen,
     Command,
     Commanded,
-    Escalated,
-    Event,
     FeedRefused,
     Interrupted,
     OperationEnded,
@@ -37,12 +30,9 @@ from remodel_planner.core.supervision.events import (
     TaskEnded,
     TaskReturned,
 )
-from remodel_planner.core.supervision.gate import Gate, Permit
-from remodel_planner.core.supervision.judge import failure_of, judged
-from remodel_planner.core.supervision.question import question_about
+from remodel_planner.core.supervision.gate import FEEDER, Gate, Permit
 from remodel_planner.core.supervision.state import (
     PREEMPTED,
-    SERVER_TROUBLE,
     RunState,
     Stage,
     TaskProgress,
@@ -61,11 +51,11 @@ from remodel_planner.core.supervision.step import (
 )
 from remodel_planner.core.use_case.planned_tasks import PlannedTask
 from remodel_planner.edge.task_leases import Holding
-from remodel_planner.edge.work_planner import WorkPlanner
 from remodel_planner.errors import (
     CellError,
     HaltedError,
     InstanceError,
+    LeavingError,
     LostError,
     RefusedError,
     UseCaseError,
@@ -76,35 +66,26 @@ from remodel_planner.supervisors.commands import (
     require_open,
     require_sense,
 )
+from remodel_planner.supervisors.failure_judge import FailureJudge
 from remodel_planner.supervisors.leases import LeaseKeeper
 from remodel_planner.supervisors.ports import (
-    Abilities,
-    BehaviorMaker,
-    Cell,
     Doing,
-    Engine,
     EventLoop,
-    Inspection,
-    Leases,
     Log,
-    Pictures,
     UnseenError,
 )
+from remodel_planner.supervisors.run_record import RETRY_S, RunRecord
 from remodel_planner.supervisors.task_supervisor import TaskSupervisor
-
-T = TypeVar("T")
+from remodel_planner.supervisors.work import Peers, Work
 
 # [s] wall time between two checks of what nobody reports: other cells' tasks, the run's time.
 _CHECK_S = 0.2
 
+# [s] wall time between two questions to the database whether other cells are done with a task.
+_OTHERS_S = 1.0
+
 # [s] wall time after which something that is gone counts as lost.
 _GRACE_S = 0.2
-
-# [s] wall time between two attempts to reach a database that does not answer.
-_RETRY_S = 0.25
-
-# [s] wall time that a server which is gone gets to start again before the policy has its turn.
-_GONE_LIMIT_S = 20.0
 
 # [s] wall time that what runs gets to come to rest when this process ends; roslaunch waits for 15.
 _LEAVE_LIMIT_S = 4.0
@@ -120,53 +101,10 @@ _AS_LEFT = {
 _OWN = "supervisor"
 
 
-@dataclass(frozen=True)
-class Work:
-    """What a run is about, beside its events.
-
-    Attributes:
-        planner: of the order.
-        faults: that there are.
-        panel: that the cell builds; None if it stands there.
-        channels: where each task's piece is presented, by the task's name.
-        leases: on the tasks.
-        attended: whether there is an operator who can be asked.
-        reconnect_s: [s] wall time that a process that is lost or silent gets to answer again.
-        notify: is called with each question, and when nobody answers it in time; returns at once.
-    """
-
-    planner: WorkPlanner
-    faults: FaultTable
-    panel: object
-    channels: dict[str, str]
-    leases: Leases
-    attended: bool
-    reconnect_s: float
-    notify: Callable[[Mapping[str, object]], None] = lambda event: None
-
-
-@dataclass(frozen=True)
-class Peers:
-    """The processes that a run needs."""
-
-    cell: Cell
-    maker: BehaviorMaker
-    engine: Engine
-    abilities: Abilities
-    inspection: Inspection
-    pictures: Pictures
-
-    def wait(self, limit_s: float) -> None:
-        """Wait until all answer; LostError if one does not within a limit of wall time [s]."""
-        for peer in (self.cell, self.maker, self.engine, self.inspection):
-            peer.wait(limit_s)
-
-
 class UseCaseSupervisor:
     """Takes one run to its end.
 
     Attributes:
-        state: what is known of the run; replaced at each event, never changed.
         doing: what is being done now, for a person.
         tasks: the task supervisor below, which answers the states of behaviors.
     """
@@ -198,11 +136,9 @@ class UseCaseSupervisor:
         """
         self.run = run
         self.owner = owner
-        self.state = state
         self.doing = ""
         self.work = work
         self._loop = loop
-        self._log = log
         self._peers = peers
         self._on_change = on_change
         self._disowned = disowned
@@ -218,9 +154,16 @@ class UseCaseSupervisor:
         self._is_resumed = self._is_planned = not state.to_plan
         # Where the cell answered that has the panel.
         self._loaded_at = ""
-        # An event of which it is not known whether it was kept, and those that turned out to be.
-        self._unsure: Event | None = None
-        self._kept: list[Event] = []
+        self._step: Step | None = None
+        self._record = RunRecord(run, owner, state, log, loop, self._on_state, self._describe)
+        self._judge = FailureJudge(
+            self._record, loop, log, work, peers.abilities, self._gate, self._describe
+        )
+
+    @property
+    def state(self) -> RunState:
+        """What is known of the run; replaced at each event, never changed."""
+        return self._record.state
 
     @property
     def doing_now(self) -> Doing | None:
@@ -235,7 +178,7 @@ class UseCaseSupervisor:
     @property
     def is_moving(self) -> bool:
         """Whether something moves that has passed the gate."""
-        return not self._gate.is_still
+        return not self.tasks.is_still
 
     def supervise(self) -> RunState:
         """Do what comes next until the run has ended, and return how it ended.
@@ -260,7 +203,7 @@ class UseCaseSupervisor:
                 except HaltedError as error:
                     self._explain_halt(error)
                 except (CellError, InstanceError, UseCaseError) as error:
-                    self._append(Blocked(str(error)))
+                    self._record.append(Blocked(str(error)))
         except BaseException as error:
             self._come_to_rest(error)
             raise
@@ -276,22 +219,22 @@ class UseCaseSupervisor:
         The reply comes when nothing moves any more: after a pause when the operation under way has
         ended, after a stop of any kind when what ran is cancelled and at rest.
         """
-        is_under_way = bool(event.task) and event.task == self.state.current
+        is_under_way = bool(event.task) and event.task == getattr(self._step, "task", "")
         try:
             require_sense(event, self.state)
-            self._append_now(event)
+            self._record.append_now(event)
         except Exception as error:  # noqa: BLE001 - whoever asked gets the reason, whatever it is
             reply(False, str(error))
             return
         if self._gate.halt and not self.tasks.behavior:
             self._peers.abilities.cancel()
         if event.command is Command.PAUSE:
-            self._replies.reply_when(lambda: self._gate.is_still, reply)
+            self._replies.reply_when(lambda: self.tasks.is_still, reply)
         elif self._gate.halt and self.tasks.behavior:
             ended = self._behaviors_ended + 1
             self._replies.reply_when(lambda: self._behaviors_ended >= ended, reply)
         elif self._gate.halt or is_under_way:
-            self._replies.reply_when(lambda: self._gate.is_still, reply)
+            self._replies.reply_when(lambda: self.tasks.is_still, reply)
         else:
             reply(True, "")
 
@@ -299,7 +242,7 @@ class UseCaseSupervisor:
         """Take an operator's answer."""
         try:
             require_open(event, self.state)
-            self._append_now(event)
+            self._record.append_now(event)
         except Exception as error:  # noqa: BLE001 - whoever asked gets the reason, whatever it is
             reply(False, str(error))
             return
@@ -308,26 +251,27 @@ class UseCaseSupervisor:
     # --- steps
 
     def _do(self, step: Step) -> None:
+        self._step = step
         self._describe(description_of(step))
         if self._is_overdue() and not isinstance(step, End):
             limit = f"its time of {self.state.timeout_s:g} s has passed"
-            self._append(Blocked(limit))
+            self._record.append(Blocked(limit))
             return
         match step:
             case Plan():
-                self._append(Planned(self._planned(), step.because))
+                self._record.append(Planned(self._planned(), step.because))
             case Execute():
                 self._execute(step.task, step.part)
             case Settle():
                 self._settle(step.task)
             case Decide():
-                self._decide(step.task)
+                self._judge.decide(step.task)
             case Ask():
-                self._ask(step.task)
+                self._judge.ask(step.task)
             case Wait():
                 self._wait()
             case End():
-                self._append(RunEnded(step.ending, step.because))
+                self._record.append(RunEnded(step.ending, step.because))
 
     def _planned(self) -> tuple[str, ...]:
         """Return the waiting tasks in their best order; those that were begun before come last."""
@@ -366,15 +310,20 @@ class UseCaseSupervisor:
 
     def _feed(self, name: str) -> bool:
         """Have a piece presented; return whether it is there."""
-        self._append(PartRequested(name))
-        self._pass_gate(f"feeding {name}")
+        self._record.append(PartRequested(name))
+        self._pass_gate(FEEDER, f"feeding {name}")
         try:
             self._peers.cell.feed(name, self.work.channels.get(name, ""), self.owner)
         except RefusedError as error:
-            self._append(FeedRefused(name, error.code, str(error), self._loop.now_s()))
+            self._gate.end(FEEDER)
+            self._record.append(FeedRefused(name, error.code, str(error), self._loop.now_s()))
             return False
-        finally:
-            self._gate.end(_OWN)
+        except LeavingError:
+            raise  # the feeder goes on
+        except BaseException:
+            self._gate.end(FEEDER)
+            raise
+        self._gate.end(FEEDER)
         return True
 
     def _run(self, name: str, part: Part, chart: Chart, chosen: tuple[Chosen, ...]) -> None:
@@ -382,16 +331,16 @@ class UseCaseSupervisor:
         attempt = self.state.tasks[name].attempts + part.is_attempt
         begun_s = self._loop.now_s()
         xml = write_chart(chart)
-        self._append(TaskBegun(name, attempt, part, chart.name, xml, begun_s, chosen))
+        self._record.append(TaskBegun(name, attempt, part, chart.name, xml, begun_s, chosen))
         self._close_or_open()
         self._peers.pictures.begin()
 
         def keep(operation: Operation) -> None:
-            self._catch_up()
+            self._record.catch_up()
             kept = self.state.tasks[name].operations
             if operation.goal_id in [each.goal_id for each in kept]:
                 return  # the answer to its commit was lost
-            self._append_now(OperationEnded(name, operation))
+            self._record.append_now(OperationEnded(name, operation))
             self.work.planner.learn(name, operation)
 
         outcome = self.tasks.run(chart.name, keep)
@@ -404,7 +353,7 @@ class UseCaseSupervisor:
         placed = self._peers.cell.placed(name)
         path = self._peers.engine.path()
         at_s, denied = self._loop.now_s(), placed is False
-        self._append(TaskEnded(name, outcome, at_s, bool(placed), path, pictures, denied))
+        self._record.append(TaskEnded(name, outcome, at_s, bool(placed), path, pictures, denied))
 
     def _is_cut_short(self) -> bool:
         """Return whether the behavior was stopped by what is neither a stop nor a skip."""
@@ -413,9 +362,9 @@ class UseCaseSupervisor:
     def _explain_cut(self, name: str) -> None:
         """Record why a behavior was cut short; what it has done is in doubt."""
         if self._lease.is_taken:
-            self._append(TaskElsewhere(name, "", AsLeft.RUNNING))
+            self._record.append(TaskElsewhere(name, "", AsLeft.RUNNING))
         else:
-            self._append(Interrupted(self._gate.halt))
+            self._record.append(Interrupted(self._gate.halt))
 
     def _settle(self, name: str) -> None:
         if not self._has(name):
@@ -424,19 +373,22 @@ class UseCaseSupervisor:
         self._close_or_open()
         planned = self.work.planner.task(name, self.state.tasks[name].decisions)
         connected: list[str] = []
-        self._pass_gate(f"inspecting {name}")
+        self._pass_gate(_OWN, f"inspecting {name}")
         try:
             self._inspect(name, planned, connected)
+            self._gate.end(_OWN)
+        except HaltedError:
+            self._gate.end(_OWN)
+            raise
         except UnseenError as error:
+            self._gate.end(_OWN)
             if self._gate.halt:
                 raise HaltedError(self._gate.halt) from error
             unseen = Settled(name, tuple(connected), 1, error.code, str(error))
-            self._append_found(Settle(name), unseen)
+            self._record.append_found(Settle(name), unseen)
             return
-        finally:
-            self._gate.end(_OWN)
         settled = Settled(name, tuple(connected), len(planned.left(connected)))
-        self._append_found(Settle(name), settled)
+        self._record.append_found(Settle(name), settled)
 
     def _inspect(self, name: str, planned: PlannedTask, connected: list[str]) -> None:
         """Add the letters of the ends that are in their terminals."""
@@ -451,106 +403,30 @@ class UseCaseSupervisor:
             if inspection.is_connected(self.owner, name, end.letter, component, short):
                 connected.append(end.letter)
 
-    def _decide(self, name: str) -> None:
-        planner = self.work.planner
-        self._await_server(self.state.tasks[name])
-        state = self.state
-        task = state.tasks[name]
-        now_s = self._loop.now_s()
-        possible = {Do.RETRY, Do.RETRY_WITH, Do.LOOK_AGAIN, Do.NEW_PART, Do.SET_ASIDE, Do.STOP}
-        if state.waiting:
-            possible.add(Do.REPLAN)
-        if self.work.attended:
-            possible.add(Do.ASK_OPERATOR)
-        failure = failure_of(task, self.work.faults, now_s)
-        if planner.has_other_method(name, task.decisions, failure.state_path):
-            possible.add(Do.OTHER_METHOD)
-        policy = planner.use_case.recovery
-        bounds = planner.task(name, task.decisions).bounds(failure.state_path)
-        unpromising = planner.experience.unpromising(
-            failure.fault.name, possible, self._insist(self._log.tried_responses)
-        )
-        faults = self.work.faults
-        decided = judged(state, name, faults, policy, possible, now_s, bounds, unpromising)
-        self._append_found(Decide(name), decided)
-
-    def _await_server(self, task: TaskProgress) -> None:
-        """Wait until the ability server with which a task had trouble answers, and rests.
-
-        Before that it may still complete its goal; afterwards what it has done can be inspected.
-        One that stays away is left to the policy.
-        """
-        last = task.operations[-1] if task.operations else None
-        if not task.codes or task.codes[-1] not in SERVER_TROUBLE or last is None:
-            return
-        in_trouble = {o.ability for o in task.operations if o.error_code in SERVER_TROUBLE}
-        since_s = self._loop.wall_s()
-        abilities = self._peers.abilities
-        for ability in sorted(in_trouble - {"FeedWire"}):
-            self._describe(f"{task.name}: waiting for the server of {ability} to answer")
-            self._loop.run_until(
-                lambda a=ability: (
-                    bool(self._gate.halt)  # type: ignore[misc]
-                    or abilities.answers(a, since_s)
-                    or not (
-                        abilities.is_connected(a) or self._loop.wall_s() < since_s + _GONE_LIMIT_S
-                    )
-                ),
-                self.work.reconnect_s,
-            )
-
-    def _ask(self, name: str) -> None:
-        policy = self.work.planner.use_case.recovery
-        now_s, limit_s = self._loop.now_s(), policy.question.timeout_s
-        asked = question_about(self.state, name, self.work.faults, now_s, limit_s)
-        self._append(asked)
-        self._notify(NoticeKind.ASKED, asked)
-
     def _wait(self) -> None:
         """Wait for a command, an answer, other cells, or the end of a question's time."""
         before = self.state
-        self._loop.run_until(lambda: self.state is not before, _CHECK_S)
+        limit_s = _OTHERS_S if before.in_stage(Stage.ELSEWHERE) else _CHECK_S
+        self._loop.run_until(lambda: self.state is not before, limit_s)
         if self.state is not before:
             return
-        asked = self.state.question
-        if asked is not None and 0 < asked.timeout_s < self._loop.now_s() - asked.at_s:
-            fault = self.work.faults[self.state.tasks[asked.task].decisions[-1].fault]
-            do = self.work.planner.use_case.recovery.unanswered_for(fault)
-            self._append(Escalated(asked.number, asked.task, do))
-            self._notify(NoticeKind.TIMED_OUT, asked)
+        self._judge.escalate()
         for name in self.state.in_stage(Stage.ELSEWHERE):
-            claim = self._insist(lambda n=name: self.work.leases.claim(n))  # type: ignore[misc]
+            claim = self._record.insist(lambda n=name: self.work.leases.claim(n))  # type: ignore[misc]
             if claim.holding in (Holding.DONE, Holding.SET_ASIDE):
-                self._append(TaskElsewhere(name, claim.cell, _AS_LEFT[claim.holding]))
+                self._record.append(TaskElsewhere(name, claim.cell, _AS_LEFT[claim.holding]))
             elif claim.holding is not Holding.ELSEWHERE:
-                self._append(TaskReturned(name, claim.cell))
-
-    def _notify(self, event: NoticeKind, asked: Asked) -> None:
-        """Notify whoever is to know of a question, wherever they are."""
-        state, fault = self.state, self.state.tasks[asked.task].decisions[-1].fault
-        notice = QuestionNotice(
-            event,
-            state.cell,
-            state.order,
-            self.run,
-            asked.task,
-            asked.number,
-            asked.text,
-            tuple(choice.value for choice in asked.choices),
-            asked.timeout_s,
-            self.work.planner.use_case.recovery.unanswered_for(self.work.faults[fault]).value,
-        )
-        self.work.notify(notice.data())
+                self._record.append(TaskReturned(name, claim.cell))
 
     def _has(self, name: str) -> bool:
         """Return whether this cell has a task; if another one has it, or has had it, keep that."""
         task, leases = self.state.tasks[name], self.work.leases
         if name == self.state.current:
-            if self._insist(lambda: leases.renew(name)):
+            if self._record.insist(lambda: leases.renew(name)):
                 return True
-            self._append(TaskElsewhere(name, "", AsLeft.RUNNING))
+            self._record.append(TaskElsewhere(name, "", AsLeft.RUNNING))
             return False
-        claim = self._insist(lambda: leases.claim(name))
+        claim = self._record.insist(lambda: leases.claim(name))
         if claim.holding is Holding.MINE:
             return True
         if claim.holding is Holding.MINE_IN_DOUBT:
@@ -558,33 +434,35 @@ class UseCaseSupervisor:
                 task.attempts > 0 and claim.cell == self.state.cell
             )
             if not is_known:
-                self._append(TaskReturned(name, claim.cell))
+                self._record.append(TaskReturned(name, claim.cell))
             return is_known
-        self._append(TaskElsewhere(name, claim.cell, _AS_LEFT[claim.holding]))
+        self._record.append(TaskElsewhere(name, claim.cell, _AS_LEFT[claim.holding]))
         return False
 
     def _load_panel(self) -> None:
         """Have the cell build the product's panel, unless this cell process has it."""
         if self.work.panel is None or self._peers.cell.address() == self._loaded_at:
             return
-        self._pass_gate("loading the panel")
         state = self.state
+        # A cell that began later may have built it first, and placed wires on it.
+        keep = state.keep_panel or self._record.insist(self.work.leases.begun_elsewhere)
+        self._pass_gate(_OWN, "loading the panel")
         try:
-            self._peers.cell.load(self.work.panel, state.serial, self.owner, keep=state.keep_panel)
+            self._peers.cell.load(self.work.panel, state.serial, self.owner, keep=keep)
         finally:
             self._gate.end(_OWN)
-        self._append(PanelLoaded(state.serial))
+        self._record.append(PanelLoaded(state.serial))
         self._loaded_at = self._peers.cell.address()
 
     # --- what closes the gate, and what was lost
 
-    def _pass_gate(self, what: str) -> None:
+    def _pass_gate(self, name: str, what: str) -> None:
         """Return when something may begin that this supervisor makes move.
 
         Raises:
             HaltedError: if it may not.
         """
-        while (permit := self._gate.ask(_OWN, what)) is Permit.HELD:
+        while (permit := self._gate.ask(name, what)) is Permit.HELD:
             self._loop.run_until(lambda: not self._gate.hold or bool(self._gate.halt), _CHECK_S)
         if permit is Permit.REFUSED:
             raise HaltedError(self._gate.halt)
@@ -609,7 +487,7 @@ class UseCaseSupervisor:
 
     def _tick(self) -> None:
         with suppress(LostError):
-            self._catch_up()
+            self._record.catch_up()
         self._lease.check()
         self.tasks.check()
         self._close_or_open()
@@ -618,7 +496,7 @@ class UseCaseSupervisor:
     def _explain_halt(self, error: HaltedError) -> None:
         """Record why a step did not begin, unless the state of the run says it."""
         if self._lease.is_taken:
-            self._append(TaskElsewhere(self.state.current, "", AsLeft.RUNNING))
+            self._record.append(TaskElsewhere(self.state.current, "", AsLeft.RUNNING))
         elif self._lease.lost or self._disowned():
             self._recover(str(error))
 
@@ -627,16 +505,17 @@ class UseCaseSupervisor:
         # With the launch everything ends at once, this process not first: that is no event.
         self._loop.run_until(lambda: False, _GRACE_S)
         if is_resumed:
-            self._append(Interrupted(because))
+            self._record.append(Interrupted(because))
             self._describe(f"waiting, since {because}")
         self._loaded_at = ""
         try:
             self._peers.wait(self.work.reconnect_s)
             self.tasks.stop_all(self.work.reconnect_s)
         except LostError as error:
-            self._append(Blocked(str(error)))
-        self._behaviors_ended += 1
-        self._replies.check()
+            self._record.append(Blocked(str(error)))
+        else:
+            self._behaviors_ended += 1
+            self._replies.check()
 
     def _come_to_rest(self, error: BaseException) -> None:
         """Stop what runs before this process, or its ownership, ends."""
@@ -650,64 +529,17 @@ class UseCaseSupervisor:
         spent_s = self._before_s + self._loop.now_s() - self._begun_s
         return 0 < self.state.timeout_s < spent_s
 
-    # --- events
-
-    def _append(self, event: Event) -> None:
-        self._insist(lambda: self._append_now(event))
-        self._kept.clear()
-
-    def _insist(self, ask: Callable[[], T]) -> T:
-        """Return what the database answers, however long it takes to answer."""
-        while True:
-            try:
-                return ask()
-            except LostError as error:
-                self._describe(f"waiting, since {error}")
-                self._loop.run_until(lambda: False, _RETRY_S)
-
-    def _append_now(self, event: Event) -> None:
-        self._catch_up()
-        if any(event is kept for kept in self._kept):
-            return
-        try:
-            self._know(self._log.append(self.run, event, self.state, self.owner))
-        except LostError:
-            self._unsure = event
-            raise
-
-    def _append_found(self, step: Step, event: Event) -> None:
-        """Keep what a step that takes time has led to.
-
-        Raises:
-            HaltedError: if something else is to be done by now.
-        """
-        self._insist(self._catch_up)
-        if next_step(replace(self.state, paused=False)) != step:
-            raise HaltedError("something else is to be done by now")
-        self._append(event)
-
     def _next_step(self) -> Step | None:
-        self._insist(self._catch_up)
+        self._record.insist(self._record.catch_up)
         while lost := self._disowned():
             # The lease on the cell ran out during an outage: nothing moves before it is renewed.
             self._describe(f"waiting, since {lost}")
-            self._insist(lambda: self._log.take_up(self.run, self.owner))
-            self._loop.run_until(lambda: not self._disowned(), _RETRY_S)
+            self._record.take_up()
+            self._loop.run_until(lambda: not self._disowned(), RETRY_S)
         self._close_or_open()
         return next_step(self.state)
 
-    def _catch_up(self) -> None:
-        """Learn whether an event was kept whose commit was not answered: the log has it or not."""
-        if self._unsure is None:
-            return
-        known = self._log.state(self.run)
-        unsure, self._unsure = self._unsure, None
-        if known.events != self.state.events:
-            self._kept.append(unsure)
-            self._know(known)
-
-    def _know(self, state: RunState) -> None:
-        self.state = state
+    def _on_state(self) -> None:
         self._close_or_open()
         self._on_change()
 

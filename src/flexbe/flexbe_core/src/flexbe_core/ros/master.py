@@ -30,6 +30,9 @@ _CALL_LIMIT_S = 2.0
 _WAIT_EVERY_S = 0.1
 _WATCH_EVERY_S = 1.0
 
+# [s] Wall time between two wake-ups of a node's main thread.
+_SIGNALS_EVERY_S = 0.5
+
 # [s] Wall time without an answer after which a master counts as silent.
 SILENCE_S = 5.0
 
@@ -193,7 +196,10 @@ def spin() -> int:
 
     watch = MasterWatch(on_restart)
     rospy.on_shutdown(_ended.set)
-    _ended.wait()
+    # Python handles signals in the main thread, but the system may deliver one to another thread,
+    # for instance while that starts a third. Only a main thread that wakes up notices it then.
+    while not _ended.wait(_SIGNALS_EVERY_S):
+        pass
     watch.stop()
     if not restarts:
         rospy.signal_shutdown("asked to end")

@@ -142,7 +142,9 @@ class EngineNode:
             late, self._switch = self._switch, None
             self._behavior, self._phase = None, Phase.IDLE
             HUB.drop()
-            self._tell(code, behavior_id, args)
+            # A behavior that ends with its engine was not stopped by anybody: it counts as lost.
+            if not rospy.core.is_shutdown_requested():
+                self._tell(code, behavior_id, args)
         if late is not None:
             text = "the running version ended before it could be switched"
             self._refuse(late, SwitchPhase.FAILED, text)

@@ -11,6 +11,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import Enum
 
+# The feeder asks under this name. Nobody can stop it: it moves until it has answered.
+FEEDER = "feeder"
+
 
 class Permit(Enum):
     """What somebody learns who asks to begin.
@@ -66,5 +69,6 @@ class Gate:
         self.moving.pop(name, None)
 
     def clear(self) -> None:
-        """Note that nothing moves any more."""
-        self.moving.clear()
+        """Note that no ability moves any more; a feeder that is at work is not one."""
+        for name in self.moving.keys() - {FEEDER}:
+            self.end(name)
