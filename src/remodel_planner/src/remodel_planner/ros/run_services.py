@@ -77,7 +77,7 @@ class RunServices:
             self._serve_run(command)
         for command in _OF_TASK:
             self._serve_task(command)
-        rospy.Subscriber(PROTECTIVE_STOP, Bool, self._on_stop, tcp_nodelay=True)
+        self._stops = rospy.Subscriber(PROTECTIVE_STOP, Bool, self._on_stop, tcp_nodelay=True)
 
     @property
     def safety(self) -> str:
@@ -176,7 +176,8 @@ class RunServices:
 
     def _note_stop(self, by: str, *, is_stopped: bool) -> None:
         if not is_stopped:
-            self._stopped_by.discard(by)
+            # Whoever is not there any more, such as `rostopic pub`, cannot release it.
+            self._stopped_by &= {link.callerid_pub for link in self._stops.impl.connections} - {by}
         elif by not in self._stopped_by:
             self._stopped_by.add(by)
             self.stop_if_unsafe()
