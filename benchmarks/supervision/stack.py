@@ -148,10 +148,11 @@ class Stack:
 
     def end_master(self, number: int = signal.SIGINT) -> None:
         """Send the ROS master a signal, and return when it has ended."""
-        pid = self.master_pid()
+        pids = (self.master_pid(), self.pid("rosout"))
         self._core.end(number)
-        if number == signal.SIGKILL and pid:  # its launcher cannot end it
-            os.kill(pid, signal.SIGKILL)
+        if number == signal.SIGKILL:  # roscore cannot end what it has started
+            for pid in filter(None, pids):
+                os.kill(pid, signal.SIGKILL)
         wait_until(lambda: self.master_pid() == 0, _END_LIMIT_S, "end of the ROS master")
 
     def start_launch(self) -> None:
