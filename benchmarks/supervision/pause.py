@@ -21,11 +21,14 @@ import rospy
 from stack import free_port, stack
 
 from remodel_planner.core.supervision.events import Ending
-from remodel_planner.testing.motion_watch import MotionWatch
-from remodel_planner.testing.order_client import OrderClient
-from remodel_planner.testing.pause_moments import PauseMoments
 
 HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parents[1] / "src/remodel_planner/test/rostest"))
+
+from motion_watch import MotionWatch
+from order_client import OrderClient
+from pause_moments import PauseMoments
+
 NODES = ("use_case_supervisor", "behavior_action_server", "feeder", "eyes", "hand", "screwdriver")
 
 

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import rospy
 import rostest
+from order_client import OrderClient, import_order, wait_until
 from rosgraph_msgs.msg import Clock
 
 from remodel_planner.core.supervision.events import Decided, Ending
-from remodel_planner.testing.order_client import OrderClient, import_order, wait_until
 
 OUTPUT = Path(sys.argv[1])
 

@@ -12,18 +12,18 @@ from pathlib import Path
 
 import rospy
 import rostest
-from remodel_msgs.msg import UseCaseState
-from rosgraph_msgs.msg import Log
-
-from remodel_planner.core.supervision.events import Ending
-from remodel_planner.testing.motion_watch import MotionWatch
-from remodel_planner.testing.order_client import (
+from motion_watch import MotionWatch
+from order_client import (
     SUPERVISOR,
     OrderClient,
     import_order,
     planner,
     wait_until,
 )
+from remodel_msgs.msg import UseCaseState
+from rosgraph_msgs.msg import Log
+
+from remodel_planner.core.supervision.events import Ending
 
 OUTPUT = Path(sys.argv[1])
 DATABASE = OUTPUT / "production.sqlite"

@@ -13,6 +13,15 @@ from random import Random
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
+from motion_watch import MotionWatch
+from order_client import (
+    ORDER,
+    SUPERVISOR,
+    OrderClient,
+    import_order,
+    wait_until,
+)
+from pause_moments import PauseMoments
 from remodel_msgs.msg import (
     ErrorCode,
     RunUseCaseActionGoal,
@@ -24,15 +33,6 @@ from remodel_msgs.msg import (
 from std_msgs.msg import Bool
 
 from remodel_planner.core.supervision.events import Blocked, Ending, Interrupted, RunEnded
-from remodel_planner.testing.motion_watch import MotionWatch
-from remodel_planner.testing.order_client import (
-    ORDER,
-    SUPERVISOR,
-    OrderClient,
-    import_order,
-    wait_until,
-)
-from remodel_planner.testing.pause_moments import PauseMoments
 
 OUTPUT = Path(sys.argv[1])
 

@@ -5,7 +5,7 @@ import signal
 import socket
 import subprocess
 
-from remodel_planner.testing.order_client import ORDER, wait_until
+from order_client import ORDER, wait_until
 
 
 def free_port():

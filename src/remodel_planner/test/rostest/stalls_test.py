@@ -12,15 +12,15 @@ from pathlib import Path
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
-
-from remodel_planner.core.supervision.events import Decided, Ending, TaskBegun
-from remodel_planner.testing.motion_watch import MotionWatch
-from remodel_planner.testing.order_client import (
+from motion_watch import MotionWatch
+from order_client import (
     SUPERVISOR,
     OrderClient,
     import_order,
     wait_until,
 )
+
+from remodel_planner.core.supervision.events import Decided, Ending, TaskBegun
 from remodel_states.testing.ledger import Deed
 
 OUTPUT = Path(sys.argv[1])

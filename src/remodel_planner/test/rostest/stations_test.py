@@ -7,13 +7,13 @@ import unittest
 from pathlib import Path
 
 import rostest
+from order_client import import_order, wait_until
 from own_launch import OwnLaunch
 
 from remodel_planner.core.supervision.events import Blocked, Ending, Interrupted, RunEnded
 from remodel_planner.edge.cell_ownership import live_owners
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.run_log import RunLog
-from remodel_planner.testing.order_client import import_order, wait_until
 from remodel_states.testing.ledger import Deed, account
 from remodel_states.testing.world_file import WorldFile
 

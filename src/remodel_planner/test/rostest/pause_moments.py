@@ -6,10 +6,9 @@ import threading
 import time
 from random import Random
 
+from motion_watch import Motion, MotionWatch
+from order_client import OrderClient
 from remodel_msgs.msg import UseCaseState
-
-from remodel_planner.testing.motion_watch import Motion, MotionWatch
-from remodel_planner.testing.order_client import OrderClient
 
 # [s] between a resume and the next pause.
 _RUN_S = (0.02, 1.2)
