@@ -25,9 +25,9 @@ from remodel_planner.core.supervision.events import Ending
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parents[1] / "src/remodel_planner/test/rostest"))
 
-from motion_watch import MotionWatch
-from order_client import OrderClient
-from pause_moments import PauseMoments
+from motion_watch import MotionWatch  # noqa: E402 - beside the tests, which use them too
+from order_client import OrderClient  # noqa: E402 - beside the tests, which use them too
+from pause_moments import PauseMoments  # noqa: E402 - beside the tests, which use them too
 
 NODES = ("use_case_supervisor", "behavior_action_server", "feeder", "eyes", "hand", "screwdriver")
 
