@@ -50,7 +50,8 @@ from verdict import (
 from remodel_planner.commands import explain_run, replay
 from remodel_planner.core.panel_layout import CutWire, PanelRules, lay_out
 from remodel_planner.core.supervision.events import Event
-from remodel_planner.core.supervision.state import Stage, state_after
+from remodel_planner.core.supervision.fold import state_after
+from remodel_planner.core.supervision.state import Stage
 from remodel_planner.edge.catalogue_file import read_catalogue
 from remodel_planner.edge.package_files import catalogue_file, use_case_folder
 from remodel_planner.edge.production_database import ProductionDatabase

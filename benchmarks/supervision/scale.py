@@ -23,7 +23,8 @@ from sqlalchemy import event
 from sqlalchemy.engine import Engine
 
 from remodel_planner.core.production import Order
-from remodel_planner.core.supervision.state import RunState, state_after
+from remodel_planner.core.supervision.fold import state_after
+from remodel_planner.core.supervision.state import RunState
 from remodel_planner.edge.cell_ownership import CellOwnership, Owned
 from remodel_planner.edge.database_backup import back_up
 from remodel_planner.edge.production_database import ProductionDatabase

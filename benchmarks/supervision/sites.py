@@ -15,7 +15,7 @@ from trial import Trial
 from verdict import cell_s
 
 from remodel_planner.core.supervision.events import Event, TaskBegun
-from remodel_planner.core.supervision.state import state_after
+from remodel_planner.core.supervision.fold import state_after
 from remodel_planner.edge.run_log import RunLog
 from remodel_planner.ros.cell import Cell
 from remodel_states.testing.world_file import WorldFile

@@ -33,7 +33,8 @@ from remodel_planner.core.supervision.events import (
     TaskBegun,
     TaskEnded,
 )
-from remodel_planner.core.supervision.state import FINISHED, state_after
+from remodel_planner.core.supervision.fold import state_after
+from remodel_planner.core.supervision.state import FINISHED
 from remodel_planner.ros.state_publisher import RunView, StatePublisher
 from remodel_planner.supervisors.ports import Doing
 

@@ -14,7 +14,8 @@ from remodel_planner.core.supervision.events import (
     RunBegun,
     TaskBegun,
 )
-from remodel_planner.core.supervision.state import RunState, Stage, state_after
+from remodel_planner.core.supervision.fold import state_after
+from remodel_planner.core.supervision.state import RunState, Stage
 from remodel_planner.edge.run_log import RunLog
 from remodel_states.testing.ledger import Deed, Entry
 from schedules.simulation import Simulation

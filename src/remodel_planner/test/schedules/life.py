@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 from remodel_planner.core.cell_order import USE_CASE
 from remodel_planner.core.supervision.events import Answered, Commanded, Event, RunBegun
-from remodel_planner.core.supervision.state import RunState, state_after
+from remodel_planner.core.supervision.fold import state_after
+from remodel_planner.core.supervision.state import RunState
 from remodel_planner.edge.cell_ownership import CellOwnership, Owned
 from remodel_planner.edge.run_log import RunLog
 from remodel_planner.edge.task_leases import TaskLeases

@@ -10,8 +10,9 @@ from flexbe_synthesizer.core import codec
 from flexbe_synthesizer.core.model import Chart
 from remodel_planner.core.supervision.attempts import attempts_of
 from remodel_planner.core.supervision.events import Event
+from remodel_planner.core.supervision.fold import state_after
 from remodel_planner.core.supervision.replay import path_difference, replayed
-from remodel_planner.core.supervision.state import RunState, Stage, state_after
+from remodel_planner.core.supervision.state import RunState, Stage
 from remodel_planner.edge.production_models import RunRow, TaskRow, WireRow
 from remodel_planner.edge.run_log import RunLog
 from remodel_planner.supervisors import use_case_supervisor

@@ -11,7 +11,7 @@ from sqlalchemy import text
 
 from remodel_planner.commands import backup, restore
 from remodel_planner.core.supervision.events import Interrupted, RunBegun
-from remodel_planner.core.supervision.state import state_after
+from remodel_planner.core.supervision.fold import state_after
 from remodel_planner.edge import database_backup
 from remodel_planner.edge.cell_ownership import CellOwnership
 from remodel_planner.edge.production_database import ProductionDatabase

@@ -22,7 +22,7 @@ from remodel_planner.core.supervision.events import (
     RunBegun,
     TaskBegun,
 )
-from remodel_planner.core.supervision.state import state_after
+from remodel_planner.core.supervision.fold import state_after
 from remodel_planner.edge import database_versions
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.production_models import Base

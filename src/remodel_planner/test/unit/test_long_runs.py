@@ -11,7 +11,8 @@ from sqlalchemy import text
 
 from remodel_planner.core.supervision import state_form
 from remodel_planner.core.supervision.events import Interrupted
-from remodel_planner.core.supervision.state import RunState, Stage, state_after
+from remodel_planner.core.supervision.fold import state_after
+from remodel_planner.core.supervision.state import RunState, Stage
 from remodel_planner.core.supervision.state_form import snapshot_of, state_from
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.run_log import SNAPSHOT_EVERY, RunLog

@@ -9,7 +9,7 @@ from remodel_msgs.msg import OperatorQuestion, UseCaseState
 from remodel_planner.commands import run_follower
 from remodel_planner.commands.run_follower import RunFollower
 from remodel_planner.core.supervision.events import Ending, RunBegun, RunEnded
-from remodel_planner.core.supervision.state import state_after
+from remodel_planner.core.supervision.fold import state_after
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.run_log import RunLog
 from remodel_planner.errors import CellError

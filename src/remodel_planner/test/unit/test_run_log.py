@@ -29,7 +29,7 @@ from remodel_planner.core.supervision.events import (
     TaskElsewhere,
     TaskEnded,
 )
-from remodel_planner.core.supervision.state import state_after
+from remodel_planner.core.supervision.fold import state_after
 from remodel_planner.edge import production_database
 from remodel_planner.edge.cell_ownership import database_time_s
 from remodel_planner.edge.production_database import ProductionDatabase

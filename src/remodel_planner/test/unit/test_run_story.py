@@ -26,7 +26,7 @@ from remodel_planner.core.supervision.events import (
     TaskElsewhere,
     TaskEnded,
 )
-from remodel_planner.core.supervision.state import state_after
+from remodel_planner.core.supervision.fold import state_after
 from remodel_planner.edge.fault_file import read_faults
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.run_log import RunLog

@@ -36,14 +36,10 @@ from remodel_planner.core.supervision.events import (
     TaskEnded,
     TaskReturned,
 )
+from remodel_planner.core.supervision.fold import state_after
 from remodel_planner.core.supervision.judge import judged
 from remodel_planner.core.supervision.question import question_about
-from remodel_planner.core.supervision.state import (
-    INTERRUPTION_LIMIT,
-    STUCK_HAND_LIMIT,
-    Stage,
-    state_after,
-)
+from remodel_planner.core.supervision.state import INTERRUPTION_LIMIT, STUCK_HAND_LIMIT, Stage
 from remodel_planner.core.supervision.step import (
     Ask,
     Decide,

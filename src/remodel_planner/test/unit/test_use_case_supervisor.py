@@ -34,9 +34,10 @@ from remodel_planner.core.supervision.events import (
     TaskElsewhere,
     TaskEnded,
 )
+from remodel_planner.core.supervision.fold import state_after
 from remodel_planner.core.supervision.gate import Permit
 from remodel_planner.core.supervision.replay import replayed
-from remodel_planner.core.supervision.state import Stage, cause_of, state_after
+from remodel_planner.core.supervision.state import Stage, cause_of
 from remodel_planner.edge.catalogue_file import read_catalogue
 from remodel_planner.edge.fault_file import read_faults
 from remodel_planner.edge.production_database import ProductionDatabase

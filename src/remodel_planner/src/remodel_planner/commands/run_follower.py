@@ -16,7 +16,8 @@ from remodel_planner.core.run import Execution
 from remodel_planner.core.run_report import failure_line
 from remodel_planner.core.supervision.attempts import Attempt, Attempts
 from remodel_planner.core.supervision.events import Part, Planned
-from remodel_planner.core.supervision.state import RunState, Stage, state_after
+from remodel_planner.core.supervision.fold import state_after
+from remodel_planner.core.supervision.state import RunState, Stage
 from remodel_planner.edge.run_log import RunLog
 from remodel_planner.errors import CellError
 from remodel_planner.ros.action_server import ActionServer, Goal

@@ -29,7 +29,8 @@ from remodel_planner.core.supervision.events import (
     TaskEnded,
     TaskReturned,
 )
-from remodel_planner.core.supervision.state import Stage, state_after
+from remodel_planner.core.supervision.fold import state_after
+from remodel_planner.core.supervision.state import Stage
 
 
 def tell(

@@ -15,7 +15,8 @@ from sqlalchemy.orm import Session
 
 from remodel_planner.core.learning.learned_responses import TriedResponse
 from remodel_planner.core.supervision.events import Event, RunBegun
-from remodel_planner.core.supervision.state import RunState, applied, state_after
+from remodel_planner.core.supervision.fold import applied, state_after
+from remodel_planner.core.supervision.state import RunState
 from remodel_planner.core.supervision.state_form import snapshot_of, state_from
 from remodel_planner.edge.cell_ownership import require_owner
 from remodel_planner.edge.database_errors import record_lost

@@ -11,7 +11,8 @@ from remodel_msgs.srv import GetRun, GetRunRequest, GetRunResponse, ListRuns, Li
 from sensor_msgs.msg import CompressedImage
 
 from remodel_planner.core.supervision.events import Ending
-from remodel_planner.core.supervision.state import RunState, Stage, state_after
+from remodel_planner.core.supervision.fold import state_after
+from remodel_planner.core.supervision.state import RunState, Stage
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.run_log import KeptEvent, RunHead, RunLog
 from remodel_planner.errors import PlannerError

@@ -19,7 +19,8 @@ from remodel_msgs.msg import (
 
 from flexbe_core.ros.steady_action_server import SteadyActionServer
 from remodel_planner.core.supervision.events import Command, Commanded, Ending, RunBegun
-from remodel_planner.core.supervision.state import RunState, Stage, state_after
+from remodel_planner.core.supervision.fold import state_after
+from remodel_planner.core.supervision.state import RunState, Stage
 from remodel_planner.edge.cell_ownership import CellOwnership, Owned
 from remodel_planner.edge.run_log import RunLog
 from remodel_planner.errors import (

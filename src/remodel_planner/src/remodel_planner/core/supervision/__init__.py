@@ -2,7 +2,8 @@
 
 events.py      what happens in a run
 event_form.py  events as plain data, for the database
-state.py       what is known after some events
+state.py       what is known of a run
+fold.py        what is known after some events
 step.py        what comes next, for a state
 judge.py       which fault a task failed with, and what is done about it
 question.py    what an operator is asked

@@ -34,7 +34,13 @@ from remodel_planner.core.supervision.events import (
     TaskEnded,
     TaskReturned,
 )
-from remodel_planner.core.supervision.state import PREEMPTED, SERVER_GONE, RunState, Stage, applied
+from remodel_planner.core.supervision.fold import applied
+from remodel_planner.core.supervision.state import (
+    PREEMPTED,
+    SERVER_GONE,
+    RunState,
+    Stage,
+)
 from remodel_planner.core.supervision.step import (
     Ask,
     Decide,
