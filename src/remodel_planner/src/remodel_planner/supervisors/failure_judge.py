@@ -11,7 +11,7 @@ from remodel_planner.core.supervision.gate import Gate
 from remodel_planner.core.supervision.judge import failure_of, judged
 from remodel_planner.core.supervision.question import question_about
 from remodel_planner.core.supervision.state import SERVER_TROUBLE, TaskProgress
-from remodel_planner.core.supervision.step import Decide
+from remodel_planner.core.supervision.step import Ask, Decide
 from remodel_planner.supervisors.ports import Abilities, EventLoop, Log
 from remodel_planner.supervisors.run_record import RunRecord
 from remodel_planner.supervisors.work import Work
@@ -74,7 +74,7 @@ class FailureJudge:
         )
         faults = self._work.faults
         decided = judged(state, name, faults, policy, possible, now_s, bounds, unpromising)
-        self._record.append_found(Decide(name), decided)
+        self._record.append_if_next(Decide(name), decided, while_paused=True)
 
     def _await_server(self, task: TaskProgress) -> None:
         """Wait until the ability server with which a task had trouble answers, and rests.
@@ -106,7 +106,7 @@ class FailureJudge:
         policy = self._work.planner.use_case.recovery
         now_s, limit_s = self._loop.now_s(), policy.question.timeout_s
         asked = question_about(self._record.state, name, self._work.faults, now_s, limit_s)
-        self._record.append(asked)
+        self._record.append_if_next(Ask(name), asked)
         self._notify(NoticeKind.ASKED, asked)
 
     def escalate(self) -> None:

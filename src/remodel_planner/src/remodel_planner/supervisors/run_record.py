@@ -75,16 +75,29 @@ class RunRecord:
             self._unsure = event
             raise
 
-    def append_found(self, step: Step, event: Event) -> None:
-        """Keep what a step that takes time has led to.
+    def append_if_next(self, step: Step, event: Event, *, while_paused: bool = False) -> None:
+        """Keep what a step leads to, unless a command has overtaken it, however long that takes.
+
+        Args:
+            step: that leads to the event.
+            event: to keep.
+            while_paused: keep it although the run was paused meanwhile.
 
         Raises:
             HaltedError: if something else is to be done by now.
         """
-        self.insist(self.catch_up)
-        if next_step(replace(self.state, paused=False)) != step:
-            raise HaltedError("something else is to be done by now")
-        self.append(event)
+
+        def attempt() -> None:
+            self.catch_up()
+            if any(event is kept for kept in self._kept):
+                return
+            state = replace(self.state, paused=False) if while_paused else self.state
+            if next_step(state) != step:
+                raise HaltedError("something else is to be done by now")
+            self.append_now(event)
+
+        self.insist(attempt)
+        self._kept.clear()
 
     def insist(self, ask: Callable[[], T]) -> T:
         """Return what the database answers, however long it takes to answer."""

@@ -259,7 +259,7 @@ class UseCaseSupervisor:
             return
         match step:
             case Plan():
-                self._record.append(Planned(self._planned(), step.because))
+                self._record.append_if_next(step, Planned(self._planned(), step.because))
             case Execute():
                 self._execute(step.task, step.part)
             case Settle():
@@ -271,7 +271,7 @@ class UseCaseSupervisor:
             case Wait():
                 self._wait()
             case End():
-                self._record.append(RunEnded(step.ending, step.because))
+                self._record.append_if_next(step, RunEnded(step.ending, step.because))
 
     def _planned(self) -> tuple[str, ...]:
         """Return the waiting tasks in their best order; those that were begun before come last."""
@@ -310,7 +310,7 @@ class UseCaseSupervisor:
 
     def _feed(self, name: str) -> bool:
         """Have a piece presented; return whether it is there."""
-        self._record.append(PartRequested(name))
+        self._record.append_if_next(Execute(name, Part.WHOLE), PartRequested(name))
         self._pass_gate(FEEDER, f"feeding {name}")
         try:
             self._peers.cell.feed(name, self.work.channels.get(name, ""), self.owner)
@@ -331,7 +331,8 @@ class UseCaseSupervisor:
         attempt = self.state.tasks[name].attempts + part.is_attempt
         begun_s = self._loop.now_s()
         xml = write_chart(chart)
-        self._record.append(TaskBegun(name, attempt, part, chart.name, xml, begun_s, chosen))
+        begun = TaskBegun(name, attempt, part, chart.name, xml, begun_s, chosen)
+        self._record.append_if_next(Execute(name, part), begun)
         self._close_or_open()
         self._peers.pictures.begin()
 
@@ -391,10 +392,10 @@ class UseCaseSupervisor:
             if self._gate.halt:
                 raise HaltedError(self._gate.halt) from error
             unseen = Settled(name, tuple(connected), 1, error.code, str(error))
-            self._record.append_found(Settle(name), unseen)
+            self._record.append_if_next(Settle(name), unseen, while_paused=True)
             return
         settled = Settled(name, tuple(connected), len(planned.left(connected)))
-        self._record.append_found(Settle(name), settled)
+        self._record.append_if_next(Settle(name), settled, while_paused=True)
 
     def _inspect(self, name: str, planned: PlannedTask, connected: list[str]) -> None:
         """Add the letters of the ends that are in their terminals."""
