@@ -150,6 +150,9 @@ def test_a_run_id_that_comes_later_is_no_restart():
 def test_a_node_ends_by_a_signal_that_another_thread_received(port, monkeypatch):
     on_shutdown, overdue = [], threading.Event()
     monkeypatch.setattr(master.rospy, "on_shutdown", on_shutdown.append)
+    # This process is no node, and goes on.
+    monkeypatch.setattr(master.rospy, "signal_shutdown", lambda reason: None)
+    monkeypatch.setattr(master, "_ended", threading.Event())
 
     def end(*_):
         for call in on_shutdown:
