@@ -28,7 +28,7 @@ class PreparingTest(unittest.TestCase):
         self.gate = Path(self.enterContext(tempfile.TemporaryDirectory())) / "gate"
 
     def tearDown(self):
-        self.gate.write_text("")
+        self.begin()
         if not self.engine.ended(0.0):
             self.engine.stop()
             self.engine.ended()
@@ -46,8 +46,11 @@ class PreparingTest(unittest.TestCase):
         self.beats.clear()
         self.assertIsNotNone(self.beats.wait(lambda m: True), "by now the command has arrived")
 
-    def begin(self):
-        self.gate.write_text("")
+    def begin(self, text=""):
+        # Whole at once: the behavior reads the gate as soon as it is there.
+        ready = self.gate.with_suffix(".ready")
+        ready.write_text(text)
+        ready.replace(self.gate)
 
     def said(self):
         return [m.text for _, m in self.engine.log.messages if m.text in ("first", "second")]
@@ -111,7 +114,7 @@ class PreparingTest(unittest.TestCase):
 
     def test_what_a_behavior_that_was_not_started_got_does_not_hold_for_the_next(self):
         self.prepare(pause=True)
-        self.gate.write_text("fail")
+        self.begin("fail")
         self.assertEqual(self.engine.ended().code, BEStatus.ERROR)
         self.prepare()
         self.begin()
