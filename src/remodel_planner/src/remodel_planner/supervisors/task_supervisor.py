@@ -14,7 +14,7 @@ from remodel_planner.supervisors.ports import Abilities, BehaviorEnd, End, Engin
 # [s] wall time between two checks of what nobody reports, such as silence.
 _CHECK_S = 0.1
 
-# [s] wall time that a behavior gets to stop when it is told to.
+# [s] wall time that a behavior gets to stop when it is asked to.
 STOP_LIMIT_S = 20.0
 
 # [s] wall time that the engine's topic may lag behind the end of a behavior.
@@ -105,12 +105,14 @@ class TaskSupervisor:
         if not self._engine.is_idle:
             self._engine.cancel()
         self._abilities.cancel()
-        self._rest(lambda: self._engine.is_idle, end_s, "the behavior engine", while_leaving)
+        self._rest(
+            lambda: self._engine.is_idle, end_s, lambda: "the behavior engine", while_leaving
+        )
         since_s = self._loop.wall_s()
         self._rest(
             lambda: self._abilities.are_quiet(since_s),
             end_s,
-            self._abilities.silent(since_s) or "an ability",
+            lambda: self._abilities.silent(since_s),
             while_leaving,
         )
         self._gate.clear()
@@ -216,11 +218,15 @@ class TaskSupervisor:
         )
 
     def _rest(
-        self, holds: Callable[[], bool], end_s: float, what: str, while_leaving: bool
+        self,
+        holds: Callable[[], bool],
+        end_s: float,
+        what: Callable[[], str],
+        while_leaving: bool,
     ) -> None:
         limit_s = max(0.0, end_s - self._loop.wall_s())
         if not self._loop.run_until(holds, limit_s, while_leaving=while_leaving):
             raise LostError(
-                f"{what} still runs, or does not answer, {limit_s:.0f} s after it was stopped; "
+                f"{what()} still runs, or does not answer, {limit_s:.0f} s after it was stopped; "
                 "stop the cell by hand"
             )
