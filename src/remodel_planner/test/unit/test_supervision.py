@@ -429,6 +429,60 @@ def test_an_operator_pauses_skips_tries_again_and_stops(run):
     assert run.add(Commanded(Command.STOP, "", "ann")) == End(Ending.STOPPED, "ann stopped it")
 
 
+def skip_half_placed(run):
+    """Have W1 skipped when one of its ends is connected."""
+    run.begin("W1")
+    run.add(Commanded(Command.SKIP, "W1", "ann"))
+    run.end("W1", "preempted")
+    run.decide("W1")
+    run.clear("W1")
+    run.add(Settled("W1", ("a",), 3))
+    assert run.state.tasks["W1"].stage is Stage.SET_ASIDE
+
+
+def test_a_half_placed_wire_gets_a_new_piece_when_it_is_retried_after_another_one(run):
+    skip_half_placed(run)
+    run.begin("W2")
+    run.add(Commanded(Command.RETRY, "W1", "ann"))
+    assert run.end("W2") == Settle("W1")
+    assert run.add(Settled("W1", ("a",), 3)) == Execute("W1", Part.DISCARD)
+    assert run.discard("W1") == Execute("W1", Part.WHOLE)
+
+
+def test_a_half_placed_wire_that_was_fed_last_is_finished_when_it_is_retried(run):
+    skip_half_placed(run)
+    run.add(Commanded(Command.SKIP, "W2", "ann"))
+    run.add(Commanded(Command.RETRY, "W1", "ann"))
+    assert run.next == Settle("W1")
+    assert run.add(Settled("W1", ("a",), 3)) == Execute("W1", Part.REST)
+
+
+def test_a_retried_wire_that_turns_out_to_be_placed_is_left_in_place(run):
+    skip_half_placed(run)
+    run.begin("W2")
+    run.add(Commanded(Command.RETRY, "W1", "ann"))
+    run.end("W2")
+    assert run.add(Settled("W1", ("a", "b"), 0)) == End(Ending.COMPLETE, "all tasks are done")
+
+
+def test_a_skipped_task_is_not_attempted_again_after_a_restart(run):
+    run.begin("W1")
+    run.add(Commanded(Command.SKIP, "W1", "ann"))
+    assert run.add(Interrupted("the supervisor was killed")) == Execute("W1", Part.CLEAR)
+    assert run.clear("W1") == Settle("W1")
+    run.add(Settled("W1", (), 5))
+    assert run.discard("W1") == Execute("W2", Part.WHOLE)
+    assert run.state.tasks["W1"].stage is Stage.SET_ASIDE
+
+
+def test_a_skipped_task_that_ended_against_the_evidence_is_not_attempted_again(run):
+    run.begin("W1")
+    run.add(Commanded(Command.SKIP, "W1", "ann"))
+    assert run.add(TaskEnded("W1", "finished", 1.0, False, denied=True)) == Settle("W1")
+    run.add(Settled("W1", (), 5))
+    assert run.discard("W1") == Execute("W2", Part.WHOLE)
+
+
 def test_a_behavior_that_somebody_stops_stops_the_run(run):
     run.begin("W1")
     assert run.end("W1", "preempted") == End(

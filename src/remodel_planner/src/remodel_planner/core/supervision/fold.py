@@ -103,7 +103,8 @@ def _(_: PanelLoaded, state: RunState) -> RunState:
 
 @_applied.register
 def _(event: PartRequested, state: RunState) -> RunState:
-    return _under_way(state, replace(state.tasks[event.task], stage=Stage.READY, piece=True))
+    task = replace(state.tasks[event.task], stage=Stage.READY, piece=True)
+    return replace(_under_way(state, task), fed=event.task)
 
 
 @_applied.register
@@ -166,7 +167,8 @@ def _(event: TaskEnded, state: RunState) -> RunState:
         return _do(task.then or Do.NEW_PART, state, task, "the piece is discarded")
     if task.part.is_attempt and event.outcome == FINISHED:
         if event.denied:
-            return state.with_task(replace(task, stage=Stage.DOUBTFUL, part=Part.AGAIN))
+            then = _then_of_skipped(state, task)
+            return state.with_task(replace(task, stage=Stage.DOUBTFUL, part=Part.AGAIN, then=then))
         return _leave(state, replace(task, stage=Stage.DONE))
     return _failed(state, task)
 
@@ -181,7 +183,8 @@ def _(event: Interrupted, state: RunState) -> RunState:
     if task.interruptions > INTERRUPTION_LIMIT:
         task = replace(task, stage=Stage.FAILED, codes=(*task.codes, _LOST))
         return state.with_task(task, failures=state.failures + 1)
-    return state.with_task(replace(task, stage=Stage.READY, part=Part.CLEAR))
+    then = _then_of_skipped(state, task)
+    return state.with_task(replace(task, stage=Stage.READY, part=Part.CLEAR, then=then))
 
 
 @_applied.register
@@ -249,8 +252,11 @@ def _(event: Commanded, state: RunState) -> RunState:
 def _retried(state: RunState, task: TaskProgress) -> RunState:
     if task.stage is not Stage.SET_ASIDE:
         return state
+    # Cells take up only the wire that was fed last: a piece of another one is replaced.
+    is_out_of_reach = task.piece and not task.unseen and state.fed != task.name
+    then = Do.NEW_PART if is_out_of_reach else None
     part = Part.AGAIN if task.piece else Part.WHOLE
-    task = replace(task, stage=Stage.DOUBTFUL, part=part, then=None)
+    task = replace(task, stage=Stage.DOUBTFUL, part=part, then=then)
     return state.with_task(task, waiting=(*state.waiting, task.name))
 
 
@@ -265,6 +271,11 @@ def _skipped(state: RunState, task: TaskProgress, by: str) -> RunState:
     if task.stage in (Stage.READY, Stage.DOUBTFUL) and not task.stuck_hand:
         return _act(Do.SET_ASIDE, state, task, f"{by} skipped it")
     return state
+
+
+def _then_of_skipped(state: RunState, task: TaskProgress) -> Do | None:
+    """Return what follows once the hand is empty: a task that is to be skipped is left."""
+    return Do.SET_ASIDE if task.name in state.skipped else task.then
 
 
 @_applied.register

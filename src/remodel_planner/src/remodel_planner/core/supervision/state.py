@@ -126,6 +126,7 @@ class RunState:
         protective: who asked for the protective stop that is in force; empty if none is.
         skipped: names of tasks that an operator wants to be set aside, by whom.
         stop: why the run is to end; empty if it is not.
+        fed: name of the task whose piece was requested last; empty if none was.
         question: that an operator is to answer; None if there is none.
         questions: how many were asked.
         failures: attempts that failed.
@@ -147,6 +148,7 @@ class RunState:
     protective: str = ""
     skipped: Mapping[str, str] = field(default_factory=dict)
     stop: str = ""
+    fed: str = ""
     question: Asked | None = None
     questions: int = 0
     interruptions: int = 0
