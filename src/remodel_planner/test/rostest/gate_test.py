@@ -155,6 +155,23 @@ class GateTest(unittest.TestCase):
         wait_until(lambda: self.orders.is_free, "the release is published")
         self.assert_complete(self.orders.start(2))
 
+    def test_a_protective_stop_by_the_service_without_a_run_holds_until_it_is_resumed(self):
+        wait_until(lambda: self.orders.is_free, "no run is under way")
+        granted, text = self.orders.command("protective_stop")
+        self.assertTrue(granted, text)
+        self.assertIn("no run is under way; the cell is held", text)
+        self.orders.end_process(SUPERVISOR, signal.SIGKILL)
+        wait_until(
+            lambda: "protective stop by" in self.orders.state.message, "it outlives its supervisor"
+        )
+        handle = self.orders.send(2)
+        wait_until(lambda: handle.get_result() is not None, "the goal is answered")
+        self.assertEqual(handle.get_goal_status(), GoalStatus.REJECTED)
+        self.assertIn("protective stop by", handle.get_goal_status_text())
+        self.orders.require("resume")
+        wait_until(lambda: self.orders.is_free, "the release is published")
+        self.assert_complete(self.orders.start(2))
+
     def publish_once(self, data):
         """Publish on the topic as a person does, by a node that ends afterwards."""
         line = ["rostopic", "pub", "--once", "remodel/protective_stop", "std_msgs/Bool", data]

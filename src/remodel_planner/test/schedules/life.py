@@ -21,6 +21,7 @@ from remodel_planner.errors import (
     PlannerError,
     RecordLostError,
 )
+from remodel_planner.supervisors.run_commands import RunCommands
 from remodel_planner.supervisors.use_case_supervisor import UseCaseSupervisor
 from remodel_planner.supervisors.work import Peers, Work
 from schedules.database import FailingDatabase
@@ -85,6 +86,7 @@ class Life:
     Attributes:
         active: supervisor of the run under way; None without one.
         closed: why nothing new is taken.
+        commands: does what is commanded.
     """
 
     def __init__(self, station: Station, process: Process) -> None:
@@ -104,11 +106,20 @@ class Life:
         self._unsure = True
         self._next: UseCaseSupervisor | None = None
         servers = station.servers
+        abilities = SimulatedAbilities(process, servers)
+        self.commands = RunCommands(
+            process,
+            abilities,
+            lambda: self.active,
+            lambda: self.closed,
+            station.stopped_by,
+            station.keep_stops,
+        )
         self._peers = Peers(
             SimulatedCell(process, station.services),
             SimulatedMaker(process, station.synthesizer, station.engine.behaviors),
             SimulatedEngine(process, station.engine),
-            SimulatedAbilities(process, servers),
+            abilities,
             SimulatedInspection(process, servers["CheckConnection"]),
             SimulatedPictures(),
         )
@@ -221,6 +232,7 @@ class Life:
 
     def _supervise(self, supervisor: UseCaseSupervisor) -> None:
         self.active, self._next = supervisor, None
+        self.commands.stop_if_unsafe()
         state = supervisor.supervise()
         self.active = None
         self._station.invariants.on_end(self._station, supervisor.run, state)
@@ -230,8 +242,8 @@ class Life:
         under_way = self.active or self._next
         if under_way is not None:
             return f"run {under_way.run} is under way"
-        if self.closed:
-            return self.closed
+        if why := self.closed or self.commands.safety:
+            return why
         setting = self._station.setting
         planner = SimulatedPlanner(count, setting.question_timeout_s)
         begun = RunBegun(ORDER.name, USE_CASE, self._station.cell, planner.names)
@@ -249,10 +261,7 @@ class Life:
 
     def command(self, event: Commanded, reply: Reply) -> None:
         """Do what somebody asks for."""
-        if self.active is None:
-            reply(False, self.closed or "no run is under way")
-        else:
-            self.active.command(event, reply)
+        self.commands.command(event, reply)
 
     def answer(self, event: Answered, reply: Reply) -> None:
         """Take an operator's answer."""

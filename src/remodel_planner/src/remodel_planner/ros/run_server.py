@@ -98,7 +98,9 @@ class RunServer:
         self._next: _Active | None = None
         self._publisher = StatePublisher()
         self._publisher.idle(maker.cell, self._closed, starting=True)
-        self._services = RunServices(loop, lambda: self._supervisor, self._why_closed, peers)
+        self._services = RunServices(
+            loop, lambda: self._supervisor, self._why_closed, peers.abilities
+        )
         self._server = SteadyActionServer(
             ACTION,
             RunUseCaseAction,
@@ -204,10 +206,10 @@ class RunServer:
             return self._next is not None or self._unsure or bool(self._disowned)
 
         def is_outdated() -> bool:
-            return self._closed != self._services.safety
+            return self._closed != self._services.commands.safety
 
         while not is_over():
-            self._closed = self._services.safety
+            self._closed = self._services.commands.safety
             self._publisher.idle(self._maker.cell, self._closed)
             self._loop.run_until(lambda: is_over() or is_outdated(), float("inf"))
 
@@ -245,7 +247,7 @@ class RunServer:
     def _supervise(self, active: _Active) -> None:
         self._active, self._next = active, None
         self._services.ask_to_be_asked()
-        self._services.stop_if_unsafe()
+        self._services.commands.stop_if_unsafe()
         self._on_change()
         try:
             state = active.supervisor.supervise()
