@@ -22,6 +22,7 @@ from remodel_planner.errors import (
     RecordLostError,
 )
 from remodel_planner.supervisors.run_commands import RunCommands
+from remodel_planner.supervisors.unresumed_run import UnresumedRun
 from remodel_planner.supervisors.use_case_supervisor import UseCaseSupervisor
 from remodel_planner.supervisors.work import Peers, Work
 from schedules.database import FailingDatabase
@@ -196,15 +197,32 @@ class Life:
     def _resume(self) -> None:
         unfinished = self._log.unfinished(self._station.cell)
         self._unsure = False
-        if unfinished is not None:
-            self._supervise(self._resumed(unfinished))
+        supervisor = None if unfinished is None else self._resumed(unfinished)
+        if supervisor is not None:
+            self._supervise(supervisor)
 
-    def _resumed(self, run: int) -> UseCaseSupervisor:
+    def _resumed(self, run: int) -> UseCaseSupervisor | None:
         self._log.take_up(run, self._owner)
         state = self._log.state(run)
         self._station.invariants.on_take_up(run, state)
+        if self.process.simulation.now_s < self._station.unmade_until_s:
+            self._await_person(UnresumedRun(run, self._owner, state, self._log, "no use case"))
+            return None
         self._note("resumes run {}", run)
         return self._made(run, state)
+
+    def _await_person(self, unresumed: UnresumedRun) -> None:
+        self._note("{}", unresumed.text)
+        self._peers.engine.cancel()
+        self._peers.abilities.cancel()
+        self.closed, self.commands.unresumed = unresumed.text, unresumed
+        try:
+            self.process.run_until(lambda: unresumed.is_over or bool(self._disowned), float("inf"))
+        finally:
+            self.commands.unresumed = None
+        self._unsure = True
+        if self._disowned:
+            raise OwnerError(self._disowned)
 
     def _made(self, run: int, state: RunState) -> UseCaseSupervisor:
         setting = self._station.setting

@@ -117,9 +117,14 @@ class People:
             self._simulation.after(_LOOK_S, self._look)
 
     def _release(self, station: Station) -> None:
-        """Release a protective stop that holds a cell without a run."""
+        """Release a protective stop that holds a cell without a run, or have one go on."""
+        if station.process is None or station.life is None:
+            return
         is_over = self._simulation.now_s > self._paused_until_s.get(station.name, 0.0)
-        if station.process is not None and station.stopped_by and is_over:
+        is_stuck = station.life.commands.unresumed is not None
+        if is_stuck and self._simulation.chance(0.2):
+            self.command(station, Command.STOP)
+        elif is_over and (is_stuck or station.stopped_by):
             self.command(station, Command.RESUME)
 
     def _help(self, station: Station, state: RunState, run: int) -> None:

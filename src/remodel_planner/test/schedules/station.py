@@ -46,6 +46,7 @@ class Station:
     Attributes:
         cell: name of its cell; two stations may have the same by mistake.
         life: of the supervisor's process that runs; None before the first.
+        unmade_until_s: [s] until when no run can be resumed, since its use case cannot be read.
         stopped_by: persons who have stopped the cell, as the parameter server keeps them.
     """
 
@@ -76,6 +77,7 @@ class Station:
         self.synthesizer = Node(simulation, f"{name}/synthesizer")
         self.engine = Engine(simulation, name, self.servers, self)
         self.life: Life | None = None
+        self.unmade_until_s = 0.0
         self.stopped_by: tuple[str, ...] = ()
         self._lives = 0
         self._start()

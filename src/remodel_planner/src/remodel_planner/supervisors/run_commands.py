@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection
 from remodel_planner.core.supervision.events import Command, Commanded
 from remodel_planner.supervisors.commands import PendingReplies, Reply
 from remodel_planner.supervisors.ports import Abilities, EventLoop
+from remodel_planner.supervisors.unresumed_run import UnresumedRun
 from remodel_planner.supervisors.use_case_supervisor import UseCaseSupervisor
 
 # [s] wall time between two checks whether what was cancelled rests.
@@ -17,6 +18,9 @@ HELD = "the cell is held until remodel/use_case/resume releases it"
 
 class RunCommands:
     """Passes commands on to the run under way, and holds the cell between runs.
+
+    Attributes:
+        unresumed: a run that waits for a person to be resumed; None if there is none.
 
     Safety controllers stop the cell by the topic, persons by the service. Each stop holds this run
     and all later ones: controllers release their own stops, `resume` releases those of persons.
@@ -41,6 +45,7 @@ class RunCommands:
             persons: who have stopped the cell by the service, and have not released it.
             keep: keeps these names beyond this process.
         """
+        self.unresumed: UnresumedRun | None = None
         self._loop = loop
         self._abilities = abilities
         self._active = active
@@ -50,6 +55,11 @@ class RunCommands:
         self._keep = keep
         self._replies = PendingReplies(loop.wall_s)
         loop.every(_CHECK_S, self._replies.check)
+
+    @property
+    def stopped_by(self) -> str:
+        """Who has stopped the cell; empty if nobody has."""
+        return ", ".join(sorted(self._controllers | self._persons))
 
     @property
     def safety(self) -> str:
@@ -87,9 +97,9 @@ class RunCommands:
     def stop_if_unsafe(self) -> None:
         """Stop the run under way if a protective stop is in force, from before the run or now."""
         supervisor = self._active()
-        by = sorted(self._controllers | self._persons)
-        if supervisor is not None and by and supervisor.state.protective != ", ".join(by):
-            stop = Commanded(Command.PROTECTIVE_STOP, "", ", ".join(by))
+        by = self.stopped_by
+        if supervisor is not None and by and supervisor.state.protective != by:
+            stop = Commanded(Command.PROTECTIVE_STOP, "", by)
             supervisor.command(stop, lambda granted, text: None)
 
     def _stop(self, event: Commanded, reply: Reply) -> None:
@@ -98,18 +108,12 @@ class RunCommands:
         if supervisor is not None and supervisor.state.ended is None:
             supervisor.command(event, _adding(HELD, reply))
             return
-        since_s = self._loop.wall_s()
-        self._abilities.cancel()
-        self._replies.reply_when(
-            lambda: self._abilities.are_quiet(since_s),
-            _adding(f"no run is under way; {HELD}", reply),
-            lambda: ", ".join(self._abilities.restless(since_s)),
-        )
+        self._cancel_all(_adding(f"no run is under way; {HELD}", reply))
 
     def _resume(self, event: Commanded, reply: Reply) -> None:
         if self._controllers:
             reply(False, self.safety)
-        elif self._active() is None and self._persons:
+        elif self._active() is None and self.unresumed is None and self._persons:
             self._set_persons(())
             reply(True, "the protective stop is released; no run is under way")
         else:
@@ -119,8 +123,32 @@ class RunCommands:
         supervisor = self._active()
         if supervisor is not None:
             supervisor.command(event, reply)
+        elif self.unresumed is not None:
+            is_stop = event.command is Command.STOP
+            self.unresumed.command(event, self._at_rest(reply) if is_stop else reply)
         else:
             reply(False, self._why_closed() or "no run is under way")
+
+    def _at_rest(self, reply: Reply) -> Reply:
+        """Return a reply whose success comes when nothing moves any more."""
+
+        def rest(granted: bool, text: str) -> None:
+            if granted:
+                self._cancel_all(_adding(text, reply))
+            else:
+                reply(granted, text)
+
+        return rest
+
+    def _cancel_all(self, reply: Reply) -> None:
+        """Cancel what abilities do, and reply when they rest."""
+        since_s = self._loop.wall_s()
+        self._abilities.cancel()
+        self._replies.reply_when(
+            lambda: self._abilities.are_quiet(since_s),
+            reply,
+            lambda: ", ".join(self._abilities.restless(since_s)),
+        )
 
     def _releasing(self, reply: Reply) -> Reply:
         """Return a reply that releases the stops of persons if it is granted."""
