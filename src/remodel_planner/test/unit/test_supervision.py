@@ -56,6 +56,7 @@ from remodel_planner.errors import OrderError
 FAULTS = read_faults()
 POSSIBLE = frozenset(Do) - {Do.OTHER_METHOD, Do.RETRY_WITH}
 JAM, LOST, NOTHING_HELD, NOT_SEATED, CONTRADICTORY = 301, 4, 202, 304, 8
+MOTION_FAULT = 307
 
 
 class Run:
@@ -206,7 +207,7 @@ def test_a_hand_that_cannot_be_emptied_needs_a_person(run):
     for _ in range(STUCK_HAND_LIMIT + 1):
         assert run.next == Execute("W1", Part.CLEAR)
         run.begin("W1", Part.CLEAR)
-        run.add(OperationEnded("W1", replace(operation(307), ability="PlaceCable")))
+        run.add(OperationEnded("W1", replace(operation(200), ability="PlaceCable")))
         run.end("W1", "failed")
     assert run.next == Decide("W1")
     decided = run.decide("W1")
@@ -518,6 +519,42 @@ def test_other_cells_tasks_are_left_to_them_and_taken_over(run):
     assert run.add(TaskElsewhere("W1", "third", AsLeft.DONE)) == End(
         Ending.COMPLETE, "all tasks are done"
     )
+
+
+def test_nothing_moves_after_a_motion_fault_before_a_person_has_confirmed(run):
+    run.begin("W1")
+    assert run.end("W1", "failed", MOTION_FAULT) == Decide("W1")
+    assert run.decide("W1").do is Do.ASK_OPERATOR
+    run.ask("W1")
+    assert run.next == Wait("question 1 is to be answered")
+    run.add(Answered(1, Answer.FIXED, "ann"))
+    assert run.next == Execute("W1", Part.CLEAR), "the behavior could not lay the wire down"
+
+
+def test_a_hand_is_not_emptied_again_after_a_motion_fault(run):
+    run.begin("W1")
+    run.add(Interrupted("killed"))
+    run.begin("W1", Part.CLEAR)
+    assert run.end("W1", "failed", MOTION_FAULT) == Decide("W1")
+    assert run.decide("W1").do is Do.ASK_OPERATOR
+
+
+def test_a_motion_fault_while_inspecting_needs_a_person_whatever_was_decided(run):
+    run.begin("W1")
+    run.add(Commanded(Command.SKIP, "W1", "ann"))
+    run.end("W1", "preempted")
+    run.decide("W1")
+    assert run.clear("W1") == Settle("W1")
+    run.add(Settled("W1", (), 5, MOTION_FAULT, "the arm did not arrive"))
+    assert run.next == Decide("W1")
+    assert run.decide("W1").do is Do.ASK_OPERATOR
+
+
+def test_a_skip_does_not_pass_over_a_motion_fault(run):
+    run.begin("W1")
+    run.add(Commanded(Command.SKIP, "W1", "ann"))
+    run.end("W1", "failed", MOTION_FAULT)
+    assert run.decide("W1").do is Do.ASK_OPERATOR
 
 
 def test_what_cannot_go_on_ends(run):

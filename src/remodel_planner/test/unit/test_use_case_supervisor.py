@@ -35,7 +35,7 @@ from remodel_planner.edge.task_leases import TaskLeases
 from remodel_planner.errors import LeavingError, LostError, OwnerError, RefusedError
 from remodel_planner.supervisors.ports import BehaviorEnd, End, UnseenError
 
-JAM, LOST, SLIPPED, MISSING = 301, 4, 303, 103
+JAM, LOST, SLIPPED, MISSING, MOTION_FAULT = 301, 4, 303, 103, 307
 
 
 @pytest.fixture
@@ -108,12 +108,13 @@ def test_a_server_that_stays_away_is_left_to_the_policy(bench):
     assert bench.run(LOST).ended.ending is Ending.COMPLETE
 
 
-def test_nothing_of_a_behavior_begins_after_it_has_lost_a_server(bench):
+@pytest.mark.parametrize("code", [LOST, MOTION_FAULT])
+def test_nothing_of_a_behavior_begins_after_it_has_lost_a_server_or_run_into_something(bench, code):
     permits = []
 
     def lose():
         behavior = bench.engine.ran[-1]
-        bench.engine.operate(behavior, LOST)
+        bench.engine.operate(behavior, code)
         permits.append(bench.engine.operate(behavior, 0, "/Lay down"))
 
     bench.run(lose)

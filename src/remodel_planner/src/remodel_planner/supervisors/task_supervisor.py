@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.gate import FEEDER, Gate, Permit
-from remodel_planner.core.supervision.state import FINISHED, PREEMPTED, SERVER_GONE
+from remodel_planner.core.supervision.state import FINISHED, MOTION_STOPPED, PREEMPTED, SERVER_GONE
 from remodel_planner.errors import LostError, PlannerError
 from remodel_planner.supervisors.ports import (
     Abilities,
@@ -57,7 +57,8 @@ class TaskSupervisor:
         self._keep: Keep | None = None
         self._kept: Counter[str] = Counter()
         self._goals: set[str] = set()
-        self._server_gone = ""
+        # Why nothing more of the behavior may begin; empty if it may.
+        self._why_over = ""
         # Operations whose server may still do them: path of the state -> ability, and since when.
         self._unended: dict[str, tuple[str, float]] = {}
         self._is_cut = False
@@ -101,7 +102,7 @@ class TaskSupervisor:
         self.halted = self._gate.halt
         if self.halted:
             return PREEMPTED
-        self.behavior, self._keep, self._server_gone = behavior, keep, ""
+        self.behavior, self._keep, self._why_over = behavior, keep, ""
         self._is_cut = False
         self._kept.clear()
         self._goals.clear()
@@ -155,8 +156,8 @@ class TaskSupervisor:
         """
         if self._settling or self.halted or behavior != self.behavior:
             return Permit.REFUSED, f"behavior {behavior!r} is about to be stopped"
-        if self._server_gone:
-            return Permit.REFUSED, self._server_gone
+        if self._why_over:
+            return Permit.REFUSED, self._why_over
         permit = self._gate.ask(state_path, ability)
         self._is_cut = self._is_cut or permit is Permit.REFUSED
         return permit, self._gate.why
@@ -180,7 +181,9 @@ class TaskSupervisor:
             self._goals.add(operation.goal_id)
             self._kept[operation.state_path] += 1
         if operation.error_code in SERVER_GONE:
-            self._server_gone = f"the server of {operation.ability} is lost"
+            self._why_over = f"the server of {operation.ability} is lost"
+        elif operation.error_code in MOTION_STOPPED:
+            self._why_over = f"{operation.ability} ended with a motion fault; a person is needed"
         if operation.error_code in SERVER_GONE or not operation.outcome:
             # A goal that was given up is cancelled; the server has not reported its end.
             self._unended[operation.state_path] = operation.ability, self._loop.wall_s()

@@ -37,6 +37,7 @@ from remodel_planner.core.supervision.events import (
 from remodel_planner.core.supervision.state import (
     FINISHED,
     INTERRUPTION_LIMIT,
+    MOTION_STOPPED,
     NOTHING_TO_LAY_DOWN,
     PREEMPTED,
     SERVER_TROUBLE,
@@ -192,7 +193,7 @@ def _(event: Settled, state: RunState) -> RunState:
     task = replace(state.tasks[event.task], connected=event.connected, unseen=event.unseen)
     if not event.left and not event.unseen:
         return _leave(state, replace(task, stage=Stage.DONE, then=None))
-    if task.then is not None:
+    if task.then is not None and event.code not in MOTION_STOPPED:
         return _do(task.then, state, task, "what is done was inspected")
     if event.unseen:
         failed = replace(task, stage=Stage.FAILED, codes=(*task.codes, event.code))
@@ -327,6 +328,8 @@ def _may_hold_something(task: TaskProgress) -> bool:
     if not task.operations:
         return task.part is Part.CLEAR and task.outcome != FINISHED
     last = task.operations[-1]
+    if any(operation.error_code in MOTION_STOPPED for operation in task.operations):
+        return True  # it was not allowed to lay down what it held
     if last.error_code in NOTHING_TO_LAY_DOWN or not last.error_code:
         return False
     in_trouble = last.error_code in SERVER_TROUBLE or last.error_code == _OTHER_CABLE_HELD
@@ -342,7 +345,7 @@ def _failed(state: RunState, task: TaskProgress) -> RunState:
         stop = f"somebody stopped the behavior of task {task.name}"
     if task.part is Part.CLEAR:
         task = replace(task, stuck_hand=task.stuck_hand + 1)
-        if task.stuck_hand <= STUCK_HAND_LIMIT:
+        if task.stuck_hand <= STUCK_HAND_LIMIT and code not in MOTION_STOPPED:
             return state.with_task(replace(task, stage=Stage.READY), stop=stop)
     undiscarded = task.undiscarded or task.part is Part.DISCARD
     task = replace(task, stage=Stage.FAILED, codes=(*task.codes, code), undiscarded=undiscarded)

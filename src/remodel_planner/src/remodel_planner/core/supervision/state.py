@@ -22,6 +22,10 @@ SERVER_TROUBLE = frozenset({1, 4, 5, 6, 7, 8})
 # more: the server may complete its goal when it wakes up.
 SERVER_GONE = frozenset({4, 7})
 
+# remodel_msgs/ErrorCode: MOTION_FAULT. Nobody knows what the arm has touched: nothing moves again,
+# not even to lay down what is held, before a person has confirmed.
+MOTION_STOPPED = frozenset({307})
+
 # remodel_msgs/ErrorCode: NOTHING_HELD and WIRE_NOT_FED, of a hand that has nothing to lay down;
 # INTERNAL, of a task that failed though no ability reported an error.
 NOTHING_TO_LAY_DOWN = (202, 403)
