@@ -110,6 +110,10 @@ def path_difference(attempt: Attempt, chart: Chart, nested: Mapping[str, Chart])
     return ""
 
 
+def _differing(entered: list[str], asked: list[str]) -> str:
+    return f"the engine entered {entered}, operations are of {asked}"
+
+
 def _difference(event: Event, state: RunState) -> str:
     if isinstance(event, RunBegun):
         return "" if state == RunState() else "a run begins once"
