@@ -37,6 +37,16 @@ def test_a_golden_behavior_becomes_a_chart_that_becomes_the_behavior(name, golde
     assert rendered == text
 
 
+def test_routes_in_the_spelling_of_earlier_versions_are_read(golden, known):
+    text = text_of(golden, "two_arms")
+    earlier = re.sub(r"failed_(\d+)_(\d+)", r"failed \1-\2", text).replace(
+        "failed_305", "failed 305"
+    )
+    assert earlier.count("failed 100-199") > 3
+    charts = [fold(read_machine(t, "two_arms_sm.py", known), "") for t in (text, earlier)]
+    assert charts[0] == charts[1]
+
+
 INSERT = "InsertCableState(force_limit_n=20)"
 
 

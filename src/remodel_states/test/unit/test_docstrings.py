@@ -48,6 +48,8 @@ def test_the_app_can_read_the_class(file):
     node = state_class(file)
     assert [base.id for base in node.bases] == ["EventState"]
     assert node.name == "".join(word.capitalize() for word in file.stem.split("_"))
-    signature = re.search(r"def __init__\((.*?)\):", file.read_text(), re.DOTALL)[1]
-    assert ")" not in signature
-    assert ":" not in signature, "the App takes an annotation for part of the name"
+    init = next(n for n in node.body if getattr(n, "name", "") == "__init__")
+    (seen,) = re.findall(r"^    def __init__\(self, ([^):]*)\):", file.read_text(), re.MULTILINE)
+    assert "\n" not in seen, "the App reads the parameters from the line of the def"
+    parameters = [part.partition("=")[0].strip() for part in seen.split(",")]
+    assert parameters == [argument.arg for argument in init.args.args[1:]]
