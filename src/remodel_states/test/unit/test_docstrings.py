@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from flexbe_testing.app.states import read_state
+
 FILES = sorted((Path(__file__).parents[2] / "src" / "remodel_states").glob("*_state.py"))
 
 
@@ -46,10 +48,12 @@ def test_docstring_and_code_agree(file):
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_the_app_can_read_the_class(file):
     node = state_class(file)
-    assert [base.id for base in node.bases] == ["EventState"]
     assert node.name == "".join(word.capitalize() for word in file.stem.split("_"))
     init = next(n for n in node.body if getattr(n, "name", "") == "__init__")
-    (seen,) = re.findall(r"^    def __init__\(self, ([^):]*)\):", file.read_text(), re.MULTILINE)
-    assert "\n" not in seen, "the App reads the parameters from the line of the def"
-    parameters = [part.partition("=")[0].strip() for part in seen.split(",")]
-    assert parameters == [argument.arg for argument in init.args.args[1:]]
+    seen = read_state(file.read_text(), f"remodel_states.{file.stem}")
+    keywords = declared(node)
+    assert seen.class_name == node.name
+    assert list(seen.parameters) == [argument.arg for argument in init.args.args[1:]]
+    assert list(seen.input_keys) == keywords["input_keys"]
+    assert list(seen.output_keys) == keywords["output_keys"]
+    assert list(seen.outcomes) == [outcome.replace(" ", "") for outcome in keywords["outcomes"]]

@@ -167,7 +167,7 @@ class TwoArmsSM(Behavior):
                                         _sm_place_1,
                                         transitions={'placed': 'Urgent', 'given up': 'Recover'},
                                         autonomy={'placed': Autonomy.Inherit, 'given up': Autonomy.Inherit},
-                                        remapping={'cable_id': 'cable_id', 'where': 'look_left_pose', 'error_code': 'error_code', 'force': 'force', 'place_insert_attempts': 'place_insert_attempts'})
+                                        remapping={'cable_id': 'cable_id', 'where': 'look_left_pose', 'place_insert_attempts': 'place_insert_attempts', 'error_code': 'error_code', 'force': 'force'})
 
             # x:580 y:140
             OperatableStateMachine.add('Recover',
