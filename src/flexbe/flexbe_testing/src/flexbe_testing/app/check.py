@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
 
 from flexbe_testing.app.behavior import AppBehavior, Child, Container, StateUse
@@ -25,9 +26,8 @@ def _check_container(container: Container, path: str, available: Collection[str]
         yield f"container '{title}' has no outcomes"
     if not container.children:
         yield f"container '{title}' has no states"
-    labels = [child.label for child in container.children]
-    for label in labels:
-        if labels.count(label) > 1 or label in container.outcomes:
+    for label, count in Counter(child.label for child in container.children).items():
+        if count > 1 or label in container.outcomes:
             yield f"'{label}' in '{title}' is the name of something else there too"
     writers = _writers_before(container)
     for child in container.children:
@@ -71,8 +71,8 @@ def _variable_part(label: str) -> str:
 
 def _check_conditions(container: Container, title: str) -> Iterator[str]:
     listed = [pair for _outcome, pairs in container.conditions for pair in pairs]
-    for pair in dict.fromkeys(listed):
-        if listed.count(pair) > 1:
+    for pair, count in Counter(listed).items():
+        if count > 1:
             yield f"outcome '{pair[1]}' of '{title}/{pair[0]}' stands in two conditions"
     for _outcome, pairs in container.conditions:
         states = [state for state, _ in pairs]
