@@ -258,7 +258,7 @@ def test_what_is_loaded_is_what_the_file_holds(known):
         ("speed=self.speed)", "speed=(1)", "cannot load|is empty"),
         ("camera='right'", "camera='#1'", "holds a '#'"),
         ("camera='right'", "", "parameter 'camera' of '/Look/Right' is empty"),
-        ("'Box',\n", "'B-x',\n", "which is no identifier then"),
+        ("'Box',\n", "'B-x',\n", "variable '_sm_b-x_0' after container '/B-x'"),
         ("_state_machine:\n", "_sm_box_1:\n", "has no states"),
         ("OperatableStateMachine.add('Ask'", "PriorityContainer.add('Ask'", "is not Operatable"),
         ("High}", "higher()}", "saving changes the code"),

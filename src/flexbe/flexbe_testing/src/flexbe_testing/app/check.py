@@ -62,7 +62,10 @@ def _check_child(child: Child, path: str) -> Iterator[str]:
                     f"quote that does not close: {value}"
                 )
     elif isinstance(child.content, Container) and not _variable_part(child.label).isidentifier():
-        yield f"the App names a variable after container '{path}', which is no identifier then"
+        yield (
+            f"it would name a variable '{_variable_part(child.label)}_0' after container "
+            f"'{path}', which is no Python"
+        )
 
 
 def _variable_part(label: str) -> str:

@@ -64,15 +64,13 @@ def _code_lines(source: str) -> list[str]:
     """Return the statements, without what differs though it means the same.
 
     That is the order of keyword arguments, the blanks of a docstring, and the names under which
-    state classes are imported: the App renames them when another package has one of the same name.
+    classes are imported: the App renames states when another package has one of the same name. So
+    the imports are left out, and each imported name has its module before it.
     """
     tree = ast.parse(source)
-    aliases = {}
-    for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom):
-            for name in node.names:
-                aliases[name.asname or name.name] = f"{node.module}.{name.name}"
-                name.asname = None
+    imports = [node for node in tree.body if isinstance(node, ast.ImportFrom)]
+    aliases = {n.asname or n.name: f"{i.module}.{n.name}" for i in imports for n in i.names}
+    tree.body = [node for node in tree.body if node not in imports]
     for node in ast.walk(tree):
         if isinstance(node, ast.Call):
             node.keywords.sort(key=lambda keyword: keyword.arg or "")
