@@ -1,12 +1,11 @@
 """State classes as the FlexBE App reads them."""
 
-import ast
 from pathlib import Path
 
 import pytest
 
+from flexbe_testing.app.judge_state import judge_state
 from flexbe_testing.app.states import FromParameter, read_state
-from flexbe_testing.edge.app_packages import read_states
 
 STATES = Path(__file__).parents[3] / "flexbe_states" / "src" / "flexbe_states"
 FILES = sorted(STATES.glob("*_state.py"))
@@ -69,9 +68,32 @@ def test_lists_can_come_from_parameters_and_from_what_the_user_fills_in():
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_the_app_sees_all_of_each_state_of_flexbe_states(file):
-    (state,) = [s for s in read_states(STATES) if s.module == f"flexbe_states.{file.stem}"]
-    (found,) = [n for n in ast.parse(file.read_text()).body if isinstance(n, ast.ClassDef)]
-    (init,) = [n for n in found.body if getattr(n, "name", "") == "__init__"]
-    assert state.class_name == found.name
-    assert list(state.parameters) == [argument.arg for argument in init.args.args[1:]]
-    assert state.outcomes, "the App sees no outcome"
+    assert judge_state(file.read_text(), f"flexbe_states.{file.stem}") == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "complaint"),
+    [
+        (
+            "(self, target,",
+            "(\n        self, target,",
+            "line 10: the App does not see the arguments",
+        ),
+        ("target, speed", "target: str, speed", "does not see the arguments target of MoveState"),
+        ("(EventState)", "(EventState, Base)", "line 4: the App does not see MoveState"),
+        ("['pose']", "sorted(x)", "cannot read the input_keys of MoveState"),
+        ("            outcomes=['done', \"gave up\"],\n", "", "sees no outcome of MoveState"),
+        ("__init__(self, target", "start(self, target", "which has no __init__"),
+    ],
+)
+def test_what_the_app_does_not_see_of_a_state_is_reported_with_its_line(old, new, complaint):
+    assert old in STATE
+    found = "\n".join(judge_state(STATE.replace(old, new), "p.m"))
+    assert complaint in found, found
+
+
+def test_keys_of_both_directions_and_outcomes_with_blanks_are_reported():
+    assert judge_state(STATE, "p.m") == [
+        "line 10: the App does not see io_keys of MoveState: list them as input and output",
+        "line 10: the App reads outcome 'gave up' of MoveState as 'gaveup'",
+    ]

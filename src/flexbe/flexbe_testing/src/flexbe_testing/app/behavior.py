@@ -130,7 +130,7 @@ class AppBehavior:
     """A loaded behavior.
 
     Attributes:
-        lost: what the file holds and the App does not take; it is gone once the App saves.
+        lost: complaints about what the App does not take from the file; it is gone once saved.
     """
 
     name: str

@@ -26,7 +26,7 @@ def judge(text: str, known: Known) -> list[str]:
         behavior = load_behavior(text, known)
     except AppLoadError as error:
         return [f"the App cannot load it: {error}"]
-    complaints = [f"the App loses {what}" for what in behavior.lost]
+    complaints = list(behavior.lost)
     complaints += [f"the App does not save it: {why}" for why in check_behavior(behavior)]
     if behavior.class_name != behavior_class(behavior.name):
         complaints.append(f"the App saves it as class {behavior_class(behavior.name)}")

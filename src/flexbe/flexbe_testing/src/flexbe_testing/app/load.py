@@ -93,7 +93,7 @@ def _notes(init: str) -> str:
 def _lost_outside_create(text: str, read: str, init: str) -> Iterator[str]:
     """Yield what is not read of a file, `create` left out."""
     if "\r" in text:
-        yield "line ends other than LF"
+        yield "line ends other than LF are not read"
     if not _CREATED.search(read):
         yield "no block with date and author before the class"
     if not _DESCRIPTION.search(read):
@@ -102,8 +102,8 @@ def _lost_outside_create(text: str, read: str, init: str) -> Iterator[str]:
         yield f"__init__ ends early, because ' def ' stands in it, or has no '{_COMMENTS}'"
     for tag in cut.MANUAL_TAGS:
         if text.count(f"# [MANUAL_{tag}]") > 1:
-            yield f"section MANUAL_{tag}, whose tags stand more than once"
+            yield f"the tags of MANUAL_{tag} stand more than once: the App loses the section"
     for line in read.splitlines():
         is_import = re.match(r"\s*(from|import)\s", line) and not line.startswith(_CORE_IMPORT)
         if is_import and not _IMPORT.fullmatch(line):
-            yield f"an import in another form than 'from a.b import C': {line}"
+            yield f"an import in another form than 'from a.b import C' is not read: {line}"

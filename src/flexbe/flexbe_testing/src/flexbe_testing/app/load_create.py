@@ -85,9 +85,11 @@ class CreateSection:
     def _container(self, variable: str, path: str, above: tuple[str, ...]) -> Container:
         definition, block = self._definitions[variable], self._blocks.get(variable, "")
         if not definition.places:
-            self._lost.append(f"the positions of the outcomes of '{path or '/'}'")
+            self._lost.append(f"the App loses the positions of the outcomes of '{path or '/'}'")
         if len(re.findall(r"\.add\(", block)) != len(_ADD.findall(block)):
-            self._lost.append(f"an add in '{path or '/'}' that is not OperatableStateMachine.add")
+            self._lost.append(
+                f"the App loses an add in '{path or '/'}' that is not OperatableStateMachine.add"
+            )
         adds = [
             self._child(found, block, path, (*above, variable)) for found in _ADD.finditer(block)
         ]
@@ -103,7 +105,7 @@ class CreateSection:
             raise AppLoadError(f"a call of add in '{path or '/'}' is not read")
         inner = f"{path}/{label}"
         if found[1] is None:
-            self._lost.append(f"the position of '{inner}'")
+            self._lost.append(f"the App loses the position of '{inner}'")
         maps = {name: self._map(name, arguments[2:], inner) for name in _MAPS}
         internal = {name: value.strip() for name, value in _INTERNAL.findall(found[3] or "")}
         content = self._content(arguments[1], inner, above, (*maps["transitions"],), internal)
@@ -118,7 +120,9 @@ class CreateSection:
                 entries = cut.pairs(found[1])
                 return {key: cut.unquoted(v) or v for key, v in entries.items()}
             if argument.startswith(name):
-                self._lost.append(f"{name} of '{path}', which are not read: {argument}")
+                self._lost.append(
+                    f"the App loses {name} of '{path}', which are not read: {argument}"
+                )
         return {}
 
     def _content(
@@ -161,7 +165,9 @@ class CreateSection:
             if keyword and keyword[1] in definition.parameters:
                 given[keyword[1]] = keyword[2]
             elif keyword:
-                self._lost.append(f"parameter {keyword[1]} of '{path}', which {alias} hides")
+                self._lost.append(
+                    f"the App loses parameter {keyword[1]} of '{path}', which {alias} hides"
+                )
         return StateUse(definition, given)
 
     def _behavior(self, arguments: list[str], path: str) -> BehaviorUse:
@@ -177,7 +183,9 @@ class CreateSection:
             elif re.fullmatch(r"\{[^{})]*\}", value):
                 given = cut.pairs(value[1:-1])
             else:
-                self._lost.append(f"parameters of '{path}', with a brace or ')' in them: {value}")
+                self._lost.append(
+                    f"the App loses parameters of '{path}', with a brace or ')' in them: {value}"
+                )
         return BehaviorUse(definition, cut.unquoted(arguments[1]) or "", keys, given)
 
     def _connected(self, child: Child, targets: set[str], path: str) -> Child:
@@ -190,14 +198,20 @@ class CreateSection:
                     if without_blanks(outcome) in child.content.outcomes
                     else f"its outcomes are {', '.join(child.content.outcomes) or 'none'}"
                 )
-                self._lost.append(f"the transition of '{outcome}' of '{inner}': {why}")
+                self._lost.append(
+                    f"the App loses the transition of '{outcome}' of '{inner}': {why}"
+                )
             elif target not in targets:
-                self._lost.append(f"the transition of '{outcome}' of '{inner}' to '{target}'")
+                self._lost.append(
+                    f"the App loses the transition of '{outcome}' of '{inner}' to '{target}'"
+                )
             else:
                 kept[outcome] = target
         for key in child.remapping:
             if key not in child.keys:
-                self._lost.append(f"the remapping of '{key}' of '{inner}', which it does not have")
+                self._lost.append(
+                    f"the App loses the remapping of '{key}' of '{inner}', which it does not have"
+                )
         levels = {o: child.level(o) for o in child.content.outcomes}
         homes = {key: child.remapping.get(key, key) for key in child.keys}
         return replace(child, transitions=kept, autonomy=levels, remapping=homes)

@@ -6,25 +6,42 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from xml.etree import ElementTree
 
+import rospkg
+
 from flexbe_testing.app.behavior import BehaviorDefinition
 from flexbe_testing.app.known import Known
 from flexbe_testing.app.load import define_behavior
 from flexbe_testing.app.states import StateDefinition, read_state
 from flexbe_testing.app.text import AppLoadError
 
+_EXPORTS = ("flexbe_states", "flexbe_behaviors")
+
+
+def flexbe_packages() -> list[Path]:
+    """Return the folders of all packages on the ROS package path that export states or behaviors.
+
+    Raises:
+        ValueError: if a package.xml is no XML.
+    """
+    ros = rospkg.RosPack()
+    folders = [Path(ros.get_path(name)) for name in sorted(ros.list())]
+    return [folder for folder in folders if _exports(folder) & set(_EXPORTS)]
+
 
 def read_packages(folders: Iterable[Path]) -> Known:
-    """Return what the App finds in the folders of packages, in which it looks for exports."""
+    """Return what the App finds in the folders of packages, in which it looks for exports.
+
+    Raises:
+        ValueError: if a package.xml or manifest is no XML.
+    """
     states: list[StateDefinition] = []
     behaviors: list[BehaviorDefinition] = []
     for folder in folders:
-        package = ElementTree.parse(folder / "package.xml").getroot()
-        exports = {entry.tag for export in package.iter("export") for entry in export}
-        modules = folder / "src" / (package.findtext("name") or "").strip()
+        exports = _exports(folder)
         if "flexbe_states" in exports:
-            states += read_states(modules)
+            states += read_states(_modules(folder))
         if "flexbe_behaviors" in exports:
-            behaviors += _read_behaviors(folder, modules)
+            behaviors += _read_behaviors(folder)
     return Known(states, behaviors)
 
 
@@ -38,15 +55,43 @@ def read_states(folder: Path) -> Iterator[StateDefinition]:
                 yield found
 
 
-def _read_behaviors(folder: Path, modules: Path) -> Iterator[BehaviorDefinition]:
-    """Yield the behaviors of a package's manifests; those that the App cannot load are left out."""
+def behavior_files(folder: Path) -> Iterator[tuple[Path, Path]]:
+    """Yield manifest and code of each behavior of a package whose code is there.
+
+    Raises:
+        ValueError: if a manifest is no XML.
+    """
     for file in sorted((folder / "manifest").glob("*.xml")):
-        executable = ElementTree.parse(file).getroot().find("executable")
+        executable = _parse(file).find("executable")
         module = "" if executable is None else executable.get("package_path", "")
-        code = modules / f"{module.partition('.')[2]}.py"
-        if module.count(".") != 1 or not code.is_file():
-            continue
+        code = _modules(folder) / f"{module.partition('.')[2]}.py"
+        if module.count(".") == 1 and code.is_file():
+            yield file, code
+
+
+def _read_behaviors(folder: Path) -> Iterator[BehaviorDefinition]:
+    """Yield the behaviors of a package; those that the App cannot load are left out."""
+    for _manifest, code in behavior_files(folder):
         try:
+            module = f"{_modules(folder).name}.{code.stem}"
             yield define_behavior(code.read_text(encoding="utf-8"), module)
         except AppLoadError:
             continue
+
+
+def _exports(folder: Path) -> set[str]:
+    return {
+        entry.tag for export in _parse(folder / "package.xml").iter("export") for entry in export
+    }
+
+
+def _modules(folder: Path) -> Path:
+    name = (_parse(folder / "package.xml").findtext("name") or "").strip()
+    return folder / "src" / name
+
+
+def _parse(file: Path) -> ElementTree.Element:
+    try:
+        return ElementTree.parse(file).getroot()
+    except ElementTree.ParseError as error:
+        raise ValueError(f"{file} is no XML: {error}") from error
