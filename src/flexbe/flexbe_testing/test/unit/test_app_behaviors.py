@@ -304,3 +304,44 @@ def test_a_manifest_names_the_file_and_the_class_that_the_app_writes(known):
 def test_what_is_wrong_with_a_manifest_is_reported(old, new, complaint, known):
     found = "\n".join(judge_manifest(MANIFEST.replace(old, new), BEHAVIOR, known))
     assert complaint in found, found
+
+
+def test_what_the_user_has_filled_in_for_a_computed_list_is_kept(known):
+    computed = read_state(
+        STATE.format(name="AskState", parameters="", outcomes="list('ab')", reads=[], writes=[]),
+        "my_states.ask_state",
+    )
+    others = [s for s in known.states if s.class_name != "AskState"]
+    with_computed = Known([*others, computed], known.behaviors)
+    text = BEHAVIOR.replace("AskState(answers=['again', 'clean_up'])", "AskState()")
+    assert "has no outcomes that the App can read" in "\n".join(judge(text, with_computed))
+    filled = text.replace("# x:300 y:240", "# x:300 y:240 {?outcomes = ['again', 'clean_up']}")
+    assert judge(filled, with_computed) == []
+    assert "# x:300 y:240 {?outcomes = ['again', 'clean_up']}" in saved_by_app(
+        filled, with_computed
+    )
+
+
+def test_other_spellings_are_read_as_the_same_and_saved_in_the_apps_own(known):
+    text = BEHAVIOR.replace("MoveState(speed=self.speed)", "MoveState(self.speed)")
+    text = text.replace("Autonomy.High", "2").replace("'Move',\n", '"Move" ,\n')
+    saved = saved_by_app(text, known)
+    assert "MoveState(speed=self.speed)" in saved
+    assert "OperatableStateMachine.add('Move',\n" in saved
+    assert "autonomy={'done': 2}" in saved
+    assert judge(saved, known) == []
+    assert "saving changes the code" in judge(text, known)[0]
+
+
+def test_states_of_one_name_are_imported_under_the_names_of_their_packages(known):
+    other = read_state(
+        STATE.format(name="MoveState", parameters="", outcomes=["moved"], reads=[], writes=[]),
+        "other_states.move_state",
+    )
+    both = Known([*known.states, other], known.behaviors)
+    assert judge(BEHAVIOR, both) == []
+    saved = saved_by_app(BEHAVIOR, both)
+    line = "from my_states.move_state import MoveState as my_states__MoveState"
+    assert line in saved.splitlines()
+    assert "my_states__MoveState(speed=self.speed)" in saved
+    assert judge(saved, both) == []
