@@ -23,8 +23,8 @@ from flexbe_synthesizer.core.model import Chart
 from flexbe_synthesizer.core.problem import errors_in
 from flexbe_synthesizer.core.signature import StateClass
 from flexbe_synthesizer.edge.chart_files import confined_to, find_chart
+from flexbe_synthesizer.edge.inventory import read_inventory
 from flexbe_synthesizer.edge.output_package import output_package
-from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from flexbe_synthesizer.errors import ChartFileError, ChartRefusedError, OutputError
 from flexbe_synthesizer.synthesis import CheckedFiles, check_files, started_at, write_behaviors
 
@@ -130,8 +130,8 @@ def _fulfil(request: Request, settings: Settings, report: Report) -> Answer:
     report(f"looking for the chart '{request.goal}'", 0.0)
     path = find_chart(request.goal, settings.chart_folders)
     report("reading the states and behaviors on the ROS package path", 0.1)
-    packages, package_warnings = find_packages(settings.ros_package_path)
-    library, library_warnings = read_library(packages)
+    inventory = read_inventory(settings.ros_package_path)
+    library = inventory.library
     output = output_package(settings.output)
     locate = confined_to(settings.chart_folders)
     files = check_files(
@@ -150,7 +150,7 @@ def _fulfil(request: Request, settings: Settings, report: Report) -> Answer:
     states = _states(_started(request, checked, files, library), output.name, library)
     report(f"writing to the package {output.name}", 0.8)
     written = write_behaviors(files)
-    warnings = (*package_warnings, *library_warnings, *map(str, files.problems))
+    warnings = (*inventory.warnings, *map(str, files.problems))
     return Answer(states, written, warnings)
 
 

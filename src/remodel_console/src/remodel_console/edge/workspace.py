@@ -15,8 +15,8 @@ from flexbe_synthesizer.core.model import Chart, State, walk_nodes
 from flexbe_synthesizer.core.problem import Problem, errors_in
 from flexbe_synthesizer.core.resolve import scopes
 from flexbe_synthesizer.edge.chart_files import confined_to, find_chart, read_charts
+from flexbe_synthesizer.edge.inventory import Inventory, read_inventory
 from flexbe_synthesizer.edge.output_package import OutputPackage, enclosing_package
-from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from flexbe_synthesizer.errors import OutputError, SynthesisError
 from flexbe_synthesizer.synthesis import CheckedFiles, check_files, write_behaviors
 from remodel_console.errors import CommandError
@@ -37,12 +37,12 @@ class Workspace:
     @property
     def chart_folders(self) -> tuple[Path, ...]:
         """Return `charts/` of all packages that export behaviors, then the other folders."""
-        packages, _warnings = find_packages(self.ros_package_path)
+        packages = self._inventory().packages
         return (*(p.folder / "charts" for p in packages if p.has_behaviors), *self.more_folders())
 
     def folder_words(self) -> Iterator[tuple[Path, str]]:
         """Yield each chart folder, and what a person calls it."""
-        packages, _warnings = find_packages(self.ros_package_path)
+        packages = self._inventory().packages
         owners = {package.folder / "charts": package.name for package in packages}
         for folder in self.chart_folders:
             if folder in owners:
@@ -61,8 +61,8 @@ class Workspace:
         found = {chart.name: chart for chart in self.charts()}
         if name in found:
             return found[name]
-        packages, _warnings = find_packages(self.ros_package_path)
-        library, _more = read_library(packages)
+        inventory = self._inventory()
+        packages, library = inventory.packages, inventory.library
         behaviors = {behavior.name: behavior for behavior in library.behaviors}
         if name not in behaviors:
             hint = names.allowed(name, sorted({*found, *behaviors}))
@@ -110,8 +110,7 @@ class Workspace:
 
     def library(self) -> Library:
         """Return the states and behaviors that are installed."""
-        packages, _warnings = find_packages(self.ros_package_path)
-        return read_library(packages)[0]
+        return self._inventory().library
 
     def files(self) -> tuple[str, ...]:
         """Return the names of the files in the chart folders, as `read` takes them."""
@@ -166,6 +165,9 @@ class Workspace:
                     continue  # what cannot be read cannot be edited
                 if chart is not None:
                     yield chart
+
+    def _inventory(self) -> Inventory:
+        return read_inventory(self.ros_package_path)
 
     def _checked(self, chart: Chart) -> CheckedFiles:
         return self.look(write_chart(chart), chart.file)
