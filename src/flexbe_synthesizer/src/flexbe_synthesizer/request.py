@@ -23,6 +23,7 @@ from flexbe_synthesizer.core.model import Chart
 from flexbe_synthesizer.core.problem import errors_in
 from flexbe_synthesizer.core.signature import StateClass
 from flexbe_synthesizer.edge.chart_files import confined_to, find_chart
+from flexbe_synthesizer.edge.chart_memory import ChartMemory
 from flexbe_synthesizer.edge.inventory import read_inventory
 from flexbe_synthesizer.edge.output_package import output_package
 from flexbe_synthesizer.errors import ChartFileError, ChartRefusedError, OutputError
@@ -105,19 +106,22 @@ def within(limit_s: float, report: Report, now: Callable[[], float]) -> Report:
     return report_in_time
 
 
-def fulfil(request: Request, settings: Settings, report: Report) -> Answer:
+def fulfil(
+    request: Request, settings: Settings, report: Report, memory: ChartMemory | None = None
+) -> Answer:
     """Synthesize the chart that a request names: write its behavior, return its states.
 
     Args:
         request: what is asked for.
         settings: where things are.
         report: told each step and the progress [0, 1]; what it raises ends the request.
+        memory: has the charts of earlier requests.
 
     Raises:
         RequestError: if the request cannot be fulfilled; then nothing was written.
     """
     try:
-        return _fulfil(request, settings, report)
+        return _fulfil(request, settings, report, memory)
     except ChartRefusedError as error:
         raise RequestError(ErrorCode.CHART_REFUSED, str(error)) from error
     except ChartFileError as error:
@@ -126,7 +130,9 @@ def fulfil(request: Request, settings: Settings, report: Report) -> Answer:
         raise RequestError(ErrorCode.OUTPUT_FAILED, str(error)) from error
 
 
-def _fulfil(request: Request, settings: Settings, report: Report) -> Answer:
+def _fulfil(
+    request: Request, settings: Settings, report: Report, memory: ChartMemory | None
+) -> Answer:
     report(f"looking for the chart '{request.goal}'", 0.0)
     path = find_chart(request.goal, settings.chart_folders)
     report("reading the states and behaviors on the ROS package path", 0.1)
@@ -140,6 +146,7 @@ def _fulfil(request: Request, settings: Settings, report: Report) -> Answer:
         lambda _chart: output,
         locate,
         report=lambda chart: report(f"checking {chart}", 0.4),
+        memory=memory,
     )
     errors = errors_in(files.problems)
     if errors:

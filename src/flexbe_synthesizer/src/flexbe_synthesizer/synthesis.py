@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 
-from flexbe_synthesizer.core.check import CheckedChart
+from flexbe_synthesizer.core.check import CheckedChart, check_chart
+from flexbe_synthesizer.core.codec import read_chart
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, manifest_of
 from flexbe_synthesizer.core.layout import lay_out
 from flexbe_synthesizer.core.library import Library
@@ -21,6 +22,7 @@ from flexbe_synthesizer.core.problem import ChartError, Code, Problem, errors_in
 from flexbe_synthesizer.core.render_python import render_python
 from flexbe_synthesizer.edge.atomic_write import write_all
 from flexbe_synthesizer.edge.chart_files import read_charts
+from flexbe_synthesizer.edge.chart_memory import ChartMemory
 from flexbe_synthesizer.edge.output_package import OutputPackage
 from flexbe_synthesizer.errors import OutputError
 
@@ -64,6 +66,7 @@ def check_files(
     locate: Callable[[str], Path] = Path,
     drafts: Mapping[str, bytes] = MappingProxyType({}),
     report: Callable[[str], None] = lambda _path: None,
+    memory: ChartMemory | None = None,
 ) -> CheckedFiles:
     """Read the charts, and those that they name, and check all.
 
@@ -74,14 +77,15 @@ def check_files(
         locate: returns the file to read for a path, or refuses it.
         drafts: contents that stand for those of the files, by path.
         report: told the path of each chart before it is checked.
+        memory: has what was read and checked before.
 
     Raises:
         SynthesisError: if a file cannot be read, or belongs to no package.
     """
-    files = read_charts(paths, locate, drafts)
+    files = read_charts(paths, locate, drafts, memory.read if memory else read_chart)
     packages = {chart.file: package_of(chart.file) for chart in files.charts}
     units = [Unit(chart, packages[chart.file].name) for chart in files.charts]
-    checked = check_units(units, library, report)
+    checked = check_units(units, library, report, memory.check if memory else check_chart)
     problems = list(files.problems)
     told = {(problem.position, problem.code) for problem in problems}
     for one in checked.values():

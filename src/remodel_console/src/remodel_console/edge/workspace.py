@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from flexbe_synthesizer.core import names
@@ -15,6 +15,7 @@ from flexbe_synthesizer.core.model import Chart, State, walk_nodes
 from flexbe_synthesizer.core.problem import Problem, errors_in
 from flexbe_synthesizer.core.resolve import scopes
 from flexbe_synthesizer.edge.chart_files import confined_to, find_chart, read_charts
+from flexbe_synthesizer.edge.chart_memory import ChartMemory
 from flexbe_synthesizer.edge.inventory import Inventory, read_inventory
 from flexbe_synthesizer.edge.output_package import OutputPackage, enclosing_package
 from flexbe_synthesizer.errors import OutputError, SynthesisError
@@ -29,10 +30,12 @@ class Workspace:
     Attributes:
         ros_package_path: on which packages, their charts, states and behaviors are found.
         more_folders: returns the other folders that hold charts now.
+        memory: has the charts that were read and checked before.
     """
 
     ros_package_path: str
     more_folders: Callable[[], Iterable[Path]] = tuple
+    memory: ChartMemory = field(default_factory=ChartMemory, compare=False, repr=False)
 
     @property
     def chart_folders(self) -> tuple[Path, ...]:
@@ -106,7 +109,7 @@ class Workspace:
         Raises:
             CommandError: if a chart that it names cannot be read.
         """
-        return self._check(file, {file: text.encode()})
+        return self._check(file, {file: text.encode("utf-8", "surrogatepass")})
 
     def library(self) -> Library:
         """Return the states and behaviors that are installed."""
@@ -176,7 +179,9 @@ class Workspace:
         library = self.library()
         locate = confined_to((*self.chart_folders, Path(path).parent))
         try:
-            return check_files([path], library, _package_of, locate, drafts or {})
+            return check_files(
+                [path], library, _package_of, locate, drafts or {}, memory=self.memory
+            )
         except SynthesisError as error:
             raise CommandError(str(error)) from error
 
