@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from sys import intern
 from types import MappingProxyType
 from typing import NamedTuple, TypeAlias, TypeVar
 from xml.etree.ElementTree import Element
@@ -191,7 +192,7 @@ class _ChartReader:
     def _param(self, element: Element) -> Param:
         given, _extensions = self._leaf(element, _PARAM)
         value = parse_literal(given.get("value", ""))
-        return Param(given.get("name", ""), value, source=(self._tree, element))
+        return Param(intern(given.get("name", "")), value, source=(self._tree, element))
 
     def _transition(self, element: Element) -> Transition:
         given, extensions = self._leaf(element, TRANSITION)
@@ -201,15 +202,17 @@ class _ChartReader:
                 element, extensions, "autonomy", Autonomy, _LEVELS, Autonomy.OFF
             )
         source = (self._tree, element)
-        return Transition(given.get("event", ""), given.get("target", ""), autonomy, source=source)
+        return Transition(
+            intern(given.get("event", "")), intern(given.get("target", "")), autonomy, source=source
+        )
 
     def _connection(self, element: Element) -> Connection:
         given, _extensions = self._leaf(element, _CONNECTION)
         return Connection(
-            given.get("output_state_id", ""),
-            given.get("output", ""),
-            given.get("input_state_id", ""),
-            given.get("input", ""),
+            intern(given.get("output_state_id", "")),
+            intern(given.get("output", "")),
+            intern(given.get("input_state_id", "")),
+            intern(given.get("input", "")),
             source=(self._tree, element),
         )
 
@@ -231,7 +234,7 @@ class _ChartReader:
         limits = self._limits(element, fields.extensions) if fields.extensions else _UNLIMITED
         parts = fields.parts
         transitions = tuple([self._transition(e) for e in parts.get("transition", ())])
-        node_id, source = fields.text("id"), (self._tree, element)
+        node_id, source = intern(fields.text("id")), (self._tree, element)
         if element.tag not in ("state", "behavior"):
             body = self._container_body(element, fields, shape)
             tag = _parted(element.tag)[1]
@@ -240,7 +243,7 @@ class _ChartReader:
             )
         given = (
             node_id,
-            fields.text("type"),
+            intern(fields.text("type")),
             transitions,
             tuple([self._input(e, PORT) for e in parts["input"]]) if "input" in parts else (),
             tuple([self._output(e) for e in parts["output"]]) if "output" in parts else (),

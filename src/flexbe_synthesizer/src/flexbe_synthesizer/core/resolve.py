@@ -26,6 +26,7 @@ from flexbe_synthesizer.core.model import (
 )
 from flexbe_synthesizer.core.names import PREEMPTED
 from flexbe_synthesizer.core.problem import Code, Problem
+from flexbe_synthesizer.core.quick import quick
 from flexbe_synthesizer.core.signature import (
     BehaviorClass,
     Port,
@@ -108,6 +109,7 @@ class Use:
         return self.signature is not None and event in (self.signature.outcomes or ())
 
 
+@quick
 @dataclass(frozen=True, eq=False, slots=True)
 class ResolvedNode:
     """A node of a chart with what it names; `body` is the content of a container."""

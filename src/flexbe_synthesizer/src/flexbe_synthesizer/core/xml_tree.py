@@ -27,6 +27,8 @@ from flexbe_synthesizer.core.xml_reader import (
 )
 
 _LINE_END = re.compile(rb"\r\n?|\n")
+# Between tags, or in a comment or a text, none of which changes the elements and what is in them.
+_INDENTATION = re.compile(rb">[ \t\r\n]+<")
 
 
 class XmlTree:
@@ -128,7 +130,7 @@ def _parse(data: bytes) -> Element | None:
         return None
     parser = XMLParser(target=TreeBuilder(), encoding="utf-8")
     try:
-        parser.feed(data)
+        parser.feed(_INDENTATION.sub(b"><", data))  # each would become a string in the tree
         root: Element = parser.close()
     except ParseError:
         return None
