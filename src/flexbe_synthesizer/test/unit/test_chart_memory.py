@@ -3,10 +3,30 @@ import shutil
 import pytest
 
 from flexbe_synthesizer.edge.chart_memory import ChartMemory
-from flexbe_synthesizer.edge.output_package import OutputPackage
-from flexbe_synthesizer.synthesis import check_files
+from flexbe_synthesizer.edge.inventory import read_inventory
+from flexbe_synthesizer.edge.output_package import OutputPackage, output_package
+from flexbe_synthesizer.synthesis import check_files, write_behaviors
 
 OUTER, INNER = "wire_task.xml", "place_connector.xml"
+READS = """<statemachine name="Outer" initial="In">
+  <datamodel><outcome name="end"/></datamodel>
+  <behavior id="In" type="{inner}">
+    <transition event="good" target="Report"/>
+    <transition event="bad" target="end"/>
+  </behavior>
+  <state id="Report" type="ReportState">
+    <param name="text" value="x"/><transition event="told" target="end"/>
+  </state>
+  <connection output_state_id="In" output="value" input_state_id="Report" input="value"/>
+</statemachine>"""
+WRITES = """<statemachine name="Inner" initial="Try">
+  <datamodel><outcome name="good"/><outcome name="bad"/><output name="value"/></datamodel>
+  <state id="Try" type="TryState">
+    <transition event="done" target="good"/>
+    <transition event="given up" target="bad"/>
+    <transition event="failed" target="bad"/>
+  </state>
+</statemachine>"""
 
 
 @pytest.fixture
@@ -80,6 +100,45 @@ def test_what_is_remembered_is_what_a_first_check_finds(charts, library, name, o
     assert list(changed.charts) == list(expected.charts)
     (charts / name).write_bytes(before)
     assert check(charts, library, memory).problems == check(charts, library, None).problems
+
+
+def write_less(charts):
+    """Leave the interface of the inner chart as it is, and have `good` no longer write `value`."""
+    edit(charts, INNER, 'event="given up" target="bad"', 'event="given up" target="good"')
+
+
+def test_what_a_named_chart_no_longer_writes_is_seen(charts, library):
+    (charts / OUTER).write_text(READS.format(inner=INNER))
+    (charts / INNER).write_text(WRITES)
+    memory = ChartMemory()
+    assert not check(charts, library, memory).problems
+    write_less(charts)
+    found = check(charts, library, memory).problems
+    assert found == check(charts, library, None).problems
+    assert [problem.code.slug for problem in found] == ["read-before-write"]
+
+
+def test_what_the_code_of_a_named_behavior_no_longer_writes_is_seen(charts, package_path):
+    """A behavior that is installed without its chart is read back from its file."""
+    package = charts.parent / "packages" / "inner_behaviors"
+
+    def install():
+        output = output_package(package)
+        files = check_files([str(charts / INNER)], library(), lambda _path: output)
+        write_behaviors(files)
+
+    def library():
+        return read_inventory(f"{package_path}:{package.parent}").library
+
+    (charts / INNER).write_text(WRITES)
+    install()
+    (charts / OUTER).write_text(READS.format(inner="Inner"))
+    memory = ChartMemory()
+    assert not check(charts, library(), memory).problems
+    write_less(charts)
+    install()
+    found = check(charts, library(), memory).problems
+    assert [problem.code.slug for problem in found] == ["read-before-write"]
 
 
 def test_another_library_has_all_checked_again(charts, library):

@@ -10,7 +10,7 @@ from itertools import chain
 from typing import NamedTuple
 
 from flexbe_synthesizer.core import names
-from flexbe_synthesizer.core.model import Condition
+from flexbe_synthesizer.core.model import AnyNode, Chart, Condition
 from flexbe_synthesizer.core.resolve import EXHAUSTED, FAILED, ResolvedChart
 
 _STEPS_SHOWN = 10  # of a path, at its beginning and at its end
@@ -21,7 +21,8 @@ class Edge(NamedTuple):
 
     Attributes:
         executed: the source certainly ran to an outcome of its own.
-        is_exhausted: it is taken only on a later entry, instead of running the source again.
+        is_exhausted: it is taken only on a later entry, instead of running the source again. Where
+            attempts may be spent before the first entry, it is an edge like any other.
     """
 
     source: str
@@ -144,14 +145,11 @@ def chart_graph(resolved: ResolvedChart) -> Graph:
     for source, entry in resolved.by_id.items():
         node, added = entry.node, entry.use.added_events
         counted = node.attempts is not None and not entry.use.has_own(EXHAUSTED)
+        counted = counted and not resolved.is_repeated
         edges = [
-            Edge(source, t.event, t.target, t.event not in added, counted and t.event == EXHAUSTED)
-            for t in node.transitions
+            Edge(source, event, target, event not in added, counted and event == EXHAUSTED)
+            for event, target in _leads(node)
         ]
-        if node.on_error:
-            edges += [
-                Edge(source, FAILED, route.target, FAILED not in added) for route in node.on_error
-            ]
         if edges:
             leaving[source] = edges
             if not all([edge.target in known for edge in edges]):
@@ -167,6 +165,21 @@ def chart_graph(resolved: ResolvedChart) -> Graph:
 def _mended(edge: Edge, resolved: ResolvedChart) -> Edge:
     """Return an edge that leads to the target that was meant."""
     return edge._replace(target=names.misspelt(edge.target, resolved.targets) or edge.target)
+
+
+def looping_nodes(chart: Chart) -> frozenset[str]:
+    """Return the nodes of a chart, or of the content of a container, that can be entered again."""
+    leaving: dict[str, list[Edge]] = {}
+    for node in chart.nodes:
+        leaving.setdefault(node.id, []).extend(Edge(node.id, *lead) for lead in _leads(node))
+    return Graph(chart.initial, tuple(leaving), leaving).looping
+
+
+def _leads(node: AnyNode) -> list[tuple[str, str]]:
+    """Return event and target of each way out of a node."""
+    leads = [(transition.event, transition.target) for transition in node.transitions]
+    leads.extend([(FAILED, route.target) for route in node.on_error])
+    return leads
 
 
 def condition_edges(condition: Condition, resolved: ResolvedChart) -> Iterator[Edge]:
