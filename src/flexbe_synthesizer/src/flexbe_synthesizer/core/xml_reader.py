@@ -20,8 +20,8 @@ XML_NAMESPACE = "http://www.w3.org/XML/1998/namespace"
 _MOST_DUPLICATES = 100  # each costs a pass over the file; this many are enough to begin with
 _ENCODINGS = {"utf-8", "us-ascii", "ascii", "iso-8859-1", "latin-1", "windows-1252"}
 _DECLARATION = re.compile(rb"""<\?xml\s[^>]*?encoding\s*=\s*["']([\w.:-]+)""")
-_TAG_NAME = re.compile(rb"<[^\s/>]+")
-_ATTRIBUTE = re.compile(rb"""\s*([^\s=/>]+)\s*=\s*("[^"]*"|'[^']*')""")
+TAG_NAME = re.compile(rb"<[^\s/>]+")
+ATTRIBUTE = re.compile(rb"""\s*([^\s=/>]+)\s*=\s*("[^"]*"|'[^']*')""")
 
 
 @dataclass(frozen=True)
@@ -249,9 +249,9 @@ class _Reading:
     def _attribute_places(self, here: Position) -> Iterator[tuple[str, Position]]:
         """Yield name and position of each attribute of the tag that expat stands at."""
         start = self._parser.CurrentByteIndex
-        name = _TAG_NAME.match(self._data, start)
+        name = TAG_NAME.match(self._data, start)
         at = name.end() if name else start
-        while (found := _ATTRIBUTE.match(self._data, at)) is not None:
+        while (found := ATTRIBUTE.match(self._data, at)) is not None:
             before = self._data[start : found.start(1)].decode()
             lines = before.count("\n")
             column = len(before) - before.rfind("\n") if lines else here.column + len(before)
@@ -296,7 +296,7 @@ class _Reading:
         position = Position(self._file, error.lineno, error.offset + 1)
         at = self._parser.ErrorByteIndex
         if error.code == expat.errors.codes[expat.errors.XML_ERROR_DUPLICATE_ATTRIBUTE]:
-            found = _ATTRIBUTE.match(self._data, at)
+            found = ATTRIBUTE.match(self._data, at)
             if found is not None:
                 name = found[1].decode()
                 message = f"the attribute '{name}' stands twice in this element; delete one."
