@@ -21,6 +21,7 @@ from flexbe_synthesizer.edge.output_package import (
     OutputPackage,
     enclosing_package,
     output_package,
+    unwritten_package,
 )
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from flexbe_synthesizer.edge.run_record import read_run
@@ -91,7 +92,7 @@ def _run(options: argparse.Namespace, ros_package_path: str) -> int:
         except OutputError:
             if not options.check:
                 raise
-            return OutputPackage("unwritten", Path(path).parent, missing={})
+            return unwritten_package(Path(path).parent)
 
     files = check_files(options.charts, library, package_of, report=_Progress(len(options.charts)))
     errors = errors_in(files.problems)

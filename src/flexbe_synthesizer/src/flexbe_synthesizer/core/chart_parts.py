@@ -14,6 +14,7 @@ from flexbe_synthesizer.core.model import (
     Condition,
     Connection,
     Container,
+    ContainerKind,
     Element,
     Input,
     Output,
@@ -36,7 +37,7 @@ class Part:
     tag: str
     attributes: dict[str, str]
     children: list[Part] = field(default_factory=list)
-    source: XmlElement | None = None
+    source: XmlElement | None = field(default=None, compare=False)
 
     def is_extended(self) -> bool:
         """Return whether the element, or one in it, needs the extension's namespace."""
@@ -72,7 +73,8 @@ def _body(chart: Chart) -> Iterator[Part]:
 
 def _node(node: AnyNode) -> Part:
     if isinstance(node, Container):
-        initial = node.body.initial or None
+        starts = node.runs is not ContainerKind.CONCURRENCY  # else all that is in it does
+        initial = (node.body.initial or None) if starts else None
         part = _part(f"ext:{node.type}", node, id=node.id, initial=initial)
     else:
         topic = node.topic if isinstance(node, State) else None

@@ -15,6 +15,7 @@ from flexbe_synthesizer.core.chart_parts import Part, chart_part
 from flexbe_synthesizer.core.chart_writer import escaped, write_chart
 from flexbe_synthesizer.core.codec import read_chart
 from flexbe_synthesizer.core.description_edit import description_edit
+from flexbe_synthesizer.core.error_routes import parse_routes, respelled
 from flexbe_synthesizer.core.model import Chart
 from flexbe_synthesizer.core.part_pairs import groups, in_group, kept_in_order, paired
 from flexbe_synthesizer.core.text_edits import Edits, Place, style_of
@@ -37,16 +38,21 @@ def rewrite_chart(text: str, chart: Chart) -> str:
     if base is None or base.source is None:
         raise RewriteError("the text is not well-formed XML with a <statemachine>; mend it first")
     try:
-        wanted, _problems = read_chart(write_chart(chart), chart.file)
+        wanted = _said(write_chart(chart), chart.file)
         found = _Rewriting(XmlLayout(text.encode()), base.source[1]).changed(base, chart)
     except ValueError as error:
         raise RewriteError(str(error)) from error
-    again, _problems = read_chart(found, chart.file)
-    if again != wanted:
+    if _said(found, chart.file) != wanted:
         raise RewriteError(
             "this change cannot be made in the XML as it is written; make it in the XML itself"
         )
     return found
+
+
+def _said(text: str, file: str) -> tuple[Part, str] | None:
+    """Return all that a text says as a chart; values are compared as they are spelled."""
+    chart, _problems = read_chart(text, file)
+    return None if chart is None else (chart_part(chart), chart.description)
 
 
 class _Rewriting:
@@ -88,7 +94,7 @@ class _Rewriting:
                 continue
             spelled = self._layout.data[span.value_start : span.value_end].decode()
             quote = chr(self._layout.data[span.value_end])
-            text = escaped(_as_spelled(name, spelled, value), quote)
+            text = _as_spelled(name, spelled, value, quote)
             self._edits.replace(span.value_start, span.value_end, text)
         for name in old.attributes.keys() - new.attributes.keys():
             if name in markup.attributes:
@@ -162,7 +168,11 @@ class _Rewriting:
         return next((child for child in markup.children if child.name == part.tag), None)
 
 
-def _as_spelled(name: str, spelled: str, value: str) -> str:
-    """Return a new time in whole seconds as whole as the one that it follows."""
-    is_whole = name == "ext:timeout_s" and _WHOLE.match(spelled)
-    return value.removesuffix(".0") if is_whole else value
+def _as_spelled(name: str, spelled: str, value: str, quote: str) -> str:
+    """Return a new value, escaped, in the manner of the one that stood there."""
+    if name == "ext:timeout_s" and _WHOLE.match(spelled):
+        value = value.removesuffix(".0")
+    text = escaped(value, quote)
+    if name == "ext:on_error" and text == value and "&" not in spelled:
+        return respelled(spelled, parse_routes(value))  # it may stand on several lines
+    return text

@@ -48,9 +48,10 @@ from flexbe_synthesizer.core.model import (
     When,
 )
 from flexbe_synthesizer.core.problem import ChartError, Code, Position, Problem, errors_in
+from flexbe_synthesizer.core.xml_reader import as_utf8, read_root
 from flexbe_synthesizer.core.xml_tree import XmlTree
 
-__all__ = ["EXTENSION", "parse_chart", "read_chart", "write_chart"]
+__all__ = ["EXTENSION", "parse_chart", "read_chart", "read_chart_name", "write_chart"]
 
 _SCHEMA_INSTANCE = "http://www.w3.org/2001/XMLSchema-instance"  # an editor's pointer to a schema
 DEEPEST = 16  # containers inside each other; who needs more has lost the overview of the chart
@@ -89,6 +90,15 @@ def read_chart(source: str | bytes, file: str) -> tuple[Chart | None, tuple[Prob
         reader.report(tree.place(tree.root), Code.UNKNOWN_ELEMENT, message)
         return None, tuple(reader.problems)
     return reader.chart(tree.root), tuple(reader.problems)
+
+
+def read_chart_name(source: bytes) -> str | None:
+    """Return the name of the chart that a file begins; None if it is none."""
+    try:
+        tag, attributes = read_root(as_utf8(source, ""))
+    except ChartError:
+        return None
+    return attributes.get("name") if tag == "statemachine" else None
 
 
 def _shown(element: Element) -> str:

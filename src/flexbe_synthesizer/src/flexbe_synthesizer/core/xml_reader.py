@@ -8,6 +8,7 @@ types are refused, and with them entity bombs, external entities and default att
 
 from __future__ import annotations
 
+import codecs
 import contextlib
 import re
 from collections.abc import Iterator
@@ -113,6 +114,29 @@ def read_description(data: bytes) -> str:
     return (*inside, before[-1])[0]
 
 
+def read_root(data: bytes) -> tuple[str, dict[str, str]]:
+    """Return name and attributes of the outermost element as they are spelled; "" if there is none.
+
+    Args:
+        data: a document in UTF-8; it is read as far as this element.
+    """
+    found: list[tuple[str, dict[str, str]]] = []
+
+    def start(name: str, attributes: dict[str, str]) -> None:
+        found.append((name, attributes))
+        raise _HeadReadError
+
+    def refuse(*_declaration: object) -> None:
+        raise _HeadReadError
+
+    parser = expat.ParserCreate(encoding="utf-8")
+    parser.StartElementHandler = start
+    parser.StartDoctypeDeclHandler = refuse
+    with contextlib.suppress(_HeadReadError, expat.ExpatError):
+        parser.Parse(data, True)
+    return found[0] if found else ("", {})
+
+
 class _HeadReadError(Exception):
     """The head of a document has been read, and the rest is not wanted."""
 
@@ -125,11 +149,18 @@ def as_utf8(source: str | bytes, file: str) -> bytes:
     Raises:
         ChartError: if the encoding is not known, or not that of the bytes.
     """
-    if isinstance(source, str):
-        return _without_nul(source, file)
+    return _without_nul(source if isinstance(source, str) else decoded(source, file), file)
+
+
+def decoded(source: bytes, file: str) -> str:
+    """Return the text of a source, whatever its byte order mark or declaration says it is in.
+
+    Raises:
+        ChartError: if the encoding is not known, or not that of the bytes.
+    """
     encoding = _encoding(source, file)
     try:
-        return _without_nul(source.decode(encoding), file)
+        return source.decode(encoding)
     except UnicodeDecodeError as error:
         before = source[: error.start]
         line = before.count(b"\n") + 1
@@ -137,6 +168,28 @@ def as_utf8(source: str | bytes, file: str) -> bytes:
         expected = encoding.removesuffix("-sig")
         message = f"byte {source[error.start]:#04x} is not {expected}; save the file as UTF-8."
         raise ChartError([Problem(Position(file, line, column), Code.NOT_XML, message)]) from error
+
+
+def encoded(text: str, file: str, like: bytes) -> bytes:
+    """Return a text as a file in its place is encoded, characters that cannot be as references.
+
+    Args:
+        text: what `decoded` reads from the bytes that are returned.
+        file: path of the file, for messages.
+        like: the bytes that were there before; empty if there were none.
+
+    Raises:
+        ChartError: if the text declares an encoding that is not known.
+    """
+    marks = {codecs.BOM_UTF16_LE: "utf-16-le", codecs.BOM_UTF16_BE: "utf-16-be"}
+    if like[:2] in marks:
+        return like[:2] + text.encode(marks[like[:2]])
+    if b"\0" in like[:2]:
+        return text.encode(_encoding(like, file))
+    is_marked = like.startswith(codecs.BOM_UTF8)
+    encoding = "utf-8" if is_marked else _encoding(text.encode(), file).removesuffix("-sig")
+    mark = codecs.BOM_UTF8 if is_marked else b""
+    return mark + text.encode(encoding, "xmlcharrefreplace")
 
 
 def _encoding(data: bytes, file: str) -> str:
