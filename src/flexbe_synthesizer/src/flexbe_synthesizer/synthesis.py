@@ -22,6 +22,7 @@ from flexbe_synthesizer.core.render_python import render_python
 from flexbe_synthesizer.edge.atomic_write import write_all
 from flexbe_synthesizer.edge.chart_files import read_charts
 from flexbe_synthesizer.edge.output_package import OutputPackage
+from flexbe_synthesizer.edge.regular_file import read_regular
 from flexbe_synthesizer.errors import OutputError
 
 
@@ -144,7 +145,7 @@ def render_behavior(machine: Machine, path: Path) -> str:
     manual: Mapping[str, str] = {}
     try:
         if path.exists():
-            manual = read_manual_sections(path.read_bytes().decode())
+            manual = read_manual_sections(read_regular(path).decode())
         text = render_python(machine, lay_out(machine.root), manual)
         if any(section.strip() for section in manual.values()):
             ast.parse(text)

@@ -12,8 +12,10 @@ from flexbe_synthesizer.core.codec import read_chart, read_chart_name
 from flexbe_synthesizer.core.model import Chart, walk_nodes
 from flexbe_synthesizer.core.problem import Code, Problem
 from flexbe_synthesizer.core.resolve import included_path
-from flexbe_synthesizer.edge.regular_file import LARGEST_FILE, read_regular
+from flexbe_synthesizer.edge.regular_file import read_regular
 from flexbe_synthesizer.errors import ChartFileError, ChartRefusedError
+
+LARGEST_FILE = 4 * 2**20  # of a chart [bytes]; ten thousand states take less than 3 MiB
 
 
 @dataclass(frozen=True)

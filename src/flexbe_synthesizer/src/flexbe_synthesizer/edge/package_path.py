@@ -6,6 +6,7 @@ on the path is no reason not to use the others.
 
 from __future__ import annotations
 
+import errno
 import importlib.util
 import os
 from collections.abc import Iterable, Iterator, Sequence
@@ -19,9 +20,11 @@ from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.manifest import Manifest, read_manifest
 from flexbe_synthesizer.core.signature import BehaviorClass, StateClass, Unreadable
 from flexbe_synthesizer.core.state_source import read_state_class
+from flexbe_synthesizer.edge.regular_file import read_regular, read_regular_text
 
 # Files that are remembered as they were read last: those of orders with thousands of tasks as well.
 _REMEMBERED = 1 << 14
+_LARGEST_MANIFEST = 2**20  # [bytes]; what is larger is something else
 
 _Version = tuple[int, int]
 
@@ -54,7 +57,7 @@ def read_package(folder: Path) -> Package:
         OSError: if it is not there.
     """
     try:
-        root = ElementTree.parse(folder / "package.xml").getroot()
+        root = ElementTree.fromstring(read_regular(folder / "package.xml"))
     except ElementTree.ParseError as error:
         raise ValueError(f"{folder / 'package.xml'} is not well-formed: {error}") from error
     name = (root.findtext("name") or "").strip()
@@ -135,7 +138,7 @@ def _read_state(
     path: Path, _version: _Version, package: str, module: str
 ) -> StateClass | Unreadable | None:
     """Return the state class of a version of a file, None if it has none."""
-    text = path.read_text(encoding="utf-8")
+    text = read_regular_text(path)
     may_hold_one = "(EventState)" in text  # parsing is slow
     return read_state_class(text, package, module) if may_hold_one else None
 
@@ -151,7 +154,8 @@ def _read_behaviors(
             try:
                 manifest = _read_manifest(path, _version_of(path))
             except OSError as error:
-                warnings.append(f"{path} cannot be read: {error}")
+                if error.errno != errno.EFBIG:
+                    warnings.append(f"{path} cannot be read: {error}")
                 continue
             if manifest is not None and manifest.package == package.name:
                 source = package.module_folder.joinpath(*manifest.module.split("."))
@@ -161,7 +165,7 @@ def _read_behaviors(
 @lru_cache(maxsize=_REMEMBERED)
 def _read_manifest(path: Path, _version: _Version) -> Manifest | None:
     """Return the manifest that a version of a file holds; None if it holds none."""
-    return read_manifest(path.read_bytes(), str(path))
+    return read_manifest(read_regular(path, _LARGEST_MANIFEST), str(path))
 
 
 def _known_behavior(path: Path, manifest: Manifest) -> BehaviorClass | Unreadable:
@@ -178,7 +182,7 @@ def _read_behavior(
 ) -> BehaviorClass | Unreadable:
     """Return the behavior class of a version of a file."""
     try:
-        text = path.read_text(encoding="utf-8")
+        text = read_regular_text(path)
     except (OSError, ValueError) as error:
         reason = f"its file cannot be read: {error}"
         return Unreadable(manifest.name, manifest.package, reason, manifest.class_name)

@@ -7,10 +7,10 @@ import os
 import stat
 from pathlib import Path
 
-LARGEST_FILE = 4 * 2**20  # [bytes]; a chart of ten thousand states takes less than 3 MiB
+_LARGEST = 64 * 2**20  # [bytes]; the code of a chart of 4 MiB takes less than a quarter of it
 
 
-def read_regular(path: Path, most: int = LARGEST_FILE) -> bytes:
+def read_regular(path: Path, most: int = _LARGEST) -> bytes:
     """Return the content of a file; a FIFO, a device or a directory is refused at once.
 
     Args:
@@ -30,7 +30,7 @@ def read_regular(path: Path, most: int = LARGEST_FILE) -> bytes:
     return content
 
 
-def read_regular_text(path: Path, most: int = LARGEST_FILE) -> str:
+def read_regular_text(path: Path, most: int = _LARGEST) -> str:
     """Return the text of a file in UTF-8.
 
     Raises:
