@@ -84,40 +84,51 @@ class Answer:
 
 
 Report = Callable[[str, float], None]
+ExpectTime = Callable[[], None]
 
 
-def within(limit_s: float, report: Report, now: Callable[[], float]) -> Report:
-    """Return a report that ends the request at its next step once its time is over.
+def deadline(limit_s: float, now: Callable[[], float]) -> ExpectTime:
+    """Return a function that ends the request that calls it once its time is over.
 
     Args:
         limit_s: how long it may take from now on [s].
-        report: what is told of each step.
         now: returns the time [s].
     """
     end = now() + limit_s
 
-    def report_in_time(status: str, progress: float) -> None:
+    def expect_time() -> None:
         if now() > end:
-            text = f"the synthesis took more than {limit_s:g} s; it was ended before {status}"
+            text = f"the synthesis took more than {limit_s:g} s and was ended; nothing was written"
             raise RequestError(ErrorCode.OUT_OF_TIME, text)
-        report(status, progress)
 
-    return report_in_time
+    return expect_time
 
 
-def fulfil(request: Request, settings: Settings, report: Report) -> Answer:
+def fulfil(
+    request: Request,
+    settings: Settings,
+    report: Report,
+    expect_time: ExpectTime = lambda: None,
+) -> Answer:
     """Synthesize the chart that a request names: write its behavior, return its states.
 
     Args:
         request: what is asked for.
         settings: where things are.
-        report: told each step and the progress [0, 1]; what it raises ends the request.
+        report: told each step and the progress [0, 1].
+        expect_time: called before each step, and again and again while a chart is read and
+            checked. What either raises ends the request.
 
     Raises:
         RequestError: if the request cannot be fulfilled; then nothing was written.
     """
     try:
-        return _fulfil(request, settings, report)
+
+        def report_in_time(status: str, progress: float) -> None:
+            expect_time()
+            report(status, progress)
+
+        return _fulfil(request, settings, report_in_time, expect_time)
     except ChartRefusedError as error:
         raise RequestError(ErrorCode.CHART_REFUSED, str(error)) from error
     except ChartFileError as error:
@@ -126,7 +137,9 @@ def fulfil(request: Request, settings: Settings, report: Report) -> Answer:
         raise RequestError(ErrorCode.OUTPUT_FAILED, str(error)) from error
 
 
-def _fulfil(request: Request, settings: Settings, report: Report) -> Answer:
+def _fulfil(
+    request: Request, settings: Settings, report: Report, expect_time: ExpectTime
+) -> Answer:
     report(f"looking for the chart '{request.goal}'", 0.0)
     path = find_chart(request.goal, settings.chart_folders)
     report("reading the states and behaviors on the ROS package path", 0.1)
@@ -140,6 +153,7 @@ def _fulfil(request: Request, settings: Settings, report: Report) -> Answer:
         lambda _chart: output,
         locate,
         report=lambda chart: report(f"checking {chart}", 0.4),
+        expect_time=expect_time,
     )
     errors = errors_in(files.problems)
     if errors:

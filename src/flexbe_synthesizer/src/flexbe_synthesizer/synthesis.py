@@ -7,10 +7,12 @@ import gc
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 
-from flexbe_synthesizer.core.check import CheckedChart
+from flexbe_synthesizer.core.check import CheckedChart, check_chart
+from flexbe_synthesizer.core.codec import read_chart
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, manifest_of
 from flexbe_synthesizer.core.layout import lay_out
 from flexbe_synthesizer.core.library import Library
@@ -65,6 +67,7 @@ def check_files(
     locate: Callable[[str], Path] = Path,
     drafts: Mapping[str, bytes] = MappingProxyType({}),
     report: Callable[[str], None] = lambda _path: None,
+    expect_time: Callable[[], None] = lambda: None,
 ) -> CheckedFiles:
     """Read the charts, and those that they name, and check all.
 
@@ -75,14 +78,17 @@ def check_files(
         locate: returns the file to read for a path, or refuses it.
         drafts: contents that stand for those of the files, by path.
         report: told the path of each chart before it is checked.
+        expect_time: called again and again; what it raises ends the check.
 
     Raises:
         SynthesisError: if a file cannot be read, or belongs to no package.
     """
-    files = read_charts(paths, locate, drafts)
+    read = partial(read_chart, expect_time=expect_time)
+    files = read_charts(paths, locate, drafts, read)
     packages = {chart.file: package_of(chart.file) for chart in files.charts}
     units = [Unit(chart, packages[chart.file].name) for chart in files.charts]
-    checked = check_units(units, library, report)
+    check = partial(check_chart, expect_time=expect_time)
+    checked = check_units(units, library, report, check)
     problems = list(files.problems)
     told = {(problem.position, problem.code) for problem in problems}
     for one in checked.values():

@@ -233,7 +233,7 @@ class _Open:
 
     name: str
     position: Position
-    prefixes: dict[str, str]
+    prefixes: list[str]
     attributes: list[XmlAttribute] = field(default_factory=list)
     children: list[XmlElement] = field(default_factory=list)
     text: Position | None = None
@@ -247,6 +247,7 @@ class _Reading:
         self._file = file
         self._problems: list[Problem] = []
         self._open: list[_Open] = []
+        self._namespaces: dict[str, list[str]] = {"xml": [XML_NAMESPACE]}
         self._root: XmlElement | None = None
         self._parser = expat.ParserCreate(encoding="utf-8")
         self._parser.ordered_attributes = True
@@ -272,14 +273,13 @@ class _Reading:
         here = self._here()
         places = dict(self._attribute_places(here))
         values = dict(zip(pairs[::2], pairs[1::2], strict=True))
-        prefixes = {"xml": XML_NAMESPACE} if not self._open else self._open[-1].prefixes
-        prefixes = prefixes | {
-            raw.partition(":")[2]: value
-            for raw, value in values.items()
-            if raw == "xmlns" or raw.startswith("xmlns:")
-        }
-        element = _Open(name, here, prefixes)
+        element = _Open(name, here, [])
         self._open.append(element)
+        for raw, value in values.items():
+            if raw == "xmlns" or raw.startswith("xmlns:"):
+                prefix = raw.partition(":")[2]
+                self._namespaces.setdefault(prefix, []).append(value)
+                element.prefixes.append(prefix)
         for raw, value in values.items():
             if raw == "xmlns" or raw.startswith("xmlns:"):
                 continue
@@ -290,7 +290,7 @@ class _Reading:
 
     def _resolve(self, prefix: str, position: Position) -> str | None:
         """Return the namespace of a prefix; report it and return None if nothing declares it."""
-        namespace = self._open[-1].prefixes.get(prefix)
+        namespace = self._namespace(prefix)
         if namespace is None:
             message = (
                 f"the prefix '{prefix}' is not declared; write "
@@ -299,22 +299,31 @@ class _Reading:
             self._problems.append(Problem(position, Code.UNBOUND_PREFIX, message))
         return namespace
 
+    def _namespace(self, prefix: str) -> str | None:
+        """Return what a prefix stands for in the element that is open; None: nothing."""
+        declared = self._namespaces.get(prefix)
+        return declared[-1] if declared else None
+
     def _attribute_places(self, here: Position) -> Iterator[tuple[str, Position]]:
         """Yield name and position of each attribute of the tag that expat stands at."""
         start = self._parser.CurrentByteIndex
         name = TAG_NAME.match(self._data, start)
         at = name.end() if name else start
+        line, column, counted = here.line, here.column, start
         while (found := ATTRIBUTE.match(self._data, at)) is not None:
-            before = self._data[start : found.start(1)].decode()
-            lines = before.count("\n")
-            column = len(before) - before.rfind("\n") if lines else here.column + len(before)
-            yield found[1].decode(), Position(self._file, here.line + lines, column)
+            between = self._data[counted : found.start(1)].decode()
+            lines = between.count("\n")
+            column = len(between) - between.rfind("\n") if lines else column + len(between)
+            line, counted = line + lines, found.start(1)
+            yield found[1].decode(), Position(self._file, line, column)
             at = found.end()
 
     def _end(self, _name: str) -> None:
         done = self._open.pop()
         prefix, _, local = done.name.rpartition(":")
-        namespace = done.prefixes.get(prefix)
+        namespace = self._namespace(prefix)
+        for declared in done.prefixes:
+            self._namespaces[declared].pop()
         if namespace is None and prefix:
             message = f"the prefix '{prefix}' of <{done.name}> is not declared."
             self._problems.append(Problem(done.position, Code.UNBOUND_PREFIX, message))

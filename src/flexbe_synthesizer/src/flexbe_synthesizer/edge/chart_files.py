@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
+from typing import TypeAlias
 
 from flexbe_synthesizer.core.codec import read_chart, read_chart_name
 from flexbe_synthesizer.core.model import Chart, walk_nodes
@@ -14,6 +15,8 @@ from flexbe_synthesizer.core.problem import Code, Problem
 from flexbe_synthesizer.core.resolve import included_path
 from flexbe_synthesizer.edge.regular_file import read_regular
 from flexbe_synthesizer.errors import ChartFileError, ChartRefusedError
+
+Read: TypeAlias = Callable[[bytes, str], tuple[Chart | None, tuple[Problem, ...]]]
 
 LARGEST_FILE = 4 * 2**20  # of a chart [bytes]; ten thousand states take less than 3 MiB
 
@@ -30,6 +33,7 @@ def read_charts(
     paths: Iterable[str],
     locate: Callable[[str], Path] = Path,
     drafts: Mapping[str, bytes] = MappingProxyType({}),
+    read: Read = read_chart,
 ) -> ChartFiles:
     """Return the charts of the paths and of all charts that they name.
 
@@ -37,6 +41,7 @@ def read_charts(
         paths: what to read; a path is also the name of the file in messages.
         locate: returns the file to read for a path, or raises ChartFileError to refuse it.
         drafts: contents that stand for those of the files, by path.
+        read: returns the chart in a content and what is wrong with its form, given its path.
 
     Raises:
         ChartFileError: if one of the paths cannot be read. A chart named by another one that
@@ -57,7 +62,7 @@ def read_charts(
     seen = set(waiting)
     while waiting:
         path = waiting.pop(0)
-        chart, found = read_chart(sources.pop(path), path)
+        chart, found = read(sources.pop(path), path)
         problems.extend(found)
         if chart is None:
             continue
