@@ -22,6 +22,7 @@ from flexbe_synthesizer.edge.output_package import (
     OutputPackage,
     enclosing_package,
     output_package,
+    unwritten_package,
 )
 from flexbe_synthesizer.edge.run_record import read_run
 from flexbe_synthesizer.errors import OutputError, SynthesisError
@@ -90,7 +91,7 @@ def _run(options: argparse.Namespace, ros_package_path: str) -> int:
         except OutputError:
             if not options.check:
                 raise
-            return OutputPackage("unwritten", Path(path).parent, missing={})
+            return unwritten_package(Path(path).parent)
 
     progress = _Progress(len(options.charts))
     files = check_files(options.charts, inventory.library, package_of, report=progress)

@@ -85,43 +85,53 @@ class Answer:
 
 
 Report = Callable[[str, float], None]
+ExpectTime = Callable[[], None]
 
 
-def within(limit_s: float, report: Report, now: Callable[[], float]) -> Report:
-    """Return a report that ends the request at its next step once its time is over.
+def deadline(limit_s: float, now: Callable[[], float]) -> ExpectTime:
+    """Return a function that ends the request that calls it once its time is over.
 
     Args:
         limit_s: how long it may take from now on [s].
-        report: what is told of each step.
         now: returns the time [s].
     """
     end = now() + limit_s
 
-    def report_in_time(status: str, progress: float) -> None:
+    def expect_time() -> None:
         if now() > end:
-            text = f"the synthesis took more than {limit_s:g} s; it was ended before {status}"
+            text = f"the synthesis took more than {limit_s:g} s and was ended; nothing was written"
             raise RequestError(ErrorCode.OUT_OF_TIME, text)
-        report(status, progress)
 
-    return report_in_time
+    return expect_time
 
 
 def fulfil(
-    request: Request, settings: Settings, report: Report, memory: ChartMemory | None = None
+    request: Request,
+    settings: Settings,
+    report: Report,
+    expect_time: ExpectTime = lambda: None,
+    memory: ChartMemory | None = None,
 ) -> Answer:
     """Synthesize the chart that a request names: write its behavior, return its states.
 
     Args:
         request: what is asked for.
         settings: where things are.
-        report: told each step and the progress [0, 1]; what it raises ends the request.
+        report: told each step and the progress [0, 1].
+        expect_time: called before each step, and again and again while a chart is read and
+            checked. What either raises ends the request.
         memory: has the charts of earlier requests.
 
     Raises:
         RequestError: if the request cannot be fulfilled; then nothing was written.
     """
     try:
-        return _fulfil(request, settings, report, memory)
+
+        def report_in_time(status: str, progress: float) -> None:
+            expect_time()
+            report(status, progress)
+
+        return _fulfil(request, settings, report_in_time, expect_time, memory)
     except ChartRefusedError as error:
         raise RequestError(ErrorCode.CHART_REFUSED, str(error)) from error
     except ChartFileError as error:
@@ -131,7 +141,11 @@ def fulfil(
 
 
 def _fulfil(
-    request: Request, settings: Settings, report: Report, memory: ChartMemory | None
+    request: Request,
+    settings: Settings,
+    report: Report,
+    expect_time: ExpectTime,
+    memory: ChartMemory | None,
 ) -> Answer:
     report(f"looking for the chart '{request.goal}'", 0.0)
     path = find_chart(request.goal, settings.chart_folders)
@@ -146,6 +160,7 @@ def _fulfil(
         lambda _chart: output,
         locate,
         report=lambda chart: report(f"checking {chart}", 0.4),
+        expect_time=expect_time,
         memory=memory,
     )
     errors = errors_in(files.problems)

@@ -48,13 +48,22 @@ from flexbe_synthesizer.core.model import (
     Transition,
     When,
 )
-from flexbe_synthesizer.core.problem import ChartError, Code, Position, Problem, errors_in
+from flexbe_synthesizer.core.problem import (
+    ChartError,
+    Code,
+    Position,
+    Problem,
+    ProblemList,
+    errors_in,
+)
+from flexbe_synthesizer.core.xml_reader import as_utf8, read_root
 from flexbe_synthesizer.core.xml_tree import XmlTree
 
-__all__ = ["EXTENSION", "parse_chart", "read_chart", "write_chart"]
+__all__ = ["EXTENSION", "parse_chart", "read_chart", "read_chart_name", "write_chart"]
 
 _SCHEMA_INSTANCE = "http://www.w3.org/2001/XMLSchema-instance"  # an editor's pointer to a schema
 DEEPEST = 16  # containers inside each other; who needs more has lost the overview of the chart
+_MOST_UNKNOWN = 20  # attributes of one element that are reported one by one
 _MAY_BE_EMPTY = ("value",)
 _NODES = {"state", "behavior", "ext:container", "ext:concurrency", "ext:priority"}
 _PARAM, _CONNECTION = NODE["param"], STATEMACHINE.children["connection"]
@@ -77,19 +86,36 @@ def parse_chart(source: str | bytes, file: str = "<chart>") -> Chart:
     return chart
 
 
-def read_chart(source: str | bytes, file: str) -> tuple[Chart | None, tuple[Problem, ...]]:
-    """Return what can be read of the chart, if anything, and what is wrong with its form."""
+def read_chart(
+    source: str | bytes, file: str, expect_time: Callable[[], None] = lambda: None
+) -> tuple[Chart | None, tuple[Problem, ...]]:
+    """Return what can be read of the chart, if anything, and what is wrong with its form.
+
+    Args:
+        source: the text.
+        file: its path.
+        expect_time: called again and again; what it raises ends the reading.
+    """
     try:
         tree = XmlTree(source, file)
     except ChartError as error:
         return None, error.problems
-    reader = _ChartReader(tree, file)
-    reader.problems.extend(tree.problems)
-    if tree.root.tag != "statemachine":
-        message = f"found {_shown(tree.root)}; a chart's outermost element is <statemachine>."
-        reader.report(tree.place(tree.root), Code.UNKNOWN_ELEMENT, message)
+    reader = _ChartReader(tree, file, expect_time)
+    try:
+        for problem in tree.problems:
+            reader.take(problem)
+        return reader.read(), tuple(reader.problems)
+    except _TooManyErrorsError:
         return None, tuple(reader.problems)
-    return reader.chart(tree.root), tuple(reader.problems)
+
+
+def read_chart_name(source: bytes) -> str | None:
+    """Return the name of the chart that a file begins; None if it is none."""
+    try:
+        tag, attributes = read_root(as_utf8(source, ""))
+    except ChartError:
+        return None
+    return attributes.get("name") if tag == "statemachine" else None
 
 
 def _shown(element: Element) -> str:
@@ -98,17 +124,36 @@ def _shown(element: Element) -> str:
     return f"<{_tag(element)}>" if not namespace else f"<{name}> in namespace '{namespace}'"
 
 
+class _TooManyErrorsError(Exception):
+    """No more of a chart is to be read."""
+
+
 class _ChartReader:
     """Turns elements into a chart and collects what does not fit the grammar."""
 
-    def __init__(self, tree: XmlTree, file: str) -> None:
+    def __init__(self, tree: XmlTree, file: str, expect_time: Callable[[], None]) -> None:
         self._tree = tree
         self._file = file
         self._depth = 0
-        self.problems: list[Problem] = []
+        self._expect_time = expect_time
+        self.problems = ProblemList(expect_time)
 
     def report(self, position: Position, code: Code, message: str) -> None:
-        self.problems.append(Problem(position, code, message))
+        self.take(Problem(position, code, message))
+
+    def take(self, problem: Problem) -> None:
+        self.problems.take(problem)
+        if self.problems.is_full:
+            raise _TooManyErrorsError
+
+    def read(self) -> Chart | None:
+        """Return the chart, None if the document is none."""
+        root = self._tree.root
+        if root.tag == "statemachine":
+            return self.chart(root)
+        message = f"found {_shown(root)}; a chart's outermost element is <statemachine>."
+        self.report(self._tree.place(root), Code.UNKNOWN_ELEMENT, message)
+        return None
 
     def chart(self, root: Element) -> Chart:
         """Return the chart of the outermost element."""
@@ -230,6 +275,7 @@ class _ChartReader:
         return When(given.get("state", ""), given.get("event", ""), source=source)
 
     def _node(self, element: Element, shape: Shape) -> AnyNode:
+        self._expect_time()
         fields = self._fields(element, shape)
         limits = self._limits(element, fields.extensions) if fields.extensions else _UNLIMITED
         parts = fields.parts
@@ -347,6 +393,7 @@ class _ChartReader:
         """Return the attributes without namespace and those of the extension."""
         plain: dict[str, str] = {}
         extensions: dict[str, str] = {}
+        unknown: list[tuple[str, str]] = []
         for spelled, value in element.attrib.items():
             namespace, name = _parted(spelled)
             if not namespace and name in shape.attributes:
@@ -356,10 +403,9 @@ class _ChartReader:
                     self.report(self._tree.place(element, name), Code.MISSING_ATTRIBUTE, message)
             elif namespace == EXTENSION and name in shape.extensions:
                 extensions[name] = value
-            elif namespace == EXTENSION:
-                self._report_extension(element, name, shape)
             elif namespace != _SCHEMA_INSTANCE:
-                self._report_attribute(element, name, shape)
+                unknown.append((namespace, name))
+        self._report_attributes(element, unknown, shape)
         for name in shape.required:
             if name not in plain:
                 message = f"<{_tag(element)}> has no attribute {name}; it needs " + ", ".join(
@@ -367,6 +413,20 @@ class _ChartReader:
                 )
                 self.report(self._tree.place(element), Code.MISSING_ATTRIBUTE, message + ".")
         return plain, extensions
+
+    def _report_attributes(
+        self, element: Element, unknown: Sequence[tuple[str, str]], shape: Shape
+    ) -> None:
+        """Report the attributes that the shape does not have; of very many only the first."""
+        for namespace, name in unknown[:_MOST_UNKNOWN]:
+            if namespace == EXTENSION:
+                self._report_extension(element, name, shape)
+            else:
+                self._report_attribute(element, name, shape)
+        more = len(unknown) - _MOST_UNKNOWN
+        if more > 0:
+            message = f"<{_tag(element)}> has {more} more attributes that are unknown; delete them."
+            self.report(self._tree.place(element), Code.UNKNOWN_ATTRIBUTE, message)
 
     def _report_extension(self, element: Element, found: str, shape: Shape) -> None:
         has = ", ".join(f"ext:{name}" for name in shape.extensions) or "none"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict, deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from flexbe_synthesizer.core.check import CheckedChart, check_chart
@@ -72,11 +72,13 @@ class ChartMemory:
         self._worlds: deque[_World] = deque([_World(Library(), {})], _MOST_WORLDS)
         self._last = self._given = self._worlds[0]
 
-    def read(self, text: bytes, path: str) -> tuple[Chart | None, tuple[Problem, ...]]:
+    def read(
+        self, text: bytes, path: str, expect_time: Callable[[], None] = lambda: None
+    ) -> tuple[Chart | None, tuple[Problem, ...]]:
         """Return what `codec.read_chart` does."""
         known = self._known.get(path)
         if known is None or known.text != text:
-            known = _Known(text, *read_chart(text, path))
+            known = _Known(text, *read_chart(text, path, expect_time))
         self._keep(path, known)
         return known.chart, known.problems
 
@@ -86,6 +88,7 @@ class ChartMemory:
         library: Library,
         charts: Mapping[str, BehaviorClass],
         nested: NestedEffects,
+        expect_time: Callable[[], None] = lambda: None,
     ) -> CheckedChart:
         """Return what `check.check_chart` does."""
         with self._lock:
@@ -93,10 +96,10 @@ class ChartMemory:
         nested.read_back = world.read_back
         known = self._known.get(chart.file)
         if known is None or known.chart is not chart:
-            return check_chart(chart, library, charts, nested)
+            return check_chart(chart, library, charts, nested, expect_time)
         now, last = _World(library, charts, world.read_back), known.check
         if last is None or last.world is not world or last.inside != _charts_inside(chart, now):
-            checked = check_chart(chart, library, charts, nested)
+            checked = check_chart(chart, library, charts, nested, expect_time)
             known.check = last = _Check(world, _charts_inside(chart, now), checked)
         return last.checked
 

@@ -6,9 +6,9 @@ on the path is no reason not to use the others.
 
 from __future__ import annotations
 
+import errno
 import importlib.util
 import os
-import stat
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -22,6 +22,7 @@ from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.manifest import Manifest, read_manifest
 from flexbe_synthesizer.core.signature import BehaviorClass, StateClass, Unreadable
 from flexbe_synthesizer.core.state_source import read_state_class
+from flexbe_synthesizer.edge.regular_file import read_regular, read_regular_text
 from flexbe_synthesizer.edge.stamps import Stamp, Stamps
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 
 # Files that are remembered as they were read last: those of orders with thousands of tasks as well.
 _REMEMBERED = 1 << 14
+_LARGEST_MANIFEST = 2**20  # [bytes]; what is larger is something else
 
 _Content = TypeVar("_Content")
 
@@ -61,7 +63,7 @@ def read_package(folder: Path) -> Package:
         OSError: if it is not there.
     """
     try:
-        root = ElementTree.parse(folder / "package.xml").getroot()
+        root = ElementTree.fromstring(read_regular(folder / "package.xml"))
     except ElementTree.ParseError as error:
         raise ValueError(f"{folder / 'package.xml'} is not well-formed: {error}") from error
     name = (root.findtext("name") or "").strip()
@@ -145,7 +147,7 @@ class BehaviorFiles:
         package, *module = behavior.module.split(".")
         try:
             path = self.folders[package].joinpath(*module).with_suffix(".py")
-            return _bytes_of(path).decode()
+            return read_regular_text(path)
         except (KeyError, OSError, ValueError):
             return ""
 
@@ -203,16 +205,9 @@ def _read_state(
     path: Path, _version: Stamp | None, package: str, module: str
 ) -> StateClass | Unreadable | None:
     """Return the state class of a version of a file, None if it has none."""
-    text = _bytes_of(path).decode()
+    text = read_regular_text(path)
     may_hold_one = "(EventState)" in text  # parsing is slow
     return read_state_class(text, package, module) if may_hold_one else None
-
-
-def _bytes_of(path: Path) -> bytes:
-    """Return the content of a file; reading a pipe would wait for somebody to write into it."""
-    if not stat.S_ISREG(path.stat().st_mode):
-        raise OSError(f"{path} is no regular file")
-    return path.read_bytes()
 
 
 def _read_behaviors(
@@ -227,7 +222,8 @@ def _read_behaviors(
             try:
                 manifest = _read(_read_manifest, path, seen)
             except OSError as error:
-                warnings.append(f"{path} cannot be read: {error}")
+                if error.errno != errno.EFBIG:
+                    warnings.append(f"{path} cannot be read: {error}")
                 continue
             if manifest is not None and manifest.package == package.name:
                 source = module_folder.joinpath(*manifest.module.split("."))
@@ -237,7 +233,7 @@ def _read_behaviors(
 @lru_cache(maxsize=_REMEMBERED)
 def _read_manifest(path: Path, _version: Stamp | None) -> Manifest | None:
     """Return the manifest that a version of a file holds; None if it holds none."""
-    return read_manifest(_bytes_of(path), str(path))
+    return read_manifest(read_regular(path, _LARGEST_MANIFEST), str(path))
 
 
 @lru_cache(maxsize=_REMEMBERED)
@@ -246,7 +242,7 @@ def _read_behavior(
 ) -> BehaviorClass | Unreadable:
     """Return the behavior class of a version of a file."""
     try:
-        text = _bytes_of(path).decode()
+        text = read_regular_text(path)
     except (OSError, ValueError) as error:
         reason = f"its file cannot be read: {error}"
         return Unreadable(manifest.name, manifest.package, reason, manifest.class_name)

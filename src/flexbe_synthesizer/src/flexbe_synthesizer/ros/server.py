@@ -28,8 +28,8 @@ from flexbe_synthesizer.request import (
     Request,
     RequestError,
     Settings,
+    deadline,
     fulfil,
-    within,
 )
 
 ACTION = "flexbe/synthesize"
@@ -80,14 +80,18 @@ class SynthesisServer:
         rospy.loginfo("synthesizing %s for '%s'", asked.goal, asked.name)
 
         def report(status: str, progress: float) -> None:
-            if handle.get_goal_status().status == GoalStatus.PREEMPTING:
-                raise RequestError(ErrorCode.CANCELLED, f"cancelled before {status}")
             handle.publish_feedback(BehaviorSynthesisFeedback(status, progress))
+
+        in_time = deadline(self._time_limit_s, time.monotonic)  # a client waits
+
+        def expect_time() -> None:
+            in_time()
+            if handle.get_goal_status().status == GoalStatus.PREEMPTING:
+                raise RequestError(ErrorCode.CANCELLED, "cancelled; nothing was written")
 
         request = Request(asked.goal, asked.initial_condition, tuple(asked.sm_outcomes))
         try:
-            in_time = within(self._time_limit_s, report, time.monotonic)  # a client waits
-            answer = fulfil(request, self._settings, in_time, self._memory)
+            answer = fulfil(request, self._settings, report, expect_time, self._memory)
         except RequestError as error:
             self._fail(handle, error.code, str(error))
         except Exception as error:  # noqa: BLE001 - one request must not end the others

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from flexbe_synthesizer.core.signature import BehaviorClass, StateClass
 from flexbe_synthesizer.edge.inventory import Inventory, read_inventory
+from flexbe_synthesizer.edge.regular_file import read_regular_text
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,7 @@ def _file(folder: Path, module: str) -> Path:
 
 def _text(file: Path) -> str | None:
     try:
-        return file.read_text(encoding="utf-8")
+        return read_regular_text(file)
     except (OSError, ValueError):
         return None
 

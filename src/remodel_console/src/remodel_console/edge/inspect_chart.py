@@ -15,8 +15,8 @@ def inspect_text(workspace: Workspace, text: str, file: str) -> tuple[Chart | No
     is_formed = chart is not None and not errors_in(problems)
     try:
         files = workspace.look(text, file)
-    except CommandError:
-        return (chart if is_formed else None), Inspection(problems)
+    except CommandError as error:
+        return (chart if is_formed else None), Inspection(problems, unchecked=str(error))
     own = files.charts.get(file)
     uses = uses_by_path(own.resolved) if own else {}
     order = sorted(files.problems, key=lambda problem: problem.position.file != file)
