@@ -65,7 +65,9 @@ _SCHEMA_INSTANCE = "http://www.w3.org/2001/XMLSchema-instance"  # an editor's po
 DEEPEST = 16  # containers inside each other; who needs more has lost the overview of the chart
 _MOST_UNKNOWN = 20  # attributes of one element that are reported one by one
 _MAY_BE_EMPTY = ("value",)
-_NODES = {"state", "behavior", "ext:container", "ext:concurrency", "ext:priority"}
+_NODES = {"state": "state", "behavior": "behavior"} | {
+    f"{{{EXTENSION}}}{kind}": f"ext:{kind}" for kind in ("container", "concurrency", "priority")
+}
 _PARAM, _CONNECTION = NODE["param"], STATEMACHINE.children["connection"]
 _LEVELS = f"one of {names.quoted(level.value for level in Autonomy)}"
 _NO_EXTENSIONS: Mapping[str, str] = MappingProxyType({})
@@ -167,7 +169,8 @@ class _ChartReader:
     ) -> Chart:
         """Return what a chart or a container holds."""
         models = fields.children("datamodel")
-        self._expect_parts(element, fields)
+        inner = _nodes(element)
+        self._expect_parts(element, fields, inner)
         data_shape = shape.children["datamodel"]
         data = [self._fields(model, data_shape) for model in models]
         wrappers = {
@@ -182,12 +185,12 @@ class _ChartReader:
             for outcome in (wrappers[child].children("outcome") if child in wrappers else (child,))
             if outcome.tag == "outcome"
         ]
-        inner = _nodes(element) if self._depth <= DEEPEST else ()
+        inner = inner if self._depth <= DEEPEST else []
         return Chart(
             name=name,
             initial=fields.text("initial"),
             outcomes=tuple(map(self._outcome, outcomes)),
-            nodes=tuple([self._node(e, shape.children[_tag(e)]) for e in inner]),
+            nodes=tuple([self._node(e, shape.children[tag]) for tag, e in inner]),
             inputs=tuple(
                 self._input(e, data_shape.children["input"])
                 for part in data
@@ -199,7 +202,7 @@ class _ChartReader:
             source=source,
         )
 
-    def _expect_parts(self, element: Element, fields: _Fields) -> None:
+    def _expect_parts(self, element: Element, fields: _Fields, nodes: Sequence[object]) -> None:
         """Report a chart or container that lacks a datamodel, an outcome or a state."""
         models = fields.children("datamodel")
         what = "a chart" if element.tag == "statemachine" else "a container"
@@ -215,7 +218,7 @@ class _ChartReader:
         elif not any(_has_outcome(model) for model in models):
             message = f'no <outcome name="..."/>; {what} ends in at least one.'
             self.report(self._tree.place(models[0]), Code.MISSING_ELEMENT, message)
-        if not _nodes(element):
+        if not nodes:
             message = f"neither a <state> nor a <behavior>; {what} needs at least one."
             self.report(self._tree.place(element), Code.MISSING_ELEMENT, message)
 
@@ -356,12 +359,7 @@ class _ChartReader:
         keeps its place only: fresh memory is a good part of the time that reading takes.
         """
         given: Mapping[str, str] = element.attrib
-        if (
-            given.keys() == shape.required_set
-            and "" not in given.values()
-            and not len(element)
-            and not self._tree.has_text
-        ):
+        if shape.is_all(given) and not len(element) and not self._tree.has_text:
             element.clear()
             return given, _NO_EXTENSIONS
         fields = self._fields(element, shape)
@@ -371,7 +369,7 @@ class _ChartReader:
         """Return the element's parts, and report those that its shape does not have."""
         plain: Mapping[str, str] = element.attrib
         extensions = _NO_EXTENSIONS
-        if plain.keys() != shape.required_set or "" in plain.values():
+        if not shape.is_all(plain):
             plain, extensions = self._sorted_attributes(element, shape)
         if self._tree.has_text and (place := self._tree.text_place(element)) is not None:
             message = f"text inside <{_tag(element)}>; a chart holds elements and comments only."
@@ -503,9 +501,9 @@ def _tag(element: Element) -> str:
     return f"ext:{name}" if namespace == EXTENSION else f"{{}}{name}"
 
 
-def _nodes(element: Element) -> list[Element]:
-    """Return the states, behaviors and containers in an element, in order."""
-    return [child for child in element if _tag(child) in _NODES]
+def _nodes(element: Element) -> list[tuple[str, Element]]:
+    """Return the states, behaviors and containers in an element with their tags, in order."""
+    return [(_NODES[child.tag], child) for child in element if child.tag in _NODES]
 
 
 def _has_outcome(model: Element) -> bool:

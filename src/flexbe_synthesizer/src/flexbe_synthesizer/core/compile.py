@@ -141,7 +141,7 @@ def compile_chart(checked: CheckedChart, package: str) -> Machine:
 
 def manifest_of(machine: Machine) -> Manifest:
     """Return the manifest of a behavior."""
-    contents = (child.content for _path, child in walk(machine.root))
+    contents = [child.content for _path, child in walk(machine.root)]
     contained = {c.behavior.name for c in contents if isinstance(c, BehaviorUse)}
     return Manifest(
         machine.name,
