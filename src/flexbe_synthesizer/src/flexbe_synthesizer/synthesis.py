@@ -7,10 +7,12 @@ import gc
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 
-from flexbe_synthesizer.core.check import CheckedChart
+from flexbe_synthesizer.core.check import CheckedChart, check_chart
+from flexbe_synthesizer.core.codec import read_chart
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, manifest_of
 from flexbe_synthesizer.core.layout import lay_out
 from flexbe_synthesizer.core.library import Library
@@ -21,7 +23,9 @@ from flexbe_synthesizer.core.problem import ChartError, Code, Problem, errors_in
 from flexbe_synthesizer.core.render_python import render_python
 from flexbe_synthesizer.edge.atomic_write import write_all
 from flexbe_synthesizer.edge.chart_files import read_charts
+from flexbe_synthesizer.edge.chart_memory import ChartMemory
 from flexbe_synthesizer.edge.output_package import OutputPackage
+from flexbe_synthesizer.edge.regular_file import read_regular
 from flexbe_synthesizer.errors import OutputError
 
 
@@ -64,6 +68,8 @@ def check_files(
     locate: Callable[[str], Path] = Path,
     drafts: Mapping[str, bytes] = MappingProxyType({}),
     report: Callable[[str], None] = lambda _path: None,
+    expect_time: Callable[[], None] = lambda: None,
+    memory: ChartMemory | None = None,
 ) -> CheckedFiles:
     """Read the charts, and those that they name, and check all.
 
@@ -74,14 +80,18 @@ def check_files(
         locate: returns the file to read for a path, or refuses it.
         drafts: contents that stand for those of the files, by path.
         report: told the path of each chart before it is checked.
+        expect_time: called again and again; what it raises ends the check.
+        memory: has what was read and checked before.
 
     Raises:
         SynthesisError: if a file cannot be read, or belongs to no package.
     """
-    files = read_charts(paths, locate, drafts)
+    read = partial(memory.read if memory else read_chart, expect_time=expect_time)
+    files = read_charts(paths, locate, drafts, read)
     packages = {chart.file: package_of(chart.file) for chart in files.charts}
     units = [Unit(chart, packages[chart.file].name) for chart in files.charts]
-    checked = check_units(units, library, report)
+    check = partial(memory.check if memory else check_chart, expect_time=expect_time)
+    checked = check_units(units, library, report, check)
     problems = list(files.problems)
     told = {(problem.position, problem.code) for problem in problems}
     for one in checked.values():
@@ -144,7 +154,7 @@ def render_behavior(machine: Machine, path: Path) -> str:
     manual: Mapping[str, str] = {}
     try:
         if path.exists():
-            manual = read_manual_sections(path.read_bytes().decode())
+            manual = read_manual_sections(read_regular(path).decode())
         text = render_python(machine, lay_out(machine.root), manual)
         if any(section.strip() for section in manual.values()):
             ast.parse(text)

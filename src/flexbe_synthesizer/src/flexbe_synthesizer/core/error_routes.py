@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
+from collections.abc import Sequence
 
 from flexbe_synthesizer.core.model import ErrorRoute
 
@@ -44,6 +45,29 @@ def _parse_route(text: str) -> ErrorRoute:
 def format_routes(routes: tuple[ErrorRoute, ...]) -> str:
     """Return the text that `parse_routes` reads as these routes."""
     return "; ".join(f"{_codes(route)}: {route.target}" for route in routes)
+
+
+def respelled(spelled: str, routes: tuple[ErrorRoute, ...]) -> str:
+    """Return the routes as text, those that a text spells already as they stand there."""
+    pieces = spelled.split(";")
+    try:
+        old = parse_routes(spelled)
+    except ValueError:
+        return format_routes(routes)
+    head = _same(old, routes)
+    tail = min(_same(old[::-1], routes[::-1]), min(len(old), len(routes)) - head)
+    middle = []
+    for index in range(head, len(routes) - tail):
+        blanks = re.match(r"\s*", pieces[index] if index < len(old) - tail else " ")
+        lead = blanks[0] if blanks and index else ""
+        middle.append(lead + format_routes(routes[index : index + 1]))
+    return ";".join((*pieces[:head], *middle, *pieces[len(pieces) - tail :]))
+
+
+def _same(one: Sequence[ErrorRoute], other: Sequence[ErrorRoute]) -> int:
+    """Return how many routes are the same at the beginning."""
+    pairs = itertools.takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False))
+    return sum(1 for _pair in pairs)
 
 
 def route_event(route: ErrorRoute) -> str:

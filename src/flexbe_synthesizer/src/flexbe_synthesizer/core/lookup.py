@@ -88,8 +88,9 @@ class _Lookup:
 
     def scope(self, chart: Chart, runs: ContainerKind, is_repeated: bool = False) -> ResolvedChart:
         """Return a chart, or the content of a container, with its names looked up."""
-        repeated = {node.id for node in chart.nodes} if is_repeated else looping_nodes(chart)
-        nodes = tuple(self._node(node, node.id in repeated) for node in chart.nodes)
+        containers = {node.id for node in chart.nodes if isinstance(node, Container)}
+        repeated = containers if is_repeated or not containers else looping_nodes(chart)
+        nodes = tuple([self._node(node, node.id in repeated) for node in chart.nodes])
         by_id: dict[str, ResolvedNode] = {}
         support: dict[Support, StateClass] = {}
         for entry in nodes:

@@ -19,6 +19,7 @@ from flexbe_synthesizer.core.model import (
     Node,
     State,
 )
+from flexbe_synthesizer.core.quick import quick
 from flexbe_synthesizer.core.signature import (
     BehaviorClass,
     Port,
@@ -95,6 +96,7 @@ class Use:
         return self.signature is not None and event in (self.signature.outcomes or ())
 
 
+@quick
 @dataclass(frozen=True, eq=False, slots=True)
 class ResolvedNode:
     """A node of a chart with what it names; `body` is the content of a container."""
