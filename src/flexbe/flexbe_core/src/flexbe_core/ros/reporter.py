@@ -30,6 +30,7 @@ from flexbe_core.engine.facts import (
     Raised,
     Refused,
     Requested,
+    Shown,
     Synced,
 )
 from flexbe_core.engine.structure import definition_at, structure_of
@@ -45,6 +46,7 @@ _SAME_ERROR_S = 10.0
 def advertise() -> None:
     """Advertise what runs publish."""
     ProxyPublisher(topics.PUBLISHED)
+    ProxyPublisher({topics.ACTIVE_STATE: String}, _latch=True)
 
 
 class Reporter:
@@ -91,7 +93,8 @@ class Reporter:
 
     @_publish.register
     def _(self, fact: Left) -> None:
-        self._send(topics.MIRROR_OUTCOME, UInt8(fact.index))
+        if fact.is_followed:
+            self._send(topics.MIRROR_OUTCOME, UInt8(fact.index))
         self._send(topics.CURRENT_STATE, String(f"{fact.path} > {fact.outcome}"))
 
     @_publish.register
@@ -117,6 +120,10 @@ class Reporter:
     @_publish.register
     def _(self, fact: Synced) -> None:
         self._send(topics.MIRROR_SYNC, BehaviorSync(self._behavior_id(), checksum(fact.path)))
+
+    @_publish.register
+    def _(self, fact: Shown) -> None:
+        self._send(topics.ACTIVE_STATE, String(fact.path))
 
     @_publish.register
     def _(self, fact: Refused) -> None:
