@@ -57,7 +57,6 @@ class Reporter:
         self._root = root
         self._publisher = ProxyPublisher()
         self._logged: dict[str, tuple[str, float]] = {}
-        advertise()
 
     def report(self, facts: Sequence[Fact]) -> None:
         """Publish facts in their order."""
@@ -87,8 +86,9 @@ class Reporter:
 
     @_publish.register
     def _(self, fact: Entered) -> None:
-        # A supervised behavior is followed by a mirror, which publishes this itself.
-        if not self._root._is_controlled:
+        # A supervised behavior is followed by a mirror, which publishes this itself. What is
+        # executed by hand has no id, and is no behavior.
+        if not self._root._is_controlled and getattr(self._root, "id", None) is not None:
             self._send(topics.BEHAVIOR_UPDATE, String(fact.path))
 
     @_publish.register
@@ -158,4 +158,6 @@ class Reporter:
         return getattr(self._root, "id", None) or 0
 
     def _send(self, topic: str, message: Message) -> None:
+        if not self._publisher.is_available(topic):
+            advertise()
         self._publisher.publish(topic, message)
