@@ -72,10 +72,8 @@ class WrongEngine:
         self._outward[topic].publish(message)
 
     def set_latched(self, is_latched):
-        """Advertise the status again."""
-        self._outward[topics.STATUS].unregister()
-        kind = topics.PUBLISHED[topics.STATUS]
-        self._outward[topics.STATUS] = self._out(topics.STATUS, kind, latch=is_latched)
+        """Send the last status to who subscribes later, or do not."""
+        self._outward[topics.STATUS].impl.is_latch = is_latched
 
     def rest(self):
         """Forget all faults, and stop what the real engine runs."""

@@ -75,7 +75,6 @@ class Bench:
             self.wire.send_if_heard(topics.PREEMPT, Empty(), self.quiet_s)
             if not tape.wait(lambda: not tape.is_running, self.limit_s):
                 raise StuckError("the running behavior did not end after a preempt")
-        self.wire.disconnect()
 
     def finish(self) -> None:
         """End a scenario: the engine is idle and has published nothing that nobody asked for."""
@@ -266,6 +265,11 @@ class Bench:
         if self.wire.tape.wait(lambda: bool(self._left(topic)), self.quiet_s):
             message = shown(self.wire.tape.left(topic)[0])
             raise ViolationError(f"{topic}: {message} was published although {why}")
+
+    def next_beat(self) -> None:
+        """Wait for the next heartbeat: what was changed before has reached the engine by then."""
+        count = len(self.wire.tape.beats)
+        self.wire.tape.wait(lambda: len(self.wire.tape.beats) > count, self.limit_s)
 
     # What may be missing
 

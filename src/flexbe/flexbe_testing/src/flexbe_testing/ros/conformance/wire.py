@@ -1,10 +1,11 @@
-"""The connection to an engine: subscriptions that last, and publishers for one scenario each."""
+"""The connection to an engine."""
 
 from __future__ import annotations
 
 import functools
 import time
 from collections.abc import Callable
+from xmlrpc.client import ServerProxy
 
 import rosgraph
 import rospy
@@ -48,7 +49,10 @@ class Wire:
             )
         self.engine = self._find_engine()
         # Publishers know a connection by the node's name, subscribers by its address.
-        self._engine_ends = {self.engine, self._master.lookupNode(self.engine)}
+        uri = self._master.lookupNode(self.engine)
+        self._engine_ends = {self.engine, uri}
+        self._engine_slave = ServerProxy(uri)
+        self._uri = str(self._master.lookupNode(rospy.get_name())).rstrip("/")
 
     def send(self, topic: str, message: Message) -> None:
         """Publish a message as soon as the engine is connected.
@@ -57,7 +61,7 @@ class Wire:
             ViolationError: if the engine does not subscribe to the topic.
         """
         publisher = self._publisher(topic, type(message))
-        if not self._until(lambda: self._reaches_engine(publisher)):
+        if not self._until(lambda: self._is_heard(publisher)):
             raise ViolationError(f"the engine does not subscribe to {topic}")
         publisher.publish(message)
 
@@ -70,19 +74,13 @@ class Wire:
             within_s: how long it may take to connect [s, wall time].
         """
         publisher = self._publisher(topic, type(message))
-        self._until(lambda: self._reaches_engine(publisher), within_s)
+        self._until(lambda: self._is_heard(publisher), within_s)
         publisher.publish(message)
 
     def subscribe_again(self, topic: str) -> None:
         """Subscribe as one who joins now: with what is latched, and nothing before."""
         self._subscribers[topic].unregister()
         self._subscribers[topic] = self._subscribe(topic)
-
-    def disconnect(self) -> None:
-        """Close the publishers of a scenario: some engines subscribe again for each behavior."""
-        for publisher in self._publishers.values():
-            publisher.unregister()
-        self._publishers.clear()
 
     def await_subscribed(self) -> list[str]:
         """Wait until all that an engine publishes is connected; return the topics that are not."""
@@ -133,6 +131,19 @@ class Wire:
 
     def _reaches_engine(self, end: rospy.Publisher | rospy.Subscriber) -> bool:
         return any(entry[1] in self._engine_ends for entry in end.impl.get_stats_info())
+
+    def _is_heard(self, publisher: rospy.Publisher) -> bool:
+        """Return whether the engine is connected, by both ends.
+
+        An engine that subscribes again for each behavior leaves a dead connection here for a while.
+        """
+        if not self._reaches_engine(publisher):
+            return False
+        _, _, connections = self._engine_slave.getBusInfo(rospy.get_name())
+        return any(
+            entry[1].rstrip("/") == self._uri and entry[2] == "i" and entry[4] == publisher.name
+            for entry in connections
+        )
 
     def _until(self, condition: Callable[[], bool], limit_s: float | None = None) -> bool:
         """Poll a condition about connections, of which rospy has no notification."""

@@ -162,10 +162,11 @@ def forced_outcome_unknown(bench: Bench) -> None:
 
 @scenario("Every transition of a state in /flexbe/breakpoints is asked for", "2.2")
 def breakpoint(bench: Bench) -> None:
-    """Restore the parameter at the end."""
+    """Engines may have the master notify them of the parameter: leave it the time to do so."""
     before = rospy.get_param(_BREAKPOINTS, [])
     rospy.set_param(_BREAKPOINTS, ["/First"])
     try:
+        bench.next_beat()
         bench.start(CHAIN, 3)
         bench.at("/First")
         bench.gate("First", "done")
