@@ -26,6 +26,17 @@ GATES = [
 ]
 
 
+# The action server that starts behaviors.
+EXECUTE = topics.EXECUTE_ACTION
+_ACTION = "flexbe_msgs/BehaviorExecutionAction"
+GOALS = {f"{EXECUTE}/goal": f"{_ACTION}Goal", f"{EXECUTE}/cancel": "actionlib_msgs/GoalID"}
+RESULTS = {
+    f"{EXECUTE}/status": "actionlib_msgs/GoalStatusArray",
+    f"{EXECUTE}/feedback": f"{_ACTION}Feedback",
+    f"{EXECUTE}/result": f"{_ACTION}Result",
+}
+
+
 class WrongEngine:
     """An engine in this node's namespace, which is the one in the namespace inner, but for a fault.
 
@@ -37,13 +48,15 @@ class WrongEngine:
     def __init__(self, faults):
         self.faults, self.memory = dict(faults), {}
         self._running, self._news = False, threading.Condition()
-        kinds = {**topics.COMMANDS, **dict.fromkeys(GATES, "std_msgs/String")}
+        kinds = {**topics.COMMANDS, **dict.fromkeys(GATES, "std_msgs/String"), **GOALS}
+        published = {**topics.PUBLISHED, **RESULTS}
         self._inward = {topic: self._out(f"{INNER}/{topic}", kind) for topic, kind in kinds.items()}
         self._outward = {
             topic: self._out(topic, kind, latch=topic == topics.STATUS)
-            for topic, kind in topics.PUBLISHED.items()
+            for topic, kind in published.items()
         }
-        wait_until(lambda: self._inward[topics.START].get_num_connections() > 0)
+        for topic in (topics.START, *GOALS):
+            wait_until(lambda end=self._inward[topic]: end.get_num_connections() > 0)
         self._subscribers = [
             rospy.Subscriber(
                 topic, get_message_class(kind), functools.partial(self._pass, topic, self.inward)
@@ -56,7 +69,7 @@ class WrongEngine:
                 get_message_class(kind),
                 functools.partial(self._pass, topic, self.outward),
             )
-            for topic, kind in topics.PUBLISHED.items()
+            for topic, kind in published.items()
         ]
         self._ask = rospy.ServiceProxy(f"{INNER}/{topics.USERDATA_SERVICE}", GetUserdata)
         self._service = rospy.Service(topics.USERDATA_SERVICE, GetUserdata, self._on_ask)

@@ -2,7 +2,8 @@
 
 import copy
 
-from flexbe_msgs.msg import BEStatus, CommandFeedback
+from flexbe_msgs.msg import BehaviorExecutionResult, BEStatus, CommandFeedback
+from wrong_engine import EXECUTE
 
 from flexbe_testing.core.conformance import topics
 from flexbe_testing.core.conformance.identity import checksum
@@ -117,6 +118,13 @@ def always_found(response, engine):
     return response
 
 
+def succeeding(message, engine):
+    """Report a rejected or aborted goal as succeeded, in results and in lists of statuses."""
+    for status in message.status_list if hasattr(message, "status_list") else [message.status]:
+        status.status = 3 if status.status > 3 else status.status
+    return [message]
+
+
 LOCKED = only_answered("lock", lambda m: [m.data or "/Box/Inner/Leaf"] * 2)
 LEVEL_0 = changed(autonomy_level=0)
 LEVEL_UP = changed(lambda m: m.autonomy_level < 255, autonomy_level=lambda level: level + 1)
@@ -124,7 +132,6 @@ UNSUPERVISED = changed(autonomy_level=255)
 SUPERVISED = changed(autonomy_level=3)
 SYNC_ELSEWHERE = changed(current_state_checksum=lambda value: value ^ 1)
 NEXT_OUTCOME = changed(data=lambda index: index ^ 1)
-NO_STRUCTURE_REQUEST = dropped()
 
 # (faults, scenario -> what its reason contains). A scenario is judged to fail with these faults.
 RULES = [
@@ -139,7 +146,7 @@ RULES = [
     ),
     (
         {topics.STATUS: recalled(topics.PREEMPT), topics.PREEMPT: remembered(topics.PREEMPT)},
-        {"preempt-while-idle": "left although"},
+        {"preempt-while-idle": ""},
     ),
     ({topics.STATUS: dropped(status(BEStatus.SWITCHING))}, {"switch-keeps-the-state": "'code': 6"}),
     ({topics.STATUS: ended_by(BEStatus.SWITCHING)}, {"switch-to-another-is-refused": "code: 6"}),
@@ -259,4 +266,13 @@ RULES = [
     ({"conformance/right": also_left}, {"concurrency-waits-for-all": "one of two children"}),
     ({topics.USERDATA_SERVICE: shown_as("gold")}, {"get-userdata": "gold"}),
     ({topics.USERDATA_SERVICE: always_found}, {"get-userdata-fails": "success while nothing runs"}),
+    (
+        {f"{EXECUTE}/status": succeeding, f"{EXECUTE}/result": succeeding},
+        {"action-unknown-behavior": "goal status 3", "action-is-aborted": "goal status 3"},
+    ),
+    (
+        {f"{EXECUTE}/result": changed(result=BehaviorExecutionResult(outcome="finished"))},
+        {"action-succeeds": "outcome 'finished'"},
+    ),
+    ({f"{EXECUTE}/cancel": dropped()}, {"action-is-cancelled": "flexbe/status"}),
 ]

@@ -128,8 +128,9 @@ def _check_counting(module: Module, execute: ast.FunctionDef) -> Iterator[Findin
         if is_self_attribute(node)
     }
     for node in ast.walk(execute):
-        is_step = isinstance(node, ast.AugAssign) and isinstance(node.value, ast.Constant)
-        if is_step and is_self_attribute(node.target) and node.target.attr in compared:
+        if not isinstance(node, ast.AugAssign) or not isinstance(node.value, ast.Constant):
+            continue
+        if is_self_attribute(node.target) and node.target.attr in compared:
             text = (
                 f"execute counts its executions in self.{node.target.attr}: they are no clock, a "
                 "state is also executed when something arrives; compare rospy.get_time()"

@@ -6,6 +6,7 @@ import ast
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import Enum
+from typing import TypeGuard
 
 from flexbe_testing.core.doctor.finding import Finding, Severity
 
@@ -101,7 +102,7 @@ def parse_module(file: str, text: str) -> Module:
     return module
 
 
-def is_self_attribute(node: ast.AST) -> bool:
+def is_self_attribute(node: ast.AST) -> TypeGuard[ast.Attribute]:
     """Return whether an expression is `self.something`."""
     return (
         isinstance(node, ast.Attribute)

@@ -275,7 +275,7 @@ class Bench:
 
     def mirrors(self) -> list[str]:
         """Return the mirrors that follow the engine."""
-        return self.wire.nodes("publish", topics.REQUEST_STRUCTURE)
+        return self.wire.publishers(topics.REQUEST_STRUCTURE)
 
     def require_unwatched(self) -> None:
         """Judge only if there is no mirror: it makes every behavior supervised."""

@@ -97,17 +97,16 @@ class Wire:
         self._until(is_complete)
         return missing
 
-    def nodes(self, direction: str, topic: str) -> list[str]:
-        """Return the other nodes at a topic.
-
-        Args:
-            direction: "publish" or "subscribe".
-            topic: a topic, resolved in the namespace of this node.
-        """
-        publish, subscribe, _ = self._master.getSystemState()
-        listed = dict(publish if direction == "publish" else subscribe)
-        found = listed.get(rospy.resolve_name(topic), [])
+    def publishers(self, topic: str) -> list[str]:
+        """Return the other nodes that publish a topic of this node's namespace."""
+        publish, _, _ = self._master.getSystemState()
+        found = dict(publish).get(rospy.resolve_name(topic), [])
         return [node for node in found if node != rospy.get_name()]
+
+    def is_subscribed(self, topic: str) -> bool:
+        """Return whether anybody subscribes to a topic of this node's namespace."""
+        _, subscribe, _ = self._master.getSystemState()
+        return rospy.resolve_name(topic) in dict(subscribe)
 
     def topic_types(self) -> dict[str, str]:
         """Return the types of all topics that the master knows."""

@@ -26,7 +26,7 @@ class _Goal:
 
     def __init__(self, bench: Bench, name: str, **args: str) -> None:
         """Send the goal."""
-        if not bench.wire.nodes("subscribe", f"{topics.EXECUTE_ACTION}/goal"):
+        if not bench.wire.is_subscribed(f"{topics.EXECUTE_ACTION}/goal"):
             raise NotJudgedError(f"there is no action server {topics.EXECUTE_ACTION}")
         self._bench = bench
         self._news = threading.Condition()
@@ -83,7 +83,7 @@ def action_succeeds(bench: Bench) -> None:
     """The path is shown if a mirror or the engine publishes it."""
     goal = _started(bench, "Conformance Chain", CHAIN)
     bench.at("/First")
-    if bench.wire.nodes("publish", topics.UPDATE):
+    if bench.wire.publishers(topics.UPDATE):
         goal.shows("/First")
     bench.gate("First", "other")
     bench.finished("failed")
