@@ -10,6 +10,12 @@ from pathlib import Path
 
 import pytest
 
+from flexbe_core import OperatableStateMachine
+from flexbe_core.core import UserData
+from flexbe_core.engine.engine import Engine, ErrorPolicy
+from flexbe_core.testing import ScriptedState
+from flexbe_testing.core.doctor.internals import OVERRIDES
+from flexbe_testing.core.doctor.module import Kind
 from flexbe_testing.edge.doctor.diagnose import diagnose
 from flexbe_testing.edge.doctor.surface import attributes, names_of
 
@@ -109,3 +115,37 @@ def test_the_surface_is_that_of_the_engine():
     assert "StateMachine" in names_of("flexbe_core.core.state_machine")
     assert names_of("flexbe_core.loopback") is None
     assert {"_parent", "_locked", "transition_allowed"} <= attributes()
+
+
+def test_what_is_reported_as_without_effect_has_none():
+    """The engine calls no override of a machine or state that the rule names."""
+    called = []
+
+    def recording(base, kind):
+        def method(name):
+            def call(self, *args, **kwargs):
+                called.append(name)
+                return getattr(base, name)(self, *args, **kwargs)
+
+            return call
+
+        names = OVERRIDES[kind] & set(dir(base)) - {"execute"}
+        return type(f"Recording{base.__name__}", (base,), {name: method(name) for name in names})
+
+    class Machine(recording(OperatableStateMachine, Kind.MACHINE)):
+        def execute(self, userdata):
+            called.append("execute")
+            return super().execute(userdata)
+
+    state = recording(ScriptedState, Kind.STATE)
+    root, box = Machine(outcomes=["finished"]), Machine(outcomes=["done"])
+    with box:
+        Machine.add("A", state([None, "done"]), {"done": "B"}, {"done": 0})
+        Machine.add("B", state(["done"]), {"done": "done"}, {"done": 0})
+    with root:
+        Machine.add("Box", box, {"done": "finished"}, {"done": 0})
+    engine = Engine(root, ErrorPolicy.FAIL)
+    engine.begin(UserData())
+    outcomes = [engine.run(float(now)) for now in range(3)]
+    assert "finished" in outcomes
+    assert called == []

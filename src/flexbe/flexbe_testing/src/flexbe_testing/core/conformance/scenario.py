@@ -13,11 +13,11 @@ Play = Callable[[Any], None]
 
 
 class ViolationError(Exception):
-    """The engine did something else than what is required; the text says what."""
+    """The engine did something else than what is required; the text states what."""
 
 
 class NotJudgedError(Exception):
-    """The scenario cannot be judged here; the text says why."""
+    """The scenario cannot be judged here; the text states why."""
 
 
 class UnknownScenarioError(Exception):

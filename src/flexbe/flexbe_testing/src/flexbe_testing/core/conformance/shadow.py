@@ -33,7 +33,7 @@ def successor(parts: Mapping[str, Part], path: str, index: int) -> str | None:
     """Return the state that follows a state's outcome; None if the behavior ends.
 
     Raises:
-        ValueError: if the structure does not say what follows.
+        ValueError: if the structure does not contain what follows.
     """
     part, container = parts[path], path.rpartition("/")[0]
     target = part.transitions[index]

@@ -8,13 +8,14 @@ from collections.abc import Iterator
 from flexbe_testing.core.doctor.finding import Finding, Severity
 from flexbe_testing.core.doctor.module import FlexbeClass, Kind, Module, is_self_attribute
 
-# Attributes of stock FlexBE's states that users may have come to rely on.
-_PRIVATE = {
-    *("_force_transition", "_stored_outcome", "_last_requested_outcome", "_entering", "_skipped"),
-    *("_paused", "_last_active_container", "_preempted_name", "_locked", "_is_controlled"),
-    *("_inner_sync_request", "_last_exception", "_current_state", "_userdata", "_own_userdata"),
-    *("_labels", "_states", "_transitions", "_remappings", "_autonomy", "_returned_outcomes"),
-}
+# Attributes of stock FlexBE's states and containers that users may have come to rely on.
+_OF_BOTH = {"_force_transition", "_stored_outcome", "_last_requested_outcome", "_entering"}
+_OF_BOTH |= {"_skipped", "_paused", "_last_active_container", "_preempted_name", "_locked"}
+_OF_BOTH |= {"_is_controlled"}
+_OF_CONTAINERS = {"_inner_sync_request", "_last_exception", "_current_state", "_userdata"}
+_OF_CONTAINERS |= {"_own_userdata", "_labels", "_states", "_transitions", "_remappings"}
+_OF_CONTAINERS |= {"_autonomy", "_returned_outcomes"}
+_PRIVATE = {Kind.STATE: _OF_BOTH, Kind.MACHINE: _OF_BOTH | _OF_CONTAINERS, Kind.BEHAVIOR: set()}
 _TOPICS = {
     f"_{name}_topic"
     for name in (
@@ -23,17 +24,14 @@ _TOPICS = {
     )
 }
 
-# Methods that an engine calls in its own way; an override would not be called as in stock FlexBE.
-_OF_STATES = {"sleep", "set_name", "set_parent", "is_locked", "_notify_skipped", "_execute"}
-_OF_MACHINES = {"execute", "spin", "sleep", "add", "confirm", "destroy", "transition_allowed"}
-_OF_MACHINES |= {"is_transition_allowed", "get_deep_state", "assert_consistent_transitions"}
-_OF_MACHINES |= {"_execute_current_state", "_execute_state", "_notify_start", "_notify_stop"}
-_OF_ALL = {"_enable_ros_control", "_disable_ros_control"}
-_OF_BEHAVIORS = {"execute", "confirm", "prepare_for_execution", "prepare_for_switch", "set_up"}
-_OVERRIDES = {
-    Kind.STATE: _OF_STATES | _OF_ALL,
-    Kind.MACHINE: _OF_MACHINES | _OF_ALL,
-    Kind.BEHAVIOR: _OF_BEHAVIORS,
+# Methods that stock FlexBE calls in a run and this engine does not: an override has no effect.
+OVERRIDES = {
+    Kind.STATE: {"sleep", "is_locked", "_notify_skipped"},
+    Kind.MACHINE: {
+        *("execute", "sleep", "is_locked", "transition_allowed", "is_transition_allowed"),
+        *("get_deep_state", "get_required_autonomy", "_execute_current_state", "_notify_skipped"),
+    },
+    Kind.BEHAVIOR: {"prepare_for_switch"},
 }
 
 # State of stock FlexBE's process that belongs to a run here.
@@ -59,7 +57,7 @@ def check_internals(module: Module, attributes: frozenset[str]) -> Iterator[Find
 
 
 def _check_overrides(module: Module, found: FlexbeClass) -> Iterator[Finding]:
-    for name in sorted(_OVERRIDES[found.kind] & set(found.methods)):
+    for name in sorted(OVERRIDES[found.kind] & set(found.methods)):
         text = (
             f"{found.node.name} overrides {name}() of a {found.kind.value}, which this engine does "
             "not call in a run; use on_start, on_enter, execute, on_exit and on_stop of states"
@@ -79,10 +77,10 @@ def _check_private(
     own = {node.attr for node in nodes if isinstance(node.ctx, ast.Store)}
     for node in nodes:
         is_read = isinstance(node.ctx, ast.Load)
-        if is_read and node.attr in _PRIVATE - attributes - own:
+        if is_read and node.attr in _PRIVATE[found.kind] - attributes - own:
             text = f"self.{node.attr} is stock FlexBE's own, and not there on this engine"
             yield module.finding(node, "private", Severity.ERROR, text)
-        elif not is_read and node.attr in _PRIVATE:
+        elif not is_read and node.attr in _PRIVATE[found.kind]:
             text = f"self.{node.attr} is FlexBE's own: setting it acts differently here; rename it"
             yield module.finding(node, "private", Severity.WARNING, text)
         elif not is_read and node.attr in _TOPICS and found.kind is Kind.STATE:

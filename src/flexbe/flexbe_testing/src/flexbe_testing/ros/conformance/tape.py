@@ -89,6 +89,6 @@ class Tape:
         return self._last_code() == _SWITCHING
 
     def _last_code(self) -> int | None:
-        """Return the last status code; ERROR refuses a request and says nothing about the run."""
+        """Return the last status code; ERROR refuses a request, and leaves the run as it is."""
         codes = (message.code for message in reversed(self.statuses))
         return next((code for code in codes if code != _ERROR), None)

@@ -11,7 +11,7 @@ from flexbe_testing.ros.conformance.bench import Bench
 from flexbe_testing.ros.conformance.scenarios.modules import CHAIN, NEST
 
 
-@scenario("A preempt of a supervised behavior is answered, and ends it with `preempted`", "3.2")
+@scenario("A preempt of a supervised behavior is acknowledged, and ends it with `preempted`", "3.2")
 def preempt_supervised(bench: Bench) -> None:
     """on_stop is called for all states."""
     bench.start(NEST, 3)
@@ -21,7 +21,7 @@ def preempt_supervised(bench: Bench) -> None:
     bench.in_any_order(*(f"stop {path}" for path in paths))
 
 
-@scenario("A preempt of an unsupervised behavior ends it, without an answer", "2.4")
+@scenario("A preempt of an unsupervised behavior ends it, without feedback", "2.4")
 def preempt_unsupervised(bench: Bench) -> None:
     """The silence is judged at the end of the scenario."""
     bench.require_unwatched()
@@ -43,7 +43,7 @@ def preempt_while_idle(bench: Bench) -> None:
     bench.finished("failed")
 
 
-@scenario("A paused state is not executed; resumed, it goes on; both are answered", "2.2")
+@scenario("A paused state is not executed; resumed, it goes on; both are acknowledged", "2.2")
 def pause_and_resume(bench: Bench) -> None:
     """on_pause and on_resume are called."""
     bench.start(CHAIN, 3)
@@ -63,7 +63,7 @@ def pause_and_resume(bench: Bench) -> None:
 
 @scenario("A preempt ends a paused behavior", "2.2")
 def preempt_while_paused(bench: Bench) -> None:
-    """The answer comes as well."""
+    """The feedback is published as well."""
     bench.start(CHAIN, 3)
     bench.at("/First")
     bench.send(topics.PAUSE, Bool(True))
@@ -72,7 +72,9 @@ def preempt_while_paused(bench: Bench) -> None:
     bench.preempt()
 
 
-@scenario("A repeat is answered; the state is left, without a transition, and entered again", "2.2")
+@scenario(
+    "A repeat is acknowledged; the state is left, without a transition, and entered again", "2.2"
+)
 def repeat(bench: Bench) -> None:
     """No outcome is published for it."""
     bench.start(CHAIN, 3)

@@ -10,7 +10,9 @@ from flexbe_testing.ros.conformance.bench import Bench
 from flexbe_testing.ros.conformance.scenarios.modules import CHAIN, FAULT
 
 
-@scenario("Supervised, a state that raises stays active, and the operator can lead on", "2.5")
+@scenario(
+    "Supervised, a state that raises stays active, and the operator can force an outcome", "2.5"
+)
 def raising_state_is_held(bench: Bench) -> None:
     """It raises in every execution."""
     bench.start(FAULT, 3, args={"how": "execute"})
@@ -23,7 +25,8 @@ def raising_state_is_held(bench: Bench) -> None:
 
 
 @scenario(
-    "Supervised, an undeclared outcome keeps the state active; the operator can lead on", "2.5"
+    "Supervised, an undeclared outcome keeps the state active; the operator can force an outcome",
+    "2.5",
 )
 def undeclared_outcome_is_held(bench: Bench) -> None:
     """The state may be left and entered again, but no transition is taken."""

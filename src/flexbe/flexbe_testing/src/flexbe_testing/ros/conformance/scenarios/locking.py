@@ -70,7 +70,7 @@ def lock_a_container(bench: Bench) -> None:
 
 @scenario("A forced transition of a locked state waits for the unlock", "2.2")
 def forced_transition_while_locked(bench: Bench) -> None:
-    """It is answered at once."""
+    """It is acknowledged at once."""
     bench.start(CHAIN, 3)
     bench.at("/First")
     _lock(bench, "/First")
@@ -83,7 +83,7 @@ def forced_transition_while_locked(bench: Bench) -> None:
     bench.preempt()
 
 
-@scenario("A lock for a path that is not active is answered with an empty second text", "2.2")
+@scenario("A lock for a path that is not active is acknowledged with an empty second text", "2.2")
 def lock_elsewhere(bench: Bench) -> None:
     """The active state stays free."""
     bench.start(CHAIN, 3)
@@ -96,7 +96,8 @@ def lock_elsewhere(bench: Bench) -> None:
 
 
 @scenario(
-    "An unlock with an empty path while nothing is locked is answered with two empty texts", "2.2"
+    "An unlock with an empty path while nothing is locked is acknowledged with two empty texts",
+    "2.2",
 )
 def unlock_nothing(bench: Bench) -> None:
     """The operator console reads that as success."""

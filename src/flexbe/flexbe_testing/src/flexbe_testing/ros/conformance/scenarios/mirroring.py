@@ -78,7 +78,7 @@ def outcomes_lead_a_mirror(bench: Bench) -> None:
         raise ViolationError(f"the behavior has ended; the mirror is at {path}")
 
 
-@scenario("A sync is answered, and publishes checksums of behavior and active path", "3.2")
+@scenario("A sync is acknowledged, and publishes checksums of behavior and active path", "3.2")
 def sync(bench: Bench) -> None:
     """In a nested container."""
     bench.start(NEST, 3)
@@ -89,7 +89,9 @@ def sync(bench: Bench) -> None:
     bench.preempt()
 
 
-@scenario("An attach is answered with the name, synchronizes, and supervises from then on", "3.2")
+@scenario(
+    "An attach is acknowledged with the name, synchronizes, and supervises from then on", "3.2"
+)
 def attach(bench: Bench) -> None:
     """Join an unsupervised behavior at level 1."""
     bench.start(CHAIN)

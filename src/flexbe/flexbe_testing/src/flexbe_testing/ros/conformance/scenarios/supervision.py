@@ -136,7 +136,7 @@ def forced_transition(bench: Bench) -> None:
     bench.finished("failed")
 
 
-@scenario("A forced transition for another label is answered with both, and dropped", "2.2")
+@scenario("A forced transition for another label is acknowledged with both, and dropped", "2.2")
 def forced_transition_elsewhere(bench: Bench) -> None:
     """Name the other state, then the path instead of the label."""
     bench.start(CHAIN, 3)

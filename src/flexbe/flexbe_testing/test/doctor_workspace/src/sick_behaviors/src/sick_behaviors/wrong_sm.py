@@ -17,5 +17,5 @@ class WrongSM(Mixin, Behavior):  # doctor: app
             OperatableStateMachine.add("Wave", WavingState(), {"done": "finished"})  # doctor: construction
         return root
 
-    def set_up(self, id, autonomy_level, debug):  # doctor: override
+    def prepare_for_switch(self, state):  # doctor: override
         pass
