@@ -4,8 +4,8 @@ Each output of a node is a place that holds the value written last. An input rea
 was written last in any of its sources:
 
 - the output that the connection names, or else the chart's input of the same name;
-- an input of the chart that is also its output: what feeds that output, too. A chart's output is
-  fed by the connections that name it, else by all outputs of that name.
+- an input and an output of the chart with one name are one value: what feeds that output, too. A
+  chart's output is fed by the connections that name it, else by all outputs of that name.
 - A node's output of the name of one of its inputs is the place that the input reads.
 """
 
@@ -127,8 +127,9 @@ class Scope:
             named = self.source(node, key)
             place = None if named is None else self.place(*named)
             found = {place} if place is not None else set()
-            if place is not None and place[0] == CHART and place[1] in self.outputs:
-                found |= self.feeders(place[1])
+            for output in self.outputs:
+                if output in self.inputs and place in self.feeders(output):
+                    found |= self.feeders(output)
             self._read[node, key] = frozenset(found)
         return self._read[node, key]
 
