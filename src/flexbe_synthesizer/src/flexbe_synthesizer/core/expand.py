@@ -202,25 +202,33 @@ class _Expansion:
         return tuple(found)
 
     def _expand(self, entry: ResolvedNode, found: list[Child]) -> None:
-        """Add what a node becomes: its counter, itself, and what parts its failures."""
+        """Add what a node becomes: its counter, itself, and what parts its failures.
+
+        What is entered first is added first: the first child of a container is its initial state.
+        """
         node = entry.node
         exits = self._exits(entry)
         if node.attempts is not None:
-            counter = Child(
-                counter_label(node.id),
-                self._support(Support.COUNTER, attempts=node.attempts),
-                (Exit(_COUNTED, node.id), exits[EXHAUSTED]),
-                (("attempt", self._counts[f"{self._above}{node.id}"]),),
-            )
-            found.append(counter)
+            found.append(self._counter(entry, exits[EXHAUSTED]))
+        choosers = [self._chooser(entry, exits[FAILED])] if node.on_error else []
         if node.on_error:
-            found.append(self._chooser(entry, exits[FAILED]))
             exits[FAILED] = Exit(FAILED, chooser_label(node.id))
         own = tuple([exits[event] for event in _own_outcomes(entry)])
         if entry.use.is_timed:
             found.append(self._timed(entry, own, exits[TIMED_OUT]))
         else:
             found.append(Child(node.id, self._content(entry), own, self._remapping(entry)))
+        found.extend(choosers)
+
+    def _counter(self, entry: ResolvedNode, exhausted: Exit) -> Child:
+        """Return the state that counts the attempts of a node, and that is entered before it."""
+        node = entry.node
+        return Child(
+            counter_label(node.id),
+            self._support(Support.COUNTER, attempts=node.attempts),
+            (Exit(_COUNTED, node.id), exhausted),
+            (("attempt", self._counts[f"{self._above}{node.id}"]),),
+        )
 
     def _exits(self, entry: ResolvedNode) -> dict[str, Exit]:
         """Return where each event of a node leads."""
