@@ -103,6 +103,8 @@ class _Explorer:
             what = cells.complaint(node, key, memory)
             if what:
                 self.faults[Fault(path, key, what)] = None
+        if node.routes and cells.is_shared(node, "error_code"):
+            self.faults[Fault(path, "error_code", "written by another output")] = None
         if node.scope is None:
             outputs = frozenset(node.outputs)
             yield from (End(event, outputs, counts) for event in node.own)
@@ -202,10 +204,23 @@ class _Cells:
         writer = dict(memory).get(self._cell(self._scope.place(*named)))
         if writer is None:
             return "not written"
-        is_connected = (node.id, key) in self._scope.into
-        if is_connected and named[0] != CHART and writer not in (named[0], node.id, CHART):
+        if (node.id, key) not in self._scope.into or named[0] == CHART:
+            return ""
+        if writer not in (named[0], node.id, CHART):
             return f"written by {writer}"
-        return ""
+        cell, giver = self._cell(self._scope.place(*named)), self._scope.nodes[named[0]]
+        shared = [o for o in self._outputs_in(giver, cell) if o != named[1]]
+        if shared:
+            return f"written by output {shared[0]} of {giver.id}"
+        inner = [o for o in self._outputs_in(node, cell) if o != key] if node.scope else []
+        return f"written while {node.id} reads it" if inner else ""
+
+    def is_shared(self, node: Node, output: str) -> bool:
+        """Return whether another output of the node is the same value."""
+        return len(self._outputs_in(node, self._cell(self._scope.place(node.id, output)))) > 1
+
+    def _outputs_in(self, node: Node, cell: Place) -> list[str]:
+        return [o for o in node.outputs if self._cell(self._scope.place(node.id, o)) == cell]
 
     def after(self, node: Node, written: Iterable[str], memory: Memory) -> Memory:
         """Return the memory after a node has written outputs."""

@@ -196,6 +196,7 @@ class _Generator:
             rng.shuffle(shuffled := list(parts))
             parts = shuffled
         scope.extend(part.element for part in parts)
+        self._drop_unused(scope)
         self._wire(scope, parts, concurrent)
 
     def _node(
@@ -302,7 +303,8 @@ class _Generator:
         rng, element = self._random, part.element
         name = element.get("type", "").rpartition("/")[2].rpartition("__")[2]
         kind = KINDS.get(name) if element.tag == "state" else None
-        if self._chance(0.2):
+        is_alone = element.tag == f"{EXT}priority"  # its timer would stand still
+        if not is_alone and self._chance(0.2):
             element.set(f"{EXT}timeout_s", str(rng.choice([0.25, 0.7, 1.5, 4.0])))
             if (kind is None or not kind.keeps_time) and "timed_out" not in part.events:
                 part.events.append("timed_out")
@@ -362,6 +364,16 @@ class _Generator:
             condition = etree.SubElement(scope, f"{EXT}condition", outcome=rng.choice(outcomes))
             for node, event in group.items():
                 etree.SubElement(condition, f"{EXT}when", state=node, event=event)
+
+    def _drop_unused(self, scope: etree._Element) -> None:
+        """Drop the outcomes that nothing leads to, mostly."""
+        routes = " ".join(child.get(f"{EXT}on_error", "") for child in scope)
+        used = {t.get("target") for t in scope.findall("*/transition")}
+        used |= {condition.get("outcome") for condition in scope.findall(f"{EXT}condition")}
+        for outcome in list(scope.find("datamodel").iter("outcome")):
+            if outcome.get("name") not in used and outcome.get("name") not in routes:
+                if self._chance(0.9):
+                    outcome.getparent().remove(outcome)
 
     # Data
 
@@ -428,7 +440,11 @@ class _Generator:
                     file = _inner_path(file, element)
                     element = self._roots[file]
                 scopes.append((element, file))
-            self._feed_from_outside(scopes[-1][0], node_id, fault.key)
+            node = _child(scopes[-1][0], node_id)
+            if node.get(f"{EXT}on_error") and fault.what == "written by another output":
+                del node.attrib[f"{EXT}on_error"]
+            else:
+                self._feed_from_outside(scopes[-1][0], node_id, fault.key)
 
     def _feed_from_outside(self, scope: etree._Element, node_id: str, key: str) -> None:
         """Feed an input by a new input of the scope, that input by one around it, and so on."""

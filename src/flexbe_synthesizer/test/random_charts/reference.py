@@ -158,22 +158,25 @@ class Reference:
         if not node.is_timed:
             return (yield from self._own(node, path, values, counts))
         visit = self._own(node, f"{path}/run", values, counts)
-        left = node.timeout_s
+        timer = self._timer(path, node.timeout_s)
+        event, is_over = "", False
         try:
-            while True:
-                try:
-                    next(visit)
-                except StopIteration as end:
-                    if left <= 0:
-                        self._end(f"{path}/timer", "done")
-                    return end.value
-                if left <= 0:
-                    self._end(f"{path}/timer", "done")
-                    return "timed_out"
-                left -= ROUND_S
-                yield
+            while not event and not is_over:
+                event = _next(visit)
+                is_over = not self._waits(f"{path}/timer") and bool(_next(timer))
+                if not event and not is_over:
+                    yield
+            return event or "timed_out"
         finally:
             visit.close()
+
+    def _timer(self, path: str, left_s: float) -> Visit:
+        """Wait until the time since the first round has passed; it does so while others wait."""
+        end = self._round * ROUND_S + left_s
+        while self._round * ROUND_S < end:
+            yield
+        self._end(f"{path}/timer", "done")
+        return "done"
 
     def _own(self, node: Node, path: str, values: _Values, counts: dict) -> Visit:
         """Visit what a node is; return its outcome."""
@@ -197,9 +200,8 @@ class Reference:
 
     def _state(self, node: Node, path: str, values: _Values) -> Visit:
         if node.type == "WaitState":
-            left = node.params["wait_time"]
-            while left > 0:
-                left -= ROUND_S
+            end = self._round * ROUND_S + node.params["wait_time"]
+            while self._round * ROUND_S < end:
                 yield
             return "done"
         read = {key: values.read(node.id, key) for key in node.inputs}
@@ -231,10 +233,7 @@ class Reference:
                 for name, visit in visits.items():
                     if name in events or self._waits(f"{path}/{name}"):
                         continue
-                    try:
-                        next(visit)
-                    except StopIteration as end:
-                        events[name] = end.value
+                    events |= {name: event for event in [_next(visit)] if event}
                 for outcome, all_of in scope.conditions:
                     if all_of.items() <= events.items():
                         return outcome
@@ -250,6 +249,15 @@ class Reference:
 
     def _end(self, path: str, event: str) -> None:
         self.ended.append((self._round, path, event))
+
+
+def _next(visit: Visit) -> str:
+    """Carry on with a visit for a round; return the event if it ends, else nothing."""
+    try:
+        next(visit)
+    except StopIteration as end:
+        return end.value
+    return ""
 
 
 def _is_in(path: str, other: str) -> bool:
