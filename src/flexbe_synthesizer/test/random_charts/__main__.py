@@ -60,7 +60,7 @@ def verdict_of(seed: int, runs: int) -> Verdict:
     return guarded(lambda: judge_seed(seed, runs))
 
 
-def guarded(work) -> Verdict:  # noqa: ANN001
+def guarded(work) -> Verdict:
     """Return a verdict, of an exception too."""
     try:
         return work()
@@ -106,7 +106,7 @@ def trace(seed: int, runs: int) -> None:
             trace_run(synthesis, chart, str(number))
 
 
-def trace_run(synthesis: Synthesis, chart, seed: str) -> None:  # noqa: ANN001
+def trace_run(synthesis: Synthesis, chart, seed: str) -> None:
     """Print a run on both sides."""
     given = {key: 1000 + index for index, key in enumerate(chart.inputs)}
     scripts = Script(seed), Script(seed)

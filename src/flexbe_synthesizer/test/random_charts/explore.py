@@ -30,7 +30,7 @@ class Fault(NamedTuple):
 
 
 class End(NamedTuple):
-    """How a node ends: event, outputs that were written by then, and counts; event "" in between."""
+    """How a node ends: event, outputs written by then, and counts; without event, in between."""
 
     event: str
     written: frozenset[str]
@@ -121,6 +121,10 @@ class _Explorer:
     def _simultaneous(self, scope: Scope, path: str, counts: Counts) -> Iterator[End]:
         cells = _Cells(scope)
         given = cells.given()
+        for node in scope.nodes.values():
+            for key in node.inputs:
+                if cells.is_written_beside(node, key):
+                    self.faults[Fault(f"{path}/{node.id}", key, "written at the same time")] = None
         ends = {
             node.id: set(self._visit(node, f"{path}/{node.id}", given, counts, cells))
             for node in scope.nodes.values()
@@ -204,16 +208,25 @@ class _Cells:
         writer = dict(memory).get(self._cell(self._scope.place(*named)))
         if writer is None:
             return "not written"
+        cell = self._cell(self._scope.place(*named))
+        if node.scope is not None and any(o != key for o in self._outputs_in(node, cell)):
+            return f"written while {node.id} reads it"
         if (node.id, key) not in self._scope.into or named[0] == CHART:
             return ""
-        if writer not in (named[0], node.id, CHART):
+        in_place = node.id if key in node.outputs else CHART
+        if writer not in (named[0], in_place, CHART):
             return f"written by {writer}"
-        cell, giver = self._cell(self._scope.place(*named)), self._scope.nodes[named[0]]
-        shared = [o for o in self._outputs_in(giver, cell) if o != named[1]]
-        if shared:
-            return f"written by output {shared[0]} of {giver.id}"
-        inner = [o for o in self._outputs_in(node, cell) if o != key] if node.scope else []
-        return f"written while {node.id} reads it" if inner else ""
+        shared = [o for o in self._outputs_in(self._scope.nodes[named[0]], cell) if o != named[1]]
+        return f"written by output {shared[0]} of {named[0]}" if shared else ""
+
+    def is_written_beside(self, node: Node, key: str) -> bool:
+        """Return whether another node writes what this one reads."""
+        named = self._scope.source(node.id, key)
+        if named is None:
+            return False
+        cell = self._cell(self._scope.place(*named))
+        nodes = self._scope.nodes.values()
+        return any(self._outputs_in(other, cell) for other in nodes if other is not node)
 
     def is_shared(self, node: Node, output: str) -> bool:
         """Return whether another output of the node is the same value."""

@@ -312,9 +312,9 @@ class _Generator:
             element.set(f"{EXT}attempts", str(rng.randint(1, 3)))
             if "exhausted" not in part.events:
                 part.events.append("exhausted")
-        if not concurrent and "failed" in part.own and "error_code" in part.outputs:
-            if self._chance(0.6):
-                element.set(f"{EXT}on_error", "1-2: ?; 5: ?")
+        is_routed = "failed" in part.own and "error_code" in part.outputs
+        if is_routed and not concurrent and self._chance(0.6):
+            element.set(f"{EXT}on_error", "1-2: ?; 5: ?")
 
     def _transitions(self, parts: list[_Part], outcomes: list[str]) -> None:
         """Lead the first event of each node on, and the others anywhere."""
@@ -371,9 +371,9 @@ class _Generator:
         used = {t.get("target") for t in scope.findall("*/transition")}
         used |= {condition.get("outcome") for condition in scope.findall(f"{EXT}condition")}
         for outcome in list(scope.find("datamodel").iter("outcome")):
-            if outcome.get("name") not in used and outcome.get("name") not in routes:
-                if self._chance(0.9):
-                    outcome.getparent().remove(outcome)
+            is_used = outcome.get("name") in used or outcome.get("name") in routes
+            if not is_used and self._chance(0.9):
+                outcome.getparent().remove(outcome)
 
     # Data
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from scripted_states.script import Script
 
 from flexbe_synthesizer.core.problem import Code
-from random_charts.chart_xml import Scope, read_chart
+from random_charts.chart_xml import CHART, Scope, read_chart
 from random_charts.engine_run import EngineRun, Synthesis
 from random_charts.explore import Fault, TooManyRunsError, explore
 from random_charts.generate import generate
@@ -73,7 +73,10 @@ def _judge(
     synthesis: Synthesis, chart: Scope, faults: tuple[Fault, ...] | None, runs: int
 ) -> Verdict:
     told = [str(error) for error in synthesis.errors]
-    if {error.code for error in synthesis.errors} - _DATA_CODES:
+    codes = {error.code for error in synthesis.errors}
+    if has_conflict(chart) and Code.CONFLICTING_OUTPUT in codes:
+        return Verdict("refused", told)
+    if codes - _DATA_CODES:
         return Verdict("valid chart refused", told)
     if synthesis.errors:
         return Verdict("refused" if faults or faults is None else "refused without need", told)
@@ -84,6 +87,20 @@ def _judge(
         if differences:
             return Verdict(f"other {differences[0]}", [f"run {number}:", *differences[1:]])
     return Verdict("agree")
+
+
+def has_conflict(chart: Scope) -> bool:
+    """Return whether an output would have to be in two places."""
+    for node in chart.nodes.values():
+        if node.scope is not None and has_conflict(node.scope):
+            return True
+    found = [place for output in chart.outputs for place in chart.feeders(output)]
+    is_double = len(set(found)) < len(found)
+    return is_double or any(
+        chart.place(node.id, output) not in ((node.id, output), (CHART, output))
+        for node in chart.nodes.values()
+        for output in set(node.outputs) & set(chart.outputs)
+    )
 
 
 def compare(synthesis: Synthesis, chart: Scope, seed: str) -> list[str]:

@@ -62,7 +62,8 @@ class _Values:
 
     def written(self, node: str, key: str) -> object:
         """Return what is in an output."""
-        return self._written[self._scope.place(node, key)][1]
+        place = self._scope.place(node, key)
+        return self._written[place][1] if place in self._written else self.read(node, key)
 
     def write(self, node: str, key: str, value: object, clock: int) -> None:
         """Put a value into an output, and so into what is around."""
@@ -233,7 +234,8 @@ class Reference:
                 for name, visit in visits.items():
                     if name in events or self._waits(f"{path}/{name}"):
                         continue
-                    events |= {name: event for event in [_next(visit)] if event}
+                    event = _next(visit)
+                    events |= {name: event} if event else {}
                 for outcome, all_of in scope.conditions:
                     if all_of.items() <= events.items():
                         return outcome

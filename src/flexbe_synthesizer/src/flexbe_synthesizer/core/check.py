@@ -9,6 +9,7 @@ from flexbe_synthesizer.core.check_conditions import check_conditions
 from flexbe_synthesizer.core.check_connections import check_connections
 from flexbe_synthesizer.core.check_data_flow import check_data_flow
 from flexbe_synthesizer.core.check_extensions import check_extensions, check_priorities
+from flexbe_synthesizer.core.check_homes import check_homes
 from flexbe_synthesizer.core.check_loops import check_loops
 from flexbe_synthesizer.core.check_names import check_names, check_node_names, check_paths
 from flexbe_synthesizer.core.check_parameters import check_defaults, check_parameters
@@ -63,6 +64,7 @@ def _check_scope(scope: ResolvedChart) -> Iterator[Problem]:
     yield from check_loops(scope, graph)
     yield from check_connections(scope, flow)
     yield from check_data_flow(scope, flow, graph)
+    yield from check_homes(scope, flow)
     yield from check_use(scope, flow)
 
 

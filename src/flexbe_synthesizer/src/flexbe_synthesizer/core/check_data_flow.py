@@ -45,7 +45,8 @@ def check_data_flow(resolved: ResolvedChart, flow: DataFlow, graph: Graph) -> It
                 yield _missing(read, values, paths_left > 0)
                 paths_left -= 1
             elif connection is not None and len(values.writers[home]) > 1:
-                expected = (connection.output_state_id, node)
+                changes_it = flow.outputs.get(node, {}).get(name) == home
+                expected = (connection.output_state_id, *((node,) * changes_it))
                 other = last_writers.besides(expected, home, node)
                 if other is not None:
                     yield _overwritten(read, connection, other, values, paths_left > 0)
