@@ -5,15 +5,10 @@ interpreter runs the chart with the same events and must end with the same outco
 """
 
 import random
-import re
 from itertools import chain, combinations
 
 import pytest
 
-from flexbe_core import EventState
-from flexbe_core.core.operatable_state_machine import OperatableStateMachine
-from flexbe_core.engine.engine import Engine, ErrorPolicy
-from flexbe_core.engine.user_data import UserData
 from flexbe_synthesizer.core.chart_run import run
 from flexbe_synthesizer.core.codec import parse_chart
 from flexbe_synthesizer.core.compile import compile_chart
@@ -23,7 +18,7 @@ from flexbe_synthesizer.core.problem import errors_in
 from flexbe_synthesizer.core.render_python import render_python
 
 CHARTS = ("place_connector", "two_arms")
-SEEDS, MOST_STEPS = 40, 200
+SEEDS = 40
 
 
 def choice(seed, path, events):
@@ -31,72 +26,10 @@ def choice(seed, path, events):
     return random.Random(f"{seed} {path}").choice(events)
 
 
-def scripted(state, seed, entered=()):
-    """Return a class in place of a state class; it adds its path to what was entered."""
-
-    class Scripted(EventState):
-        def __init__(self, **arguments):
-            outcomes = (
-                state.outcomes if isinstance(state.outcomes, tuple) else arguments["outcomes"]
-            )
-            super().__init__(
-                outcomes=list(outcomes),
-                input_keys=[port.name for port in state.inputs],
-                output_keys=[port.name for port in state.outputs],
-            )
-            self.arguments = arguments
-
-        def on_enter(self, userdata):
-            if isinstance(entered, list):
-                entered.append(self.path)
-
-        def execute(self, userdata):
-            read = {port.name: userdata[port.name] for port in state.inputs}
-            if state.name == "WaitState":
-                return None  # no timer runs out here
-            if state.name == "CountAttemptsState":
-                userdata.attempt = read["attempt"] + 1
-                return "counted" if userdata.attempt <= self.arguments["attempts"] else "exhausted"
-            if state.name == "DecisionState":
-                return self.arguments["conditions"](read["input_value"])
-            for port in state.outputs:
-                userdata[port.name] = 0
-            return choice(seed, self.path.replace("/run", ""), self.outcomes)
-
-    return Scripted
-
-
-def behavior(text, library, seed, entered=()):
-    """Return the root container of a behavior's text, its states scripted."""
-    lines = [
-        li for li in text.splitlines() if not re.match(r"from (cell|flexbe|remodel)_states", li)
-    ]
-    namespace = {state.name: scripted(state, seed, entered) for state in library.states}
-    exec(compile("\n".join(lines), "golden", "exec"), namespace)  # our own golden file
-    (found,) = (v for k, v in namespace.items() if k.endswith("SM") and "Mach" not in k)
-    return found().create()
-
-
-def engine_outcome(root):
-    for key in ("component_id", "cable_id"):
-        root.userdata[key] = "x"
-    outer = OperatableStateMachine(outcomes=list(root.outcomes))
-    with outer:
-        same = {name: name for name in root.outcomes}
-        OperatableStateMachine.add("root", root, same)
-    engine = Engine(outer, ErrorPolicy.FAIL)
-    engine.begin(UserData())
-    for now in range(MOST_STEPS):
-        outcome = engine.run(float(now))
-        if outcome is not None:
-            return outcome
-    return None
-
-
 @pytest.mark.parametrize("name", CHARTS)
 @pytest.mark.parametrize("seed", range(SEEDS))
 def test_the_engine_comes_to_the_outcome_of_the_chart(
-    name, seed, golden, library, interfaces_of_golden
+    name, seed, golden, interfaces_of_golden, on_engine
 ):
     chart = parse_chart((golden / "charts" / f"{name}.xml").read_bytes(), f"{name}.xml")
     expected, _steps = run(
@@ -104,12 +37,12 @@ def test_the_engine_comes_to_the_outcome_of_the_chart(
     )
     assert expected is not None
     text = (golden / "behaviors" / f"{name}_sm.py").read_text()
-    assert engine_outcome(behavior(text, library, seed)) == expected
+    assert on_engine([text], lambda path, events: choice(seed, f"/root{path}", events)) == expected
 
 
 LIMITS = {
     "attempts": ('ext:attempts="2"', '<transition event="exhausted" target="failed"/>'),
-    "timeout": ('ext:timeout_s="5"', '<transition event="timed_out" target="failed"/>'),
+    "timeout": ('ext:timeout_s="5"', '<transition event="timed_out" target="fixed"/>'),
     "on_error": ('ext:on_error="3-5: Fix"', ""),
 }
 SUBSETS = [
@@ -154,17 +87,16 @@ def task(limits, kind):
 @pytest.mark.parametrize("kind", ["state", "container", "priority"])
 @pytest.mark.parametrize("limits", SUBSETS, ids=lambda limits: "+".join(limits) or "plain")
 def test_the_initial_state_is_entered_first_whatever_is_added_around_it(
-    limits, kind, check, library
+    limits, kind, check, library, on_engine
 ):
     text, first = task(limits, kind)
     checked, problems = check(text)
     assert errors_in(problems) == ()
     root = compile_chart(checked, "p")
     entered = []
-    running = behavior(render_python(root, lay_out(root.root), {}), library, 1, entered)
-    assert engine_outcome(running) in ("fixed", "failed")
-    paths = [path.removeprefix("/root").replace("/run", "") for path in entered]
-    visited = [path for path in paths if not path.endswith(("_attempts", "/timer"))]
+    text = render_python(root, lay_out(root.root), {})
+    assert on_engine([text], lambda path, events: choice(1, path, events), entered) is not None
+    visited = [path for path in entered if not path.endswith(("_attempts", "/timer"))]
     assert visited[0] == first
 
     writer = library.find_states("flexbe_states/UserDataState")[0]

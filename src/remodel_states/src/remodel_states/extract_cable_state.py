@@ -18,12 +18,12 @@ class ExtractCableState(EventState):
     ># terminal_id  string  Terminal of that component.
     ># socket_pose  geometry_msgs/PoseStamped  Mouth of the terminal, x axis into it.
 
-    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode); untouched on success.
-    #> error_message  string  What failed and what to do; untouched on success.
+    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
+    #> error_message  string  What failed and what to do.
 
-    <= extracted  The end is out and the gripper empty.
-    <= failed  The ability failed; error_code says why.
-    <= command_error  The goal was refused, or the server is not there.
+    <= extracted  [writes nothing] The end is out and the gripper empty.
+    <= failed  [writes error_code, error_message] The ability failed; error_code says why.
+    <= command_error  [writes error_code, error_message] Refused, or the server is not there.
 
     """
 

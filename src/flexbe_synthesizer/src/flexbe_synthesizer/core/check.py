@@ -18,9 +18,11 @@ from flexbe_synthesizer.core.check_transitions import check_events, check_transi
 from flexbe_synthesizer.core.check_use import check_use
 from flexbe_synthesizer.core.graph import chart_graph
 from flexbe_synthesizer.core.library import Library
+from flexbe_synthesizer.core.lookup import resolve_chart
 from flexbe_synthesizer.core.model import Chart, State
+from flexbe_synthesizer.core.nested import NestedEffects
 from flexbe_synthesizer.core.problem import Problem
-from flexbe_synthesizer.core.resolve import ResolvedChart, ResolvedNode, resolve_chart, scopes
+from flexbe_synthesizer.core.resolve import ResolvedChart, ResolvedNode, scopes
 from flexbe_synthesizer.core.signature import BehaviorClass
 
 
@@ -33,7 +35,10 @@ class CheckedChart:
 
 
 def check_chart(
-    chart: Chart, library: Library, charts: Mapping[str, BehaviorClass]
+    chart: Chart,
+    library: Library,
+    charts: Mapping[str, BehaviorClass],
+    nested: NestedEffects | None = None,
 ) -> CheckedChart:
     """Return the chart with its names looked up, its data bound, and all its problems.
 
@@ -41,8 +46,10 @@ def check_chart(
         chart: what to check.
         library: what is on the ROS package path.
         charts: the behaviors that other charts become, by path.
+        nested: what is known already of the behaviors in charts that are checked together.
     """
-    resolved, unresolved = resolve_chart(chart, library, charts)
+    nested = nested or NestedEffects(library, charts)
+    resolved, unresolved = resolve_chart(chart, library, charts, nested.of)
     problems = [*unresolved, *check_paths(resolved)]
     for scope in scopes(resolved):
         problems.extend(_check_scope(scope))

@@ -85,12 +85,18 @@ def _missing(read: _Read, values: Values, is_path_shown: bool) -> Problem:
     """Return the problem of a value that is read before it is written, with the path."""
     reader, home = read.entry.node.id, read.home
     path = f"{reader} is the initial state"
+    edges: tuple[Edge, ...] = ()
     if reader != values.graph.initial:
-        path = path_text(_unwritten_path(reader, home, values) if is_path_shown else ())
+        edges = _unwritten_path(reader, home, values) if is_path_shown else ()
+        path = path_text(edges)
     nodes = dict.fromkeys(values.writers[home])
     writers = " or ".join(f"'{node}'" for node in islice(nodes, _MOST_WRITERS))
-    message = f"{read} is read before {writers} has written it: {path}. Lead that "
-    message += f"path through {writers}, or feed the input from elsewhere."
+    message = f"{read} is read before {writers} has written it: {path}. "
+    silent = next((edge for edge in edges if edge.executed and edge.source in nodes), None)
+    if silent is not None:
+        how = "always write" if values.has(values.touched_on(silent), home) else "write"
+        message += f"'{silent.source}' does not {how} it when it ends with '{silent.event}'. "
+    message += f"Lead that path through {writers}, or feed the input from elsewhere."
     position = (read.connection or read.entry.node).position()
     return Problem(position, Code.READ_BEFORE_WRITE, message)
 
@@ -133,6 +139,6 @@ def _overwriting_path(read: _Read, other: str, values: Values) -> tuple[Edge, ..
     leaving[other] = tuple(
         edge
         for edge in values.graph.leaving.get(other, ())
-        if values.has(values.written_on(edge), read.home)
+        if values.has(values.touched_on(edge), read.home)
     )
     return shortest_path(other, read.entry.node.id, leaving) or ()

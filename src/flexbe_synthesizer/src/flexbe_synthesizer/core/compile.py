@@ -12,6 +12,7 @@ from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.machine import BehaviorUse, Machine, walk
 from flexbe_synthesizer.core.manifest import Manifest
 from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.nested import NestedEffects
 from flexbe_synthesizer.core.problem import ChartError, Code, Problem, errors_in
 from flexbe_synthesizer.core.resolve import ResolvedNode, scopes
 from flexbe_synthesizer.core.signature import BehaviorClass, chart_behavior
@@ -34,10 +35,11 @@ def check_units(
     """
     behaviors = {unit.chart.file: chart_behavior(unit.chart, unit.package) for unit in units}
     whole = library.with_behaviors(behaviors.values())
+    nested = NestedEffects(whole, behaviors)
     checked = {}
     for unit in units:
         report(unit.chart.file)
-        checked[unit.chart.file] = check_chart(unit.chart, whole, behaviors)
+        checked[unit.chart.file] = check_chart(unit.chart, whole, behaviors, nested)
     doubled = tuple(_find_doubles(units))
     known = {behavior.name: behavior.contains for behavior in whole.behaviors} | {
         one.resolved.chart.name: _contained(one) for one in checked.values()

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 from flexbe_synthesizer.core import names
-from flexbe_synthesizer.core.model import AnyNode, Condition
+from flexbe_synthesizer.core.model import AnyNode, Chart, Condition
 from flexbe_synthesizer.core.resolve import EXHAUSTED, FAILED, ResolvedChart
 
 _STEPS_SHOWN = 10  # of a path, at its beginning and at its end
@@ -20,7 +20,8 @@ class Edge(NamedTuple):
 
     Attributes:
         executed: the source certainly ran to an outcome of its own.
-        is_exhausted: it is taken only on a later entry, instead of running the source again.
+        is_exhausted: it is taken only on a later entry, instead of running the source again. Where
+            attempts may be spent before the first entry, it is an edge like any other.
     """
 
     source: str
@@ -120,7 +121,7 @@ def chart_graph(resolved: ResolvedChart) -> Graph:
     not reported a second time as an unreachable state. What is in a concurrency container has no
     order: its edges are the events that its conditions wait for, and lead to its outcomes.
     """
-    chart, ids = resolved.chart, tuple(resolved.by_id)
+    chart, ids, is_repeated = resolved.chart, tuple(resolved.by_id), resolved.is_repeated
     known = set(resolved.targets)
     if resolved.is_concurrent:
         conditions = chart.conditions
@@ -133,12 +134,19 @@ def chart_graph(resolved: ResolvedChart) -> Graph:
         for event, target in _leads(entry.node):
             if target not in known:
                 target = names.misspelt(target, resolved.targets) or target
-            is_exhausted = counted and event == EXHAUSTED
+            is_exhausted = counted and event == EXHAUSTED and not is_repeated
             edges.append(Edge(source, event, target, event not in added, is_exhausted))
     initial = chart.initial
     if initial not in resolved.by_id:
         initial = names.misspelt(initial, resolved.ids) or initial
     return Graph(initial, tuple(sorted(ids, key=lambda name: name != initial)), tuple(edges))
+
+
+def looping_nodes(chart: Chart) -> frozenset[str]:
+    """Return the nodes of a chart, or of the content of a container, that can be entered again."""
+    ids = tuple(dict.fromkeys(node.id for node in chart.nodes))
+    edges = (Edge(node.id, *lead) for node in chart.nodes for lead in _leads(node))
+    return Graph(chart.initial, ids, tuple(edges)).looping
 
 
 def _leads(node: AnyNode) -> list[tuple[str, str]]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import importlib.util
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -97,13 +97,31 @@ def read_library(packages: Sequence[Package]) -> tuple[Library, tuple[str, ...]]
     warnings: list[str] = []
     states = tuple(_read_states((p for p in packages if p.has_states), warnings))
     behaviors = tuple(_read_behaviors((p for p in packages if p.has_behaviors), warnings))
+    folders = {package.name: package.module_folder for package in packages if package.has_behaviors}
     library = Library(
         states=tuple(s for s in states if isinstance(s, StateClass)),
         behaviors=tuple(b for b in behaviors if isinstance(b, BehaviorClass)),
         unreadable_states=tuple(s for s in states if isinstance(s, Unreadable)),
         unreadable_behaviors=tuple(b for b in behaviors if isinstance(b, Unreadable)),
+        text_of=BehaviorFiles(folders),
     )
     return library, tuple(warnings)
+
+
+@dataclass(frozen=True)
+class BehaviorFiles:
+    """The files of behaviors, by the folders of their Python packages."""
+
+    folders: Mapping[str, Path]
+
+    def __call__(self, behavior: BehaviorClass) -> str:
+        """Return the text of a behavior's file, empty if it cannot be read."""
+        package, *module = behavior.module.split(".")
+        try:
+            path = self.folders[package].joinpath(*module).with_suffix(".py")
+            return path.read_text(encoding="utf-8")
+        except (KeyError, OSError, ValueError):
+            return ""
 
 
 def _read_states(
