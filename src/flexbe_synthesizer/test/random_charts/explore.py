@@ -11,8 +11,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from random_charts.chart_xml import CHART, Node, Place, Scope
+from random_charts.kinds import KINDS
 
 MOST_STEPS = 20_000
+MISROUTED = "written by another output"
+UNROUTED = "not written with 'failed'"
 Memory = frozenset[tuple[Place, str]]  # (cell, node that wrote it last)
 Counts = frozenset[tuple[str, int]]
 
@@ -45,7 +48,19 @@ def explore(chart: Scope) -> tuple[Fault, ...]:
     """
     explorer = _Explorer()
     explorer.ends(chart, "", frozenset())
+    for path, behavior in _behaviors(chart, ""):  # whether a run comes there or not
+        explorer.ends(behavior, path, frozenset())
     return tuple(explorer.faults)
+
+
+def _behaviors(scope: Scope, path: str) -> Iterator[tuple[str, Scope]]:
+    """Yield the charts of the behaviors in a chart."""
+    for node in scope.nodes.values():
+        if node.scope is not None:
+            inside = f"{path}/{node.id}"
+            if node.tag == "behavior":
+                yield inside, node.scope
+            yield from _behaviors(node.scope, inside)
 
 
 class _Explorer:
@@ -81,6 +96,8 @@ class _Explorer:
             node = scope.nodes[target]
             for end in self._visit(node, f"{path}/{target}", memory, now, cells):
                 after = cells.after(node, end.written, memory)
+                if end.event == "failed" and node.routes and "error_code" not in end.written:
+                    self.faults[Fault(f"{path}/{target}", "error_code", UNROUTED)] = None
                 if not end.event:
                     yield End("", cells.outputs(after), end.counts)
                     continue
@@ -104,10 +121,11 @@ class _Explorer:
             if what:
                 self.faults[Fault(path, key, what)] = None
         if node.routes and cells.is_shared(node, "error_code"):
-            self.faults[Fault(path, "error_code", "written by another output")] = None
+            self.faults[Fault(path, "error_code", MISROUTED)] = None
         if node.scope is None:
-            outputs = frozenset(node.outputs)
-            yield from (End(event, outputs, counts) for event in node.own)
+            for event in node.own:
+                outputs = frozenset(KINDS[node.type].written(event, node.outputs))
+                yield End(event, outputs, counts)
             if node.is_timed:
                 yield End("timed_out", frozenset(), counts)
             return

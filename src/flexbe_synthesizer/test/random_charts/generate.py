@@ -18,7 +18,7 @@ from typing import NamedTuple
 from lxml import etree
 
 from random_charts.chart_xml import EXT, read_chart
-from random_charts.explore import Fault, TooManyRunsError, explore
+from random_charts.explore import MISROUTED, UNROUTED, Fault, TooManyRunsError, explore
 from random_charts.kinds import KINDS
 
 _HOLES_LEFT = 0.25  # share of the charts that keep one hole, if they have any
@@ -215,7 +215,7 @@ class _Generator:
             if is_deep
             else rng.choices(
                 ["state", "container", "priority", "concurrency", "behavior"],
-                [60, 14, 5 * chart.may_claim, 12, 9],
+                [52, 17, 5 * chart.may_claim, 12, 14],
             )[0]
         )
         if tag == "state":
@@ -384,7 +384,12 @@ class _Generator:
         """Connect the inputs of the nodes and the outputs of the scope at random."""
         rng, data = self._random, scope.find("datamodel")
         name = scope.get("name", scope.get("id"))
-        givers = [(p.element.get("id"), key) for p in parts for key in p.outputs]
+        givers = [
+            (part.element.get("id"), key)
+            for part in parts
+            for key in part.outputs
+            for _ in range(1 if part.element.tag == "state" else 3)
+        ]
         for part in parts:
             node_id = part.element.get("id")
             for key in part.inputs:
@@ -409,7 +414,7 @@ class _Generator:
         rng = self._random
         free = [(p.element.get("id"), k) for p in parts for k in p.outputs if k not in p.inputs]
         rng.shuffle(free)
-        for _ in range(rng.randint(0, 2)):
+        for _ in range(rng.randint(0, 3)):
             connected = {key for _node, key in self._connected_to(scope, name)}
             by_name = {key for _node, key in free} - connected
             if by_name and self._chance(0.5):
@@ -444,8 +449,8 @@ class _Generator:
                     element = self._roots[file]
                 scopes.append((element, file))
             node = _child(scopes[-1][0], node_id)
-            if node.get(f"{EXT}on_error") and fault.what == "written by another output":
-                del node.attrib[f"{EXT}on_error"]
+            if fault.what in (MISROUTED, UNROUTED):
+                node.attrib.pop(f"{EXT}on_error", None)
             else:
                 self._feed_from_outside(scopes[-1][0], node_id, fault.key)
 

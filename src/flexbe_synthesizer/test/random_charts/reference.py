@@ -63,7 +63,11 @@ class _Values:
     def written(self, node: str, key: str) -> object:
         """Return what is in an output."""
         place = self._scope.place(node, key)
-        return self._written[place][1] if place in self._written else self.read(node, key)
+        if place not in self._written and place[0] == CHART:
+            return self._input(place[1])
+        if place not in self._written:
+            raise MissingError(f"'{key}' of '{node}'")
+        return self._written[place][1]
 
     def write(self, node: str, key: str, value: object, clock: int) -> None:
         """Put a value into an output, and so into what is around."""
@@ -218,8 +222,8 @@ class Reference:
         plan = self._script.plan(path, node.own, node.outputs)
         for _ in range(plan.delay):
             yield
-        for key, value in plan.values.items():
-            values.write(node.id, key, value, next(self._clock))
+        for key in KINDS[node.type].written(plan.outcome, node.outputs):
+            values.write(node.id, key, plan.values[key], next(self._clock))
         return plan.outcome
 
     def _simultaneous(self, scope: Scope, path: str, values: _Values, counts: dict) -> Visit:

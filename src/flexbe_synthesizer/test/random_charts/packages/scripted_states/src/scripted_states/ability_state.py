@@ -1,5 +1,7 @@
 """Call an ability, which keeps its time itself."""
 
+from types import MappingProxyType
+
 from flexbe_core import EventState
 from scripted_states import script
 
@@ -12,6 +14,9 @@ class AbilityState(EventState):
 
     #> error_code  int
 
+    <= done    [writes pose]
+    <= failed  [writes error_code, error_message]
+
     """
 
     def __init__(self, timeout_s=5.0, topic="ability"):
@@ -22,5 +27,6 @@ class AbilityState(EventState):
         )
         self.arguments = {"timeout_s": timeout_s, "topic": topic}
 
+    writes = MappingProxyType({"done": ["pose"], "failed": ["error_code", "error_message"]})
     on_enter = script.on_enter
     execute = script.execute

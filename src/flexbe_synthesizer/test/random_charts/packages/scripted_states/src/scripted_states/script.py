@@ -66,10 +66,14 @@ def on_enter(state, userdata) -> None:
 
 
 def execute(state, userdata) -> str | None:
-    """Carry out the plan; the `execute` of scripted states."""
+    """Carry out the plan; the `execute` of scripted states.
+
+    `writes` of a state's class lists what an outcome writes, if not all.
+    """
     if state.left > 0:
         state.left -= 1
         return None
-    for key, value in state.plan.values.items():
-        userdata[key] = value
-    return state.plan.outcome
+    plan = state.plan
+    for key in getattr(state, "writes", {}).get(plan.outcome, plan.values):
+        userdata[key] = plan.values[key]
+    return plan.outcome
