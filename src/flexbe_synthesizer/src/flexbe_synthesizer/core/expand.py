@@ -344,6 +344,8 @@ class _Expansion:
         node_id, flow = entry.node.id, self._flow
         read, written = flow.inputs.get(node_id, _NONE), flow.outputs.get(node_id, _NONE)
         outputs = [(name, written[name]) for name in entry.use.outputs if name not in read]
+        if entry.body is None:
+            return (*read.items(), *outputs)
         passed = [(key, key) for key in self._passed_counts(entry)]
         return (*read.items(), *passed, *outputs)
 

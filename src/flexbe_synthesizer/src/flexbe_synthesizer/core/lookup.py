@@ -96,10 +96,11 @@ class _Lookup:
         for entry in nodes:
             if entry.node.id:
                 by_id.setdefault(entry.node.id, entry)
-            for wanted in _wanted_support(entry):
-                found = self._find_support(wanted, entry.node)
-                if found is not None:
-                    support[wanted] = found
+            if entry.node.attempts is not None or entry.use.is_timed or entry.node.on_error:
+                for wanted in _wanted_support(entry):
+                    found = self._find_support(wanted, entry.node)
+                    if found is not None:
+                        support[wanted] = found
         is_inner = chart is not self._chart
         return ResolvedChart(chart, nodes, runs, support, by_id, is_inner, is_repeated)
 

@@ -121,8 +121,14 @@ class Machine:
 
 def walk(container: Container, path: str = "") -> Iterator[tuple[str, Child]]:
     """Yield every child below a container with its path, such as `/Insert/run`."""
-    for child in container.children:
-        own_path = f"{path}/{child.label}"
-        yield own_path, child
-        if isinstance(child.content, Container):
-            yield from walk(child.content, own_path)
+    waiting = [(path, iter(container.children))]
+    while waiting:
+        above, children = waiting[-1]
+        for child in children:
+            own_path = f"{above}/{child.label}"
+            yield own_path, child
+            if isinstance(child.content, Container):
+                waiting.append((own_path, iter(child.content.children)))
+                break
+        else:
+            waiting.pop()

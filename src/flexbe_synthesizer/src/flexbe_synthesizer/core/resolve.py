@@ -40,6 +40,8 @@ class Support(Enum):
     TIMER = ("flexbe_states", "WaitState", "timeout_s")
     CHOOSER = ("flexbe_states", "DecisionState", "on_error")
 
+    __hash__ = object.__hash__  # that of Enum is a function in Python
+
     def __init__(self, package: str, class_name: str, extension: str) -> None:
         """Name the parts of the value."""
         self.package = package
