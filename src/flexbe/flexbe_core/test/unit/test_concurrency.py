@@ -126,6 +126,16 @@ def test_only_the_first_child_is_supervised_and_shown(bench):
     assert [fact.path for fact in facts if isinstance(fact, Left)] == ["/a"]
 
 
+def test_after_its_first_state_has_ended_another_is_shown_also_without_supervision(bench):
+    container = both(bench, ScriptedState(), ScriptedState([None, None, "done"]))
+    engine = bench.engine(container)
+    shown = []
+    for now in range(2):
+        engine.run(float(now))
+        shown += [fact.path for fact in engine.take_facts() if isinstance(fact, Entered)]
+    assert shown == ["/a", "/b"]
+
+
 def test_its_end_resyncs_a_mirror_with_the_next_state(bench):
     root = bench.machine()
     with root:

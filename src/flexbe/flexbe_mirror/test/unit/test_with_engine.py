@@ -1,7 +1,8 @@
 """Mirrors follow the real engine through random behaviors with random joins.
 
-After each execution a mirror is where the engine is, and what it publishes on the way is active at
-that moment. The messages between them are made of the engine's facts, as its reporter makes them.
+Whenever the engine has published, a mirror is where the engine is, and what it publishes on the way
+was active, in the order of the run. One run of three begins without supervision. The messages are
+made of the engine's facts, as its reporter makes them.
 """
 
 import itertools
@@ -19,7 +20,7 @@ from flexbe_core.engine.facts import Left, Shown, Synced
 from flexbe_core.engine.leaf import Leaf
 from flexbe_core.engine.structure import first_path, structure_of
 from flexbe_core.testing import ScriptedState
-from flexbe_mirror.core.mirror import Code, Mirror, Show
+from flexbe_mirror.core.mirror import AskWhere, Code, Mirror, Show
 from flexbe_mirror.core.tree import Part, Tree
 
 RUNS = 1000
@@ -77,19 +78,32 @@ def random_command(rng, engine):
 class Follower:
     """A mirror, and every path that it has published."""
 
-    def __init__(self, root):
+    def __init__(self, engine):
+        self.engine = engine
+        self.mirror = Mirror()
+        self.published = []
+
+    def join(self, is_late):
+        """Begin to follow: from the first state, or wherever a running behavior is."""
         parts = (
             Part(part.path, part.children, tuple(zip(part.outcomes, part.transitions)))  # noqa: B905
-            for part in structure_of(root)
+            for part in structure_of(self.engine.root.definition)
         )
-        self.mirror = Mirror()
-        self.mirror.on_structure(BEHAVIOR, Tree(parts))
-        self.published = []
-        self.take(self.mirror.on_status(Code.STARTED.value, BEHAVIOR, (), 0.0))
+        messages = [
+            lambda: self.mirror.on_structure(BEHAVIOR, Tree(parts)),
+            lambda: self.mirror.on_status(Code.STARTED.value, BEHAVIOR, (), 0.0),
+        ]
+        for message in reversed(messages) if is_late else messages:
+            self.take(message())
 
     def take(self, deeds):
-        assert all(isinstance(deed, Show) for deed in deeds), "it knows where the engine is"
-        self.published += [deed.path for deed in deeds]
+        for deed in deeds:
+            if isinstance(deed, Show):
+                self.published.append(deed.path)
+            else:
+                assert deed == AskWhere()
+                assert not self.published, "it knows where the engine is"
+                self.engine.handle(commands.Sync())
 
     def follow(self, fact):
         """Take the messages that stock FlexBE publishes too."""
@@ -110,14 +124,6 @@ def supervise(state):
         supervise(child)
 
 
-def execute(engine, now):
-    """Execute once; return whether the behavior goes on."""
-    try:
-        return engine.run(now) is None
-    except BehaviorFailure:
-        return False
-
-
 def active_paths(node):
     """Return the states that are active, or that the next execution enters."""
     if isinstance(node, Leaf):
@@ -130,30 +136,87 @@ def active_paths(node):
     return active_paths(node.current)
 
 
+class Run:
+    """A run of a random behavior.
+
+    Attributes:
+        moments: the states that were active after each execution since the last check.
+    """
+
+    def __init__(self, seed):
+        self.rng = random.Random(seed)
+        self.root = random_container(self.rng, 3, itertools.count())
+        policy = self.rng.choice([ErrorPolicy.HOLD, ErrorPolicy.FAIL])
+        self.engine = Engine(self.root, policy)
+        self.follower, self.reader = Follower(self.engine), Follower(self.engine)
+        self.moments = []
+        self.attaches_at = self.rng.choice([0, 0, self.rng.randint(1, 10)])
+
+    def attach(self):
+        supervise(self.root)
+        for mirror in (self.follower, self.reader):
+            mirror.join(is_late=self.attaches_at > 0)
+        self.moments = [active_paths(self.engine.root)]
+
+    def execute(self, now):
+        """Execute, one time or more; return whether the behavior goes on."""
+        try:
+            return self.engine.run(now, self.is_enough) is None
+        except BehaviorFailure:
+            return False
+        finally:
+            self.moments.append(active_paths(self.engine.root))
+
+    def is_enough(self):
+        self.moments.append(active_paths(self.engine.root))
+        return self.rng.random() < 0.4
+
+    def check(self):
+        """Have the mirrors take what was published, and check what they make of it."""
+        before = len(self.follower.published), len(self.reader.published)
+        for fact in self.engine.take_facts():
+            self.follower.follow(fact)
+            self.reader.read(fact)
+        assert were_active(self.follower.published[before[0] :], self.moments)
+        assert were_active(self.reader.published[before[1] :], self.moments)
+        self.moments = self.moments[-1:]
+
+    def check_place(self):
+        assert self.follower.mirror.path == self.reader.mirror.path
+        assert self.reader.mirror.path in self.moments[-1]
+
+
+def were_active(paths, moments):
+    """Return whether the paths were active, each not before the one before it."""
+    moment = iter(moments)
+    active = next(moment)
+    for path in paths:
+        while path not in active:
+            active = next(moment, None)
+            if active is None:
+                return False
+    return True
+
+
 def check_run(seed):
-    rng = random.Random(seed)
-    root = random_container(rng, 3, itertools.count())
-    supervise(root)
-    engine = Engine(root, rng.choice([ErrorPolicy.HOLD, ErrorPolicy.FAIL]))
-    follower, reader = Follower(root), Follower(root)
+    run = Run(seed)
     for tick in range(TICKS):
-        if rng.random() < 0.2:
-            engine.handle(random_command(rng, engine))
-        before = len(follower.published), len(reader.published)
-        goes_on = execute(engine, float(tick))
-        for fact in engine.take_facts():
-            follower.follow(fact)
-            reader.read(fact)
+        if tick == run.attaches_at:
+            run.attach()
+        if run.rng.random() < 0.2:
+            run.engine.handle(random_command(run.rng, run.engine))
+        goes_on = run.execute(float(tick))
+        run.check()
         if not goes_on:
             break
-        active = active_paths(engine.root)
-        assert set(follower.published[before[0] :]) <= active, (seed, tick)
-        assert set(reader.published[before[1] :]) <= active, (seed, tick)
-        assert follower.mirror.path == reader.mirror.path, (seed, tick)
-        assert reader.mirror.path in active, (seed, tick)
+        if tick >= run.attaches_at:
+            run.check_place()
 
 
 @pytest.mark.parametrize("first_seed", range(0, RUNS, RUNS_PER_TEST))
-def test_every_path_that_a_mirror_publishes_is_active(first_seed):
+def test_every_path_that_a_mirror_publishes_was_active(first_seed):
     for seed in range(first_seed, first_seed + RUNS_PER_TEST):
-        check_run(seed)
+        try:
+            check_run(seed)
+        except AssertionError as error:
+            raise AssertionError(f"in run {seed}") from error

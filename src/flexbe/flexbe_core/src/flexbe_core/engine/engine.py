@@ -24,7 +24,7 @@ from flexbe_core.engine import commands
 from flexbe_core.engine.concurrency import Concurrency
 from flexbe_core.engine.definition import Definition, Kind
 from flexbe_core.engine.facts import Answered, Entered, Fact, Refused, Shown, Synced
-from flexbe_core.engine.following import left, shown_path
+from flexbe_core.engine.following import left, shown, shown_path
 from flexbe_core.engine.handover import active_state, let_go
 from flexbe_core.engine.leaf import Leaf
 from flexbe_core.engine.machine import Machine
@@ -99,6 +99,7 @@ class Engine:
         self.recording = False
         self.left: tuple[Leaf, str] | None = None
         self._shown = ""
+        self._entered = ""
         self._sync_asked = False
         self._pause_claim: tuple[str | None] | None = None
         self.root: Node = self.records[type(root).__kind__](self, root, None, "")
@@ -150,7 +151,7 @@ class Engine:
         self.commands.clear()
         self.sync_pending = self._sync_asked = False
         self._pause_claim = None
-        self._shown = ""
+        self._shown = self._entered = ""
 
     def wake(self, leaf: Leaf) -> None:
         """Execute a state as soon as possible: what it waits for may have come."""
@@ -206,6 +207,17 @@ class Engine:
         self.facts = []
         if len(entries) > ENTRIES_TO_FOLLOW:
             entries = entries[-1:]
+        # A state whose beginning was not followed may be the one to show now: another child of a
+        # concurrency container, after the first has ended.
+        node = shown(self.root)
+        if (
+            isinstance(node, Leaf)
+            and node.entered
+            and node.path != (entries or [self._entered])[-1]
+        ):
+            entries.append(node.path)
+        if entries:
+            self._entered = entries[-1]
         return [Entered(path) for path in entries] + facts
 
     def holds_errors(self) -> bool:

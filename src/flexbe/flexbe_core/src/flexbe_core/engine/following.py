@@ -20,18 +20,27 @@ if TYPE_CHECKING:
     from flexbe_core.engine.node import Node
 
 
-def shown_path(node: Node) -> str:
-    """Return the path of the active state that mirrors show.
+def shown(node: Node) -> Node:
+    """Return the record of the active state below `node` that mirrors show.
 
-    Of a container that has been reached and not begun, it is the state that begins; of one whose
-    states have all ended, and that is held for the operator, the container itself.
+    If there is none, it is that of the innermost container that has been reached: it has not begun,
+    or its states have all ended and it is held for the operator.
     """
-    if isinstance(node, Concurrency) and node.active:
-        first = node.first_running()
-        return node.path if first is None else shown_path(first)
-    if isinstance(node, Machine) and node.current is not None:
-        return shown_path(node.current)
-    return first_path(node.definition, node.path)
+    while True:
+        inner = None
+        if isinstance(node, Concurrency):
+            inner = node.first_running()
+        elif isinstance(node, Machine):
+            inner = node.current
+        if inner is None:
+            return node
+        node = inner
+
+
+def shown_path(root: Node) -> str:
+    """Return the path that mirrors show; before a container begins, that of its first state."""
+    node = shown(root)
+    return node.path if node.active else first_path(node.definition, node.path)
 
 
 def left(leaf: Leaf, outcome: str, shown: str) -> Left:
