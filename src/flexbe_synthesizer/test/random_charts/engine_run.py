@@ -124,7 +124,7 @@ class EngineRun:
         try:
             for number in range(most_rounds):
                 now = number * ROUND_S
-                time._set_rostime(rospy.Time.from_sec(now))
+                time._rostime_current = rospy.Time.from_sec(now)
                 self.outcome = self._engine.run(now)
                 facts = self._engine.take_facts()
                 self.ended += [(number, f.path, f.outcome) for f in facts if isinstance(f, Ended)]
