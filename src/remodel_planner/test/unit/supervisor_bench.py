@@ -139,6 +139,7 @@ class FakeEngine:
 
     def __init__(self):
         self.endings, self.ran, self.cancelled, self.back = [], [], 0, True
+        self.clearings = []
         self.end, self.trouble, self.supervisor = None, "", None
 
     def wait(self, limit_s):
@@ -148,8 +149,10 @@ class FakeEngine:
     def start(self, behavior):
         self.ran.append(behavior)
         self.end, self.trouble = None, ""
+        if behavior.endswith(" Clear") and self.clearings:
+            self.clearings.pop(0)()
         if behavior.endswith((" Clear", " Discard")):
-            self.end = BehaviorEnd(End.FINISHED, "finished")
+            self.end = self.end or BehaviorEnd(End.FINISHED, "finished")
             return
         ending = self.endings.pop(0) if self.endings else "finished"
         if callable(ending):

@@ -103,6 +103,22 @@ def test_a_server_that_had_trouble_answers_before_anything_else_moves(bench):
     assert state.ended.ending is Ending.COMPLETE
 
 
+def test_a_hand_is_emptied_again_when_the_server_that_went_away_answers(bench):
+    def lose():
+        bench.abilities.away = 3
+        bench.engine.operate(bench.engine.ran[-1], LOST, "/Lay down")
+        bench.engine.end = BehaviorEnd(End.FINISHED, "failed")
+
+    def answers_again():
+        assert bench.abilities.away < 0, "nothing is sent to a server that is not running"
+
+    bench.engine.clearings = [lose, answers_again]
+    state = bench.run(LOST)
+    first = bench.events(Planned)[0].tasks[0]
+    assert bench.ran[:3] == [first, f"{first} Clear", f"{first} Clear"]
+    assert state.ended.ending is Ending.COMPLETE
+
+
 def test_a_server_that_stays_away_is_left_to_the_policy(bench):
     bench.abilities.away = 1000
     assert bench.run(LOST).ended.ending is Ending.COMPLETE
@@ -521,11 +537,15 @@ def test_an_operator_answers(url):
 
 def test_another_cells_task_is_left_to_it_and_taken_over_when_it_dies(bench, url):
     database = ProductionDatabase(url)
-    other = TaskLeases(database, "house", "other", 0.5, owner_of(database, "other"))
-    bench.leases.lease_s = 0.5
+    other = TaskLeases(database, "house", "other", 60.0, owner_of(database, "other"))
     other.claim("W1")
     bench.inspection.connected = {("W1", "a")}
-    state = bench.run()
+
+    def die():
+        other.lease_s = 0.0
+        other.renew("W1")
+
+    state = bench.run(die)
     assert state.ended.ending is Ending.COMPLETE
     assert [event.cell for event in bench.events(TaskElsewhere)] == ["other"]
     assert bench.ran == ["W2", "W1 Rest"]

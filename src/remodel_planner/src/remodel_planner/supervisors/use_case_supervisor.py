@@ -299,6 +299,8 @@ class UseCaseSupervisor:
     def _execute(self, name: str, part: Part) -> None:
         if not self._has(name):
             return
+        if part is Part.CLEAR:
+            self._judge.await_server(name)
         task = self.state.tasks[name]
         chosen = self._chosen(task, part)
         chart = self.work.planner.chart(name, part, task.connected, task.decisions, chosen)
