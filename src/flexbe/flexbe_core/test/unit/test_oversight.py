@@ -158,6 +158,14 @@ def test_sync_tells_where_the_run_is(bench):
     assert step(bench, engine, Sync()) == [Synced("/a"), Answered("sync")]
 
 
+def test_a_mirror_that_asks_is_answered_also_where_nothing_has_changed(bench):
+    _, engine = started(bench, script=[None])
+    step(bench, engine)
+    engine.handle(Sync())
+    engine.run(bench.now)
+    assert engine.take_facts() == [Shown("/a"), Synced("/a"), Answered("sync")]
+
+
 def test_attach_sets_the_level_and_names_the_behavior(bench):
     _, engine = started(bench, level=255, script=[None])
     assert step(bench, engine, Attach(1)) == [Answered("attach", ("My Behavior",)), Synced("/a")]

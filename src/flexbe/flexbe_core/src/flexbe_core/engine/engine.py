@@ -268,7 +268,7 @@ class Engine:
             self.facts.append(fact)
             self.left, is_followed = None, fact.is_followed
             self._shown = ""  # a state that follows itself is shown again
-        if path != self._shown:
+        if path != self._shown or self._sync_asked:
             self._show(path)
         if self.sync_pending or self._sync_asked or not is_followed:
             self._sync()
