@@ -56,6 +56,13 @@ def test_a_transition_is_told_to_mirrors(bench):
     assert step(bench, engine) == [Left("/a", "done", 0)]
 
 
+def test_a_state_that_is_supervised_by_itself_reports_its_outcome(bench):
+    root = two_states(bench)
+    engine = bench.engine(root, level=3)
+    root["a"]._is_controlled = True
+    assert step(bench, engine) == [Left("/a", "done", 0)]
+
+
 def test_a_transition_that_needs_more_asks_once_and_waits(bench):
     _, engine = started(bench, level=1, required=1)
     assert step(bench, engine) == [Requested("/a", 0)]
