@@ -17,8 +17,12 @@ from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, ma
 from flexbe_synthesizer.core.layout import lay_out
 from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.machine import Machine
-from flexbe_synthesizer.core.manifest import write_manifest
-from flexbe_synthesizer.core.manual_sections import ManualSectionError, read_manual_sections
+from flexbe_synthesizer.core.manifest import read_manifest, write_manifest
+from flexbe_synthesizer.core.manual_sections import (
+    ManualSectionError,
+    read_manual_sections,
+    written_name,
+)
 from flexbe_synthesizer.core.problem import ChartError, Code, Problem, errors_in
 from flexbe_synthesizer.core.render_python import render_python
 from flexbe_synthesizer.edge.atomic_write import write_all
@@ -137,12 +141,35 @@ def write_behaviors(
         package = files.packages[path]
         machine = compile_chart(checked, package.name)
         texts.update(package.missing)
+        _expect_own(machine.name, package)
         texts[package.code_path(machine.name)] = render_behavior(
             machine, package.code_path(machine.name)
         )
         manifest = write_manifest(manifest_of(machine), machine.description)
         texts[package.manifest_path(machine.name)] = manifest
     return write_all(texts)
+
+
+def _expect_own(name: str, package: OutputPackage) -> None:
+    """Refuse to write the files of a behavior over those of another one.
+
+    Raises:
+        OutputError: if they hold another behavior, or cannot be read.
+    """
+    manifest, code = package.manifest_path(name), package.code_path(name)
+    try:
+        found = read_manifest(read_regular(manifest), str(manifest)) if manifest.exists() else None
+        there = read_regular(code).decode() if code.exists() else ""
+    except (OSError, ValueError) as error:
+        raise OutputError(f"the behavior '{name}' cannot be written: {error}") from error
+    if manifest.exists() and found is None:
+        raise OutputError(f"{manifest} is no manifest of a behavior; move it away")
+    for path, other in ((manifest, found.name if found else name), (code, written_name(there))):
+        if other is not None and other != name:
+            raise OutputError(
+                f"{path} belongs to the behavior '{other}', and '{name}' would be written over it; "
+                f"give the chart another name, or delete the files of '{other}'"
+            )
 
 
 def render_behavior(machine: Machine, path: Path) -> str:

@@ -142,6 +142,22 @@ def test_a_value_that_is_read_and_written_cannot_have_a_second_home():
     assert codes(result) == [Code.CONFLICTING_OUTPUT]
 
 
+def test_an_output_that_lives_elsewhere_cannot_feed_the_output_of_its_name():
+    nodes = [state("A", "Write", "B"), state("B", "Write")]
+    result = checked(nodes, [("A", "v", "Task", "w")], outputs=["v", "w"])
+    assert codes(result) == [Code.CONFLICTING_OUTPUT]
+    assert "output 'v' of state 'A' lives in 'w'" in result.problems[0].message
+    flows = [("A", "v", "Task", "w"), ("B", "v", "Task", "v")]
+    assert codes(checked(nodes, flows, outputs=["v", "w"])) == []
+
+    nodes = [state("A", "Change", "B"), state("B", "Write")]
+    result = checked(nodes, [("Task", "n", "A", "v")], inputs=["n"], outputs=["v"])
+    assert codes(result) == [Code.CONFLICTING_OUTPUT]
+    result = checked(nodes[:1], [("Task", "n", "A", "v")], inputs=["n"], outputs=["v"])
+    assert Code.CONFLICTING_OUTPUT in codes(result)
+    assert Code.UNFED_OUTPUT not in codes(result)
+
+
 def test_states_that_change_each_others_values_in_a_circle_are_bound_all_the_same():
     nodes = [state("A", "Change", "B"), state("B", "Change", "A")]
     result = checked(nodes, [("A", "v", "B", "v"), ("B", "v", "A", "v")])

@@ -9,6 +9,7 @@ from flexbe_synthesizer.core.check_conditions import check_conditions
 from flexbe_synthesizer.core.check_connections import check_connections
 from flexbe_synthesizer.core.check_data_flow import check_data_flow
 from flexbe_synthesizer.core.check_extensions import check_extensions, check_priorities
+from flexbe_synthesizer.core.check_homes import check_homes
 from flexbe_synthesizer.core.check_loops import check_loops
 from flexbe_synthesizer.core.check_names import check_names, check_node_names, check_paths
 from flexbe_synthesizer.core.check_parameters import check_defaults, check_parameters
@@ -76,6 +77,7 @@ def _checks(scope: ResolvedChart, expect_time: Callable[[], None]) -> Iterator[I
     yield check_loops(scope, graph)
     yield check_connections(scope, flow)
     yield check_data_flow(scope, flow, graph)
+    yield check_homes(scope, flow)
     yield check_use(scope, flow)
 
 

@@ -187,13 +187,12 @@ class LastWriters:
 
     def besides(self, expected: Collection[str], home: str, reader: str) -> str | None:
         """Return a state other than those expected that can have written the home that is read."""
+        writers = self._values.writers.get(home, ())
+        if len(writers) < 2:
+            return None
         before = self._before.get(reader, 0)
         return next(
-            (
-                node
-                for node in self._values.writers[home]
-                if node not in expected and before & self._bits[node, home]
-            ),
+            (node for node in writers if node not in expected and before & self._bits[node, home]),
             None,
         )
 

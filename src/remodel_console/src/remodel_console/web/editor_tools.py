@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from nicegui import background_tasks, run, ui
 
 from flexbe_synthesizer.core.model import Chart
-from flexbe_synthesizer.core.names import behavior_file, is_name
+from flexbe_synthesizer.core.names import behavior_file, is_behavior_name, is_name
 from remodel_console.core import chart_edit
 from remodel_console.core.answer import DONE
 from remodel_console.core.commands import Command, Verb
@@ -113,8 +113,12 @@ class EditorTools:
             self._page.button("Make", make)
 
     async def _make(self, name: str, folder: str) -> bool:
-        if not is_name(name):
-            ui.notify("A name has letters, digits and single blanks.", type="warning")
+        if not (is_name(name) and is_behavior_name(name)):
+            ui.notify(
+                "A name has letters, digits and single blanks, of which at least the first of a-z, "
+                "A-Z, 0-9 and '_' is a letter, and 200 at most.",
+                type="warning",
+            )
             return False
         file = FilePath(folder) / f"{behavior_file(name)}.xml"
         if file.exists():
