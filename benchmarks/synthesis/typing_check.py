@@ -41,8 +41,8 @@ def lay_workspace(top: Path, text: str) -> Path:
     file.write_text(text)
     inner = text.replace('name="Chain"', 'name="Inner"', 1)
     (file.parent / "inner.xml").write_text(inner)
-    for path in (file.parent, file.parent.parent):  # what is new is read again at each check
-        os.utime(path, (0, 0))
+    for path in (*file.parent.iterdir(), file.parent, file.parent.parent):
+        os.utime(path, (0, 0))  # what is new is read again at each check
     return file
 
 
