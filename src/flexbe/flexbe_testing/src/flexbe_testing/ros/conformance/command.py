@@ -18,8 +18,8 @@ from flexbe_testing.core.conformance.scenario import (
     Verdict,
     chosen,
 )
+from flexbe_testing.ros.conformance.catalogue import ALL
 from flexbe_testing.ros.conformance.judge import Judge, behavior_package
-from flexbe_testing.ros.conformance.scenarios import ALL
 from flexbe_testing.ros.conformance.wire import NoEngineError
 
 KEPT, BROKEN, USAGE, NO_ENGINE, INTERRUPTED = 0, 1, 2, 4, 130

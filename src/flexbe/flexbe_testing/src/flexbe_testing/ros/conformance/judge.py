@@ -16,7 +16,7 @@ from flexbe_testing.core.conformance.scenario import (
     ViolationError,
 )
 from flexbe_testing.ros.conformance.bench import PACKAGE, Bench, StuckError
-from flexbe_testing.ros.conformance.scenarios import FIRST
+from flexbe_testing.ros.conformance.catalogue import FIRST
 from flexbe_testing.ros.conformance.wire import NoEngineError, Wire
 
 
