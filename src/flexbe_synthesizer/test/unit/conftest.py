@@ -1,17 +1,27 @@
 import os
+import re
 from pathlib import Path
 
 import pytest
 
+from flexbe_core import EventState
+from flexbe_core.core.operatable_state_machine import OperatableStateMachine
+from flexbe_core.engine.engine import Engine, ErrorPolicy
+from flexbe_core.engine.user_data import UserData
 from flexbe_synthesizer.core.check import check_chart
 from flexbe_synthesizer.core.codec import parse_chart, read_chart
 from flexbe_synthesizer.core.compile import compile_chart
 from flexbe_synthesizer.core.interpreter import Interface
 from flexbe_synthesizer.core.model import Behavior, State
-from flexbe_synthesizer.core.signature import FromParameter, chart_behavior
+from flexbe_synthesizer.core.signature import FromParameter, chart_behavior, state_signature
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
+from flexbe_testing.app.judge import judge
+from flexbe_testing.app.known import Known
+from flexbe_testing.app.load import define_behavior
+from flexbe_testing.edge.app_packages import read_packages
 
 GOLDEN = Path(__file__).parents[1] / "golden"
+MOST_STEPS = 200
 
 
 @pytest.fixture(scope="session")
@@ -30,6 +40,21 @@ def library(package_path):
     library, warnings = read_library(packages)
     assert (path_warnings, warnings) == ((), ())
     return library
+
+
+@pytest.fixture(scope="session")
+def known_to_app(golden):
+    """Return the states and behaviors of the golden packages, as the FlexBE App reads them."""
+    found = read_packages(sorted((golden / "packages").iterdir()))
+    inner = (golden / "behaviors" / "place_connector_sm.py").read_text()
+    module = "golden_behaviors.place_connector_sm"
+    return Known(found.states, [*found.behaviors, define_behavior(inner, module)])
+
+
+@pytest.fixture(scope="session")
+def app_complaints(known_to_app):
+    """Return a function: a behavior's file -> what keeps the App from saving it unchanged."""
+    return lambda text: judge(text, known_to_app)
 
 
 @pytest.fixture(scope="session")
@@ -85,3 +110,73 @@ def interfaces_of_golden(library, golden_behaviors):
         return Interface(found.outcomes, inputs, tuple(port.name for port in found.outputs))
 
     return interface
+
+
+def scripted(state, choose, entered):
+    """Return a class in place of a state class: it reads all its inputs and writes what it says."""
+
+    class Scripted(EventState):
+        def __init__(self, **arguments):
+            self.offer = state_signature(
+                state, {k: tuple(v) if isinstance(v, list) else v for k, v in arguments.items()}
+            )
+            super().__init__(
+                outcomes=list(self.offer.outcomes),
+                input_keys=[port.name for port in state.inputs],
+                output_keys=[port.name for port in state.outputs],
+            )
+            self.arguments = arguments
+
+        def on_enter(self, userdata):
+            entered.append(self.path.removeprefix("/root").replace("/run", ""))
+
+        def execute(self, userdata):
+            read = {port.name: userdata[port.name] for port in state.inputs}
+            if state.name == "WaitState":
+                return None  # no timer runs out here
+            if state.name == "CountAttemptsState":
+                userdata.attempt = read["attempt"] + 1
+                return "counted" if userdata.attempt <= self.arguments["attempts"] else "exhausted"
+            if state.name == "DecisionState":
+                return self.arguments["conditions"](read["input_value"])
+            outcome = choose(self.path.removeprefix("/root").replace("/run", ""), self.outcomes)
+            effect = self.offer.effect(outcome)
+            for port in state.outputs:
+                if effect is None or port.name in effect.certain:
+                    userdata[port.name] = 0
+            return outcome
+
+    return Scripted
+
+
+@pytest.fixture(scope="session")
+def on_engine(library):
+    """Return a function: behaviors' texts, the outermost last -> the outcome on the real engine.
+
+    `choose` returns the outcome of a state from its path and its outcomes; the paths of the states
+    that are entered are added to `entered`. A state that fails, for want of data too, raises.
+    """
+    imports = re.compile(r"from (p|golden_behaviors|\w+_states)[. ]")
+
+    def on_engine(texts, choose, entered=None):
+        entered = [] if entered is None else entered
+        namespace = {state.name: scripted(state, choose, entered) for state in library.states}
+        for text in texts:
+            lines = [line for line in text.splitlines() if not imports.match(line)]
+            exec(compile("\n".join(lines), "generated", "exec"), namespace)  # our own text
+            (name,) = re.findall(r"^class (\w+)\(Behavior\)", text, re.MULTILINE)
+        root = namespace[name]().create()
+        for key in ("component_id", "cable_id"):
+            root.userdata[key] = "x"
+        outer = OperatableStateMachine(outcomes=list(root.outcomes))
+        with outer:
+            OperatableStateMachine.add("root", root, {name: name for name in root.outcomes})
+        engine = Engine(outer, ErrorPolicy.FAIL)
+        engine.begin(UserData())
+        for now in range(MOST_STEPS):
+            outcome = engine.run(float(now))
+            if outcome is not None:
+                return outcome
+        return None
+
+    return on_engine

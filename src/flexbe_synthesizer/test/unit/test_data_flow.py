@@ -1,5 +1,7 @@
 """Homes of values, and reads before writes held against a reference that walks all paths."""
 
+from dataclasses import replace
+
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -15,19 +17,25 @@ from flexbe_synthesizer.core.model import (
     Transition,
 )
 from flexbe_synthesizer.core.problem import Code
-from flexbe_synthesizer.core.signature import Parameter, Port, StateClass
+from flexbe_synthesizer.core.signature import Effect, Parameter, Port, StateClass
+from flexbe_synthesizer.core.written import outcome_effects
 
 
 def state_class(name, inputs=(), outputs=(), outcomes=("a", "b")):
     ports = (tuple(map(Port, inputs)), tuple(map(Port, outputs)))
     parameters = (Parameter("attempts", "int"),) if name == "CountAttemptsState" else ()
     package = "remodel_states" if parameters else "p"
-    return StateClass(name, package, f"{package}.{name.lower()}", parameters, outcomes, *ports)
+    empty = frozenset()
+    effects = (Effect("b", empty, empty),) if name == "Half" else ()
+    return StateClass(
+        name, package, f"{package}.{name.lower()}", parameters, outcomes, *ports, effects=effects
+    )
 
 
 LIBRARY = Library(
     states=(
         state_class("Write", outputs=["v"]),
+        state_class("Half", outputs=["v"]),  # writes it with `a` only
         state_class("Read", inputs=["v"]),
         state_class("Pass"),
         state_class("Late", outputs=["v"], outcomes=("a", "timed_out", "exhausted")),
@@ -134,6 +142,22 @@ def test_a_value_that_is_read_and_written_cannot_have_a_second_home():
     assert codes(result) == [Code.CONFLICTING_OUTPUT]
 
 
+def test_an_output_that_lives_elsewhere_cannot_feed_the_output_of_its_name():
+    nodes = [state("A", "Write", "B"), state("B", "Write")]
+    result = checked(nodes, [("A", "v", "Task", "w")], outputs=["v", "w"])
+    assert codes(result) == [Code.CONFLICTING_OUTPUT]
+    assert "output 'v' of state 'A' lives in 'w'" in result.problems[0].message
+    flows = [("A", "v", "Task", "w"), ("B", "v", "Task", "v")]
+    assert codes(checked(nodes, flows, outputs=["v", "w"])) == []
+
+    nodes = [state("A", "Change", "B"), state("B", "Write")]
+    result = checked(nodes, [("Task", "n", "A", "v")], inputs=["n"], outputs=["v"])
+    assert codes(result) == [Code.CONFLICTING_OUTPUT]
+    result = checked(nodes[:1], [("Task", "n", "A", "v")], inputs=["n"], outputs=["v"])
+    assert Code.CONFLICTING_OUTPUT in codes(result)
+    assert Code.UNFED_OUTPUT not in codes(result)
+
+
 def test_states_that_change_each_others_values_in_a_circle_are_bound_all_the_same():
     nodes = [state("A", "Change", "B"), state("B", "Change", "A")]
     result = checked(nodes, [("A", "v", "B", "v"), ("B", "v", "A", "v")])
@@ -178,35 +202,39 @@ def test_an_event_that_the_extension_and_the_class_both_have_is_one_and_proves_n
         assert codes(result) == [Code.READ_BEFORE_WRITE]
 
 
+WRITERS = ("Write", "Half")
 IDS = ("N0", "N1", "N2", "N3", "N4")
 
 
 @st.composite
-def charts(draw):
+def charts(draw, ends=("end",)):
     """Draw a chart of five states, some counted, in which each reader reads one writer."""
-    kinds = draw(st.lists(st.sampled_from(["Write", "Read", "Pass"]), min_size=5, max_size=5))
-    targets = st.sampled_from((*IDS, "end"))
+    kinds = draw(st.lists(st.sampled_from([*WRITERS, "Read", "Pass"]), min_size=5, max_size=5))
+    targets = st.sampled_from((*IDS, *ends))
     nodes = []
     for node_id, kind in zip(IDS, kinds, strict=True):
         limits = {"attempts": draw(st.integers(1, 2))} if draw(st.booleans()) else {}
         nodes.append(state(node_id, kind, draw(targets), draw(targets), draw(targets), **limits))
-    writers = [n.id for n in nodes if n.type == "Write"]
+    writers = [n.id for n in nodes if n.type in WRITERS]
     readers = [n.id for n in nodes if n.type == "Read"]
     connections = [(draw(st.sampled_from(writers)), "v", r, "v") for r in readers if writers]
     return chart(nodes, connections)
 
 
 def walk(drawn):
-    """Yield (state, who wrote the values so far, in order) for each way to each state."""
+    """Yield (state or outcome, who wrote so far, in order) for each way to each of them."""
     by_id = {node.id: node for node in drawn.nodes}
     seen = set()
     waiting = [(drawn.initial, (), frozenset())]
     while waiting:
         step = waiting.pop()
-        if step in seen or step[0] not in by_id:
+        if step in seen:
             continue
         seen.add(step)
         node_id, written, visits = step
+        if node_id not in by_id:
+            yield node_id, written
+            continue
         node = by_id[node_id]
         targets = {t.event: t.target for t in node.transitions}
         count = dict(visits).get(node_id, 0) + 1
@@ -216,9 +244,11 @@ def walk(drawn):
         yield node_id, written
         if node.attempts is not None:
             visits = frozenset({**dict(visits), node_id: count}.items())
-        if node.type == "Write":
-            written = (*(other for other in written if other != node_id), node_id)
-        waiting += [(targets["a"], written, visits), (targets["b"], written, visits)]
+        for event in ("a", "b"):
+            now = written
+            if node.type == "Write" or (node.type == "Half" and event == "a"):
+                now = (*(other for other in written if other != node_id), node_id)
+            waiting.append((targets[event], now, visits))
 
 
 def sources(drawn):
@@ -270,6 +300,23 @@ def test_a_read_of_another_states_value_is_found_and_nothing_else(drawn):
     problems = check_chart(drawn, LIBRARY, {}).problems
     assert early == reported(problems, Code.READ_BEFORE_WRITE)
     assert foreign - early == reported(problems, Code.OVERWRITTEN_VALUE)
+
+
+@given(charts(ends=("end", "other")).map(lambda c: uncounted(c, outputs=["v"])))
+@settings(max_examples=150, deadline=None, derandomize=True)
+def test_what_each_outcome_writes_is_what_some_and_what_all_paths_to_it_write(drawn):
+    drawn = replace(drawn, outcomes=(Outcome("end"), Outcome("other")))
+    resolved = check_chart(drawn, LIBRARY, {}).resolved
+    effects = {effect.outcome: effect for effect in outcome_effects(resolved)}
+    ways = {}
+    for node_id, written in walk(drawn):
+        if node_id in effects:
+            ways.setdefault(node_id, set()).add(bool(written))
+    for outcome, effect in effects.items():
+        assert (effect.certain, effect.possible) == (
+            frozenset("v" if False not in ways.get(outcome, ()) else ""),
+            frozenset("v" if True in ways.get(outcome, ()) else ""),
+        )
 
 
 def test_a_long_path_is_told_by_its_beginning_and_its_end():

@@ -5,19 +5,20 @@ interpreter runs the chart with the same events and must end with the same outco
 """
 
 import random
-import re
+from itertools import chain, combinations
 
 import pytest
 
-from flexbe_core import EventState
-from flexbe_core.core.operatable_state_machine import OperatableStateMachine
-from flexbe_core.engine.engine import Engine, ErrorPolicy
-from flexbe_core.engine.user_data import UserData
 from flexbe_synthesizer.core.chart_run import run
 from flexbe_synthesizer.core.codec import parse_chart
+from flexbe_synthesizer.core.compile import compile_chart
+from flexbe_synthesizer.core.instantiate import instantiate, with_presets_written
+from flexbe_synthesizer.core.layout import lay_out
+from flexbe_synthesizer.core.problem import errors_in
+from flexbe_synthesizer.core.render_python import render_python
 
 CHARTS = ("place_connector", "two_arms")
-SEEDS, MOST_STEPS = 40, 200
+SEEDS = 40
 
 
 def choice(seed, path, events):
@@ -25,68 +26,10 @@ def choice(seed, path, events):
     return random.Random(f"{seed} {path}").choice(events)
 
 
-def scripted(state, seed):
-    """Return a class in place of a state class."""
-
-    class Scripted(EventState):
-        def __init__(self, **arguments):
-            outcomes = (
-                state.outcomes if isinstance(state.outcomes, tuple) else arguments["outcomes"]
-            )
-            super().__init__(
-                outcomes=list(outcomes),
-                input_keys=[port.name for port in state.inputs],
-                output_keys=[port.name for port in state.outputs],
-            )
-            self.arguments = arguments
-
-        def execute(self, userdata):
-            read = {port.name: userdata[port.name] for port in state.inputs}
-            if state.name == "WaitState":
-                return None  # no timer runs out here
-            if state.name == "CountAttemptsState":
-                userdata.attempt = read["attempt"] + 1
-                return "counted" if userdata.attempt <= self.arguments["attempts"] else "exhausted"
-            if state.name == "DecisionState":
-                return self.arguments["conditions"](read["input_value"])
-            for port in state.outputs:
-                userdata[port.name] = 0
-            return choice(seed, self.path.replace("/run", ""), self.outcomes)
-
-    return Scripted
-
-
-def behavior(text, library, seed):
-    """Return the root container of a behavior's text, its states scripted."""
-    lines = [
-        li for li in text.splitlines() if not re.match(r"from (cell|flexbe|remodel)_states", li)
-    ]
-    namespace = {state.name: scripted(state, seed) for state in library.states}
-    exec(compile("\n".join(lines), "golden", "exec"), namespace)  # our own golden file
-    (found,) = (v for k, v in namespace.items() if k.endswith("SM") and "Mach" not in k)
-    return found().create()
-
-
-def engine_outcome(root):
-    for key in ("component_id", "cable_id"):
-        root.userdata[key] = "x"
-    outer = OperatableStateMachine(outcomes=list(root.outcomes))
-    with outer:
-        same = {name: name for name in root.outcomes}
-        OperatableStateMachine.add("root", root, same)
-    engine = Engine(outer, ErrorPolicy.FAIL)
-    engine.begin(UserData())
-    for now in range(MOST_STEPS):
-        outcome = engine.run(float(now))
-        if outcome is not None:
-            return outcome
-    return None
-
-
 @pytest.mark.parametrize("name", CHARTS)
 @pytest.mark.parametrize("seed", range(SEEDS))
 def test_the_engine_comes_to_the_outcome_of_the_chart(
-    name, seed, golden, library, interfaces_of_golden
+    name, seed, golden, interfaces_of_golden, on_engine
 ):
     chart = parse_chart((golden / "charts" / f"{name}.xml").read_bytes(), f"{name}.xml")
     expected, _steps = run(
@@ -94,4 +37,73 @@ def test_the_engine_comes_to_the_outcome_of_the_chart(
     )
     assert expected is not None
     text = (golden / "behaviors" / f"{name}_sm.py").read_text()
-    assert engine_outcome(behavior(text, library, seed)) == expected
+    assert on_engine([text], lambda path, events: choice(seed, f"/root{path}", events)) == expected
+
+
+LIMITS = {
+    "attempts": ('ext:attempts="2"', '<transition event="exhausted" target="failed"/>'),
+    "timeout": ('ext:timeout_s="5"', '<transition event="timed_out" target="fixed"/>'),
+    "on_error": ('ext:on_error="3-5: Fix"', ""),
+}
+SUBSETS = [
+    *chain.from_iterable(combinations(LIMITS, count) for count in range(len(LIMITS) + 1)),
+]
+ENDS = """<outcome name="fixed"/><outcome name="failed"/><input name="cable_id"/>
+  <input name="component_id"/><output name="error_code"/><output name="error_message"/>"""
+STATE = """<state id="{id}" type="FixCableState" {limits}>
+  <transition event="fixed" target="{next}"/>
+  <transition event="failed" target="{other}"/>{ends}</state>"""
+INNER = (
+    '<ext:{kind} id="Start" initial="Inner" {limits}><datamodel>'
+    + ENDS
+    + """</datamodel>
+  {inner}{fix}
+  <transition event="fixed" target="Fix"/>
+  <transition event="failed" target="failed"/>{ends}</ext:{kind}>"""
+)
+TASK = (
+    '<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="Task" initial="Start">'
+    "<datamodel>" + ENDS + '<input name="pose"/></datamodel>{fix}{start}</statemachine>'
+)
+
+
+def task(limits, kind):
+    """Return a chart whose initial node has the limits, and what is entered first in it."""
+    attributes = " ".join(LIMITS[limit][0] for limit in limits)
+    ends = "".join(LIMITS[limit][1] for limit in limits)
+    parts = {"limits": attributes, "ends": ends}
+    fix = STATE.format(id="Fix", limits="", next="fixed", other="failed", ends="")
+    if kind == "state":
+        start = STATE.format(id="Start", next="Fix", other="failed", **parts)
+        return TASK.format(fix=fix, start=start), "/Start"
+    inner = STATE.format(id="Inner", next="Fix", other="failed", **parts)
+    start = INNER.format(kind=kind, inner=inner, fix=fix, **parts)
+    start = start.replace(
+        '<input name="cable_id"/>', '<input name="cable_id"/><input name="pose"/>'
+    )
+    return TASK.format(fix=fix, start=start), "/Start/Inner"
+
+
+@pytest.mark.parametrize("kind", ["state", "container", "priority"])
+@pytest.mark.parametrize("limits", SUBSETS, ids=lambda limits: "+".join(limits) or "plain")
+def test_the_initial_state_is_entered_first_whatever_is_added_around_it(
+    limits, kind, check, library, on_engine
+):
+    text, first = task(limits, kind)
+    checked, problems = check(text)
+    assert errors_in(problems) == ()
+    root = compile_chart(checked, "p")
+    entered = []
+    text = render_python(root, lay_out(root.root), {})
+    assert on_engine([text], lambda path, events: choice(1, path, events), entered) is not None
+    visited = [path for path in entered if not path.endswith(("_attempts", "/timer"))]
+    assert visited[0] == first
+
+    writer = library.find_states("flexbe_states/UserDataState")[0]
+    listed = with_presets_written(root.root, writer)
+    returned = instantiate(listed, lay_out(listed))
+    after = {state.state_path: state.transitions for state in returned}
+    name = returned[0].initial_state_name
+    while name.startswith("Set "):  # a count, which the list itself must set
+        (name,) = after[f"/{name}"]
+    assert name == ("Start_attempts" if "attempts" in limits else "Start")

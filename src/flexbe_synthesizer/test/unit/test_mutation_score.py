@@ -20,6 +20,8 @@ from flexbe_synthesizer.core.problem import Code, errors_in
 CHARTS = ("plain.xml", "place_connector.xml", "wire_task.xml", "two_arms.xml")
 SEED, WANTED, ROUNDS = 51, 600, 200
 ELEMENT = re.compile(r"\s*<((?:ext:)?\w+)((?:\s+[\w:]+=(?:\"[^\"]*\"|'[^']*'))*)\s*(/?)>")
+LEFT_FAILED = '<ext:when state="Left" event="failed"/>'
+RIGHT_FAILED = '<ext:when state="Right" event="failed"/>'
 ATTRIBUTE = re.compile(r"([\w:]+)=(\"[^\"]*\"|'[^']*')")
 
 
@@ -252,3 +254,22 @@ def test_what_is_told_to_go_wrong_in_a_run_does_go_wrong(golden, knowledge):
                 assert explore(chart, interfaces), errors[0]
                 confirmed += 1
     assert confirmed > 20
+
+
+def test_a_chart_written_on_one_line_has_the_same_problems(golden, knowledge):
+    library, charts, _interfaces = knowledge
+    seen = Counter()
+    text = (golden / "charts" / "two_arms.xml").read_text()
+    twice = text.replace(RIGHT_FAILED, LEFT_FAILED, 1)
+    assert twice != text
+    doubled = Mutant("two_arms.xml", "an event in two conditions", twice, frozenset(), "")
+    for mutant in [doubled, *mutants(golden)[::4]]:
+        codes = []
+        for text in (mutant.text, mutant.text.replace("\n", " ")):
+            chart, problems = read_chart(text, mutant.name)
+            if chart is not None:
+                problems = (*problems, *check_chart(chart, library, charts).problems)
+            codes.append(Counter(problem.code for problem in problems))
+        assert codes[0] == codes[1], mutant
+        seen += codes[0]
+    assert len(seen) > 20

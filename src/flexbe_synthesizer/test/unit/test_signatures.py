@@ -7,6 +7,7 @@ import pytest
 from flexbe_synthesizer.core.behavior_source import read_behavior_class
 from flexbe_synthesizer.core.manifest import Manifest, read_manifest, write_manifest
 from flexbe_synthesizer.core.signature import (
+    Effect,
     FromParameter,
     Parameter,
     Port,
@@ -23,6 +24,41 @@ MANIFEST = Manifest("Clean", "pkg", "clean_sm", "CleanSM")
 
 def state(text):
     return read_state_class(textwrap.dedent(text), "pkg", "pkg.some_state")
+
+
+WRITING = """
+    class SomeState(EventState):
+        '''Do it.
+
+        #> seen       boolean  whether
+        #> code       int  why not
+        <= done       it is [writes seen]
+        <= done late  [writes seen,
+            code]
+            it is, late
+        <= failed     [writes {keys}]
+        <= left       it was left
+        '''
+        def __init__(self):
+            super().__init__(outcomes=['done', 'done late', 'failed', 'left'],
+                output_keys=['seen', 'code'])
+"""
+
+
+def test_a_state_class_is_read_with_what_its_outcomes_write():
+    both = frozenset({"seen", "code"})
+    done, nothing = frozenset({"seen"}), frozenset()
+    assert state(WRITING.format(keys="nothing")).effects == (
+        Effect("done", done, done),
+        Effect("done late", both, both),
+        Effect("failed", nothing, nothing),
+    )
+
+
+def test_a_state_class_that_documents_what_it_lacks_is_refused():
+    assert "lets 'failed' write 'cod'" in state(WRITING.format(keys="cod")).reason
+    text = WRITING.format(keys="code").replace("<= failed", "<= fails")
+    assert "no outcome of its own at '<= fails" in state(text).reason
 
 
 def test_a_state_class_is_read_with_types_from_its_docstring():

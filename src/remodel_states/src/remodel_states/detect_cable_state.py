@@ -17,21 +17,16 @@ class DetectCableState(EventState):
     ># cable_id  string  Wire of the loaded panel.
 
     #> observation  remodel_msgs/CableObservation  Where the wire lies.
-    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode); untouched on success.
-    #> error_message  string  What failed and what to do; untouched on success.
+    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
+    #> error_message  string  What failed and what to do.
 
-    <= detected  The wire was seen.
-    <= failed  The ability failed; error_code says why.
-    <= command_error  The goal was refused, or the server is not there.
+    <= detected  [writes observation] The wire was seen.
+    <= failed  [writes error_code, error_message] The ability failed; error_code says why.
+    <= command_error  [writes error_code, error_message] Refused, or the server is not there.
 
     """
 
-    def __init__(
-        self,
-        view=0,
-        timeout_s=30.0,
-        topic="remodel_abilities/detectcable",
-    ):
+    def __init__(self, view=0, timeout_s=30.0, topic="remodel_abilities/detectcable"):
         """Connect to the ability server."""
         super().__init__(
             outcomes=["detected", "failed", "command_error"],

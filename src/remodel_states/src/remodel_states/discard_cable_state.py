@@ -15,21 +15,16 @@ class DiscardCableState(EventState):
 
     ># cable_id  string  Wire of the loaded panel; empty: the wire that the hand holds.
 
-    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode); untouched on success.
-    #> error_message  string  What failed and what to do; untouched on success.
+    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
+    #> error_message  string  What failed and what to do.
 
-    <= discarded  No piece of the wire is left in the cell.
-    <= failed  The ability failed; error_code says why.
-    <= command_error  The goal was refused, or the server is not there.
+    <= discarded  [writes nothing] No piece of the wire is left in the cell.
+    <= failed  [writes error_code, error_message] The ability failed; error_code says why.
+    <= command_error  [writes error_code, error_message] Refused, or the server is not there.
 
     """
 
-    def __init__(
-        self,
-        robot_name="robot_1",
-        timeout_s=60.0,
-        topic="remodel_abilities/discardcable",
-    ):
+    def __init__(self, robot_name="robot_1", timeout_s=60.0, topic="remodel_abilities/discardcable"):  # fmt: skip
         """Connect to the ability server."""
         super().__init__(
             outcomes=["discarded", "failed", "command_error"],

@@ -18,21 +18,16 @@ class ExtractCableState(EventState):
     ># terminal_id  string  Terminal of that component.
     ># socket_pose  geometry_msgs/PoseStamped  Mouth of the terminal, x axis into it.
 
-    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode); untouched on success.
-    #> error_message  string  What failed and what to do; untouched on success.
+    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
+    #> error_message  string  What failed and what to do.
 
-    <= extracted  The end is out and the gripper empty.
-    <= failed  The ability failed; error_code says why.
-    <= command_error  The goal was refused, or the server is not there.
+    <= extracted  [writes nothing] The end is out and the gripper empty.
+    <= failed  [writes error_code, error_message] The ability failed; error_code says why.
+    <= command_error  [writes error_code, error_message] Refused, or the server is not there.
 
     """
 
-    def __init__(
-        self,
-        robot_name="robot_1",
-        timeout_s=30.0,
-        topic="remodel_abilities/extractcable",
-    ):
+    def __init__(self, robot_name="robot_1", timeout_s=30.0, topic="remodel_abilities/extractcable"):  # fmt: skip
         """Connect to the ability server."""
         super().__init__(
             outcomes=["extracted", "failed", "command_error"],

@@ -18,22 +18,16 @@ class FixCableState(EventState):
     ># component_id  string  Component of the loaded panel.
     ># terminal_id  string  Terminal of that component.
 
-    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode); untouched on success.
-    #> error_message  string  What failed and what to do; untouched on success.
+    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
+    #> error_message  string  What failed and what to do.
 
-    <= fixed  The end withstood the pull.
-    <= failed  The ability failed; error_code says why.
-    <= command_error  The goal was refused, or the server is not there.
+    <= fixed  [writes nothing] The end withstood the pull.
+    <= failed  [writes error_code, error_message] The ability failed; error_code says why.
+    <= command_error  [writes error_code, error_message] Refused, or the server is not there.
 
     """
 
-    def __init__(
-        self,
-        robot_name="robot_1",
-        pull_test_force=5.0,
-        timeout_s=30.0,
-        topic="remodel_abilities/fixcable",
-    ):
+    def __init__(self, robot_name="robot_1", pull_test_force=5.0, timeout_s=30.0, topic="remodel_abilities/fixcable"):  # fmt: skip
         """Connect to the ability server."""
         super().__init__(
             outcomes=["fixed", "failed", "command_error"],

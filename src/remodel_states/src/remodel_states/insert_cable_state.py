@@ -21,22 +21,16 @@ class InsertCableState(EventState):
     ># socket_pose  geometry_msgs/PoseStamped  Mouth of the terminal, x axis into it.
 
     #> depth  float  [m] From the mouth to the tip.
-    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode); untouched on success.
-    #> error_message  string  What failed and what to do; untouched on success.
+    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
+    #> error_message  string  What failed and what to do.
 
-    <= inserted  The end sits at the bottom of the terminal.
-    <= failed  The ability failed; error_code says why.
-    <= command_error  The goal was refused, or the server is not there.
+    <= inserted  [writes depth] The end sits at the bottom of the terminal.
+    <= failed  [writes error_code, error_message] The ability failed; error_code says why.
+    <= command_error  [writes error_code, error_message] Refused, or the server is not there.
 
     """
 
-    def __init__(
-        self,
-        robot_name="robot_1",
-        force_limit=8.0,
-        timeout_s=60.0,
-        topic="remodel_abilities/insertcable",
-    ):
+    def __init__(self, robot_name="robot_1", force_limit=8.0, timeout_s=60.0, topic="remodel_abilities/insertcable"):  # fmt: skip
         """Connect to the ability server."""
         super().__init__(
             outcomes=["inserted", "failed", "command_error"],

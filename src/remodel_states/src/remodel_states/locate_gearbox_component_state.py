@@ -19,21 +19,16 @@ class LocateGearboxComponentState(EventState):
 
     #> component_pose  geometry_msgs/PoseStamped  Where the component is.
     #> socket_pose  geometry_msgs/PoseStamped  Mouth of the terminal, x axis into it.
-    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode); untouched on success.
-    #> error_message  string  What failed and what to do; untouched on success.
+    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
+    #> error_message  string  What failed and what to do.
 
-    <= located  The component was seen.
-    <= failed  The ability failed; error_code says why.
-    <= command_error  The goal was refused, or the server is not there.
+    <= located  [writes component_pose, socket_pose] The component was seen.
+    <= failed  [writes error_code, error_message] The ability failed; error_code says why.
+    <= command_error  [writes error_code, error_message] Refused, or the server is not there.
 
     """
 
-    def __init__(
-        self,
-        view=0,
-        timeout_s=30.0,
-        topic="remodel_abilities/locategearboxcomponent",
-    ):
+    def __init__(self, view=0, timeout_s=30.0, topic="remodel_abilities/locategearboxcomponent"):
         """Connect to the ability server."""
         super().__init__(
             outcomes=["located", "failed", "command_error"],

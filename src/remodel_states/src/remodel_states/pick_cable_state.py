@@ -17,22 +17,16 @@ class PickCableState(EventState):
     ># cable_id  string  Wire of the loaded panel.
     ># cable_end  string  End of the wire, "a" or "b".
 
-    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode); untouched on success.
-    #> error_message  string  What failed and what to do; untouched on success.
+    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
+    #> error_message  string  What failed and what to do.
 
-    <= picked  The wire is held and lifted.
-    <= failed  The ability failed; error_code says why.
-    <= command_error  The goal was refused, or the server is not there.
+    <= picked  [writes nothing] The wire is held and lifted.
+    <= failed  [writes error_code, error_message] The ability failed; error_code says why.
+    <= command_error  [writes error_code, error_message] Refused, or the server is not there.
 
     """
 
-    def __init__(
-        self,
-        robot_name="robot_1",
-        grasp_distance=0.0,
-        timeout_s=30.0,
-        topic="remodel_abilities/pickcable",
-    ):
+    def __init__(self, robot_name="robot_1", grasp_distance=0.0, timeout_s=30.0, topic="remodel_abilities/pickcable"):  # fmt: skip
         """Connect to the ability server."""
         super().__init__(
             outcomes=["picked", "failed", "command_error"],

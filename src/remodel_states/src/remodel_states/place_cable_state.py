@@ -17,22 +17,16 @@ class PlaceCableState(EventState):
 
     ># cable_id  string  Wire of the loaded panel; empty: the wire that the hand holds.
 
-    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode); untouched on success.
-    #> error_message  string  What failed and what to do; untouched on success.
+    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
+    #> error_message  string  What failed and what to do.
 
-    <= placed  The wire lies there and the gripper is empty.
-    <= failed  The ability failed; error_code says why.
-    <= command_error  The goal was refused, or the server is not there.
+    <= placed  [writes nothing] The wire lies there and the gripper is empty.
+    <= failed  [writes error_code, error_message] The ability failed; error_code says why.
+    <= command_error  [writes error_code, error_message] Refused, or the server is not there.
 
     """
 
-    def __init__(
-        self,
-        target,
-        robot_name="robot_1",
-        timeout_s=30.0,
-        topic="remodel_abilities/placecable",
-    ):
+    def __init__(self, target, robot_name="robot_1", timeout_s=30.0, topic="remodel_abilities/placecable"):  # fmt: skip
         """Connect to the ability server."""
         super().__init__(
             outcomes=["placed", "failed", "command_error"],

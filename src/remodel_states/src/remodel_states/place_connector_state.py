@@ -20,23 +20,16 @@ class PlaceConnectorState(EventState):
     ># terminal_id  string  Terminal of that component.
     ># socket_pose  geometry_msgs/PoseStamped  Mouth of the terminal, x axis into it.
 
-    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode); untouched on success.
-    #> error_message  string  What failed and what to do; untouched on success.
+    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
+    #> error_message  string  What failed and what to do.
 
-    <= placed  The connector is mated.
-    <= failed  The ability failed; error_code says why.
-    <= command_error  The goal was refused, or the server is not there.
+    <= placed  [writes nothing] The connector is mated.
+    <= failed  [writes error_code, error_message] The ability failed; error_code says why.
+    <= command_error  [writes error_code, error_message] Refused, or the server is not there.
 
     """
 
-    def __init__(
-        self,
-        connector_id,
-        robot_name="robot_1",
-        force_limit=30.0,
-        timeout_s=60.0,
-        topic="remodel_abilities/placeconnector",
-    ):
+    def __init__(self, connector_id, robot_name="robot_1", force_limit=30.0, timeout_s=60.0, topic="remodel_abilities/placeconnector"):  # fmt: skip
         """Connect to the ability server."""
         super().__init__(
             outcomes=["placed", "failed", "command_error"],

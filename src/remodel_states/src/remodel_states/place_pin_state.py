@@ -26,29 +26,18 @@ class PlacePinState(EventState):
     ># placepin_id  string  Identifier for traceability.
 
     #> elapsed_time  float  [s] That the ability took.
-    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode); untouched on success.
-    #> error_message  string  What failed and what to do; untouched on success.
+    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
+    #> error_message  string  What failed and what to do.
 
-    <= PlacePin finished normally  The pin is placed, within max_time.
+    <= PlacePin finished normally  [writes elapsed_time] The pin is placed, within max_time.
     <= PlacePin takes longer than normal  The pin is placed, but it took longer.
-    <= failed  The ability failed; error_code says why.
-    <= command_error  The goal was refused, or the server is not there.
+        [writes elapsed_time]
+    <= failed  [writes error_code, error_message] The ability failed; error_code says why.
+    <= command_error  [writes error_code, error_message] Refused, or the server is not there.
 
     """
 
-    def __init__(
-        self,
-        max_time=30.0,
-        robot_1_name="robot_1",
-        robot_2_name="robot_2",
-        path_space=0.01,
-        connector_space=0.02,
-        centered=False,
-        rotate=False,
-        show_in_TF=False,
-        timeout_s=60.0,
-        topic="remodel_abilities/placepin",
-    ):
+    def __init__(self, max_time=30.0, robot_1_name="robot_1", robot_2_name="robot_2", path_space=0.01, connector_space=0.02, centered=False, rotate=False, show_in_TF=False, timeout_s=60.0, topic="remodel_abilities/placepin"):  # fmt: skip
         """Connect to the ability server."""
         super().__init__(
             outcomes=[

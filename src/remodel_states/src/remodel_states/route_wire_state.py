@@ -17,22 +17,16 @@ class RouteWireState(EventState):
 
     ># cable_id  string  Wire of the loaded panel.
 
-    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode); untouched on success.
-    #> error_message  string  What failed and what to do; untouched on success.
+    #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
+    #> error_message  string  What failed and what to do.
 
-    <= routed  The end is at the last pose, held.
-    <= failed  The ability failed; error_code says why.
-    <= command_error  The goal was refused, or the server is not there.
+    <= routed  [writes nothing] The end is at the last pose, held.
+    <= failed  [writes error_code, error_message] The ability failed; error_code says why.
+    <= command_error  [writes error_code, error_message] Refused, or the server is not there.
 
     """
 
-    def __init__(
-        self,
-        path,
-        robot_name="robot_1",
-        timeout_s=30.0,
-        topic="remodel_abilities/routewire",
-    ):
+    def __init__(self, path, robot_name="robot_1", timeout_s=30.0, topic="remodel_abilities/routewire"):  # fmt: skip
         """Connect to the ability server."""
         super().__init__(
             outcomes=["routed", "failed", "command_error"],

@@ -2,6 +2,7 @@
 """Every ability state, alone, against fake servers."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -37,7 +38,7 @@ from remodel_states.locate_gearbox_component_state import LocateGearboxComponent
 from remodel_states.pick_cable_state import PickCableState
 from remodel_states.place_cable_state import PlaceCableState
 from remodel_states.place_connector_state import PlaceConnectorState
-from remodel_states.place_pin_state import PlacePinState
+from remodel_states.place_pin_state import SLOW, PlacePinState
 from remodel_states.route_wire_state import RouteWireState
 from remodel_states.testing import Answer, FakeAbility
 
@@ -76,6 +77,16 @@ def run(state, data, limit_s=10.0):
         if outcome is None:
             state.sleep()
     return outcome
+
+
+def documented_writes(state_class):
+    """Return what a state's docstring says that each outcome writes."""
+    entries = re.findall(r"<= (.+?)(?=<= |\Z)", state_class.__doc__, re.DOTALL)
+    found = {}
+    for entry in entries:
+        outcome, keys = re.match(r"(.+?)  .*?\[writes (.*?)\]", entry, re.DOTALL).groups()
+        found[outcome] = set() if keys == "nothing" else set(keys.split(", "))
+    return found
 
 
 GRANTED = BeginOperationResponse(BeginOperationResponse.GRANTED, 17, "")
@@ -156,6 +167,33 @@ class AbilityStatesTest(unittest.TestCase):
                 yield recorder
         finally:
             recorder.stop()
+
+    def check_writes(self, state, outcome):
+        """Run a state to an outcome; what it writes must be what its docstring says."""
+        given, data = userdata(), UserData()
+        for key in state.input_keys:
+            data[key] = given[key]
+        self.assertEqual(run(state, data), outcome)
+        state.on_exit(data)
+        written = {key for key in state.output_keys if key in data}
+        self.assertEqual(written, documented_writes(type(state))[outcome])
+
+    def test_each_outcome_writes_what_the_docstring_says(self):
+        for ability, (_, _, done) in STATES.items():
+            answers = {
+                done: Answer(),
+                "failed": Answer(ErrorCode.NOT_SEATED),
+                "command_error": Answer(refuse=True),
+            }
+            outcomes = set(self.state(ability).outcomes)
+            self.assertEqual(outcomes, set(documented_writes(STATES[ability][0])))
+            self.assertEqual(outcomes - set(answers), {SLOW} if ability == "PlacePin" else set())
+            for outcome, answer in answers.items():
+                with self.subTest(ability=ability, outcome=outcome):
+                    self.fakes[ability].script(answer)
+                    self.check_writes(self.state(ability), outcome)
+        self.fakes["PlacePin"].script(Answer())
+        self.check_writes(self.state("PlacePin", max_time=-1.0), SLOW)
 
     def test_each_ability_succeeds_with_its_outcome(self):
         for ability, (_, _, done) in STATES.items():

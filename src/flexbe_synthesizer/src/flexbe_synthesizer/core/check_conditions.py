@@ -35,7 +35,7 @@ def check_conditions(resolved: ResolvedChart) -> Iterator[Problem]:
 def _check_names(resolved: ResolvedChart) -> Iterator[Problem]:
     """Yield a problem for each condition that names what does not exist, or one thing twice."""
     outcomes = [outcome.name for outcome in resolved.chart.outcomes]
-    first: dict[tuple[str, str], int] = {}
+    first: dict[tuple[str, str], When] = {}
     for condition in resolved.chart.conditions:
         if condition.outcome and condition.outcome not in outcomes:
             hint = names.allowed(condition.outcome, names.Vocabulary(outcomes))
@@ -44,11 +44,12 @@ def _check_names(resolved: ResolvedChart) -> Iterator[Problem]:
         waited: set[str] = set()
         for when in condition.all_of:
             yield from _check_when(when, resolved)
-            line = first.setdefault((when.state, when.event), when.position().line)
+            other = first.setdefault((when.state, when.event), when)
             if when.state in waited:
                 message = f"'{when.state}' cannot end twice; put its events into two conditions."
                 yield Problem(when.position(), Code.DUPLICATE_TRANSITION, message)
-            elif line != when.position().line:
+            elif other is not when:
+                line = other.position().line
                 message = f"'{when.event}' of '{when.state}' stands in a condition in line {line} "
                 message += "already, and the FlexBE App reads each event once; delete one."
                 yield Problem(when.position(), Code.DUPLICATE_TRANSITION, message)

@@ -37,19 +37,23 @@ def check_data_flow(resolved: ResolvedChart, flow: DataFlow, graph: Graph) -> It
         if node not in written:
             continue
         for name, home in homes.items():
-            if home in given:
-                continue
             connection = flow.wiring.into_state.get((node, name))
             read = _Read(resolved.by_id[node], name, home, connection)
-            if not values.has(written[node], home):
+            if home not in given and not values.has(written[node], home):
                 yield _missing(read, values, paths_left > 0)
                 paths_left -= 1
-            elif connection is not None and len(values.writers[home]) > 1:
-                expected = (connection.output_state_id, node)
-                other = last_writers.besides(expected, home, node)
+            elif connection is not None and connection.output_state_id in resolved.by_id:
+                other = last_writers.besides(_expected(read, connection, flow), home, node)
                 if other is not None:
                     yield _overwritten(read, connection, other, values, paths_left > 0)
                     paths_left -= 1
+
+
+def _expected(read: _Read, connection: Connection, flow: DataFlow) -> tuple[str, ...]:
+    """Return who may have written a value last: its source, and a reader that changes it."""
+    reader = read.entry.node.id
+    changes_it = flow.outputs.get(reader, {}).get(read.name) == read.home
+    return (connection.output_state_id, *((reader,) * changes_it))
 
 
 def _check_simultaneous(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
@@ -84,12 +88,18 @@ def _missing(read: _Read, values: Values, is_path_shown: bool) -> Problem:
     """Return the problem of a value that is read before it is written, with the path."""
     reader, home = read.entry.node.id, read.home
     path = f"{reader} is the initial state"
+    edges: tuple[Edge, ...] = ()
     if reader != values.graph.initial:
-        path = path_text(_unwritten_path(reader, home, values) if is_path_shown else ())
+        edges = _unwritten_path(reader, home, values) if is_path_shown else ()
+        path = path_text(edges)
     nodes = dict.fromkeys(values.writers[home])
     writers = " or ".join(f"'{node}'" for node in islice(nodes, _MOST_WRITERS))
-    message = f"{read} is read before {writers} has written it: {path}. Lead that "
-    message += f"path through {writers}, or feed the input from elsewhere."
+    message = f"{read} is read before {writers} has written it: {path}. "
+    silent = next((edge for edge in edges if edge.executed and edge.source in nodes), None)
+    if silent is not None:
+        how = "always write" if values.has(values.touched_on(silent), home) else "write"
+        message += f"'{silent.source}' does not {how} it when it ends with '{silent.event}'. "
+    message += f"Lead that path through {writers}, or feed the input from elsewhere."
     position = (read.connection or read.entry.node).position()
     return Problem(position, Code.READ_BEFORE_WRITE, message)
 
@@ -132,6 +142,6 @@ def _overwriting_path(read: _Read, other: str, values: Values) -> tuple[Edge, ..
     leaving[other] = tuple(
         edge
         for edge in values.graph.leaving.get(other, ())
-        if values.has(values.written_on(edge), read.home)
+        if values.has(values.touched_on(edge), read.home)
     )
     return shortest_path(other, read.entry.node.id, leaving) or ()

@@ -67,6 +67,12 @@ def _check_routes(entry: ResolvedNode, resolved: ResolvedChart) -> Iterator[Prob
         yield Problem(
             position, Code.UNKNOWN_OUTPUT, f"{message}its outputs: {names.quoted(found)}."
         )
+    limit = signature.effect(FAILED) if signature is not None and ERROR_CODE in found else None
+    if signature is not None and limit is not None and ERROR_CODE not in limit.certain:
+        message = f"ext:on_error reads the output '{ERROR_CODE}', which {signature.title} does not "
+        message += f"always write when it ends with '{FAILED}'; write it on each path to "
+        message += f"'{FAILED}', or drop ext:on_error."
+        yield Problem(position, Code.READ_BEFORE_WRITE, message)
     known = set(resolved.targets)
     for route in node.on_error:
         if route.target not in known:

@@ -50,8 +50,11 @@ def check_reachability(resolved: ResolvedChart, graph: Graph) -> Iterator[Proble
 def _spent(graph: Graph, resolved: ResolvedChart) -> frozenset[str]:
     """Return the states that can have had all their attempts.
 
-    A state that never comes back to itself never runs out of attempts.
+    A state that never comes back to itself never runs out of attempts, unless the container that it
+    is in is entered again.
     """
+    if resolved.is_repeated:
+        return frozenset(n for n in graph.ids if resolved.by_id[n].node.attempts is not None)
 
     def comes_back(name: str) -> bool:
         lasting = (edge for edge in graph.leaving.get(name, ()) if not edge.is_exhausted)

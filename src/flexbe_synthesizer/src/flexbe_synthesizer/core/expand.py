@@ -142,7 +142,8 @@ def expand(resolved: ResolvedChart, package: str) -> Machine:
         _Expansion(resolved, flow, "", counts).children(),
         tuple(userdata),
     )
-    description = chart.description or f"The state chart {chart.name}."
+    is_visible = any(c.isprintable() and not c.isspace() for c in chart.description)
+    description = chart.description if is_visible else f"The state chart {chart.name}."
     return Machine(chart.name, package, description, root)
 
 
@@ -202,25 +203,33 @@ class _Expansion:
         return tuple(found)
 
     def _expand(self, entry: ResolvedNode, found: list[Child]) -> None:
-        """Add what a node becomes: its counter, itself, and what parts its failures."""
+        """Add what a node becomes: its counter, itself, and what parts its failures.
+
+        What is entered first is added first: the first child of a container is its initial state.
+        """
         node = entry.node
         exits = self._exits(entry)
         if node.attempts is not None:
-            counter = Child(
-                counter_label(node.id),
-                self._support(Support.COUNTER, attempts=node.attempts),
-                (Exit(_COUNTED, node.id), exits[EXHAUSTED]),
-                (("attempt", self._counts[f"{self._above}{node.id}"]),),
-            )
-            found.append(counter)
+            found.append(self._counter(entry, exits[EXHAUSTED]))
+        choosers = [self._chooser(entry, exits[FAILED])] if node.on_error else []
         if node.on_error:
-            found.append(self._chooser(entry, exits[FAILED]))
             exits[FAILED] = Exit(FAILED, chooser_label(node.id))
         own = tuple([exits[event] for event in _own_outcomes(entry)])
         if entry.use.is_timed:
             found.append(self._timed(entry, own, exits[TIMED_OUT]))
         else:
             found.append(Child(node.id, self._content(entry), own, self._remapping(entry)))
+        found.extend(choosers)
+
+    def _counter(self, entry: ResolvedNode, exhausted: Exit) -> Child:
+        """Return the state that counts the attempts of a node, and that is entered before it."""
+        node = entry.node
+        return Child(
+            counter_label(node.id),
+            self._support(Support.COUNTER, attempts=node.attempts),
+            (Exit(_COUNTED, node.id), exhausted),
+            (("attempt", self._counts[f"{self._above}{node.id}"]),),
+        )
 
     def _exits(self, entry: ResolvedNode) -> dict[str, Exit]:
         """Return where each event of a node leads."""
@@ -331,12 +340,14 @@ class _Expansion:
         return tuple(key for path, key in self._counts.items() if path.startswith(inside))
 
     def _remapping(self, entry: ResolvedNode) -> tuple[tuple[str, str], ...]:
-        """Return the home of each key, inputs first."""
+        """Return the home of each key, in the order of the FlexBE App: inputs first."""
         node_id, flow = entry.node.id, self._flow
         read, written = flow.inputs.get(node_id, _NONE), flow.outputs.get(node_id, _NONE)
         outputs = [(name, written[name]) for name in entry.use.outputs if name not in read]
+        if entry.body is None:
+            return (*read.items(), *outputs)
         passed = [(key, key) for key in self._passed_counts(entry)]
-        return (*read.items(), *outputs, *passed)
+        return (*read.items(), *passed, *outputs)
 
     def _support(self, wanted: Support, **values: Value) -> StateUse:
         """Return a state that an extension adds."""

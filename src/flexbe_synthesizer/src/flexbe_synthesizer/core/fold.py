@@ -52,15 +52,21 @@ _KINDS = {
 _PREDICATE_NAMES = {expression.text: name for name, expression in PREDICATES.items()}
 
 
-def fold(machine: Machine, file: str) -> Chart:
+def fold(machine: Machine, file: str, *, is_outline: bool = False) -> Chart:
     """Return the chart that a machine comes from, or could come from.
+
+    Args:
+        machine: what to fold.
+        file: what to call it in messages.
+        is_outline: leave out what no chart can say. Which states there are, where they lead, and
+            what feeds the outputs is then right all the same.
 
     Raises:
         InexpressibleError: if no chart says what the machine does.
     """
     folding = _Folding(machine, file)
     chart = folding.body(machine.root, machine.name, "")
-    if folding.reasons:
+    if folding.reasons and not is_outline:
         raise InexpressibleError(tuple(folding.reasons))
     return replace(chart, description=machine.description)
 
@@ -177,6 +183,7 @@ class _Folding:
                 if key != home:
                     flows.append(Connection(chart.name, home, node, key))
             else:
+                flows += [Connection(*source, node, key) for source in sources[:1]]
                 who = ", ".join(n for n, _ in sources) or "nobody"
                 self._refuse(f"{path}/{node}", f"'{key}' reads '{home}', which {who} writes")
         for output in sorted(outputs - known):

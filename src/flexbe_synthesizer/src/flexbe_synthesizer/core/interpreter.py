@@ -8,14 +8,15 @@ not fast: it takes charts of a few dozen states.
 A visit to a state: with `attempts`, the visit is counted, and one too many gives `exhausted`.
 Otherwise the inputs are read, and the state ends with an event of its own and writes its outputs,
 or with `timed_out` and writes nothing. `failed` may go where `on_error` says. A container is run
-inside; its outputs are what its states have written by then. In a concurrency container each state
-is visited once, in any order, until a condition holds.
+inside; its outputs are what its states have written by then, also if it is cut short. In a
+concurrency container each state is visited once, in any order, until a condition holds.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import NamedTuple
 
 from flexbe_synthesizer.core.model import AnyNode, Chart, Condition, Container
@@ -31,13 +32,15 @@ class TooManyRunsError(RuntimeError):
 class Interface(NamedTuple):
     """What a state or behavior offers: events, inputs that must be fed, outputs.
 
-    `own_time` tells that it keeps a timeout itself.
+    `own_time` is set if it keeps a timeout itself. `writes` has what an event may write, each
+    possibility by itself; an event that is missing there writes all outputs.
     """
 
     events: tuple[str, ...]
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     own_time: bool = False
+    writes: Mapping[str, tuple[frozenset[str], ...]] = MappingProxyType({})
 
 
 Interfaces = Callable[[AnyNode], Interface]
@@ -153,10 +156,13 @@ class _Explorer:
                 # The visit may be cut short anywhere; what it has counted by then is the least.
                 for reached in {end.counts for end in ends} | {counts}:
                     yield End("timed_out", frozenset(), reached)
+                for end in ends:
+                    yield End("timed_out", end.written, end.counts)
             return
         interface = self._interfaces(node)
         for event in interface.events:
-            yield End(event, frozenset(interface.outputs), counts)
+            for written in interface.writes.get(event, (frozenset(interface.outputs),)):
+                yield End(event, written, counts)
         if node.timeout_s is not None and not interface.own_time:
             yield End("timed_out", frozenset(), counts)
 

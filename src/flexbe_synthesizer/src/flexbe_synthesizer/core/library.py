@@ -2,21 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from flexbe_synthesizer.core.signature import BehaviorClass, StateClass, Unreadable
 
 
+def no_text(_behavior: BehaviorClass) -> str:
+    """Return the text of the file of a behavior that has none."""
+    return ""
+
+
 @dataclass(frozen=True)
 class Library:
-    """What was found on the ROS package path, the unusable with the reason."""
+    """What was found on the ROS package path, the unusable with the reason.
+
+    Attributes:
+        text_of: returns the text of a behavior's file, empty if it cannot be read.
+    """
 
     states: tuple[StateClass, ...] = ()
     behaviors: tuple[BehaviorClass, ...] = ()
     unreadable_states: tuple[Unreadable, ...] = ()
     unreadable_behaviors: tuple[Unreadable, ...] = ()
+    text_of: Callable[[BehaviorClass], str] = field(default=no_text, compare=False, repr=False)
 
     def find_states(self, name: str) -> tuple[StateClass | Unreadable, ...]:
         """Return the state classes that `Class`, `package__Class` or `package/Class` means."""

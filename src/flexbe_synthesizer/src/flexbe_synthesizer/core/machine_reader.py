@@ -43,8 +43,15 @@ class InexpressibleError(ValueError):
         super().__init__("\n".join(reasons))
 
 
-def read_machine(text: str, file: str, library: Library) -> Machine:
+def read_machine(text: str, file: str, library: Library, *, is_outline: bool = False) -> Machine:
     """Return the machine that a behavior's file holds.
+
+    Args:
+        text: of the file.
+        file: what to call it in messages.
+        library: where its states and behaviors are looked up.
+        is_outline: leave out what does not change which states there are, where they lead and what
+            they read and write: parameters of the behavior, methods, values that are no literals.
 
     Raises:
         InexpressibleError: if it is no behavior, or holds what a machine cannot.
@@ -64,8 +71,10 @@ def read_machine(text: str, file: str, library: Library) -> Machine:
         raise InexpressibleError(
             (f"{file}:1: code that is nested too deeply to be read",)
         ) from error
-    if reader.reasons or machine is None:
+    if machine is None or (reader.reasons and not is_outline):
         raise InexpressibleError(tuple(reader.reasons))
+    if reader.breaks:
+        raise InexpressibleError(tuple(reader.breaks))
     return machine
 
 
@@ -89,14 +98,18 @@ class _Reader:
         self._inside: list[str] = []  # variables of the containers around what is being read
         self._manual_lines: set[int] = set()
         self.reasons: list[str] = []
+        self.breaks: list[str] = []  # of the reasons those without which there is no outline
 
-    def _refuse(self, node: ast.AST, reason: str) -> None:
+    def _refuse(self, node: ast.AST, reason: str, *, is_detail: bool = False) -> None:
         line = getattr(node, "lineno", 1)
+        if not is_detail:
+            self.breaks.append(f"{self._file}:{line}: {reason}")
         if line not in self._manual_lines:  # which are told as a section
             self.reasons.append(f"{self._file}:{line}: {reason}")
 
-    def _refuse_statement(self, node: ast.AST) -> None:
-        self._refuse(node, f"a statement of its own: {ast.unparse(node).splitlines()[0]}")
+    def _refuse_statement(self, node: ast.AST, *, is_detail: bool = False) -> None:
+        reason = f"a statement of its own: {ast.unparse(node).splitlines()[0]}"
+        self._refuse(node, reason, is_detail=is_detail)
 
     def refuse_manual_sections(self, text: str) -> None:
         try:
@@ -117,10 +130,10 @@ class _Reader:
         for node in (*tree.body, *(found.body if found else ())):
             is_layout = isinstance(node, ast.Import | ast.ImportFrom) or _is_text(node)
             if not is_layout and node is not found and node not in methods.values():
-                self._refuse_statement(node)
+                self._refuse_statement(node, is_detail=True)
         for method in methods.values():
             if method.name not in ("__init__", "create"):
-                self._refuse(method, f"a method of its own: {method.name}")
+                self._refuse(method, f"a method of its own: {method.name}", is_detail=True)
         if found is None or not {"__init__", "create"} <= methods.keys():
             self._refuse(tree, "no class (Behavior) with __init__ and create")
             return None
@@ -138,9 +151,10 @@ class _Reader:
             if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "self.name":
                 name = self._literal(node.value, "self.name")
             elif isinstance(node, ast.Expr) and ast.unparse(node).startswith("self.add_parameter"):
-                self._refuse(node, f"a parameter of the behavior: {ast.unparse(node)}")
+                parameter = f"a parameter of the behavior: {ast.unparse(node)}"
+                self._refuse(node, parameter, is_detail=True)
             elif not _is_text(node) and not ast.unparse(node).startswith(_CONSTRUCTION):
-                self._refuse_statement(node)
+                self._refuse_statement(node, is_detail=True)
         if not isinstance(name, str):
             self._refuse(constructor, "no self.name")
             return None
@@ -166,20 +180,27 @@ class _Reader:
                 key = ast.unparse(node.targets[0]).rpartition(".")[2]
                 userdata.append(Pair(key, self._value(node.value, f"default of '{key}'")))
             elif not _is_text(node):
-                self._refuse_statement(node)
+                self._refuse_statement(node, is_detail=self._is_value(node))
         if root not in self._containers:
             self._refuse(create, "create does not return a container")
             return None, ()
         return root, tuple(userdata)
 
-    def _value(self, node: ast.expr, what: str) -> Value:
+    def _is_value(self, node: ast.stmt) -> bool:
+        """Tell whether a statement of create only gives a value a name of its own."""
+        return isinstance(node, ast.Assign) and all(
+            isinstance(target, ast.Name) and target.id not in self._containers
+            for target in node.targets
+        )
+
+    def _value(self, node: ast.expr, what: str, *, is_detail: bool = True) -> Value:
         """Return a value; an expression is kept as text if it is a function."""
         try:
             return freeze(ast.literal_eval(node))
         except (ValueError, TypeError, RecursionError):
             if isinstance(node, ast.Lambda):
                 return Expression(ast.unparse(node))
-            self._refuse(node, f"{what} is no literal: {ast.unparse(node)}")
+            self._refuse(node, f"{what} is no literal: {ast.unparse(node)}", is_detail=is_detail)
             return None
 
     def _literal(self, node: ast.expr, what: str) -> object:
@@ -266,8 +287,13 @@ class _Reader:
         if len(found) != 1 or not isinstance(found[0], StateClass) or node.args:
             self._refuse(node, f"'{label}' is of the class {alias}, whose arguments cannot be read")
             return None
+        deciding = found[0].deciding_parameters
         pairs = tuple(
-            Pair(str(k.arg), self._value(k.value, f"'{k.arg}' of '{label}'")) for k in node.keywords
+            Pair(
+                str(k.arg),
+                self._value(k.value, f"'{k.arg}' of '{label}'", is_detail=k.arg not in deciding),
+            )
+            for k in node.keywords
         )
         return StateUse(found[0], alias, pairs)
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from flexbe_synthesizer.core.literal import Literal
 from flexbe_synthesizer.core.model import Chart
@@ -72,12 +73,24 @@ class FromParameter:
     parameter: str
 
 
+class Effect(NamedTuple):
+    """Which outputs an outcome writes: `certain` in every run, `possible` in some run at least.
+
+    What an outcome does not write keeps the value that it had, if it had one.
+    """
+
+    outcome: str
+    certain: frozenset[str]
+    possible: frozenset[str]
+
+
 @dataclass(frozen=True)
 class StateClass:
     """A state class as its source text declares it.
 
     Attributes:
         leaves_goals: it sends goals to abilities, and nothing in it cancels one.
+        effects: what its outcomes write; one that is missing here writes all outputs.
     """
 
     name: str
@@ -88,19 +101,27 @@ class StateClass:
     inputs: tuple[Port, ...] | FromParameter
     outputs: tuple[Port, ...] | FromParameter
     leaves_goals: bool = False
+    effects: tuple[Effect, ...] = ()
+
+    @property
+    def deciding_parameters(self) -> frozenset[str]:
+        """Return the parameters whose values are its outcomes or keys."""
+        lists = (self.outcomes, self.inputs, self.outputs)
+        return frozenset(found.parameter for found in lists if isinstance(found, FromParameter))
 
     @property
     def depends_on_values(self) -> bool:
         """Tell whether its outcomes or keys come from the values of its parameters."""
-        return any(
-            isinstance(declared, FromParameter)
-            for declared in (self.outcomes, self.inputs, self.outputs)
-        )
+        return bool(self.deciding_parameters)
 
 
 @dataclass(frozen=True)
 class BehaviorClass:
-    """A behavior as its manifest and source text declare it, or as its chart does."""
+    """A behavior as its manifest and source text declare it, or as its chart does.
+
+    Attributes:
+        chart: what it is made from, if that is at hand.
+    """
 
     name: str
     class_name: str
@@ -111,6 +132,7 @@ class BehaviorClass:
     outputs: tuple[Port, ...]
     parameters: tuple[Parameter, ...] = ()
     contains: tuple[str, ...] = ()
+    chart: Chart | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True)
@@ -125,9 +147,10 @@ class Unreadable:
 
 @dataclass(frozen=True)
 class Signature:
-    """What one state or behavior of a chart offers; `title` names it in messages.
+    """What a state, behavior or container of a chart offers; `title` names it in messages.
 
-    `outcomes` is None if they depend on a parameter that is missing or wrong.
+    `outcomes` is None if they depend on a parameter that is missing or wrong. An outcome without
+    an effect writes all outputs.
     """
 
     title: str
@@ -135,6 +158,11 @@ class Signature:
     inputs: tuple[Port, ...]
     outputs: tuple[Port, ...]
     parameters: tuple[Parameter, ...]
+    effects: tuple[Effect, ...] = ()
+
+    def effect(self, outcome: str) -> Effect | None:
+        """Return what an outcome writes if that is not simply all outputs."""
+        return next((effect for effect in self.effects if effect.outcome == outcome), None)
 
 
 def state_signature(state: StateClass, values: Mapping[str, Literal]) -> Signature:
@@ -160,17 +188,19 @@ def state_signature(state: StateClass, values: Mapping[str, Literal]) -> Signatu
         ports(state.inputs),
         ports(state.outputs),
         state.parameters,
+        state.effects,
     )
 
 
-def behavior_signature(behavior: BehaviorClass) -> Signature:
-    """Return what a behavior offers."""
+def behavior_signature(behavior: BehaviorClass, effects: tuple[Effect, ...] = ()) -> Signature:
+    """Return what a behavior offers whose outcomes have these effects."""
     return Signature(
         f"behavior '{behavior.name}'",
         tuple(o for o in behavior.outcomes if o != PREEMPTED),
         behavior.inputs,
         behavior.outputs,
         behavior.parameters,
+        effects,
     )
 
 
@@ -184,4 +214,5 @@ def chart_behavior(chart: Chart, package: str) -> BehaviorClass:
         outcomes=tuple(outcome.name for outcome in chart.outcomes),
         inputs=tuple(Port(p.name, p.type, p.default is not None) for p in chart.inputs),
         outputs=tuple(Port(p.name, p.type) for p in chart.outputs),
+        chart=chart,
     )

@@ -3,7 +3,8 @@
 A file counts if a class in it has the base list `(EventState)`. Its constructor calls
 `super().__init__` with `outcomes`, `input_keys`, `output_keys` (and `io_keys`), each a list of
 strings or the name of a constructor argument. The docstring gives the types, one mark a line:
-`-- name type text` argument, `># name type text` input, `#> name type text` output.
+`-- name type text` argument, `># name type text` input, `#> name type text` output. An outcome,
+`<= name text`, writes all outputs, unless its text holds `[writes key, key]` or `[writes nothing]`.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from collections.abc import Iterator, Mapping
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.signature import (
+    Effect,
     FromParameter,
     Parameter,
     Port,
@@ -23,8 +25,8 @@ from flexbe_synthesizer.core.signature import (
 )
 
 _MARK = re.compile(r"^\s*(--|>#|#>)\s+(\S+)[ \t]+(\S+)", re.MULTILINE)
-
-
+_OUTCOME = re.compile(r"^\s*<=\s+(.*?)(?=^\s*(?:--|>#|#>|<=)\s|\Z)", re.MULTILINE | re.DOTALL)
+_WRITES = re.compile(r"\[writes\s+([^\]]*)\]")
 _CANCELS = {"cancel", "cancel_goal", "cancel_all_goals"}
 
 
@@ -50,9 +52,9 @@ def read_state_class(text: str, package: str, module: str) -> StateClass | Unrea
 
 def _read_class(found: ast.ClassDef, package: str, module: str) -> StateClass:
     constructor = _constructor(found)
+    docstring = ast.get_docstring(found) or ""
     documented = {
-        (mark, name): documented_type(kind)
-        for mark, name, kind in _MARK.findall(ast.get_docstring(found) or "")
+        (mark, name): documented_type(kind) for mark, name, kind in _MARK.findall(docstring)
     }
     parameters = tuple(_parameters(constructor, documented))
     known = {parameter.name for parameter in parameters}
@@ -67,6 +69,7 @@ def _read_class(found: ast.ClassDef, package: str, module: str) -> StateClass:
     for outcome in () if isinstance(outcomes, FromParameter) else outcomes:
         if not names.is_readable_outcome(outcome):
             raise _UnreadableError(f"the FlexBE App cannot read its outcome {outcome!r}")
+    outputs = _ports(lists.get("output_keys", ()), lists.get("io_keys", ()), "#>", documented)
     return StateClass(
         name=found.name,
         package=package,
@@ -74,9 +77,39 @@ def _read_class(found: ast.ClassDef, package: str, module: str) -> StateClass:
         parameters=parameters,
         outcomes=outcomes,
         inputs=_ports(lists.get("input_keys", ()), lists.get("io_keys", ()), ">#", documented),
-        outputs=_ports(lists.get("output_keys", ()), lists.get("io_keys", ()), "#>", documented),
+        outputs=outputs,
         leaves_goals=_leaves_goals(found),
+        effects=tuple(_effects(docstring, outcomes, outputs)),
     )
+
+
+def _effects(
+    docstring: str,
+    outcomes: tuple[str, ...] | FromParameter,
+    outputs: tuple[Port, ...] | FromParameter,
+) -> Iterator[Effect]:
+    """Yield what outcomes write, as far as the docstring limits it."""
+    if isinstance(outcomes, FromParameter) or isinstance(outputs, FromParameter):
+        return
+    keys = {port.name for port in outputs}
+    for text in _OUTCOME.findall(docstring):
+        written = _WRITES.search(text)
+        if written is None:
+            continue
+        named = (o for o in outcomes if re.match(re.escape(o) + r"(\s|\Z)", text))
+        outcome = max(named, key=len, default=None)
+        if outcome is None:
+            raise _UnreadableError(
+                f"its docstring has no outcome of its own at '<= {text.strip()}'"
+            )
+        found = frozenset(filter(None, re.split(r"[,\s]+", written[1]))) - {"nothing"}
+        if not found <= keys:
+            unknown = names.quoted(sorted(found - keys))
+            raise _UnreadableError(
+                f"its docstring lets '{outcome}' write {unknown}, and its outputs are "
+                f"{names.quoted(sorted(keys))}"
+            )
+        yield Effect(outcome, found, found)
 
 
 def _leaves_goals(found: ast.ClassDef) -> bool:

@@ -1,10 +1,10 @@
-"""Which values are certainly written when a state is entered, or when a container ends.
+"""Which values are certainly written when a state is entered, and what each outcome writes.
 
-A forward analysis over sets of homes, each set one integer with a bit per home. A state writes all
-its outputs when it ends with an outcome of its own; a container writes with an outcome what every
-path to that outcome inside it writes. Leaving by `timed_out` of a timer writes nothing. The event
-`exhausted` happens on a later entry only, so it leaves with what all entries out of a loop through
-the state bring, and with what the state itself has written on its way round.
+A forward analysis over sets of homes, each set one integer with a bit per home. What a state,
+behavior or container writes depends on the outcome that it ends with, see `signature.Effect`; this
+is also where a chart's own effects come from. Leaving by `timed_out` of a timer writes nothing for
+certain. The event `exhausted` happens on a later entry only, so it leaves with what all entries out
+of a loop through the state bring, and with what the state itself has written on its way round.
 """
 
 from __future__ import annotations
@@ -16,48 +16,85 @@ from operator import and_, or_
 
 from flexbe_synthesizer.core.data_flow import DataFlow
 from flexbe_synthesizer.core.graph import Edge, Graph, chart_graph, condition_edges
-from flexbe_synthesizer.core.resolve import ResolvedChart
+from flexbe_synthesizer.core.model import State
+from flexbe_synthesizer.core.resolve import EXHAUSTED, ResolvedChart
+from flexbe_synthesizer.core.signature import Effect
 
 
 class Values:
     """Who writes which home of a chart or container, and on which edges.
 
-    Only homes that somebody reads are told apart, and that do not hold a value from the beginning.
+    Only homes that are outputs, or that somebody reads, are told apart.
     """
 
     def __init__(self, resolved: ResolvedChart, flow: DataFlow, graph: Graph) -> None:
         """Sort the outputs by home and by state."""
         self.graph = graph
+        self._by_id = resolved.by_id
         given = {port.name for port in resolved.chart.inputs}
-        read = {*flow.read(), *(port.name for port in resolved.chart.outputs)} - given
+        known = flow.read() - given | {port.name for port in resolved.chart.outputs}
         self.writers: dict[str, list[str]] = {}
-        for node, homes in flow.outputs.items():
-            for home in homes.values():
-                if home in read:
-                    self.writers.setdefault(home, []).append(node)
-        self._bits = {home: 1 << index for index, home in enumerate(self.writers)}
+        self._bits: dict[str, int] = {}
         self._own: dict[str, int] = {}
-        for home, nodes in self.writers.items():
-            for node in nodes:
-                self._own[node] = self._own.get(node, 0) | self._bits[home]
-        self._bodies = {
-            node: {
-                event: reduce(
-                    or_, (self._bits.get(flow.outputs[node][name], 0) for name in written), 0
-                )
-                for event, written in certain_outputs(entry.body).items()
-            }
-            for node, entry in resolved.by_id.items()
-            if entry.body is not None
-        }
+        for node, homes in flow.outputs.items():
+            own = 0
+            for home in homes.values():
+                if home not in known:
+                    continue
+                if home in self.writers:
+                    self.writers[home].append(node)
+                else:
+                    self.writers[home] = [node]
+                    self._bits[home] = 1 << len(self._bits)
+                own |= self._bits[home]
+            if own:
+                self._own[node] = own
+        self._limited: dict[str, dict[str, tuple[int, int]]] = {}
+        for node in self._own:
+            signature = resolved.by_id[node].use.signature
+            if signature is not None and signature.effects:
+                homes = flow.outputs[node]
+                self._limited[node] = {
+                    effect.outcome: (
+                        self._set(homes, effect.certain),
+                        self._set(homes, effect.possible),
+                    )
+                    for effect in signature.effects
+                }
+
+    def _set(self, homes: Mapping[str, str], written: Collection[str]) -> int:
+        """Return the homes of some outputs of a node."""
+        return reduce(or_, (self._bits.get(homes[n], 0) for n in written if n in homes), 0)
 
     def written_on(self, edge: Edge) -> int:
         """Return the homes that are certainly written when an edge is taken."""
         if not edge.executed:
             return 0
-        if edge.source in self._bodies:
-            return self._bodies[edge.source].get(edge.event, 0)
-        return self._own.get(edge.source, 0)
+        own = self._own.get(edge.source, 0)
+        if edge.source not in self._limited:
+            return own
+        return self._limited[edge.source].get(edge.event, (own, own))[0]
+
+    def touched_on(self, edge: Edge) -> int:
+        """Return the homes that may be written when an edge is taken.
+
+        A state that a timer ends has written nothing; a behavior or container has run for a while.
+        """
+        if edge.executed:
+            own, limited = self._own.get(edge.source, 0), self._limited.get(edge.source)
+            return own if limited is None else limited.get(edge.event, (own, own))[1]
+        entry = self._by_id[edge.source]
+        is_cut = edge.event != EXHAUSTED and not isinstance(entry.node, State)
+        return self.touched_in(edge.source) if is_cut or entry.use.has_own(edge.event) else 0
+
+    def touched_in(self, node: str) -> int:
+        """Return the homes that may be written while a node runs, whatever it ends with."""
+        own, limited = self._own.get(node, 0), self._limited.get(node)
+        signature = self._by_id[node].use.signature
+        if limited is None or signature is None:
+            return own
+        outcomes = signature.outcomes or ()
+        return reduce(or_, (limited.get(outcome, (own, own))[1] for outcome in outcomes), 0)
 
     def has(self, written: int, home: str) -> bool:
         """Tell whether a home is in a set."""
@@ -81,6 +118,7 @@ class Values:
         counted = {edge.source for edge in graph.edges if edge.is_exhausted}
         before: dict[str, int] = {graph.initial: 0}
         spent: dict[str, int] = {}  # the homes written when a counted state is left exhausted
+        round_trips: dict[str, int] = {}
         steps = Steps(graph)
         for name in steps:
             written = before[name]
@@ -92,12 +130,27 @@ class Values:
                     arriving = spent[name]
                 else:
                     continue  # no way round to it is known yet
-                has_changed = _narrow(before, target, arriving)
+                old = before.get(target)
+                before[target] = new = arriving if old is None else old & arriving
+                has_changed = new != old
                 if target in counted and loops[target] == loops[name]:
-                    round_trip = self._written_on_way_round(target)
-                    has_changed |= _narrow(spent, target, arriving | round_trip)
+                    if target not in round_trips:
+                        round_trips[target] = self._written_on_way_round(target)
+                    has_changed |= _narrow(spent, target, arriving | round_trips[target])
                 if has_changed:
                     steps.look_at(target)
+        return before
+
+    def touched_before(self) -> Mapping[str, int]:
+        """Return, for each state and outcome that can be reached, what may be written by then."""
+        before: dict[str, int] = {self.graph.initial: 0}
+        steps = Steps(self.graph)
+        for name in steps:
+            for edge in self.graph.leaving.get(name, ()):
+                old = before.get(edge.target)
+                before[edge.target] = new = (old or 0) | before[name] | self.touched_on(edge)
+                if new != old:
+                    steps.look_at(edge.target)
         return before
 
     def _written_on_way_round(self, name: str) -> int:
@@ -125,20 +178,21 @@ class LastWriters:
         self._bits: dict[tuple[str, str], int] = {}
         self._all: dict[str, int] = {}
         for home, nodes in values.writers.items():
-            for node in nodes if len(nodes) > 1 else ():
+            if len(nodes) == 1:
+                continue
+            for node in nodes:
                 self._shared.setdefault(node, []).append(home)
                 self._bits[node, home] = 1 << len(self._bits)
                 self._all[home] = self._all.get(home, 0) | self._bits[node, home]
 
     def besides(self, expected: Collection[str], home: str, reader: str) -> str | None:
         """Return a state other than those expected that can have written the home that is read."""
+        writers = self._values.writers.get(home, ())
+        if len(writers) < 2:
+            return None
         before = self._before.get(reader, 0)
         return next(
-            (
-                node
-                for node in self._values.writers[home]
-                if node not in expected and before & self._bits[node, home]
-            ),
+            (node for node in writers if node not in expected and before & self._bits[node, home]),
             None,
         )
 
@@ -158,9 +212,15 @@ class LastWriters:
         return before
 
     def _after(self, edge: Edge, before: int) -> int:
-        for home in self._shared.get(edge.source, ()):
-            if self._values.has(self._values.written_on(edge), home):
-                before = before & ~self._all[home] | self._bits[edge.source, home]
+        shared = self._shared.get(edge.source)
+        if shared is None:
+            return before
+        written, touched = self._values.written_on(edge), self._values.touched_on(edge)
+        for home in shared:
+            if self._values.has(written, home):
+                before &= ~self._all[home]
+            if self._values.has(touched, home):
+                before |= self._bits[edge.source, home]
         return before
 
 
@@ -196,29 +256,33 @@ def _narrow(homes: dict[str, int], name: str, arriving: int) -> bool:
     return new != old
 
 
-def certain_outputs(resolved: ResolvedChart) -> Mapping[str, frozenset[str]]:
-    """Return, for each outcome of a container, its outputs that are then certainly written."""
-    flow, graph = resolved.flow, chart_graph(resolved)
-    values = Values(resolved, flow, graph)
-    given = {port.name for port in resolved.chart.inputs}
-    before = (
-        _written_by_conditions(resolved, values)
-        if resolved.is_concurrent
-        else values.written_before()
-    )
-    return {
-        outcome.name: frozenset(
-            port.name
-            for port in resolved.chart.outputs
-            if (port.name in given and (outcome.name in before or not resolved.is_concurrent))
-            or (
-                outcome.name in before
-                and port.name in values.writers
-                and values.has(before[outcome.name], port.name)
-            )
+def outcome_effects(resolved: ResolvedChart) -> tuple[Effect, ...]:
+    """Return what each outcome of a chart, or of the content of a container, writes.
+
+    An outcome that nothing leads to never happens, so that nothing is left out with it.
+    """
+    chart = resolved.chart
+    outputs = frozenset(port.name for port in chart.outputs if port.name)
+    if not outputs:
+        return ()
+    values = Values(resolved, resolved.flow, chart_graph(resolved))
+    if resolved.is_concurrent:
+        certain = _written_by_conditions(resolved, values)
+        everything = reduce(or_, map(values.touched_in, resolved.by_id), 0)
+        possible: Mapping[str, int] = dict.fromkeys(certain, everything)
+    else:
+        certain, possible = values.written_before(), values.touched_before()
+    known = outputs & values.writers.keys()
+    return tuple(
+        Effect(
+            name,
+            frozenset(home for home in known if values.has(certain[name], home)),
+            frozenset(home for home in known if values.has(possible[name], home)),
         )
-        for outcome in resolved.chart.outcomes
-    }
+        if name in certain
+        else Effect(name, outputs, frozenset())
+        for name in dict.fromkeys(outcome.name for outcome in chart.outcomes)
+    )
 
 
 def _written_by_conditions(resolved: ResolvedChart, values: Values) -> Mapping[str, int]:

@@ -1,6 +1,7 @@
 #!/usr/bin/env python
 # -*- coding: utf-8 -*-
 from flexbe_core import Behavior, Autonomy, OperatableStateMachine, ConcurrencyContainer, PriorityContainer, Logger
+from flexbe_states.user_data_state import UserDataState
 from flexbe_states.wait_state import WaitState
 # [MANUAL_IMPORT]
 
@@ -51,8 +52,15 @@ class CleanUpSM(Behavior):
 			# x:30 y:40
 			OperatableStateMachine.add('Wait',
 										WaitState(wait_time=1),
-										transitions={'done': 'cleaned'},
+										transitions={'done': 'Count'},
 										autonomy={'done': Autonomy.Off})
+
+			# x:230 y:40
+			OperatableStateMachine.add('Count',
+										UserDataState(data=self.places),
+										transitions={'done': 'cleaned'},
+										autonomy={'done': Autonomy.Off},
+										remapping={'data': 'left_over'})
 
 
 		return _state_machine
