@@ -7,9 +7,11 @@ import gc
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from hashlib import sha256
 from pathlib import Path
 from types import MappingProxyType
 
+from flexbe_synthesizer.core.certificate import certify, write_certificate
 from flexbe_synthesizer.core.check import CheckedChart
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, manifest_of
 from flexbe_synthesizer.core.layout import lay_out
@@ -109,7 +111,7 @@ def started_at(files: CheckedFiles, library: Library, initial: str) -> CheckedCh
 def write_behaviors(
     files: CheckedFiles, beside: Mapping[Path, str] = MappingProxyType({})
 ) -> tuple[Path, ...]:
-    """Write the behavior and manifest of each chart; return the files that changed.
+    """Write the behavior, manifest and certificate of each chart; return what changed.
 
     Args:
         files: the charts.
@@ -127,11 +129,14 @@ def write_behaviors(
         package = files.packages[path]
         machine = compile_chart(checked, package.name)
         texts.update(package.missing)
-        texts[package.code_path(machine.name)] = render_behavior(
-            machine, package.code_path(machine.name)
-        )
+        text = render_behavior(machine, package.code_path(machine.name))
+        texts[package.code_path(machine.name)] = text
         manifest = write_manifest(manifest_of(machine), machine.description)
         texts[package.manifest_path(machine.name)] = manifest
+        manual = [name for name, code in read_manual_sections(text).items() if code.strip()]
+        texts[package.certificate_path(machine.name)] = write_certificate(
+            certify(checked, package.name), sha256(text.encode()).hexdigest(), manual
+        )
     return write_all(texts)
 
 

@@ -19,7 +19,7 @@ from flexbe_synthesizer.core.graph import chart_graph
 from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.lookup import resolve_chart
 from flexbe_synthesizer.core.model import Chart, State
-from flexbe_synthesizer.core.nested import NestedEffects
+from flexbe_synthesizer.core.nested import NestedBehaviors
 from flexbe_synthesizer.core.problem import Problem
 from flexbe_synthesizer.core.resolve import ResolvedChart, ResolvedNode, scopes
 from flexbe_synthesizer.core.signature import BehaviorClass
@@ -31,13 +31,14 @@ class CheckedChart:
 
     resolved: ResolvedChart
     problems: tuple[Problem, ...]
+    nested: NestedBehaviors
 
 
 def check_chart(
     chart: Chart,
     library: Library,
     charts: Mapping[str, BehaviorClass],
-    nested: NestedEffects | None = None,
+    nested: NestedBehaviors | None = None,
 ) -> CheckedChart:
     """Return the chart with its names looked up, its data bound, and all its problems.
 
@@ -47,12 +48,12 @@ def check_chart(
         charts: the behaviors that other charts become, by path.
         nested: what is known already of the behaviors in charts that are checked together.
     """
-    nested = nested or NestedEffects(library, charts)
-    resolved, unresolved = resolve_chart(chart, library, charts, nested.of)
+    nested = nested or NestedBehaviors(library, charts)
+    resolved, unresolved = resolve_chart(chart, library, charts, nested.effects)
     problems = [*unresolved, *check_paths(resolved)]
     for scope in scopes(resolved):
         problems.extend(_check_scope(scope))
-    return CheckedChart(resolved, tuple(problems))
+    return CheckedChart(resolved, tuple(problems), nested)
 
 
 def _check_scope(scope: ResolvedChart) -> Iterator[Problem]:

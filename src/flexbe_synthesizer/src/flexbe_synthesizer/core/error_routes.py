@@ -42,15 +42,16 @@ def _parse_route(text: str) -> ErrorRoute:
 
 def format_routes(routes: tuple[ErrorRoute, ...]) -> str:
     """Return the text that `parse_routes` reads as these routes."""
-    return "; ".join(f"{_codes(route)}: {route.target}" for route in routes)
+    return "; ".join(f"{route_codes(route)}: {route.target}" for route in routes)
 
 
 def route_event(route: ErrorRoute) -> str:
     """Return the name of a route among the events of its state: `failed 100-199`."""
-    return f"failed {_codes(route)}"
+    return f"failed {route_codes(route)}"
 
 
-def _codes(route: ErrorRoute) -> str:
+def route_codes(route: ErrorRoute) -> str:
+    """Return the range of a route: `304` or `100-199`."""
     return str(route.first) if route.first == route.last else f"{route.first}-{route.last}"
 
 
