@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from flexbe_synthesizer.core.check import CheckedChart
-from flexbe_synthesizer.core.error_routes import route_codes
+from flexbe_synthesizer.core.error_routes import format_codes
 from flexbe_synthesizer.core.graph import Graph, chart_graph
 from flexbe_synthesizer.core.nested import NestedBehaviors
 from flexbe_synthesizer.core.resolve import (
@@ -226,7 +226,7 @@ def _coded(entry: ResolvedNode, graph: Graph) -> Iterator[tuple[str, str, str]]:
         return
     routes: dict[str, list[str]] = {}
     for route in entry.node.on_error:
-        routes.setdefault(route.target, []).append(route_codes(route))
+        routes.setdefault(route.target, []).append(format_codes(route.first, route.last))
     targets = {t.event: t.target for t in entry.node.transitions}
     for edge in graph.leaving.get(entry.node.id, ()):
         targets.setdefault(edge.event, edge.target)  # in a concurrency container

@@ -37,19 +37,23 @@ def check_data_flow(resolved: ResolvedChart, flow: DataFlow, graph: Graph) -> It
         if node not in written:
             continue
         for name, home in homes.items():
-            if home in given:
-                continue
             connection = flow.wiring.into_state.get((node, name))
             read = _Read(resolved.by_id[node], name, home, connection)
-            if not values.has(written[node], home):
+            if home not in given and not values.has(written[node], home):
                 yield _missing(read, values, paths_left > 0)
                 paths_left -= 1
-            elif connection is not None and len(values.writers[home]) > 1:
-                expected = (connection.output_state_id, node)
-                other = last_writers.besides(expected, home, node)
+            elif connection is not None and connection.output_state_id in resolved.by_id:
+                other = last_writers.besides(_expected(read, connection, flow), home, node)
                 if other is not None:
                     yield _overwritten(read, connection, other, values, paths_left > 0)
                     paths_left -= 1
+
+
+def _expected(read: _Read, connection: Connection, flow: DataFlow) -> tuple[str, ...]:
+    """Return who may have written a value last: its source, and a reader that changes it."""
+    reader = read.entry.node.id
+    changes_it = flow.outputs.get(reader, {}).get(read.name) == read.home
+    return (connection.output_state_id, *((reader,) * changes_it))
 
 
 def _check_simultaneous(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:

@@ -17,6 +17,10 @@ def check_names(resolved: ResolvedChart) -> Iterator[Problem]:
     chart = resolved.chart
     if not resolved.is_inner:
         yield from _check_name("the chart", chart, chart.name, "name")
+        if names.is_name(chart.name) and not names.is_behavior_name(chart.name):
+            message = f"the name '{names.shortened(chart.name)}' of the chart cannot name a "
+            message += f"behavior; allowed: {names.BEHAVIOR_RULE}."
+            yield Problem(chart.position("name"), Code.INVALID_NAME, message)
     yield from _check_outcomes(resolved)
     for ports in (chart.inputs, chart.outputs):
         yield from _check_ports(resolved.title, ports)
@@ -26,6 +30,7 @@ def check_names(resolved: ResolvedChart) -> Iterator[Problem]:
                 message += "not start with '_'."
                 yield Problem(port.position("name"), Code.INVALID_NAME, message)
     yield from _check_ids(resolved)
+    yield from _check_topics(resolved)
 
 
 def check_node_names(node: AnyNode) -> Iterator[Problem]:
@@ -33,6 +38,15 @@ def check_node_names(node: AnyNode) -> Iterator[Problem]:
     yield from _check_ports(label(node), node.inputs)
     yield from _check_ports(label(node), node.outputs)
     yield from _check_params(node)
+
+
+def _check_topics(resolved: ResolvedChart) -> Iterator[Problem]:
+    """Yield a problem for each name of a topic that ROS does not allow."""
+    for node in resolved.chart.nodes:
+        if isinstance(node, State) and node.topic and not names.is_topic(node.topic):
+            message = f"'{names.shortened(node.topic)}' of {label(node)} cannot name a topic; "
+            message += f"allowed: {names.TOPIC_RULE}."
+            yield Problem(node.position("topic"), Code.INVALID_NAME, message)
 
 
 def _check_name(of: str, element: Element, name: str, attribute: str) -> Iterator[Problem]:

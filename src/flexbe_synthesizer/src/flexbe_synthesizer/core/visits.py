@@ -48,7 +48,8 @@ def free_graph(resolved: ResolvedChart, graph: Graph) -> Graph:
     def is_free(edge: Edge) -> bool:
         return edge.event == EXHAUSTED or resolved.by_id[edge.source].node.attempts is None
 
-    return Graph(graph.initial, graph.ids, tuple(filter(is_free, graph.edges)))
+    leaving = {name: list(filter(is_free, edges)) for name, edges in graph.leaving.items()}
+    return Graph(graph.initial, graph.ids, leaving)
 
 
 def _least(attempts: int, graph: Graph, name: str, entries: Bound) -> int:

@@ -1,0 +1,1 @@
+"""States that end as a script says."""

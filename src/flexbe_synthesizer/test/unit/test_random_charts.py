@@ -1,0 +1,139 @@
+"""Random charts do on the engine what the documentation says, and never lack data.
+
+A seed that fails here is shown, shrunk, by `python3 -m random_charts --seed SEED`, and in full with
+`--trace`; see "Random charts" in the package's README.
+"""
+
+import sys
+from collections import Counter
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+from lxml import etree
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from random_charts.chart_xml import EXT, read_chart
+from random_charts.engine_run import Synthesis, library
+from random_charts.explore import explore
+from random_charts.generate import generate
+from random_charts.judge import compare, judge, judge_seed
+from random_charts.kinds import KINDS
+from random_charts.shrink import shrink
+
+from flexbe_synthesizer.core.signature import FromParameter
+
+CHARTS, AT_ONCE, RUNS = 500, 25, 2
+verdicts = {}
+
+
+@pytest.mark.parametrize("first", range(0, CHARTS, AT_ONCE))
+def test_engine_and_reference_agree(first):
+    found = {seed: judge_seed(seed, RUNS) for seed in range(first, first + AT_ONCE)}
+    verdicts.update(found)
+    assert [(seed, v.kind, v.details) for seed, v in found.items() if v.is_wrong] == []
+
+
+def test_the_charts_are_worth_running():
+    """They hold everything that the language has, most are accepted, and all runs are explored."""
+    if len(verdicts) < CHARTS:
+        pytest.skip("needs the verdicts of the tests above")
+    kinds = Counter(verdict.kind for verdict in verdicts.values())
+    assert kinds["agree"] > 0.7 * CHARTS, kinds
+    assert kinds["refused"] > 0.05 * CHARTS, kinds
+    assert kinds["refused without need"] < 0.04 * CHARTS, kinds
+    assert sum(not verdict.is_explored for verdict in verdicts.values()) < 0.02 * CHARTS
+
+
+def test_the_charts_hold_the_whole_language():
+    elements, attributes, types = Counter(), Counter(), set()
+    one_line = 0
+    for seed in range(CHARTS // 5):
+        source = generate(seed)
+        one_line += b"\n  " not in source.files[source.path]
+        for content in source.files.values():
+            for element in etree.fromstring(content).iter():
+                elements[element.tag] += 1
+                attributes.update(list(element.attrib))
+                types.add(element.get("type", "").rpartition("/")[2].rpartition("__")[2])
+    tags = ("priority", "container", "concurrency", "condition", "when")
+    limits = ("attempts", "timeout_s", "on_error", "default", "autonomy")
+    assert all(elements[f"{EXT}{tag}"] > 4 for tag in tags), elements
+    assert all(attributes[f"{EXT}{name}"] > 4 for name in limits), attributes
+    assert elements["behavior"] > 20
+    assert one_line > 10
+    assert types >= KINDS.keys()
+
+
+def test_the_reference_knows_the_states_that_it_runs():
+    for name, kind in KINDS.items():
+        (found,) = library().find_states(name)
+        assert found.name in vars(import_module(found.module))
+        for told, declared in (
+            (kind.outcomes or None, found.outcomes),
+            (kind.inputs, found.inputs),
+            (kind.outputs, found.outputs),
+        ):
+            if isinstance(declared, FromParameter):
+                assert told is None, name
+            else:
+                assert told == tuple(getattr(port, "name", port) for port in declared), name
+        effects = {effect.outcome: effect.certain for effect in found.effects}
+        for outcome in kind.outcomes:
+            if kind.outputs:
+                written = kind.written(outcome, kind.outputs)
+                assert effects.get(outcome, set(kind.outputs)) == set(written), (name, outcome)
+
+
+CHART = f"""<statemachine xmlns:ext="{EXT[1:-1]}" name="Held" initial="Make"><datamodel>
+  <outcome name="ok"/><input name="spare"/><output name="found"/></datamodel>
+  <state id="Make" type="MakeState" ext:attempts="2"><transition event="made" target="Use"/>
+    <transition event="failed" target="Make"/><transition event="exhausted" target="ok"/></state>
+  <state id="Use" type="UseState"><transition event="used" target="Set"/>
+    <transition event="refused" target="Make"/></state>
+  <state id="Set" type="UserDataState"><param name="data" value="7"/>
+    <transition event="done" target="ok"/></state>
+  <connection output_state_id="Make" output="item" input_state_id="Use" input="item"/>
+  <connection output_state_id="Set" output="data" input_state_id="Held" input="found"/>
+</statemachine>"""
+
+
+@pytest.mark.parametrize(
+    ("changed", "to", "respect"),
+    [
+        ('event="refused" target="Make"', 'event="refused" target="ok"', "path"),
+        ('attempts="2"', 'attempts="3"', "path"),
+        (
+            'output_state_id="Make" output="item" input_state_id="Use"',
+            'output_state_id="Held" output="spare" input_state_id="Use"',
+            "values read",
+        ),
+        ('value="7"', 'value="8"', "outputs"),
+    ],
+)
+def test_a_behavior_that_does_something_else_is_found(changed, to, respect, tmp_path):
+    meant = read_chart({"main.xml": CHART.encode()}, "main.xml")
+    assert changed in CHART
+    other = CHART.replace(changed, to, 1)
+    synthesis = Synthesis({"main.xml": other.encode()}, "main.xml", tmp_path)
+    assert synthesis.errors == ()
+    differences = [compare(synthesis, meant, str(number)) for number in range(30)]
+    assert respect in {difference[0] for difference in differences if difference}
+
+
+def test_a_hole_is_found_and_shrunk():
+    """A chart that is accepted though its reference reads what nobody has written."""
+    source = generate(7)
+    hole = CHART.replace('event="made" target="Use"', 'event="made" target="ok"')
+    hole = hole.replace('event="exhausted" target="ok"', 'event="exhausted" target="Use"')
+    files = {**source.files, "main.xml": hole.encode()}
+    assert judge(files, "main.xml", 1).kind == "refused"
+    faults = explore(read_chart(files, "main.xml"))
+    assert [(fault.path, fault.key, fault.what) for fault in faults] == [
+        ("/Use", "item", "not written")
+    ]
+    small = shrink(files, "main.xml", lambda found: bool(explore(read_chart(found, "main.xml"))))
+    assert list(small) == ["main.xml"]
+    assert len(small["main.xml"]) < len(hole)
+    assert explore(read_chart(small, "main.xml"))
