@@ -97,13 +97,15 @@ def certify(checked: CheckedChart, package: str) -> Certificate:
     times = _Times(checked.nested)
     outcomes = {outcome.name: frozenset({outcome.name}) for outcome in resolved.chart.outcomes}
     nothing: frozenset[str] = frozenset()
-    effects = {effect.outcome: effect for effect in outcome_effects(resolved)}
+    effects = {
+        effect.outcome: effect for effect in outcome_effects(resolved, times.graph(resolved))
+    }
     return Certificate(
         resolved.chart.name,
         package,
         times.longest(resolved),
         tuple(_bounds(resolved, "", 1, times)),
-        tuple(_error_ends(resolved, "", outcomes)),
+        tuple(_error_ends(resolved, "", outcomes, times)),
         tuple(effects.get(name, Effect(name, nothing, nothing)) for name in outcomes),
         tuple(sorted(set(_assumed(resolved)))),
     )
@@ -113,7 +115,7 @@ def _bounds(
     resolved: ResolvedChart, above: str, entries: Bound, times: _Times
 ) -> Iterator[StateBound]:
     """Yield the bounds of all nodes of a chart or container that is entered so often."""
-    visits = most_visits(resolved, chart_graph(resolved), entries)
+    visits = times.visits(resolved, entries)
     for name, entry in resolved.by_id.items():
         visit_s = times.visit(entry)
         longest = _product(visits[name], visit_s)
@@ -129,14 +131,35 @@ class _Times:
         self._nested = nested
         self._depth = depth
         self._known: dict[str, Seconds] = {}
+        self._longest: dict[ResolvedChart, Seconds] = {}
+        self._graphs: dict[ResolvedChart, Graph] = {}
+        self._visits: dict[tuple[ResolvedChart, Bound], Mapping[str, Bound]] = {}
+
+    def graph(self, resolved: ResolvedChart) -> Graph:
+        """Return the graph of a chart or container."""
+        if resolved not in self._graphs:
+            self._graphs[resolved] = chart_graph(resolved)
+        return self._graphs[resolved]
+
+    def visits(self, resolved: ResolvedChart, entries: Bound) -> Mapping[str, Bound]:
+        """Return how often each node of a chart or container runs that is entered so often."""
+        key = (resolved, entries)
+        if key not in self._visits:
+            self._visits[key] = most_visits(resolved, self.graph(resolved), entries)
+        return self._visits[key]
 
     def longest(self, resolved: ResolvedChart) -> Seconds:
         """Return how long a chart, or one entry of a container, takes."""
+        if resolved not in self._longest:
+            self._longest[resolved] = self._sum(resolved)
+        return self._longest[resolved]
+
+    def _sum(self, resolved: ResolvedChart) -> Seconds:
         if resolved.is_concurrent:
             every = [self.visit(entry) for entry in resolved.by_id.values()]
             return None if None in every else max((s for s in every if s is not None), default=0.0)
         total = 0.0
-        for name, visits in most_visits(resolved, chart_graph(resolved), 1).items():
+        for name, visits in self.visits(resolved, 1).items():
             longest = _product(visits, self.visit(resolved.by_id[name]))
             if longest is None:
                 return None
@@ -181,7 +204,7 @@ def _product(visits: Bound, seconds: Seconds) -> Seconds:
 
 
 def _error_ends(
-    resolved: ResolvedChart, above: str, leading: Mapping[str, frozenset[str]]
+    resolved: ResolvedChart, above: str, leading: Mapping[str, frozenset[str]], times: _Times
 ) -> Iterator[ErrorEnd]:
     """Yield where error codes end.
 
@@ -189,8 +212,9 @@ def _error_ends(
         resolved: the chart, or the content of a container.
         above: path of the container, with a slash at its end.
         leading: the outcomes of the behavior that each outcome of the container leads to.
+        times: which knows the graphs.
     """
-    graph = chart_graph(resolved)
+    graph = times.graph(resolved)
     ends = _ends(graph, leading)
     for name, entry in resolved.by_id.items():
         for edge_event, codes, target in _coded(entry, graph):
@@ -202,7 +226,7 @@ def _error_ends(
                 inner[edge.event] = inner.get(edge.event, frozenset()) | ends.get(
                     edge.target, frozenset()
                 )
-            yield from _error_ends(entry.body, f"{above}{name}/", inner)
+            yield from _error_ends(entry.body, f"{above}{name}/", inner, times)
 
 
 def _ends(graph: Graph, leading: Mapping[str, frozenset[str]]) -> Mapping[str, frozenset[str]]:

@@ -32,14 +32,25 @@ def most_visits(resolved: ResolvedChart, graph: Graph, entries: Bound) -> Mappin
     visits: dict[str, Bound] = {}
     for name, mask in _reaching(starts, free, graph, attempts).items():
         if mask not in totals:
-            found = [w for index, w in enumerate(weights) if mask >> index & 1]
-            totals[mask] = None if None in found else sum(w for w in found if w is not None)
+            totals[mask] = _total(weights, mask)
         most = totals[mask]
         if mask and name in free.looping and name not in attempts:
             most = None
         limits = (most, attempts.get(name), None if name in graph.looping else entries)
         visits[name] = min((limit for limit in limits if limit is not None), default=None)
     return visits
+
+
+def _total(weights: list[Bound], mask: int) -> Bound:
+    """Return the sum of the weights of a set of stretches."""
+    total = 0
+    while mask:
+        weight = weights[(mask & -mask).bit_length() - 1]
+        if weight is None:
+            return None
+        total += weight
+        mask &= mask - 1
+    return total
 
 
 def free_graph(resolved: ResolvedChart, graph: Graph) -> Graph:
