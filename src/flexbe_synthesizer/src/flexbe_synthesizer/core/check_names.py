@@ -17,6 +17,7 @@ def check_names(resolved: ResolvedChart) -> Iterator[Problem]:
     chart = resolved.chart
     if not resolved.is_inner:
         yield from _check_name("the chart", chart, chart.name, "name")
+        yield from _check_class(chart)
     yield from _check_outcomes(resolved)
     for ports in (chart.inputs, chart.outputs):
         yield from _check_ports(resolved.title, ports)
@@ -39,6 +40,18 @@ def _check_name(of: str, element: Element, name: str, attribute: str) -> Iterato
     if name and not names.is_name(name):
         message = f"the name '{name}' of {of} cannot be used; allowed: {names.NAME_RULE}."
         yield Problem(element.position(attribute), Code.INVALID_NAME, message)
+
+
+def _check_class(chart: Chart) -> Iterator[Problem]:
+    """Yield a problem if the class that the FlexBE App gives to the behavior cannot be one."""
+    class_name = names.behavior_class(chart.name)
+    if names.is_name(chart.name) and not class_name.isidentifier():
+        message = (
+            f"the behavior '{chart.name}' would have the class '{class_name}', of the letters "
+        )
+        message += "from A to Z and digits of its name, and a class cannot begin with a digit; "
+        message += "let such a letter stand before the first digit."
+        yield Problem(chart.position("name"), Code.INVALID_NAME, message)
 
 
 def _check_outcomes(resolved: ResolvedChart) -> Iterator[Problem]:
