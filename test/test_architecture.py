@@ -25,7 +25,7 @@ MAY_IMPORT = {
     "flexbe_synthesizer": {"flexbe_core"},
     "remodel_states": {"flexbe_core"},
     "remodel_behaviors": {"flexbe_core", "flexbe_states", "remodel_states"},
-    "remodel_sim": set(),
+    "remodel_sim": {"flexbe_core"},
     "remodel_planner": {"flexbe_core", "flexbe_synthesizer"},
     "remodel_console": {"flexbe_core", "flexbe_synthesizer"},
 }
@@ -113,12 +113,22 @@ def test_packages_import_one_way(package):
         assert not tops & others, name
 
 
-@pytest.mark.parametrize("package", ["remodel_planner", "flexbe_synthesizer"])
+@pytest.mark.parametrize("package", ["remodel_planner", "flexbe_synthesizer", "remodel_sim"])
 def test_only_the_care_for_master_and_clock_is_taken_from_the_engine(package):
     allowed = ("flexbe_core.ros.master", "flexbe_core.ros.steady_action_server")
     for name, path in modules(package).items():
         found = {n for n in imported_names(path) if n.startswith("flexbe_core")}
         assert all(n.startswith(allowed) for n in found), name
+
+
+def test_nodes_join_ros_by_the_one_module_that_handles_signals():
+    """rospy's own handler of signals deadlocks in a node that is being set up."""
+    programs = [*SRC.glob("*/nodes/*"), *SRC.glob("flexbe/*/nodes/*")]
+    files = [*programs, *(path for package in PACKAGES for path in modules(package).values())]
+    joining = {path for path in files if "rospy.init_node(" in path.read_text()}
+    spinning = {path for path in files if "rospy.spin(" in path.read_text()}
+    assert joining == {modules("flexbe_core")["flexbe_core.ros.master"]}
+    assert not spinning
 
 
 def test_only_the_room_physics_knows_pybullet():

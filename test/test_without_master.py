@@ -20,6 +20,7 @@ COMMANDS = {
     "use_case_supervisor": (2, "remodel_planner use_case_supervisor --database {database}"),
     "conformance": (2, "remodel_states conformance remodel_abilities/detectcable DetectCable"),
     "uicommand": (2, "remodel_console uicommand --timeout 1 stop"),
+    "engine_conformance": (4, "flexbe_testing engine_conformance"),
     "be_launcher": (4, "flexbe_widget be_launcher --wait 1"),
     "be_launcher -b": (4, "flexbe_widget be_launcher --wait 1 -b my_first_behavior"),
 }

@@ -25,6 +25,7 @@ from actionlib.msg import TestAction, TestGoal, TestResult
 from flexbe_msgs.msg import BehaviorSelection, BEStatus
 from row import Row
 from std_msgs.msg import Empty, Float64, Int32, String, UInt8
+from transitions import machine
 
 from flexbe_core import BehaviorLibrary
 from flexbe_core.engine.supervision import UNSUPERVISED
@@ -256,6 +257,14 @@ def launcher_latency(bench: Bench, count: int) -> float:
     return statistics.median(latencies)
 
 
+def first_spin(states: int) -> float:
+    """Return the time of a transition in the first machine that this process runs by hand [s]."""
+    root = machine(states)
+    begin = time.perf_counter()
+    root.spin()
+    return (time.perf_counter() - begin) / (states + 1)
+
+
 def bare_node_start(count: int) -> float:
     """Return the median of what a process takes to become a node, and do nothing else [s]."""
     become_node = "import os, rospy; rospy.init_node('bare', anonymous=True); os._exit(0)"
@@ -297,6 +306,8 @@ def engine() -> Iterator[subprocess.Popen[bytes]]:
 def rows() -> Iterator[Row]:
     """Yield the figures."""
     bench = Bench()
+    # Stock FlexBE: 32 us.
+    yield Row("one transition, first spin by hand, 100 states", first_spin(100) * 1e6, "us", 32.0)
     bare_ms = bare_node_start(5) * 1e3
     yield Row("floor: start of a bare rospy node", bare_ms, "ms")
     begin = time.time()

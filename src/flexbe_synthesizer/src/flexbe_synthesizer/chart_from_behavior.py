@@ -12,6 +12,7 @@ from flexbe_synthesizer.core.fold import fold
 from flexbe_synthesizer.core.machine_reader import InexpressibleError, read_machine
 from flexbe_synthesizer.edge.atomic_write import write_all
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
+from flexbe_synthesizer.edge.regular_file import read_regular_text
 from flexbe_synthesizer.errors import OutputError, SynthesisError
 
 FINE, INEXPRESSIBLE, USAGE = 0, 1, 2
@@ -41,7 +42,7 @@ def main(arguments: Sequence[str], ros_package_path: str) -> int:
 
 def _read_text(file: Path) -> str:
     try:
-        return file.read_text(encoding="utf-8-sig")
+        return read_regular_text(file)
     except (OSError, ValueError) as error:
         raise OutputError(f"{file} cannot be read: {error}") from error
 

@@ -17,12 +17,13 @@ from flexbe_synthesizer.core.problem import errors_in
 from flexbe_synthesizer.core.scxml import ScxmlError, chart_to_scxml
 from flexbe_synthesizer.edge.atomic_write import write_all
 from flexbe_synthesizer.edge.graphviz import FORMATS, render_dot
+from flexbe_synthesizer.edge.inventory import read_inventory
 from flexbe_synthesizer.edge.output_package import (
     OutputPackage,
     enclosing_package,
     output_package,
+    unwritten_package,
 )
-from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from flexbe_synthesizer.edge.run_record import read_run
 from flexbe_synthesizer.errors import OutputError, SynthesisError
 from flexbe_synthesizer.synthesis import CheckedFiles, check_files, write_behaviors
@@ -77,9 +78,8 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _run(options: argparse.Namespace, ros_package_path: str) -> int:
-    packages, package_warnings = find_packages(ros_package_path)
-    library, library_warnings = read_library(packages)
-    for warning in (*package_warnings, *library_warnings):
+    inventory = read_inventory(ros_package_path)
+    for warning in inventory.warnings:
         _say(f"warning: {warning}", sys.stderr)
 
     @cache
@@ -91,9 +91,10 @@ def _run(options: argparse.Namespace, ros_package_path: str) -> int:
         except OutputError:
             if not options.check:
                 raise
-            return OutputPackage("unwritten", Path(path).parent, missing={})
+            return unwritten_package(Path(path).parent)
 
-    files = check_files(options.charts, library, package_of, report=_Progress(len(options.charts)))
+    progress = _Progress(len(options.charts))
+    files = check_files(options.charts, inventory.library, package_of, report=progress)
     errors = errors_in(files.problems)
     if not options.json:
         for problem in files.problems:

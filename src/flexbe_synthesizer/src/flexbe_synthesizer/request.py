@@ -23,8 +23,9 @@ from flexbe_synthesizer.core.model import Chart
 from flexbe_synthesizer.core.problem import errors_in
 from flexbe_synthesizer.core.signature import StateClass
 from flexbe_synthesizer.edge.chart_files import confined_to, find_chart
+from flexbe_synthesizer.edge.chart_memory import ChartMemory
+from flexbe_synthesizer.edge.inventory import read_inventory
 from flexbe_synthesizer.edge.output_package import output_package
-from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from flexbe_synthesizer.errors import ChartFileError, ChartRefusedError, OutputError
 from flexbe_synthesizer.synthesis import CheckedFiles, check_files, started_at, write_behaviors
 
@@ -84,40 +85,53 @@ class Answer:
 
 
 Report = Callable[[str, float], None]
+ExpectTime = Callable[[], None]
 
 
-def within(limit_s: float, report: Report, now: Callable[[], float]) -> Report:
-    """Return a report that ends the request at its next step once its time is over.
+def deadline(limit_s: float, now: Callable[[], float]) -> ExpectTime:
+    """Return a function that ends the request that calls it once its time is over.
 
     Args:
         limit_s: how long it may take from now on [s].
-        report: what is told of each step.
         now: returns the time [s].
     """
     end = now() + limit_s
 
-    def report_in_time(status: str, progress: float) -> None:
+    def expect_time() -> None:
         if now() > end:
-            text = f"the synthesis took more than {limit_s:g} s; it was ended before {status}"
+            text = f"the synthesis took more than {limit_s:g} s and was ended; nothing was written"
             raise RequestError(ErrorCode.OUT_OF_TIME, text)
-        report(status, progress)
 
-    return report_in_time
+    return expect_time
 
 
-def fulfil(request: Request, settings: Settings, report: Report) -> Answer:
+def fulfil(
+    request: Request,
+    settings: Settings,
+    report: Report,
+    expect_time: ExpectTime = lambda: None,
+    memory: ChartMemory | None = None,
+) -> Answer:
     """Synthesize the chart that a request names: write its behavior, return its states.
 
     Args:
         request: what is asked for.
         settings: where things are.
-        report: told each step and the progress [0, 1]; what it raises ends the request.
+        report: told each step and the progress [0, 1].
+        expect_time: called before each step, and again and again while a chart is read and
+            checked. What either raises ends the request.
+        memory: has the charts of earlier requests.
 
     Raises:
         RequestError: if the request cannot be fulfilled; then nothing was written.
     """
     try:
-        return _fulfil(request, settings, report)
+
+        def report_in_time(status: str, progress: float) -> None:
+            expect_time()
+            report(status, progress)
+
+        return _fulfil(request, settings, report_in_time, expect_time, memory)
     except ChartRefusedError as error:
         raise RequestError(ErrorCode.CHART_REFUSED, str(error)) from error
     except ChartFileError as error:
@@ -126,12 +140,18 @@ def fulfil(request: Request, settings: Settings, report: Report) -> Answer:
         raise RequestError(ErrorCode.OUTPUT_FAILED, str(error)) from error
 
 
-def _fulfil(request: Request, settings: Settings, report: Report) -> Answer:
+def _fulfil(
+    request: Request,
+    settings: Settings,
+    report: Report,
+    expect_time: ExpectTime,
+    memory: ChartMemory | None,
+) -> Answer:
     report(f"looking for the chart '{request.goal}'", 0.0)
     path = find_chart(request.goal, settings.chart_folders)
     report("reading the states and behaviors on the ROS package path", 0.1)
-    packages, package_warnings = find_packages(settings.ros_package_path)
-    library, library_warnings = read_library(packages)
+    inventory = read_inventory(settings.ros_package_path)
+    library = inventory.library
     output = output_package(settings.output)
     locate = confined_to(settings.chart_folders)
     files = check_files(
@@ -140,6 +160,8 @@ def _fulfil(request: Request, settings: Settings, report: Report) -> Answer:
         lambda _chart: output,
         locate,
         report=lambda chart: report(f"checking {chart}", 0.4),
+        expect_time=expect_time,
+        memory=memory,
     )
     errors = errors_in(files.problems)
     if errors:
@@ -150,7 +172,7 @@ def _fulfil(request: Request, settings: Settings, report: Report) -> Answer:
     states = _states(_started(request, checked, files, library), output.name, library)
     report(f"writing to the package {output.name}", 0.8)
     written = write_behaviors(files)
-    warnings = (*package_warnings, *library_warnings, *map(str, files.problems))
+    warnings = (*inventory.warnings, *map(str, files.problems))
     return Answer(states, written, warnings)
 
 

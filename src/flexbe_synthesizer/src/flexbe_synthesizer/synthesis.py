@@ -7,21 +7,29 @@ import gc
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 
-from flexbe_synthesizer.core.check import CheckedChart
+from flexbe_synthesizer.core.check import CheckedChart, check_chart
+from flexbe_synthesizer.core.codec import read_chart
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, manifest_of
 from flexbe_synthesizer.core.layout import lay_out
 from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.machine import Machine
-from flexbe_synthesizer.core.manifest import write_manifest
-from flexbe_synthesizer.core.manual_sections import ManualSectionError, read_manual_sections
+from flexbe_synthesizer.core.manifest import read_manifest, write_manifest
+from flexbe_synthesizer.core.manual_sections import (
+    ManualSectionError,
+    read_manual_sections,
+    written_name,
+)
 from flexbe_synthesizer.core.problem import ChartError, Code, Problem, errors_in
 from flexbe_synthesizer.core.render_python import render_python
 from flexbe_synthesizer.edge.atomic_write import write_all
 from flexbe_synthesizer.edge.chart_files import read_charts
+from flexbe_synthesizer.edge.chart_memory import ChartMemory
 from flexbe_synthesizer.edge.output_package import OutputPackage
+from flexbe_synthesizer.edge.regular_file import read_regular
 from flexbe_synthesizer.errors import OutputError
 
 
@@ -64,6 +72,8 @@ def check_files(
     locate: Callable[[str], Path] = Path,
     drafts: Mapping[str, bytes] = MappingProxyType({}),
     report: Callable[[str], None] = lambda _path: None,
+    expect_time: Callable[[], None] = lambda: None,
+    memory: ChartMemory | None = None,
 ) -> CheckedFiles:
     """Read the charts, and those that they name, and check all.
 
@@ -74,14 +84,18 @@ def check_files(
         locate: returns the file to read for a path, or refuses it.
         drafts: contents that stand for those of the files, by path.
         report: told the path of each chart before it is checked.
+        expect_time: called again and again; what it raises ends the check.
+        memory: has what was read and checked before.
 
     Raises:
         SynthesisError: if a file cannot be read, or belongs to no package.
     """
-    files = read_charts(paths, locate, drafts)
+    read = partial(memory.read if memory else read_chart, expect_time=expect_time)
+    files = read_charts(paths, locate, drafts, read)
     packages = {chart.file: package_of(chart.file) for chart in files.charts}
     units = [Unit(chart, packages[chart.file].name) for chart in files.charts]
-    checked = check_units(units, library, report)
+    check = partial(memory.check if memory else check_chart, expect_time=expect_time)
+    checked = check_units(units, library, report, check)
     problems = list(files.problems)
     told = {(problem.position, problem.code) for problem in problems}
     for one in checked.values():
@@ -127,12 +141,35 @@ def write_behaviors(
         package = files.packages[path]
         machine = compile_chart(checked, package.name)
         texts.update(package.missing)
+        _expect_own(machine.name, package)
         texts[package.code_path(machine.name)] = render_behavior(
             machine, package.code_path(machine.name)
         )
         manifest = write_manifest(manifest_of(machine), machine.description)
         texts[package.manifest_path(machine.name)] = manifest
     return write_all(texts)
+
+
+def _expect_own(name: str, package: OutputPackage) -> None:
+    """Refuse to write the files of a behavior over those of another one.
+
+    Raises:
+        OutputError: if they hold another behavior, or cannot be read.
+    """
+    manifest, code = package.manifest_path(name), package.code_path(name)
+    try:
+        found = read_manifest(read_regular(manifest), str(manifest)) if manifest.exists() else None
+        there = read_regular(code).decode() if code.exists() else ""
+    except (OSError, ValueError) as error:
+        raise OutputError(f"the behavior '{name}' cannot be written: {error}") from error
+    if manifest.exists() and found is None:
+        raise OutputError(f"{manifest} is no manifest of a behavior; move it away")
+    for path, other in ((manifest, found.name if found else name), (code, written_name(there))):
+        if other is not None and other != name:
+            raise OutputError(
+                f"{path} belongs to the behavior '{other}', and '{name}' would be written over it; "
+                f"give the chart another name, or delete the files of '{other}'"
+            )
 
 
 def render_behavior(machine: Machine, path: Path) -> str:
@@ -144,7 +181,7 @@ def render_behavior(machine: Machine, path: Path) -> str:
     manual: Mapping[str, str] = {}
     try:
         if path.exists():
-            manual = read_manual_sections(path.read_bytes().decode())
+            manual = read_manual_sections(read_regular(path).decode())
         text = render_python(machine, lay_out(machine.root), manual)
         if any(section.strip() for section in manual.values()):
             ast.parse(text)

@@ -15,6 +15,10 @@ from flexbe_synthesizer.core.interpreter import Interface
 from flexbe_synthesizer.core.model import Behavior, State
 from flexbe_synthesizer.core.signature import FromParameter, chart_behavior, state_signature
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
+from flexbe_testing.app.judge import judge
+from flexbe_testing.app.known import Known
+from flexbe_testing.app.load import define_behavior
+from flexbe_testing.edge.app_packages import read_packages
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 MOST_STEPS = 200
@@ -36,6 +40,21 @@ def library(package_path):
     library, warnings = read_library(packages)
     assert (path_warnings, warnings) == ((), ())
     return library
+
+
+@pytest.fixture(scope="session")
+def known_to_app(golden):
+    """Return the states and behaviors of the golden packages, as the FlexBE App reads them."""
+    found = read_packages(sorted((golden / "packages").iterdir()))
+    inner = (golden / "behaviors" / "place_connector_sm.py").read_text()
+    module = "golden_behaviors.place_connector_sm"
+    return Known(found.states, [*found.behaviors, define_behavior(inner, module)])
+
+
+@pytest.fixture(scope="session")
+def app_complaints(known_to_app):
+    """Return a function: a behavior's file -> what keeps the App from saving it unchanged."""
+    return lambda text: judge(text, known_to_app)
 
 
 @pytest.fixture(scope="session")

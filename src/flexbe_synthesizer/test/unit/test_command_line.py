@@ -237,3 +237,36 @@ def test_a_chart_is_exported_as_scxml(run, charts, tmp_path):
     code, out, _ = run(charts / "plain.xml", "--check", "--scxml", tmp_path / "a.scxml")
     assert (code, out.splitlines()[0]) == (0, f"wrote: {tmp_path / 'a.scxml'}")
     assert "<scxml " in (tmp_path / "a.scxml").read_text()
+
+
+@pytest.mark.parametrize("lost", ["", "manifest/place_connector.xml"])
+def test_a_behavior_is_not_written_over_another_one(run, charts, lost):
+    package, chart = charts.parent, charts / "place_connector.xml"
+    assert run(chart)[0] == 0
+    if lost:
+        (package / lost).unlink()
+    text = chart.read_text().replace('name="Place Connector"', 'name="Place-Connector"')
+    chart.write_text(text.replace('_state_id="Place Connector"', '_state_id="Place-Connector"'))
+    before = tree(package)
+    code, _out, err = run(chart)
+    assert code == 2
+    assert "belongs to the behavior 'Place Connector', and 'Place-Connector' would be" in err
+    assert tree(package) == before
+
+
+def test_what_is_no_manifest_is_not_written_over(run, charts):
+    manifest = charts.parent / "manifest" / "place_connector.xml"
+    manifest.parent.mkdir()
+    manifest.write_text("<notes/>")
+    code, _out, err = run(charts / "place_connector.xml")
+    assert (code, manifest.read_text()) == (2, "<notes/>")
+    assert "is no manifest of a behavior" in err
+
+
+def test_the_longest_name_can_be_written(run, charts):
+    chart = charts / "plain.xml"
+    name = "T" * 200
+    chart.write_text(chart.read_text().replace("plain_chart", name))
+    code, _out, err = run(chart)
+    assert (code, err) == (0, "")
+    assert (charts.parent / "src" / "cell" / f"{name.lower()}_sm.py").is_file()

@@ -1,6 +1,7 @@
 """Disk: what is found, what is refused, and that nothing is written by halves."""
 
 import os
+import resource
 import shutil
 
 import pytest
@@ -225,6 +226,24 @@ def test_if_one_file_cannot_be_staged_none_is_changed(tmp_path):
         write_all({first: "new", tmp_path / "file" / "second": "new"})
     assert first.read_text() == "old"
     assert sorted(p.name for p in tmp_path.iterdir()) == ["file", "first"]
+
+
+def test_a_disk_that_is_full_leaves_nothing_behind(tmp_path):
+    (tmp_path / "first").write_text("old")
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (8, hard))  # a write beyond it fails half-way
+    try:
+        with pytest.raises(OutputError, match="nothing was written"):
+            write_all({tmp_path / "first": "new", tmp_path / "__init__.py": "x" * 100})
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("first", "old")]
+
+
+def test_a_file_in_the_way_that_is_no_regular_one_is_refused_at_once(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(OutputError, match="no regular file"):
+        write_all({tmp_path / "pipe": "new"})
 
 
 def test_if_one_file_cannot_be_renamed_those_before_it_are_taken_back(tmp_path, monkeypatch):

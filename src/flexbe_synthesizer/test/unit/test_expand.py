@@ -43,6 +43,16 @@ def test_any_other_timeout_puts_a_timer_beside_the_state(machine):
     assert dict(found["/Fix/run"].remapping)["pose"] == "pose"
 
 
+def test_routes_of_error_codes_are_outcomes_without_blanks(machine):
+    # The FlexBE App drops blanks of a state's outcomes, and with them the transitions.
+    chooser = children(machine("two_arms.xml"))["/Place/Insert_error"]
+    outcomes = [e.outcome for e in chooser.exits]
+    assert outcomes == ["failed_100_199", "failed_305", "failed_310_320", "other"]
+    (listed,) = (v for name, v in chooser.content.arguments if name == "outcomes")
+    assert list(listed) == outcomes
+    assert "'failed_100_199' if code in range(100, 200)" in str(chooser.content.arguments)
+
+
 def test_every_outcome_of_every_state_has_one_target_that_exists(machine):
     for chart in ("plain.xml", "place_connector.xml", "wire_task.xml"):
         root = machine(chart).root

@@ -12,6 +12,7 @@ from flexbe_synthesizer.core.fold import fold
 from flexbe_synthesizer.core.layout import lay_out
 from flexbe_synthesizer.core.machine_reader import InexpressibleError, read_machine
 from flexbe_synthesizer.core.render_python import render_python
+from flexbe_testing.app.judge import saved_by_app
 
 CHARTS = ("plain", "place_connector", "wire_task", "two_arms")
 
@@ -35,6 +36,27 @@ def test_a_golden_behavior_becomes_a_chart_that_becomes_the_behavior(name, golde
     machine = compile_chart(checked, "golden_behaviors")
     rendered = render_python(machine, lay_out(machine.root), {})
     assert rendered == text
+
+
+@pytest.mark.parametrize("name", CHARTS)
+def test_a_behavior_that_the_app_has_saved_gives_the_same_chart(name, golden, known, known_to_app):
+    text = text_of(golden, name)
+    saved = saved_by_app(text, known_to_app)
+    assert saved != text  # without the head that says where it comes from
+    charts = [fold(read_machine(t, f"{name}_sm.py", known), "") for t in (text, saved)]
+    # The App names a package only if another one has a class of that name too.
+    unqualified = [write_chart(chart).replace('type="cell_states/', 'type="') for chart in charts]
+    assert unqualified[0] == unqualified[1]
+
+
+def test_routes_in_the_spelling_of_earlier_versions_are_read(golden, known):
+    text = text_of(golden, "two_arms")
+    earlier = re.sub(r"failed_(\d+)_(\d+)", r"failed \1-\2", text).replace(
+        "failed_305", "failed 305"
+    )
+    assert earlier.count("failed 100-199") > 3
+    charts = [fold(read_machine(t, "two_arms_sm.py", known), "") for t in (text, earlier)]
+    assert charts[0] == charts[1]
 
 
 INSERT = "InsertCableState(force_limit_n=20)"

@@ -20,7 +20,6 @@ from flexbe_synthesizer.core.problem import errors_in
 from flexbe_synthesizer.core.render_python import render_python
 from flexbe_synthesizer.core.scxml import ScxmlError, chart_to_scxml
 from flexbe_synthesizer.strategies import charts
-from flexbe_synthesizer.testing import app_complaints
 from flexbe_synthesizer.w3c_scxml import faults
 
 LONGEST_S = 5.0
@@ -46,7 +45,7 @@ CODE = [
 
 
 @pytest.fixture(scope="module")
-def holds(library):
+def holds(library, app_complaints):
     """Return a function: it fails unless a text has errors with places, or a good behavior."""
 
     def holds(text):

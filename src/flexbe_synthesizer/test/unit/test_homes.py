@@ -139,6 +139,6 @@ def test_a_timer_that_would_wait_for_what_it_is_to_end(tmp_path):
 def test_a_name_that_makes_no_class(name, tmp_path):
     text = chart(state("S", "MakeState", made="o", failed="o"), name=name)
     (error,) = Synthesis({"a.xml": text.encode()}, "a.xml", tmp_path).errors
-    assert "a class cannot begin with a digit" in error.message
+    assert "cannot name a behavior" in error.message
     text = text.replace(name, f"A{name}")
     assert Synthesis({"a.xml": text.encode()}, "a.xml", tmp_path).errors == ()

@@ -11,7 +11,6 @@ from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart
 from flexbe_synthesizer.core.layout import lay_out
 from flexbe_synthesizer.core.problem import errors_in
 from flexbe_synthesizer.core.render_python import render_python
-from flexbe_synthesizer.testing import app_complaints
 
 NASTY = (
     "",
@@ -60,7 +59,9 @@ def mutants(draw, text):
 
 
 @pytest.mark.parametrize("name", ["plain.xml", "place_connector.xml"])
-def test_a_damaged_chart_is_refused_or_becomes_a_closed_behavior(name, golden, library):
+def test_a_damaged_chart_is_refused_or_becomes_a_closed_behavior(
+    name, golden, library, app_complaints
+):
     good = (golden / "charts" / name).read_text()
 
     @given(mutants(good))

@@ -81,3 +81,20 @@ def test_among_thousands_a_name_is_found_that_differs_in_a_letter_or_two():
 
 def test_a_long_name_is_shown_by_its_beginning():
     assert len(names.allowed("x", ["y" * 10_000])) < 200
+
+
+@pytest.mark.parametrize("name", ["Place Wire", "Ä Wire", "a", "T" * 200])
+def test_a_chart_may_have_a_name_that_files_and_a_class_can_have(name):
+    assert names.is_behavior_name(name)
+
+
+@pytest.mark.parametrize("topic", ["a", "/a", "~a", "~/a", "cell_1/locate", "/cell/2"])
+def test_a_topic_may_be_relative_global_or_private(topic):
+    assert names.is_topic(topic)
+
+
+@pytest.mark.parametrize(
+    "topic", ["", "/", "~", "1a", "a/", "//a", "a//b", "a b", "ä", "a-b", "a\n"]
+)
+def test_a_topic_that_ros_refuses_is_none(topic):
+    assert not names.is_topic(topic)

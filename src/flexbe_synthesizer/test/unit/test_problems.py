@@ -119,6 +119,11 @@ CASES = [
     (Code.INVALID_VALUE, "above 0", ('ext:timeout_s="2.5"', '◊ext:timeout_s="-1"')),
     (Code.INVALID_VALUE, "'off', 'low'", ('"Extract"/>', '"Extract" ◊ext:autonomy="max"/>')),
     (Code.INVALID_NAME, "starting with a letter", ('name="Task"', '◊name="Task/1"')),
+    (Code.INVALID_NAME, "the first of these a letter", ('name="Task"', '◊name="日本"')),
+    (Code.INVALID_NAME, "the first of these a letter", ('name="Task"', '◊name="Ä1"')),
+    (Code.INVALID_NAME, "at most 200 letters", ('name="Task"', f'◊name="{"T" * 201}"')),
+    (Code.INVALID_NAME, "single '/' between", ('topic="locate"', '◊topic="a b!"')),
+    (Code.INVALID_NAME, "single '/' between", ('topic="locate"', '◊topic="cell//locate"')),
     (Code.INVALID_NAME, "'a,b' of an outcome", (FINISHED, FINISHED + '<outcome ◊name="a,b"/>')),
     (Code.INVALID_NAME, "Python identifier", (CABLE, CABLE + '<input ◊name="my key"/>')),
     (

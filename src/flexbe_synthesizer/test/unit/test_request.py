@@ -1,18 +1,20 @@
 """One request to the synthesis server, without ROS around it."""
 
 import shutil
+import time
 from pathlib import Path
 
 import pytest
 
+from flexbe_synthesizer.core.problem import MOST_ERRORS
 from flexbe_synthesizer.edge.chart_files import LARGEST_FILE
 from flexbe_synthesizer.request import (
     ErrorCode,
     Request,
     RequestError,
     Settings,
+    deadline,
     fulfil,
-    within,
 )
 
 
@@ -25,9 +27,16 @@ def settings(tmp_path, golden, package_path):
 
 @pytest.fixture
 def ask(settings):
-    def ask(goal, initial="", outcomes=(), report=lambda _status, _progress: None, **changes):
+    def ask(
+        goal,
+        initial="",
+        outcomes=(),
+        report=lambda _status, _progress: None,
+        expect_time=lambda: None,
+        **changes,
+    ):
         changed = Settings(**{**vars(settings), **changes})
-        return fulfil(Request(goal, initial, tuple(outcomes)), changed, report)
+        return fulfil(Request(goal, initial, tuple(outcomes)), changed, report, expect_time)
 
     return ask
 
@@ -134,11 +143,54 @@ def test_whoever_is_told_of_a_step_can_end_the_request(ask, settings):
 
 def test_a_request_that_takes_too_long_is_ended_at_its_next_step(ask, settings):
     times = iter(range(100))
-    report = within(2.5, lambda _status, _progress: None, lambda: next(times))
-    code, text = refusal(ask, "plain.xml", report=report)
+    expect_time = deadline(2.5, lambda: next(times))
+    code, text = refusal(ask, "plain.xml", expect_time=expect_time)
     assert code is ErrorCode.OUT_OF_TIME
     assert "more than 2.5 s" in text
     assert not settings.output.exists()
+
+
+WRONG = '<state id="S{0}" type="NoSuchState{0}" {1}/>'
+
+
+@pytest.mark.parametrize("attributes", ["", 'a{0}="1" b{0}="2"'], ids=["checking", "reading"])
+def test_a_request_can_be_ended_while_its_chart_is_read_or_checked(ask, settings, attributes):
+    states = "".join(WRONG.format(n, attributes.format(n)) for n in range(100))
+    head = '<statemachine name="A" initial="S0"><datamodel><outcome name="x"/></datamodel>'
+    chart = settings.chart_folders[0] / "wrong.xml"
+    chart.write_text(f"{head}{states}</statemachine>")
+    steps, calls = [], []
+
+    def expect_time():
+        calls.append(len(steps))
+        if calls.count(len(steps)) > 150:
+            raise RequestError(ErrorCode.CANCELLED, "enough")
+
+    def report(status, _progress):
+        steps.append(status)
+
+    assert refusal(ask, "wrong.xml", report=report, expect_time=expect_time)[0] is (
+        ErrorCode.CANCELLED
+    )
+    assert ("checking" in steps[-1]) is (not attributes)
+
+
+def test_very_many_errors_are_reported_up_to_a_limit_and_in_time(ask, settings):
+    names = " ".join(f'a{n}="1"' for n in range(100_000))
+    chart = settings.chart_folders[0] / "wrong.xml"
+    head = '<statemachine name="A" initial="S"><datamodel><outcome name="x"/></datamodel>'
+    chart.write_text(f'{head}<state id="S" type="WaitState" {names}/></statemachine>')
+    before = time.process_time()
+    code, text = refusal(ask, "wrong.xml")
+    assert time.process_time() - before < 10.0  # [s] of CPU; it took hours
+    assert code is ErrorCode.CHART_INVALID
+    assert "99980 more attributes that are unknown" in text
+    chart.write_text(f"{head}{'<unknown/>' * 50_000}</statemachine>")
+    before = time.process_time()
+    code, text = refusal(ask, "wrong.xml")
+    assert time.process_time() - before < 10.0
+    assert len(text.splitlines()) == MOST_ERRORS
+    assert text.endswith("No more is checked after 1000 errors; mend these first.")
 
 
 def test_links_out_of_the_folders_bombs_and_large_files_are_refused(ask, settings, tmp_path):

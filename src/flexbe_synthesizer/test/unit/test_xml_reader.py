@@ -2,6 +2,7 @@ import pytest
 
 from flexbe_synthesizer.core.problem import ChartError, Code
 from flexbe_synthesizer.core.xml_reader import read_xml
+from flexbe_synthesizer.core.xml_tree import XmlTree
 
 
 def problem_of(source):
@@ -109,3 +110,26 @@ def test_half_characters_and_deep_nesting_are_no_trouble():
     assert problem_of("<a>\ud800</a>")[0] is Code.NOT_XML
     deep = read_xml("<a>" * 50_000 + "</a>" * 50_000, "f").root
     assert deep.children[0].name == "a"
+
+
+def variants(text):
+    yield text
+    yield text.replace("\n", "\r\n")
+    yield text.replace("\n", " ")
+    yield text.replace(' name="', '\n  name = "').replace('"', "'")
+    yield text.replace('type="', 'xmlns:x="x" x:type="é" type="').replace('value="', 'value="😀 > ')
+
+
+@pytest.mark.parametrize("name", ["place_connector.xml", "two_arms.xml"])
+def test_a_place_is_the_same_whether_or_not_all_places_are_read(golden, name):
+    for text in variants((golden / "charts" / name).read_text()):
+        tree = XmlTree(text, "chart.xml")
+        waiting = [read_xml(text, "chart.xml").root]
+        for element in tree.root.iter():
+            read = waiting.pop(0)
+            waiting[:0] = read.children
+            assert tree.place(element) == tree.place(element, "no such") == read.position
+            for given in read.attributes:
+                same = [a for a in read.attributes if a.name == given.name]
+                plain = [a for a in same if not a.namespace]
+                assert tree.place(element, given.name) == (plain or same)[0].position

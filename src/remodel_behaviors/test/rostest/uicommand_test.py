@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The commands of Deliverable 5.1, 4.2, as a person gives them, down to the behavior that runs."""
 
+import difflib
 import os
 import shutil
 import signal
@@ -45,6 +46,7 @@ class UiCommandTest(unittest.TestCase):
         cls.folder = Path(tempfile.mkdtemp())
         cls.package = cls.folder / "remodel_behaviors"
         shutil.copytree(rospkg.RosPack().get_path("remodel_behaviors"), cls.package)
+        os.mkfifo(cls.package / "charts" / "fifo.xml")  # who reads it waits forever
         cls.environment = {
             **os.environ,
             "ROS_PACKAGE_PATH": f"{cls.package}:{os.environ['ROS_PACKAGE_PATH']}",
@@ -91,6 +93,21 @@ class UiCommandTest(unittest.TestCase):
         self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
         finished = (BEStatus.FINISHED, ["finished"])
         self.assertTrue(self.statuses.wait_for(lambda s: (s.code, list(s.args)) == finished))
+
+    def test_a_note_adds_one_line_to_the_file_and_a_save_alone_none(self):
+        file = self.package / "charts" / "place_connector.xml"
+        before = file.read_bytes()
+        for command in ("load Place Connector", "save", "check"):
+            done = self.give(command)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(file.read_bytes(), before)
+        for command in ("note Tried twice.", "save"):
+            self.assertEqual(self.give(command).returncode, 0)
+        old, new = before.decode().splitlines(), file.read_text().splitlines()
+        changed = [line for line in difflib.ndiff(old, new) if line[0] in "+-"]
+        self.assertEqual([line[0] for line in changed], ["-", "+", "+"])
+        self.assertEqual(changed[0][2:].removesuffix(" -->"), changed[1][2:])
+        self.assertEqual(changed[2].split(), ["+", "Tried", "twice.", "-->"])
 
     def test_the_line_of_the_deliverable_is_answered(self):
         answers = Heard("flexbe/uianswer", String)

@@ -22,7 +22,7 @@ from remodel_console.desk import Desk
 from remodel_console.edge.catalogue import Catalogue
 from remodel_console.edge.journal import Journal
 from remodel_console.edge.settings_file import SettingsFile
-from remodel_console.edge.workspace import Workspace
+from remodel_console.edge.workspace import OUTPUT, Workspace
 from remodel_console.errors import CommandError
 from remodel_console.live import Live
 from remodel_console.ros.presence import join_ros
@@ -46,7 +46,9 @@ def main(arguments: Sequence[str]) -> int:
     package_path = os.environ.get("ROS_PACKAGE_PATH", "")
     user_charts = Path(options.user_charts).expanduser()
     workspace = Workspace(
-        package_path, lambda: (user_charts, *map(Path, settings.now.chart_folders))
+        package_path,
+        lambda: (user_charts, *map(Path, settings.now.chart_folders)),
+        options.output,
     )
     session = Session(workspace, lambda: settings.now)
     console = Console(
@@ -71,6 +73,9 @@ def _read_options(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--watch-token", default="", help="opens for people who only watch")
     parser.add_argument("--key", default="", help="what a command of /flexbe/uicommand must bring")
     parser.add_argument("--user-charts", default="~/remodel_charts", help="one more chart folder")
+    parser.add_argument(
+        "--output", default=OUTPUT, help="package for behaviors whose charts lie in no package"
+    )
     parser.add_argument("--settings", default=_SETTINGS, help="file that keeps the configuration")
     parser.add_argument("--record", default=_JOURNAL, help="file in which commands are recorded")
     given = [word for word in arguments[1:] if ":=" not in word]  # what roslaunch adds

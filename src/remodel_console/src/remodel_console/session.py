@@ -7,10 +7,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import PurePath
 
-from flexbe_synthesizer.core.codec import write_chart
 from flexbe_synthesizer.core.instantiate import Instantiation
 from flexbe_synthesizer.core.model import Chart, Container
 from remodel_console.core.commands import Command, Verb, help_lines
+from remodel_console.core.draft import Draft, new_draft
 from remodel_console.core.editing import (
     as_container,
     change_at,
@@ -33,7 +33,6 @@ class Session:
     """What is edited, and where in it; shared by all who give commands.
 
     Attributes:
-        chart: what is edited, None before the first `load`.
         is_saved: nothing has changed since it was loaded or saved.
         tell: called after each command that was carried out.
         ask_server: the way to a synthesis server; None until ROS is there.
@@ -46,16 +45,16 @@ class Session:
         self.ask_server: Callable[[ServerRequest], tuple[Instantiation, ...]] | None = None
         self._lock = threading.Lock()
         self._path: tuple[str, ...] = ()
-        self.chart: Chart | None = None
+        self._draft: Draft | None = None
         self.is_saved = True
-        self._before: tuple[Chart, ...] = ()
+        self._before: tuple[Draft, ...] = ()
         self.tell: Callable[[], None] = lambda: None
         self._deeds: Mapping[Verb, Callable[[Mapping[str, str]], str]] = {
             Verb.HELP: lambda _given: help_lines(),
             Verb.LOAD: self._load,
             Verb.SAVE: self._save,
             Verb.EDIT: self._edit,
-            Verb.SHOW: lambda _given: write_chart(self._loaded()),
+            Verb.SHOW: lambda _given: self._drafted().text,
             Verb.CHECK: self._check,
             Verb.NOTE: self._note,
             Verb.AUTOCONNECT: self._autoconnect,
@@ -63,6 +62,16 @@ class Session:
             Verb.UPDATE: self._update,
             Verb.FIND: self._find,
         }
+
+    @property
+    def chart(self) -> Chart | None:
+        """Return what is edited, None before the first `load`."""
+        return None if self._draft is None else self._draft.chart
+
+    @property
+    def text(self) -> str:
+        """Return the XML of what is edited, as it would be saved; empty before the first `load`."""
+        return "" if self._draft is None else self._draft.text
 
     def carry_out(self, command: Command) -> str:
         """Carry a command out and return the answer.
@@ -88,6 +97,16 @@ class Session:
             self._change(change(self._loaded()))
         self.tell()
 
+    def retype(self, text: str) -> None:
+        """Take a text that was typed in place of that of the chart.
+
+        Raises:
+            CommandError: if nothing is loaded, or the text does not have the form of a chart.
+        """
+        with self._lock:
+            self._take(self._drafted().retyped(text))
+        self.tell()
+
     def undo(self) -> str:
         """Take the last change back, and say so.
 
@@ -97,15 +116,17 @@ class Session:
         with self._lock:
             if not self._before:
                 raise CommandError("there is nothing to undo")
-            *before, self.chart = self._before
+            *before, last = self._before
+            self._draft = replace(last, origin=self._drafted().origin)
             self._before, self.is_saved = tuple(before), False
         self.tell()
         return "took the last change back"
 
     def open(self, chart: Chart) -> None:
         """Edit a chart that is new."""
+        draft = new_draft(chart)
         with self._lock:
-            self.chart, self._path, self._before, self.is_saved = chart, (), (), False
+            self._draft, self._path, self._before, self.is_saved = draft, (), (), False
         self.tell()
 
     def synthesize(self, path: tuple[str, ...], name: str, initial: str, goal: str) -> str:
@@ -135,22 +156,32 @@ class Session:
             raise CommandError(f"'{command.text}' {command.verb.help_text}")
         return deed(command.given)
 
-    def _loaded(self) -> Chart:
-        if self.chart is None:
+    def _drafted(self) -> Draft:
+        if self._draft is None:
             raise CommandError("no behavior is loaded; 'load NAME' loads one")
-        return self.chart
+        return self._draft
+
+    def _loaded(self) -> Chart:
+        return self._drafted().chart
 
     def _change(self, chart: Chart) -> None:
-        if self.chart is not None and chart != self.chart:
-            self._before = (*self._before[-_MOST_UNDONE:], self.chart)
-            self.is_saved = False
-        self.chart = chart
+        draft = self._drafted()
+        if chart is not draft.chart:
+            self._take(draft.changed(chart))
+
+    def _take(self, draft: Draft) -> None:
+        """Make a draft the one that is edited."""
+        before = self._drafted()
+        if draft.text != before.text:
+            self._before = (*self._before[-_MOST_UNDONE:], before)
+            self._draft, self.is_saved = draft, False
 
     def _load(self, given: Mapping[str, str]) -> str:
         lost = "" if self.is_saved else ", and what was not saved is gone"
-        self.chart = self._workspace.find(given["name"])
+        self._draft = self._workspace.load(given["name"])
         self._path, self._before, self.is_saved = (), (), True
-        return f"loaded '{self.chart.name}' from {self.chart.file}{lost}"
+        chart = self._draft.chart
+        return f"loaded '{chart.name}' from {chart.file}{lost}"
 
     def _container(self, path: tuple[str, ...], name: str, initial: str, goal: str) -> Container:
         """Return the chart of a file as a container, as the server makes it or as it is.
@@ -182,14 +213,15 @@ class Session:
         return chart_from_states(states, name, self._workspace.library())
 
     def _save(self, _given: Mapping[str, str]) -> str:
-        chart = self._loaded()
-        written = self._workspace.save(chart)
-        self.is_saved = True
+        draft = self._drafted()
+        written = self._workspace.save(draft)
+        self._draft, self.is_saved = replace(draft, origin=draft.content), True
         what = f"wrote {', '.join(map(str, written))}" if written else "nothing had changed"
-        return f"saved '{chart.name}': {what}"
+        return f"saved '{draft.chart.name}': {what}"
 
     def _check(self, _given: Mapping[str, str]) -> str:
-        problems = self._workspace.check(self._loaded())
+        draft = self._drafted()
+        problems = self._workspace.look(draft.text, draft.chart.file).problems
         return "\n".join(map(str, problems)) or "no errors and no warnings"
 
     def _edit(self, given: Mapping[str, str]) -> str:

@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """After a pause, a skip or a stop is answered nothing moves, and the order can always go on."""
 
+import contextlib
 import shutil
 import signal
+import sqlite3
 import subprocess
 import sys
 import time
@@ -154,6 +156,43 @@ class GateTest(unittest.TestCase):
         self.publish_once("false")
         wait_until(lambda: self.orders.is_free, "the release is published")
         self.assert_complete(self.orders.start(2))
+
+    def test_a_protective_stop_by_the_service_without_a_run_holds_until_it_is_resumed(self):
+        wait_until(lambda: self.orders.is_free, "no run is under way")
+        granted, text = self.orders.command("protective_stop")
+        self.assertTrue(granted, text)
+        self.assertIn("no run is under way; the cell is held", text)
+        self.orders.end_process(SUPERVISOR, signal.SIGKILL)
+        wait_until(
+            lambda: "protective stop by" in self.orders.state.message, "it outlives its supervisor"
+        )
+        handle = self.orders.send(2)
+        wait_until(lambda: handle.get_result() is not None, "the goal is answered")
+        self.assertEqual(handle.get_goal_status(), GoalStatus.REJECTED)
+        self.assertIn("protective stop by", handle.get_goal_status_text())
+        self.orders.require("resume")
+        wait_until(lambda: self.orders.is_free, "the release is published")
+        self.assert_complete(self.orders.start(2))
+
+    def rename_order(self, before, after):
+        """Rename an order in the production database, so that it is not found."""
+        with contextlib.closing(sqlite3.connect(OUTPUT / "production.sqlite")) as connection:
+            connection.execute("UPDATE orders SET name = ? WHERE name = ?", (after, before))
+            connection.commit()
+
+    def test_a_run_that_cannot_be_resumed_waits_for_a_person(self):
+        run = self.orders.start(3)
+        self.wait_for_goal()
+        self.rename_order(ORDER, "lost")
+        self.orders.end_process(SUPERVISOR, signal.SIGKILL)
+        wait_until(lambda: "cannot be resumed" in self.orders.state.message, "it is published")
+        self.assertIn(f"no order {ORDER}", self.orders.state.message)
+        handle = self.orders.send(2)
+        wait_until(lambda: handle.get_result() is not None, "the goal is answered")
+        self.assertIn("cannot be resumed", handle.get_goal_status_text())
+        self.rename_order("lost", ORDER)
+        self.orders.require("resume")
+        self.assert_complete(run)
 
     def publish_once(self, data):
         """Publish on the topic as a person does, by a node that ends afterwards."""

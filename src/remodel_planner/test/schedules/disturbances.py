@@ -52,6 +52,7 @@ class Disturbances:
             *(self._kill_supervisor,) * 5,
             *(self._stall_supervisor,) * 3,
             *(self._terminate,) * 2,
+            self._lose_use_case,
             *(self._kill_node,) * 5,
             *(self._stall_node,) * 5,
             *(self._fail_database,) * 3,
@@ -89,6 +90,12 @@ class Disturbances:
     def _terminate(self, station: Station, random: Random) -> None:
         if station.process is not None:
             station.process.leave()
+
+    def _lose_use_case(self, station: Station, random: Random) -> None:
+        for_s = random.choice((3.0, 20.0))
+        self._simulation.note(station.name, "cannot read its use case for {:g} s", for_s)
+        station.unmade_until_s = self._simulation.now_s + for_s
+        self._kill_supervisor(station, random)
 
     def _kill_node(self, station: Station, random: Random) -> None:
         _drawn(station, random).kill(random.choice(_RESTARTS_S))

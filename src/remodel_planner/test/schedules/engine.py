@@ -201,6 +201,7 @@ class Engine(Node):
     def _call(self, server: Server, goal: Goal, answer: Callback) -> None:
         simulation, life = self.simulation, self.life
         if not server.is_up:
+            server.miss(goal)
             self.deliver(0.02, answer, _GONE)
             return
 

@@ -57,7 +57,8 @@ class Invariants:
 
     def on_begin(self, station: Station, run: int, event: RunBegun) -> None:
         """Check a run that begins."""
-        self.closed.pop(station.name, None)
+        if self.closed.pop(station.name, "") == Command.PROTECTIVE_STOP.value:
+            self.simulation.violated(f"run {run} begins during a protective stop")
         self.states[run] = state_after([event])
 
     def on_goal(self, station: Station) -> None:

@@ -21,6 +21,8 @@ from remodel_planner.errors import (
     PlannerError,
     RecordLostError,
 )
+from remodel_planner.supervisors.run_commands import RunCommands
+from remodel_planner.supervisors.unresumed_run import UnresumedRun
 from remodel_planner.supervisors.use_case_supervisor import UseCaseSupervisor
 from remodel_planner.supervisors.work import Peers, Work
 from schedules.database import FailingDatabase
@@ -85,6 +87,7 @@ class Life:
     Attributes:
         active: supervisor of the run under way; None without one.
         closed: why nothing new is taken.
+        commands: does what is commanded.
     """
 
     def __init__(self, station: Station, process: Process) -> None:
@@ -104,11 +107,20 @@ class Life:
         self._unsure = True
         self._next: UseCaseSupervisor | None = None
         servers = station.servers
+        abilities = SimulatedAbilities(process, servers)
+        self.commands = RunCommands(
+            process,
+            abilities,
+            lambda: self.active,
+            lambda: self.closed,
+            station.stopped_by,
+            station.keep_stops,
+        )
         self._peers = Peers(
             SimulatedCell(process, station.services),
             SimulatedMaker(process, station.synthesizer, station.engine.behaviors),
             SimulatedEngine(process, station.engine),
-            SimulatedAbilities(process, servers),
+            abilities,
             SimulatedInspection(process, servers["CheckConnection"]),
             SimulatedPictures(),
         )
@@ -185,15 +197,32 @@ class Life:
     def _resume(self) -> None:
         unfinished = self._log.unfinished(self._station.cell)
         self._unsure = False
-        if unfinished is not None:
-            self._supervise(self._resumed(unfinished))
+        supervisor = None if unfinished is None else self._resumed(unfinished)
+        if supervisor is not None:
+            self._supervise(supervisor)
 
-    def _resumed(self, run: int) -> UseCaseSupervisor:
+    def _resumed(self, run: int) -> UseCaseSupervisor | None:
         self._log.take_up(run, self._owner)
         state = self._log.state(run)
         self._station.invariants.on_take_up(run, state)
+        if self.process.simulation.now_s < self._station.unmade_until_s:
+            self._await_person(UnresumedRun(run, self._owner, state, self._log, "no use case"))
+            return None
         self._note("resumes run {}", run)
         return self._made(run, state)
+
+    def _await_person(self, unresumed: UnresumedRun) -> None:
+        self._note("{}", unresumed.text)
+        self._peers.engine.cancel()
+        self._peers.abilities.cancel()
+        self.closed, self.commands.unresumed = unresumed.text, unresumed
+        try:
+            self.process.run_until(lambda: unresumed.is_over or bool(self._disowned), float("inf"))
+        finally:
+            self.commands.unresumed = None
+        self._unsure = True
+        if self._disowned:
+            raise OwnerError(self._disowned)
 
     def _made(self, run: int, state: RunState) -> UseCaseSupervisor:
         setting = self._station.setting
@@ -221,6 +250,7 @@ class Life:
 
     def _supervise(self, supervisor: UseCaseSupervisor) -> None:
         self.active, self._next = supervisor, None
+        self.commands.stop_if_unsafe()
         state = supervisor.supervise()
         self.active = None
         self._station.invariants.on_end(self._station, supervisor.run, state)
@@ -230,8 +260,8 @@ class Life:
         under_way = self.active or self._next
         if under_way is not None:
             return f"run {under_way.run} is under way"
-        if self.closed:
-            return self.closed
+        if why := self.closed or self.commands.safety:
+            return why
         setting = self._station.setting
         planner = SimulatedPlanner(count, setting.question_timeout_s)
         begun = RunBegun(ORDER.name, USE_CASE, self._station.cell, planner.names)
@@ -249,10 +279,7 @@ class Life:
 
     def command(self, event: Commanded, reply: Reply) -> None:
         """Do what somebody asks for."""
-        if self.active is None:
-            reply(False, self.closed or "no run is under way")
-        else:
-            self.active.command(event, reply)
+        self.commands.command(event, reply)
 
     def answer(self, event: Answered, reply: Reply) -> None:
         """Take an operator's answer."""

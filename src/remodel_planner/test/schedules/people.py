@@ -105,7 +105,9 @@ class People:
     def _look(self) -> None:
         for station in self._stations:
             supervisor = station.supervisor
-            if supervisor is not None:
+            if supervisor is None:
+                self._release(station)
+            else:
                 self._help(station, supervisor.state, supervisor.run)
         if all(s.supervisor is None for s in self._stations):
             self._look_after_runs()
@@ -113,6 +115,17 @@ class People:
             self._look_for_idle()
         if not self.is_done:
             self._simulation.after(_LOOK_S, self._look)
+
+    def _release(self, station: Station) -> None:
+        """Release a protective stop that holds a cell without a run, or have one go on."""
+        if station.process is None or station.life is None:
+            return
+        is_over = self._simulation.now_s > self._paused_until_s.get(station.name, 0.0)
+        is_stuck = station.life.commands.unresumed is not None
+        if is_stuck and self._simulation.chance(0.2):
+            self.command(station, Command.STOP)
+        elif is_over and (is_stuck or station.stopped_by):
+            self.command(station, Command.RESUME)
 
     def _help(self, station: Station, state: RunState, run: int) -> None:
         now_s = self._simulation.now_s

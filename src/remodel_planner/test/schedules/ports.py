@@ -148,10 +148,9 @@ class SimulatedAbilities:
         """Return whether a server is connected."""
         return self._servers[ability].is_up
 
-    def silent(self, since_s: float) -> str:
+    def restless(self, since_s: float) -> tuple[str, ...]:
         """Return the names of those that do not rest or report."""
-        restless = [s.name for s in self._servers.values() if s.is_up and not s.rests(since_s)]
-        return ", ".join(restless)
+        return tuple(s.name for s in self._servers.values() if s.is_up and not s.rests(since_s))
 
 
 class SimulatedCell:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -21,6 +22,10 @@ _REPORT_S = 0.2
 
 # [s] that an operation takes.
 _TAKES_S = (0.3, 2.5)
+
+# Goals of one owner for a server that is down from which on nobody waits for it: the goal under way
+# when it was lost or the first after a restart of the engine, and one that tries it again.
+_MISSES = 3
 
 
 @dataclass
@@ -78,6 +83,7 @@ class Server(Node):
         self._job: _Job | None = None
         self._changed_s = 0.0
         self._phase_s = simulation.random.uniform(0.0, _REPORT_S)
+        self._missed: Counter[int] = Counter()
 
     @property
     def is_busy(self) -> bool:
@@ -92,6 +98,15 @@ class Server(Node):
             return self._job is None and max(tick_s, self._changed_s) >= since_s
         # What it does now it began, or ended, after its last report.
         return self._job is not None and tick_s >= since_s
+
+    def miss(self, goal: Goal) -> None:
+        """Count a goal that was sent while this server was down; its sender is to wait for it."""
+        owner = owner_of(goal.id)
+        self._missed[owner] += 1
+        if self._missed[owner] >= _MISSES:
+            self.simulation.violated(
+                f"{goal.id} is one of {_MISSES} goals for a server that is down"
+            )
 
     def on_goal(self, goal: Goal, reply: Reply) -> None:
         """Take a goal."""
@@ -199,3 +214,4 @@ class Server(Node):
     def restarted(self) -> None:
         """Report the first time."""
         self._changed_s = self.simulation.now_s
+        self._missed.clear()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import TYPE_CHECKING
 
 from remodel_planner.core.run import Operation
@@ -46,6 +46,8 @@ class Station:
     Attributes:
         cell: name of its cell; two stations may have the same by mistake.
         life: of the supervisor's process that runs; None before the first.
+        unmade_until_s: [s] until when no run can be resumed, since its use case cannot be read.
+        stopped_by: persons who have stopped the cell, as the parameter server keeps them.
     """
 
     def __init__(
@@ -75,6 +77,8 @@ class Station:
         self.synthesizer = Node(simulation, f"{name}/synthesizer")
         self.engine = Engine(simulation, name, self.servers, self)
         self.life: Life | None = None
+        self.unmade_until_s = 0.0
+        self.stopped_by: tuple[str, ...] = ()
         self._lives = 0
         self._start()
 
@@ -96,6 +100,10 @@ class Station:
     def _start(self) -> None:
         self._lives += 1
         Process(self.simulation, f"{self.name}/sup{self._lives}", self._main, self._on_end)
+
+    def keep_stops(self, persons: Collection[str]) -> None:
+        """Keep who has stopped the cell, beyond the life of its supervisor."""
+        self.stopped_by = tuple(persons)
 
     def _main(self, process: Process) -> None:
         self.life = Life(self, process)

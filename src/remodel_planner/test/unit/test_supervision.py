@@ -56,6 +56,7 @@ from remodel_planner.errors import OrderError
 FAULTS = read_faults()
 POSSIBLE = frozenset(Do) - {Do.OTHER_METHOD, Do.RETRY_WITH}
 JAM, LOST, NOTHING_HELD, NOT_SEATED, CONTRADICTORY = 301, 4, 202, 304, 8
+MOTION_FAULT = 307
 
 
 class Run:
@@ -206,7 +207,7 @@ def test_a_hand_that_cannot_be_emptied_needs_a_person(run):
     for _ in range(STUCK_HAND_LIMIT + 1):
         assert run.next == Execute("W1", Part.CLEAR)
         run.begin("W1", Part.CLEAR)
-        run.add(OperationEnded("W1", replace(operation(307), ability="PlaceCable")))
+        run.add(OperationEnded("W1", replace(operation(200), ability="PlaceCable")))
         run.end("W1", "failed")
     assert run.next == Decide("W1")
     decided = run.decide("W1")
@@ -429,6 +430,60 @@ def test_an_operator_pauses_skips_tries_again_and_stops(run):
     assert run.add(Commanded(Command.STOP, "", "ann")) == End(Ending.STOPPED, "ann stopped it")
 
 
+def skip_half_placed(run):
+    """Have W1 skipped when one of its ends is connected."""
+    run.begin("W1")
+    run.add(Commanded(Command.SKIP, "W1", "ann"))
+    run.end("W1", "preempted")
+    run.decide("W1")
+    run.clear("W1")
+    run.add(Settled("W1", ("a",), 3))
+    assert run.state.tasks["W1"].stage is Stage.SET_ASIDE
+
+
+def test_a_half_placed_wire_gets_a_new_piece_when_it_is_retried_after_another_one(run):
+    skip_half_placed(run)
+    run.begin("W2")
+    run.add(Commanded(Command.RETRY, "W1", "ann"))
+    assert run.end("W2") == Settle("W1")
+    assert run.add(Settled("W1", ("a",), 3)) == Execute("W1", Part.DISCARD)
+    assert run.discard("W1") == Execute("W1", Part.WHOLE)
+
+
+def test_a_half_placed_wire_that_was_fed_last_is_finished_when_it_is_retried(run):
+    skip_half_placed(run)
+    run.add(Commanded(Command.SKIP, "W2", "ann"))
+    run.add(Commanded(Command.RETRY, "W1", "ann"))
+    assert run.next == Settle("W1")
+    assert run.add(Settled("W1", ("a",), 3)) == Execute("W1", Part.REST)
+
+
+def test_a_retried_wire_that_turns_out_to_be_placed_is_left_in_place(run):
+    skip_half_placed(run)
+    run.begin("W2")
+    run.add(Commanded(Command.RETRY, "W1", "ann"))
+    run.end("W2")
+    assert run.add(Settled("W1", ("a", "b"), 0)) == End(Ending.COMPLETE, "all tasks are done")
+
+
+def test_a_skipped_task_is_not_attempted_again_after_a_restart(run):
+    run.begin("W1")
+    run.add(Commanded(Command.SKIP, "W1", "ann"))
+    assert run.add(Interrupted("the supervisor was killed")) == Execute("W1", Part.CLEAR)
+    assert run.clear("W1") == Settle("W1")
+    run.add(Settled("W1", (), 5))
+    assert run.discard("W1") == Execute("W2", Part.WHOLE)
+    assert run.state.tasks["W1"].stage is Stage.SET_ASIDE
+
+
+def test_a_skipped_task_that_ended_against_the_evidence_is_not_attempted_again(run):
+    run.begin("W1")
+    run.add(Commanded(Command.SKIP, "W1", "ann"))
+    assert run.add(TaskEnded("W1", "finished", 1.0, False, denied=True)) == Settle("W1")
+    run.add(Settled("W1", (), 5))
+    assert run.discard("W1") == Execute("W2", Part.WHOLE)
+
+
 def test_a_behavior_that_somebody_stops_stops_the_run(run):
     run.begin("W1")
     assert run.end("W1", "preempted") == End(
@@ -464,6 +519,42 @@ def test_other_cells_tasks_are_left_to_them_and_taken_over(run):
     assert run.add(TaskElsewhere("W1", "third", AsLeft.DONE)) == End(
         Ending.COMPLETE, "all tasks are done"
     )
+
+
+def test_nothing_moves_after_a_motion_fault_before_a_person_has_confirmed(run):
+    run.begin("W1")
+    assert run.end("W1", "failed", MOTION_FAULT) == Decide("W1")
+    assert run.decide("W1").do is Do.ASK_OPERATOR
+    run.ask("W1")
+    assert run.next == Wait("question 1 is to be answered")
+    run.add(Answered(1, Answer.FIXED, "ann"))
+    assert run.next == Execute("W1", Part.CLEAR), "the behavior could not lay the wire down"
+
+
+def test_a_hand_is_not_emptied_again_after_a_motion_fault(run):
+    run.begin("W1")
+    run.add(Interrupted("killed"))
+    run.begin("W1", Part.CLEAR)
+    assert run.end("W1", "failed", MOTION_FAULT) == Decide("W1")
+    assert run.decide("W1").do is Do.ASK_OPERATOR
+
+
+def test_a_motion_fault_while_inspecting_needs_a_person_whatever_was_decided(run):
+    run.begin("W1")
+    run.add(Commanded(Command.SKIP, "W1", "ann"))
+    run.end("W1", "preempted")
+    run.decide("W1")
+    assert run.clear("W1") == Settle("W1")
+    run.add(Settled("W1", (), 5, MOTION_FAULT, "the arm did not arrive"))
+    assert run.next == Decide("W1")
+    assert run.decide("W1").do is Do.ASK_OPERATOR
+
+
+def test_a_skip_does_not_pass_over_a_motion_fault(run):
+    run.begin("W1")
+    run.add(Commanded(Command.SKIP, "W1", "ann"))
+    run.end("W1", "failed", MOTION_FAULT)
+    assert run.decide("W1").do is Do.ASK_OPERATOR
 
 
 def test_what_cannot_go_on_ends(run):

@@ -75,5 +75,5 @@ def test_a_failure_goes_where_its_code_leads():
     )
     records = [Operation("/Look", "", "failed", code, "", 0.0, 0.0) for code in (100, 8)]
     run = trace(chart, tuple(records), {})
-    assert run.steps == (("Look", "failed"), ("Look", "failed 7-8"))
+    assert run.steps == (("Look", "failed"), ("Look", "failed_7_8"))
     assert run.outcome == "failed"

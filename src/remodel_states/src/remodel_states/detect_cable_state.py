@@ -26,12 +26,7 @@ class DetectCableState(EventState):
 
     """
 
-    def __init__(
-        self,
-        view=0,
-        timeout_s=30.0,
-        topic="remodel_abilities/detectcable",
-    ):
+    def __init__(self, view=0, timeout_s=30.0, topic="remodel_abilities/detectcable"):
         """Connect to the ability server."""
         super().__init__(
             outcomes=["detected", "failed", "command_error"],

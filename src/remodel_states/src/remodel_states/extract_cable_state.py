@@ -27,12 +27,7 @@ class ExtractCableState(EventState):
 
     """
 
-    def __init__(
-        self,
-        robot_name="robot_1",
-        timeout_s=30.0,
-        topic="remodel_abilities/extractcable",
-    ):
+    def __init__(self, robot_name="robot_1", timeout_s=30.0, topic="remodel_abilities/extractcable"):  # fmt: skip
         """Connect to the ability server."""
         super().__init__(
             outcomes=["extracted", "failed", "command_error"],

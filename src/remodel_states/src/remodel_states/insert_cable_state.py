@@ -30,13 +30,7 @@ class InsertCableState(EventState):
 
     """
 
-    def __init__(
-        self,
-        robot_name="robot_1",
-        force_limit=8.0,
-        timeout_s=60.0,
-        topic="remodel_abilities/insertcable",
-    ):
+    def __init__(self, robot_name="robot_1", force_limit=8.0, timeout_s=60.0, topic="remodel_abilities/insertcable"):  # fmt: skip
         """Connect to the ability server."""
         super().__init__(
             outcomes=["inserted", "failed", "command_error"],

@@ -28,12 +28,7 @@ class LocateGearboxComponentState(EventState):
 
     """
 
-    def __init__(
-        self,
-        view=0,
-        timeout_s=30.0,
-        topic="remodel_abilities/locategearboxcomponent",
-    ):
+    def __init__(self, view=0, timeout_s=30.0, topic="remodel_abilities/locategearboxcomponent"):
         """Connect to the ability server."""
         super().__init__(
             outcomes=["located", "failed", "command_error"],

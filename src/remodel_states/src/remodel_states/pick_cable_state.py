@@ -26,13 +26,7 @@ class PickCableState(EventState):
 
     """
 
-    def __init__(
-        self,
-        robot_name="robot_1",
-        grasp_distance=0.0,
-        timeout_s=30.0,
-        topic="remodel_abilities/pickcable",
-    ):
+    def __init__(self, robot_name="robot_1", grasp_distance=0.0, timeout_s=30.0, topic="remodel_abilities/pickcable"):  # fmt: skip
         """Connect to the ability server."""
         super().__init__(
             outcomes=["picked", "failed", "command_error"],

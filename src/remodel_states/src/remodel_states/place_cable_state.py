@@ -26,13 +26,7 @@ class PlaceCableState(EventState):
 
     """
 
-    def __init__(
-        self,
-        target,
-        robot_name="robot_1",
-        timeout_s=30.0,
-        topic="remodel_abilities/placecable",
-    ):
+    def __init__(self, target, robot_name="robot_1", timeout_s=30.0, topic="remodel_abilities/placecable"):  # fmt: skip
         """Connect to the ability server."""
         super().__init__(
             outcomes=["placed", "failed", "command_error"],

@@ -29,14 +29,7 @@ class PlaceConnectorState(EventState):
 
     """
 
-    def __init__(
-        self,
-        connector_id,
-        robot_name="robot_1",
-        force_limit=30.0,
-        timeout_s=60.0,
-        topic="remodel_abilities/placeconnector",
-    ):
+    def __init__(self, connector_id, robot_name="robot_1", force_limit=30.0, timeout_s=60.0, topic="remodel_abilities/placeconnector"):  # fmt: skip
         """Connect to the ability server."""
         super().__init__(
             outcomes=["placed", "failed", "command_error"],

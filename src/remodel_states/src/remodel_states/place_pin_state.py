@@ -37,19 +37,7 @@ class PlacePinState(EventState):
 
     """
 
-    def __init__(
-        self,
-        max_time=30.0,
-        robot_1_name="robot_1",
-        robot_2_name="robot_2",
-        path_space=0.01,
-        connector_space=0.02,
-        centered=False,
-        rotate=False,
-        show_in_TF=False,
-        timeout_s=60.0,
-        topic="remodel_abilities/placepin",
-    ):
+    def __init__(self, max_time=30.0, robot_1_name="robot_1", robot_2_name="robot_2", path_space=0.01, connector_space=0.02, centered=False, rotate=False, show_in_TF=False, timeout_s=60.0, topic="remodel_abilities/placepin"):  # fmt: skip
         """Connect to the ability server."""
         super().__init__(
             outcomes=[

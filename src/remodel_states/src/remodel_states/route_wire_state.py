@@ -26,13 +26,7 @@ class RouteWireState(EventState):
 
     """
 
-    def __init__(
-        self,
-        path,
-        robot_name="robot_1",
-        timeout_s=30.0,
-        topic="remodel_abilities/routewire",
-    ):
+    def __init__(self, path, robot_name="robot_1", timeout_s=30.0, topic="remodel_abilities/routewire"):  # fmt: skip
         """Connect to the ability server."""
         super().__init__(
             outcomes=["routed", "failed", "command_error"],

@@ -140,7 +140,7 @@ class BehaviorLibrary:
 
 
 def _xml_files(folder: Path) -> Iterator[Path]:
-    """Yield the files that may be manifests, in a fixed order."""
+    """Yield the files that may be manifests, in a fixed order; reading a FIFO would never end."""
     try:
         entries = sorted(folder.iterdir())
     except OSError:
@@ -151,7 +151,7 @@ def _xml_files(folder: Path) -> Iterator[Path]:
         if entry.is_dir():
             if not entry.is_symlink():
                 yield from _xml_files(entry)
-        elif entry.suffix == ".xml" and entry.name != "package.xml":
+        elif entry.suffix == ".xml" and entry.name != "package.xml" and entry.is_file():
             yield entry
 
 

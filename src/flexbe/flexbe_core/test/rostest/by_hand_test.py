@@ -235,6 +235,56 @@ class ByHandTest(unittest.TestCase):
         self.assertEqual(machine.execute(None), "preempted")
         self.assertFalse(self.feedback.has_buffered(FEEDBACK))
 
+    def test_a_preempt_that_comes_before_the_first_execution_holds(self):
+        machine = one_state(ScriptedState([None]))
+        machine._sub._callback(Empty(), "flexbe/command/preempt")
+        self.assertEqual(machine.execute(None), "preempted")
+        self.assertIsNone(machine.execute(None), "once")
+        machine = one_state(ScriptedState([None]))
+        self.assertIsNone(machine.execute(None), "it came before the machine was made")
+        machine = one_state(ScriptedState([None]))
+        machine._sub._callback(Empty(), "flexbe/command/preempt")
+        thread, found = self.spin(machine)
+        thread.join(LIMIT_S)
+        self.assertEqual(found, ["preempted"])
+
+    def test_a_lock_from_code_before_the_first_execution_holds(self):
+        state = ScriptedState(["done"])
+        machine = one_state(state)
+        machine._locked = True
+        state._is_controlled = True
+        self.assertIsNone(machine.execute(None))
+        self.assertTrue(machine.is_locked())
+
+    def test_the_attributes_of_stock_states(self):
+        state = ScriptedState([None, "done"])
+        machine = one_state(state)
+        self.assertTrue(state._entering)
+        machine.execute(None)
+        self.assertFalse(state._entering)
+        state._entering = True
+        state._enable_ros_control()
+        state._locked = True
+        self.assertIsNone(machine.execute(None))
+        self.assertEqual(state._stored_outcome, "done")
+        state._stored_outcome = None
+        self.assertIsNone(machine.execute(None))
+        self.assertEqual(state._stored_outcome, "done", "it was executed again")
+        state._locked = False
+        self.assertEqual(machine.execute(None), "finished")
+        self.assertIsNone(state._stored_outcome)
+        events = [event for _, event in state.log]
+        self.assertEqual(events, ["enter", "execute", "enter", "execute", "execute", "exit"])
+
+    def test_a_concurrency_container_names_what_has_ended(self):
+        container = ConcurrencyContainer([("end", [("b", "done")])], outcomes=["end"])
+        with container:
+            OperatableStateMachine.add("a", ScriptedState(), {"done": "end"})
+            OperatableStateMachine.add("b", ScriptedState([None, "done"]), {"done": "end"})
+        self.assertEqual(container._returned_outcomes, {})
+        container.execute(None)
+        self.assertEqual(container._returned_outcomes, {"a": "done"})
+
     def test_the_children_of_a_concurrency_container_keep_their_rates(self):
         fast, slow = ScriptedState([None]), ScriptedState([None])
         fast.set_rate(50)
@@ -285,6 +335,24 @@ class ByHandTest(unittest.TestCase):
         self.assertIsNone(machine.execute(None))
         self.assertEqual(PriorityContainer.active_container, "/alone")
         self.assertEqual(machine.execute(None), "ended")
+        self.assertIsNone(PriorityContainer.active_container)
+
+    def test_what_is_assigned_to_the_class_runs_alone(self):
+        container = ConcurrencyContainer([("end", [("b", "done")])], outcomes=["end"])
+        states = {"a": ScriptedState([None]), "b": ScriptedState([None])}
+        with container:
+            for label, state in states.items():
+                state.set_rate(10_000)
+                OperatableStateMachine.add(label, state, {"done": "end"})
+        PriorityContainer.active_container = "/b"
+        for _ in range(2):
+            container.execute(None)
+            time.sleep(0.001)  # a period
+        self.assertEqual(PriorityContainer.active_container, "/b")
+        PriorityContainer.active_container = None
+        self.assertNotIn(("a", "enter"), states["a"].log)
+        container.execute(None)
+        self.assertIn(("a", "enter"), states["a"].log)
         self.assertIsNone(PriorityContainer.active_container)
 
     def test_waiting_for_a_condition(self):

@@ -4,7 +4,7 @@ import pytest
 
 from flexbe_core.engine.commands import Pause, Preempt, Resume
 from flexbe_core.engine.errors import BehaviorFailure
-from flexbe_core.engine.facts import Entered, Left, Synced
+from flexbe_core.engine.facts import Entered, Left, Shown, Synced
 from flexbe_core.testing import ScriptedState
 
 
@@ -126,6 +126,16 @@ def test_only_the_first_child_is_supervised_and_shown(bench):
     assert [fact.path for fact in facts if isinstance(fact, Left)] == ["/a"]
 
 
+def test_after_its_first_state_has_ended_another_is_shown_also_without_supervision(bench):
+    container = both(bench, ScriptedState(), ScriptedState([None, None, "done"]))
+    engine = bench.engine(container)
+    shown = []
+    for now in range(2):
+        engine.run(float(now))
+        shown += [fact.path for fact in engine.take_facts() if isinstance(fact, Entered)]
+    assert shown == ["/a", "/b"]
+
+
 def test_its_end_resyncs_a_mirror_with_the_next_state(bench):
     root = bench.machine()
     with root:
@@ -135,6 +145,21 @@ def test_its_end_resyncs_a_mirror_with_the_next_state(bench):
     engine.run(0.0)
     engine.run(1.0)
     assert Synced("/next") in engine.take_facts()
+
+
+def test_a_first_state_that_ends_alone_leads_no_mirror_out_of_the_container(bench):
+    root = bench.machine()
+    with root:
+        container = both(bench, ScriptedState(), ScriptedState([None, "done"]))
+        bench.add("both", container, {"finished": "next"}, {})
+        bench.add("next", ScriptedState([None]), {"done": "finished"}, {"done": 0})
+    engine = bench.engine(root, level=3, supervised=True)
+    engine.run(0.0)
+    facts = [fact for fact in engine.take_facts() if not isinstance(fact, Entered)]
+    left = Left("/both/a", "done", 0, is_followed=False)
+    assert facts == [left, Shown("/both/b"), Synced("/both/b")]
+    engine.run(1.0)
+    assert engine.take_facts() == [Shown("/next"), Synced("/next")], "b is not supervised"
 
 
 # Priority

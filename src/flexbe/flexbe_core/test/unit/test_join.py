@@ -30,3 +30,37 @@ def test_a_signal_that_arrives_while_the_node_is_set_up_ends_it_when_it_spins(na
     code = NODE.format(name=name)
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=30)
     assert ran.returncode == 0, ran.stderr
+
+
+# rospy as it shuts down: it calls the hooks, and closes the topics after them.
+SERVING = """
+import threading
+import rospy
+from flexbe_core.ros import master
+
+closed, hooks, published = threading.Event(), [], []
+
+def shut_down():
+    for hook in hooks:
+        hook()
+    closed.set()
+
+def serve(is_over):
+    threading.Thread(target=shut_down).start()
+    while not is_over():
+        published.append(closed.is_set())
+    published.append(closed.is_set())
+
+rospy.on_shutdown = hooks.append
+rospy.signal_shutdown = lambda reason: None
+assert master.spin(serve) == 0
+assert closed.wait(5.0)
+assert published and not any(published)
+"""
+
+
+def test_what_a_node_does_in_its_main_thread_ends_before_ros_closes_its_topics():
+    ran = subprocess.run(
+        [sys.executable, "-c", SERVING], capture_output=True, text=True, timeout=30
+    )
+    assert ran.returncode == 0, ran.stderr

@@ -12,7 +12,16 @@ from flexbe_core.engine.commands import (
     Sync,
     Unlock,
 )
-from flexbe_core.engine.facts import NO_OUTCOME, Answered, Entered, Left, Refused, Requested, Synced
+from flexbe_core.engine.facts import (
+    NO_OUTCOME,
+    Answered,
+    Entered,
+    Left,
+    Refused,
+    Requested,
+    Shown,
+    Synced,
+)
 from flexbe_core.testing import ScriptedState
 
 
@@ -33,12 +42,12 @@ def started(bench, level=3, **kwargs):
 
 
 def step(bench, engine, *commands):
-    """Hand in commands, execute once and return what happened, but for entries."""
+    """Give commands, execute once and return what happened, but for entries."""
     for command in commands:
         engine.handle(command)
     outcome = engine.run(bench.now)
     bench.now += 1.0
-    facts = [fact for fact in engine.take_facts() if not isinstance(fact, Entered)]
+    facts = [fact for fact in engine.take_facts() if not isinstance(fact, Entered | Shown)]
     return facts if outcome is None else [*facts, outcome]
 
 

@@ -113,6 +113,21 @@ def test_syncs_of_another_behavior_or_an_unknown_state_change_nothing():
     assert mirror.on_sync(BEHAVIOR, 5) == []
 
 
+def test_an_engine_that_names_its_active_state_is_shown_as_it_says():
+    mirror = following()
+    assert mirror.on_active_state("/B") == [Show("/B")]
+    assert mirror.on_active_state("") == [], "the end is told by a status"
+    assert status(mirror, Code.FINISHED) == [Show("")]
+
+
+def test_an_active_state_that_comes_before_the_start_is_shown_with_it():
+    mirror = Mirror()
+    assert mirror.on_active_state("/B") == []
+    assert status(mirror, Code.STARTED) == [Show("/B")]
+    status(mirror, Code.FINISHED)
+    assert status(mirror, Code.STARTED) == [], "that of the run before is not shown again"
+
+
 def test_an_engine_that_falls_silent_is_followed_again_when_it_is_heard():
     mirror = following()
     assert mirror.on_time(SILENCE_S + 0.1) == [Show("")]

@@ -15,7 +15,8 @@ class SubscriberState(EventState):
     -- blocking  bool    Wait for a message if there is none.
     -- clear     bool    Forget on entry what came before.
 
-    #> message  object  The message; None if there is none and blocking is false.
+    #> message  object  The message; None if there is none, and blocking is false or the topic is
+                        unavailable.
 
     <= received     A message was taken, or none has to be waited for.
     <= unavailable  Nobody has advertised the topic.
@@ -42,6 +43,7 @@ class SubscriberState(EventState):
     def execute(self, userdata):
         """Look whether there is a message."""
         if not self._connected:
+            userdata.message = None
             return "unavailable"
         if not self._sub.has_msg(self._topic) and self._blocking:
             return None

@@ -164,7 +164,9 @@ class StatesTest(unittest.TestCase):
         self.assertEqual(Run(state).end(), "received")
 
     def test_a_topic_that_nobody_knows_is_unavailable(self):
-        self.assertEqual(Run(SubscriberState("test/nobody")).end(), "unavailable")
+        run = Run(SubscriberState("test/nobody"), message="of an earlier visit")
+        self.assertEqual(run.end(), "unavailable")
+        self.assertIsNone(own_session(run.machine).userdata()[""]["message"])
 
 
 if __name__ == "__main__":

@@ -70,7 +70,7 @@ class TestingTest(unittest.TestCase):
             "path: flexbe_states.calculation_state\n"
             "class: CalculationState\n"
             "params: {calculation: 'lambda m: m.data'}\n"
-            "input: {input_value: '!/said'}\n"
+            "input: {input_value: /said}\n"
             "output: {output_value: recorded}\n"
         )
         self.assertEqual(code, 0, told)

@@ -4,7 +4,7 @@ import pytest
 
 from flexbe_testing.core.case import behavior_place, read_case
 from flexbe_testing.core.values import value_of
-from flexbe_testing.core.verdict import compare
+from flexbe_testing.core.verdict import Check, compare
 from flexbe_testing.errors import CaseError
 
 
@@ -46,16 +46,24 @@ def test_values_are_literal_functions_or_messages():
     assert (value["m"], value["n"], value["s"]) == (["a message"], 3, "text")
 
 
+def test_a_topic_is_a_message_if_the_case_has_a_bag_and_text_otherwise():
+    written = ["/topic", "//topic", "!/topic", "None", ("/topic",)]
+    messages = {"/topic": 1}
+    assert value_of(written, messages.get, has_bag=True) == [1, "/topic", 1, None, (1,)]
+    assert value_of(written, messages.get) == ["/topic", "/topic", 1, None, ("/topic",)]
+
+
 def test_a_function_that_is_no_python_is_told():
     with pytest.raises(CaseError, match="'lambda x' is no Python function"):
         value_of("lambda x", None)
 
 
 def test_everything_that_differs_is_told():
-    assert compare("done", "done", {"x": 1}, {"x": 1, "y": 2}) == ()
+    good = compare("done", "done", {"x": 1}, {"x": 1, "y": 2})
+    assert good == (Check("outcome"), Check("output_x"))
     assert compare(None, "anything", {}, {}) == ()
     assert compare("done", "failed", {"x": 1, "y": 2}, {"x": 3}) == (
-        "outcome is 'failed'; expected was 'done'",
-        "output 'x' is 3; expected was 1",
-        "output 'y' was not written; expected was 2",
+        Check("outcome", "outcome is 'failed'; expected was 'done'"),
+        Check("output_x", "output 'x' is 3; expected was 1"),
+        Check("output_y", "output 'y' was not written; expected was 2"),
     )

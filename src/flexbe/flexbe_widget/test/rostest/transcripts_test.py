@@ -134,8 +134,6 @@ class TranscriptsTest(unittest.TestCase):
         script = yaml.safe_load((TRANSCRIPTS / f"{name}.yaml").read_text())
         wire = Wire(script)
         self.addCleanup(wire.close)
-        if name == "engine":
-            self.assertIsNone(wire.expect("flexbe/status", {"code": 20, "behavior_id": 0}))
         for transcript in script["transcripts"]:
             with self.subTest(transcript["name"]):
                 for step in transcript["steps"]:
@@ -144,9 +142,6 @@ class TranscriptsTest(unittest.TestCase):
                     else:
                         self.assertIsNone(wire.expect(step["expect"], step["message"]))
                 self.assertEqual(wire.rest(), [])
-
-    def test_the_engine(self):
-        self.replay("engine")
 
     def test_the_mirror(self):
         self.replay("mirror")

@@ -5,6 +5,7 @@ import ast
 import pytest
 from catkin_pkg.package import parse_package_string
 
+from flexbe_testing.app.states import read_state
 from flexbe_widget.core.breakpoints import read_breakpoints
 from flexbe_widget.core.repository import repository
 from flexbe_widget.edge.new_files import write_new_files
@@ -22,6 +23,13 @@ def test_both_packages_are_valid_and_export_what_they_hold():
     for path, text in files.items():
         if path.endswith(".py"):
             ast.parse(text)
+
+
+def test_the_flexbe_app_reads_the_example_state():
+    (text,) = [t for p, t in repository("my_cell").items() if p.endswith("_state.py")]
+    state = read_state(text, "my_cell_flexbe_states.example_state")
+    assert (state.class_name, state.parameters) == ("ExampleState", {"rounds": None})
+    assert (state.outcomes, state.output_keys) == (("done",), ("count",))
 
 
 def test_its_example_state_passes_its_example_case(tmp_path, monkeypatch):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from flexbe_synthesizer.core.check_conditions import check_conditions
@@ -21,7 +21,7 @@ from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.lookup import resolve_chart
 from flexbe_synthesizer.core.model import Chart, State
 from flexbe_synthesizer.core.nested import NestedEffects
-from flexbe_synthesizer.core.problem import Problem
+from flexbe_synthesizer.core.problem import Problem, ProblemList
 from flexbe_synthesizer.core.resolve import ResolvedChart, ResolvedNode, scopes
 from flexbe_synthesizer.core.signature import BehaviorClass
 
@@ -39,6 +39,7 @@ def check_chart(
     library: Library,
     charts: Mapping[str, BehaviorClass],
     nested: NestedEffects | None = None,
+    expect_time: Callable[[], None] = lambda: None,
 ) -> CheckedChart:
     """Return the chart with its names looked up, its data bound, and all its problems.
 
@@ -47,38 +48,44 @@ def check_chart(
         library: what is on the ROS package path.
         charts: the behaviors that other charts become, by path.
         nested: what is known already of the behaviors in charts that are checked together.
+        expect_time: called again and again; what it raises ends the check.
     """
     nested = nested or NestedEffects(library, charts)
     resolved, unresolved = resolve_chart(chart, library, charts, nested.of)
-    problems = [*unresolved, *check_paths(resolved)]
+    problems = ProblemList(expect_time)
+    problems.take_all(unresolved)
+    problems.take_all(check_paths(resolved))
     for scope in scopes(resolved):
-        problems.extend(_check_scope(scope))
+        for check in _checks(scope, expect_time):
+            expect_time()
+            problems.take_all(check)
     return CheckedChart(resolved, tuple(problems))
 
 
-def _check_scope(scope: ResolvedChart) -> Iterator[Problem]:
-    """Yield what is wrong in a chart or container, without what is inside containers in it."""
+def _checks(scope: ResolvedChart, expect_time: Callable[[], None]) -> Iterator[Iterable[Problem]]:
+    """Yield the checks of a chart or container, without what is inside containers in it."""
     if not scope.nodes:
         return  # told as a missing element
     flow, graph = scope.flow, chart_graph(scope)
-    yield from check_names(scope)
-    yield from _check_nodes(scope)
-    yield from check_defaults(scope)
-    yield from check_priorities(scope)
-    yield from check_transitions(scope)
-    yield from check_conditions(scope)
-    yield from check_reachability(scope, graph)
-    yield from check_loops(scope, graph)
-    yield from check_connections(scope, flow)
-    yield from check_data_flow(scope, flow, graph)
-    yield from check_homes(scope, flow)
-    yield from check_use(scope, flow)
+    yield check_names(scope)
+    yield _check_nodes(scope, expect_time)
+    yield check_defaults(scope)
+    yield check_priorities(scope)
+    yield check_transitions(scope)
+    yield check_conditions(scope)
+    yield check_reachability(scope, graph)
+    yield check_loops(scope, graph)
+    yield check_connections(scope, flow)
+    yield check_data_flow(scope, flow, graph)
+    yield check_homes(scope, flow)
+    yield check_use(scope, flow)
 
 
-def _check_nodes(scope: ResolvedChart) -> Iterator[Problem]:
+def _check_nodes(scope: ResolvedChart, expect_time: Callable[[], None]) -> Iterator[Problem]:
     """Yield what is wrong with a node by itself; of faultless ones that are alike, look at one."""
     faultless: set[object] = set()
     for entry in scope.nodes:
+        expect_time()
         likeness = None if scope.is_concurrent else _likeness(entry)
         if likeness in faultless:
             continue

@@ -16,7 +16,7 @@ def check_loops(resolved: ResolvedChart, graph: Graph) -> Iterator[Problem]:
     if not free:
         return
     known = set(free)
-    edges = tuple(e for e in graph.edges if e.source in known and e.target in known)
+    edges = {name: [e for e in graph.leaving.get(name, ()) if e.target in known] for name in free}
     rest = Graph(graph.initial, tuple(free), edges)
     # A knot that nothing leads out of is an error, and told as one.
     left = {

@@ -17,7 +17,10 @@ def check_names(resolved: ResolvedChart) -> Iterator[Problem]:
     chart = resolved.chart
     if not resolved.is_inner:
         yield from _check_name("the chart", chart, chart.name, "name")
-        yield from _check_class(chart)
+        if names.is_name(chart.name) and not names.is_behavior_name(chart.name):
+            message = f"the name '{names.shortened(chart.name)}' of the chart cannot name a "
+            message += f"behavior; allowed: {names.BEHAVIOR_RULE}."
+            yield Problem(chart.position("name"), Code.INVALID_NAME, message)
     yield from _check_outcomes(resolved)
     for ports in (chart.inputs, chart.outputs):
         yield from _check_ports(resolved.title, ports)
@@ -27,6 +30,7 @@ def check_names(resolved: ResolvedChart) -> Iterator[Problem]:
                 message += "not start with '_'."
                 yield Problem(port.position("name"), Code.INVALID_NAME, message)
     yield from _check_ids(resolved)
+    yield from _check_topics(resolved)
 
 
 def check_node_names(node: AnyNode) -> Iterator[Problem]:
@@ -36,22 +40,19 @@ def check_node_names(node: AnyNode) -> Iterator[Problem]:
     yield from _check_params(node)
 
 
+def _check_topics(resolved: ResolvedChart) -> Iterator[Problem]:
+    """Yield a problem for each name of a topic that ROS does not allow."""
+    for node in resolved.chart.nodes:
+        if isinstance(node, State) and node.topic and not names.is_topic(node.topic):
+            message = f"'{names.shortened(node.topic)}' of {label(node)} cannot name a topic; "
+            message += f"allowed: {names.TOPIC_RULE}."
+            yield Problem(node.position("topic"), Code.INVALID_NAME, message)
+
+
 def _check_name(of: str, element: Element, name: str, attribute: str) -> Iterator[Problem]:
     if name and not names.is_name(name):
         message = f"the name '{name}' of {of} cannot be used; allowed: {names.NAME_RULE}."
         yield Problem(element.position(attribute), Code.INVALID_NAME, message)
-
-
-def _check_class(chart: Chart) -> Iterator[Problem]:
-    """Yield a problem if the class that the FlexBE App gives to the behavior cannot be one."""
-    class_name = names.behavior_class(chart.name)
-    if names.is_name(chart.name) and not class_name.isidentifier():
-        message = (
-            f"the behavior '{chart.name}' would have the class '{class_name}', of the letters "
-        )
-        message += "from A to Z and digits of its name, and a class cannot begin with a digit; "
-        message += "let such a letter stand before the first digit."
-        yield Problem(chart.position("name"), Code.INVALID_NAME, message)
 
 
 def _check_outcomes(resolved: ResolvedChart) -> Iterator[Problem]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from sys import intern
 from types import MappingProxyType
 from typing import NamedTuple, TypeAlias, TypeVar
 from xml.etree.ElementTree import Element
@@ -47,15 +48,26 @@ from flexbe_synthesizer.core.model import (
     Transition,
     When,
 )
-from flexbe_synthesizer.core.problem import ChartError, Code, Position, Problem, errors_in
+from flexbe_synthesizer.core.problem import (
+    ChartError,
+    Code,
+    Position,
+    Problem,
+    ProblemList,
+    errors_in,
+)
+from flexbe_synthesizer.core.xml_reader import as_utf8, read_root
 from flexbe_synthesizer.core.xml_tree import XmlTree
 
-__all__ = ["EXTENSION", "parse_chart", "read_chart", "write_chart"]
+__all__ = ["EXTENSION", "parse_chart", "read_chart", "read_chart_name", "write_chart"]
 
 _SCHEMA_INSTANCE = "http://www.w3.org/2001/XMLSchema-instance"  # an editor's pointer to a schema
 DEEPEST = 16  # containers inside each other; who needs more has lost the overview of the chart
+_MOST_UNKNOWN = 20  # attributes of one element that are reported one by one
 _MAY_BE_EMPTY = ("value",)
-_NODES = {"state", "behavior", "ext:container", "ext:concurrency", "ext:priority"}
+_NODES = {"state": "state", "behavior": "behavior"} | {
+    f"{{{EXTENSION}}}{kind}": f"ext:{kind}" for kind in ("container", "concurrency", "priority")
+}
 _PARAM, _CONNECTION = NODE["param"], STATEMACHINE.children["connection"]
 _LEVELS = f"one of {names.quoted(level.value for level in Autonomy)}"
 _NO_EXTENSIONS: Mapping[str, str] = MappingProxyType({})
@@ -76,19 +88,36 @@ def parse_chart(source: str | bytes, file: str = "<chart>") -> Chart:
     return chart
 
 
-def read_chart(source: str | bytes, file: str) -> tuple[Chart | None, tuple[Problem, ...]]:
-    """Return what can be read of the chart, if anything, and what is wrong with its form."""
+def read_chart(
+    source: str | bytes, file: str, expect_time: Callable[[], None] = lambda: None
+) -> tuple[Chart | None, tuple[Problem, ...]]:
+    """Return what can be read of the chart, if anything, and what is wrong with its form.
+
+    Args:
+        source: the text.
+        file: its path.
+        expect_time: called again and again; what it raises ends the reading.
+    """
     try:
         tree = XmlTree(source, file)
     except ChartError as error:
         return None, error.problems
-    reader = _ChartReader(tree, file)
-    reader.problems.extend(tree.problems)
-    if tree.root.tag != "statemachine":
-        message = f"found {_shown(tree.root)}; a chart's outermost element is <statemachine>."
-        reader.report(tree.place(tree.root), Code.UNKNOWN_ELEMENT, message)
+    reader = _ChartReader(tree, file, expect_time)
+    try:
+        for problem in tree.problems:
+            reader.take(problem)
+        return reader.read(), tuple(reader.problems)
+    except _TooManyErrorsError:
         return None, tuple(reader.problems)
-    return reader.chart(tree.root), tuple(reader.problems)
+
+
+def read_chart_name(source: bytes) -> str | None:
+    """Return the name of the chart that a file begins; None if it is none."""
+    try:
+        tag, attributes = read_root(as_utf8(source, ""))
+    except ChartError:
+        return None
+    return attributes.get("name") if tag == "statemachine" else None
 
 
 def _shown(element: Element) -> str:
@@ -97,17 +126,36 @@ def _shown(element: Element) -> str:
     return f"<{_tag(element)}>" if not namespace else f"<{name}> in namespace '{namespace}'"
 
 
+class _TooManyErrorsError(Exception):
+    """No more of a chart is to be read."""
+
+
 class _ChartReader:
     """Turns elements into a chart and collects what does not fit the grammar."""
 
-    def __init__(self, tree: XmlTree, file: str) -> None:
+    def __init__(self, tree: XmlTree, file: str, expect_time: Callable[[], None]) -> None:
         self._tree = tree
         self._file = file
         self._depth = 0
-        self.problems: list[Problem] = []
+        self._expect_time = expect_time
+        self.problems = ProblemList(expect_time)
 
     def report(self, position: Position, code: Code, message: str) -> None:
-        self.problems.append(Problem(position, code, message))
+        self.take(Problem(position, code, message))
+
+    def take(self, problem: Problem) -> None:
+        self.problems.take(problem)
+        if self.problems.is_full:
+            raise _TooManyErrorsError
+
+    def read(self) -> Chart | None:
+        """Return the chart, None if the document is none."""
+        root = self._tree.root
+        if root.tag == "statemachine":
+            return self.chart(root)
+        message = f"found {_shown(root)}; a chart's outermost element is <statemachine>."
+        self.report(self._tree.place(root), Code.UNKNOWN_ELEMENT, message)
+        return None
 
     def chart(self, root: Element) -> Chart:
         """Return the chart of the outermost element."""
@@ -121,7 +169,8 @@ class _ChartReader:
     ) -> Chart:
         """Return what a chart or a container holds."""
         models = fields.children("datamodel")
-        self._expect_parts(element, fields)
+        inner = _nodes(element)
+        self._expect_parts(element, fields, inner)
         data_shape = shape.children["datamodel"]
         data = [self._fields(model, data_shape) for model in models]
         wrappers = {
@@ -136,12 +185,12 @@ class _ChartReader:
             for outcome in (wrappers[child].children("outcome") if child in wrappers else (child,))
             if outcome.tag == "outcome"
         ]
-        inner = _nodes(element) if self._depth <= DEEPEST else ()
+        inner = inner if self._depth <= DEEPEST else []
         return Chart(
             name=name,
             initial=fields.text("initial"),
             outcomes=tuple(map(self._outcome, outcomes)),
-            nodes=tuple([self._node(e, shape.children[_tag(e)]) for e in inner]),
+            nodes=tuple([self._node(e, shape.children[tag]) for tag, e in inner]),
             inputs=tuple(
                 self._input(e, data_shape.children["input"])
                 for part in data
@@ -153,7 +202,7 @@ class _ChartReader:
             source=source,
         )
 
-    def _expect_parts(self, element: Element, fields: _Fields) -> None:
+    def _expect_parts(self, element: Element, fields: _Fields, nodes: Sequence[object]) -> None:
         """Report a chart or container that lacks a datamodel, an outcome or a state."""
         models = fields.children("datamodel")
         what = "a chart" if element.tag == "statemachine" else "a container"
@@ -169,7 +218,7 @@ class _ChartReader:
         elif not any(_has_outcome(model) for model in models):
             message = f'no <outcome name="..."/>; {what} ends in at least one.'
             self.report(self._tree.place(models[0]), Code.MISSING_ELEMENT, message)
-        if not _nodes(element):
+        if not nodes:
             message = f"neither a <state> nor a <behavior>; {what} needs at least one."
             self.report(self._tree.place(element), Code.MISSING_ELEMENT, message)
 
@@ -191,7 +240,7 @@ class _ChartReader:
     def _param(self, element: Element) -> Param:
         given, _extensions = self._leaf(element, _PARAM)
         value = parse_literal(given.get("value", ""))
-        return Param(given.get("name", ""), value, source=(self._tree, element))
+        return Param(intern(given.get("name", "")), value, source=(self._tree, element))
 
     def _transition(self, element: Element) -> Transition:
         given, extensions = self._leaf(element, TRANSITION)
@@ -201,15 +250,17 @@ class _ChartReader:
                 element, extensions, "autonomy", Autonomy, _LEVELS, Autonomy.OFF
             )
         source = (self._tree, element)
-        return Transition(given.get("event", ""), given.get("target", ""), autonomy, source=source)
+        return Transition(
+            intern(given.get("event", "")), intern(given.get("target", "")), autonomy, source=source
+        )
 
     def _connection(self, element: Element) -> Connection:
         given, _extensions = self._leaf(element, _CONNECTION)
         return Connection(
-            given.get("output_state_id", ""),
-            given.get("output", ""),
-            given.get("input_state_id", ""),
-            given.get("input", ""),
+            intern(given.get("output_state_id", "")),
+            intern(given.get("output", "")),
+            intern(given.get("input_state_id", "")),
+            intern(given.get("input", "")),
             source=(self._tree, element),
         )
 
@@ -227,11 +278,12 @@ class _ChartReader:
         return When(given.get("state", ""), given.get("event", ""), source=source)
 
     def _node(self, element: Element, shape: Shape) -> AnyNode:
+        self._expect_time()
         fields = self._fields(element, shape)
         limits = self._limits(element, fields.extensions) if fields.extensions else _UNLIMITED
         parts = fields.parts
         transitions = tuple([self._transition(e) for e in parts.get("transition", ())])
-        node_id, source = fields.text("id"), (self._tree, element)
+        node_id, source = intern(fields.text("id")), (self._tree, element)
         if element.tag not in ("state", "behavior"):
             body = self._container_body(element, fields, shape)
             tag = _parted(element.tag)[1]
@@ -240,7 +292,7 @@ class _ChartReader:
             )
         given = (
             node_id,
-            fields.text("type"),
+            intern(fields.text("type")),
             transitions,
             tuple([self._input(e, PORT) for e in parts["input"]]) if "input" in parts else (),
             tuple([self._output(e) for e in parts["output"]]) if "output" in parts else (),
@@ -307,12 +359,7 @@ class _ChartReader:
         keeps its place only: fresh memory is a good part of the time that reading takes.
         """
         given: Mapping[str, str] = element.attrib
-        if (
-            given.keys() == shape.required_set
-            and "" not in given.values()
-            and not len(element)
-            and not self._tree.has_text
-        ):
+        if shape.is_all(given) and not len(element) and not self._tree.has_text:
             element.clear()
             return given, _NO_EXTENSIONS
         fields = self._fields(element, shape)
@@ -322,7 +369,7 @@ class _ChartReader:
         """Return the element's parts, and report those that its shape does not have."""
         plain: Mapping[str, str] = element.attrib
         extensions = _NO_EXTENSIONS
-        if plain.keys() != shape.required_set or "" in plain.values():
+        if not shape.is_all(plain):
             plain, extensions = self._sorted_attributes(element, shape)
         if self._tree.has_text and (place := self._tree.text_place(element)) is not None:
             message = f"text inside <{_tag(element)}>; a chart holds elements and comments only."
@@ -344,6 +391,7 @@ class _ChartReader:
         """Return the attributes without namespace and those of the extension."""
         plain: dict[str, str] = {}
         extensions: dict[str, str] = {}
+        unknown: list[tuple[str, str]] = []
         for spelled, value in element.attrib.items():
             namespace, name = _parted(spelled)
             if not namespace and name in shape.attributes:
@@ -353,10 +401,9 @@ class _ChartReader:
                     self.report(self._tree.place(element, name), Code.MISSING_ATTRIBUTE, message)
             elif namespace == EXTENSION and name in shape.extensions:
                 extensions[name] = value
-            elif namespace == EXTENSION:
-                self._report_extension(element, name, shape)
             elif namespace != _SCHEMA_INSTANCE:
-                self._report_attribute(element, name, shape)
+                unknown.append((namespace, name))
+        self._report_attributes(element, unknown, shape)
         for name in shape.required:
             if name not in plain:
                 message = f"<{_tag(element)}> has no attribute {name}; it needs " + ", ".join(
@@ -364,6 +411,20 @@ class _ChartReader:
                 )
                 self.report(self._tree.place(element), Code.MISSING_ATTRIBUTE, message + ".")
         return plain, extensions
+
+    def _report_attributes(
+        self, element: Element, unknown: Sequence[tuple[str, str]], shape: Shape
+    ) -> None:
+        """Report the attributes that the shape does not have; of very many only the first."""
+        for namespace, name in unknown[:_MOST_UNKNOWN]:
+            if namespace == EXTENSION:
+                self._report_extension(element, name, shape)
+            else:
+                self._report_attribute(element, name, shape)
+        more = len(unknown) - _MOST_UNKNOWN
+        if more > 0:
+            message = f"<{_tag(element)}> has {more} more attributes that are unknown; delete them."
+            self.report(self._tree.place(element), Code.UNKNOWN_ATTRIBUTE, message)
 
     def _report_extension(self, element: Element, found: str, shape: Shape) -> None:
         has = ", ".join(f"ext:{name}" for name in shape.extensions) or "none"
@@ -440,9 +501,9 @@ def _tag(element: Element) -> str:
     return f"ext:{name}" if namespace == EXTENSION else f"{{}}{name}"
 
 
-def _nodes(element: Element) -> list[Element]:
-    """Return the states, behaviors and containers in an element, in order."""
-    return [child for child in element if _tag(child) in _NODES]
+def _nodes(element: Element) -> list[tuple[str, Element]]:
+    """Return the states, behaviors and containers in an element with their tags, in order."""
+    return [(_NODES[child.tag], child) for child in element if child.tag in _NODES]
 
 
 def _has_outcome(model: Element) -> bool:

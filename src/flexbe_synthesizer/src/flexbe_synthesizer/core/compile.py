@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.check import CheckedChart, check_chart
@@ -17,6 +18,10 @@ from flexbe_synthesizer.core.problem import ChartError, Code, Problem, errors_in
 from flexbe_synthesizer.core.resolve import ResolvedNode, scopes
 from flexbe_synthesizer.core.signature import BehaviorClass, chart_behavior
 
+Check: TypeAlias = Callable[
+    [Chart, Library, Mapping[str, BehaviorClass], NestedEffects], CheckedChart
+]
+
 
 @dataclass(frozen=True)
 class Unit:
@@ -27,11 +32,19 @@ class Unit:
 
 
 def check_units(
-    units: Sequence[Unit], library: Library, report: Callable[[str], None] = lambda _path: None
+    units: Sequence[Unit],
+    library: Library,
+    report: Callable[[str], None] = lambda _path: None,
+    check: Check = check_chart,
 ) -> Mapping[str, CheckedChart]:
     """Return each chart checked, by path; a behavior may be named though it is only a chart yet.
 
-    `report` is told the path of each chart before it is checked; what it raises ends the checking.
+    Args:
+        units: the charts.
+        library: what is on the ROS package path.
+        report: called with the path of each chart before it is checked; what it raises ends the
+            checking.
+        check: returns what `check_chart` does.
     """
     behaviors = {unit.chart.file: chart_behavior(unit.chart, unit.package) for unit in units}
     whole = library.with_behaviors(behaviors.values())
@@ -39,7 +52,7 @@ def check_units(
     checked = {}
     for unit in units:
         report(unit.chart.file)
-        checked[unit.chart.file] = check_chart(unit.chart, whole, behaviors, nested)
+        checked[unit.chart.file] = check(unit.chart, whole, behaviors, nested)
     doubled = tuple(_find_doubles(units))
     known = {behavior.name: behavior.contains for behavior in whole.behaviors} | {
         one.resolved.chart.name: _contained(one) for one in checked.values()
@@ -128,7 +141,7 @@ def compile_chart(checked: CheckedChart, package: str) -> Machine:
 
 def manifest_of(machine: Machine) -> Manifest:
     """Return the manifest of a behavior."""
-    contents = (child.content for _path, child in walk(machine.root))
+    contents = [child.content for _path, child in walk(machine.root)]
     contained = {c.behavior.name for c in contents if isinstance(c, BehaviorUse)}
     return Manifest(
         machine.name,

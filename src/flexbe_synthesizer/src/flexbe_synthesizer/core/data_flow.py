@@ -109,9 +109,14 @@ class _Binding:
     def output_homes(self) -> Mapping[str, Mapping[str, str]]:
         """Return the home of each output."""
         for node, homes in self._homes.items():
-            for name in self._by_id[node].use.outputs:
-                if name not in homes:
+            use = self._by_id[node].use
+            for name in use.outputs:
+                if name in homes:
+                    continue
+                if name in use.inputs:
                     self._output_home(node, name)
+                else:
+                    self._own_home(node, name)
         return self._homes
 
     def input_home(self, node: str, name: str) -> str | None:
@@ -165,6 +170,6 @@ class _Binding:
     def _new_home(self, node: str, name: str) -> str:
         """Return a home that nothing else lives in."""
         wanted = f"{names.snake_case(node)}_{names.snake_case(name)}"
-        home = names.take_unused(wanted, self._taken)
+        home = wanted if wanted not in self._taken else names.take_unused(wanted, self._taken)
         self._taken.add(home)
         return home

@@ -12,7 +12,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 
-from flexbe_synthesizer.core.error_routes import FAILED_EVENT, read_route_event, route_event
+from flexbe_synthesizer.core.error_routes import (
+    FAILED_EVENT,
+    format_codes,
+    read_route_event,
+    route_event,
+)
 from flexbe_synthesizer.core.model import (
     AnyNode,
     Behavior,
@@ -314,7 +319,7 @@ def _edge(arrow: _Arrow, chart: Chart, source: AnyNode, prefix: str, has_path: b
 def _lines(events: Sequence[str]) -> Iterator[str]:
     """Yield events line by line; routes of error codes together: `failed 3-5, 7-8`."""
     yield from (event for event in events if read_route_event(event) is None)
-    codes = [e.removeprefix(f"{FAILED_EVENT} ") for e in events if read_route_event(e) is not None]
+    codes = [format_codes(*route) for route in map(read_route_event, events) if route is not None]
     for first in range(0, len(codes), _CODES_IN_LINE):
         word = "" if first else f"{FAILED_EVENT} "
         yield word + ", ".join(codes[first : first + _CODES_IN_LINE])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
+from collections.abc import Sequence
 
 from flexbe_synthesizer.core.model import ErrorRoute
 
@@ -14,7 +15,8 @@ ROUTES_RULE = (
 _ROUTE = re.compile(r"\s*([0-9]{1,5})\s*(?:-\s*([0-9]{1,5})\s*)?:\s*(\S(?:.*\S)?)\s*\Z", re.DOTALL)
 _LARGEST = 32767
 FAILED_EVENT = "failed"
-_EVENT = re.compile(r"failed ([0-9]{1,5})(?:-([0-9]{1,5}))?")
+# The second spelling is that of behaviors generated before 1.0: `failed 100-199`.
+_EVENT = re.compile(r"failed_([0-9]{1,5})(?:_([0-9]{1,5}))?|failed ([0-9]{1,5})(?:-([0-9]{1,5}))?")
 
 
 def parse_routes(text: str) -> tuple[ErrorRoute, ...]:
@@ -45,16 +47,50 @@ def format_routes(routes: tuple[ErrorRoute, ...]) -> str:
     return "; ".join(f"{_codes(route)}: {route.target}" for route in routes)
 
 
+def respelled(spelled: str, routes: tuple[ErrorRoute, ...]) -> str:
+    """Return the routes as text, those that a text spells already as they stand there."""
+    pieces = spelled.split(";")
+    try:
+        old = parse_routes(spelled)
+    except ValueError:
+        return format_routes(routes)
+    head = _same(old, routes)
+    tail = min(_same(old[::-1], routes[::-1]), min(len(old), len(routes)) - head)
+    middle = []
+    for index in range(head, len(routes) - tail):
+        blanks = re.match(r"\s*", pieces[index] if index < len(old) - tail else " ")
+        lead = blanks[0] if blanks and index else ""
+        middle.append(lead + format_routes(routes[index : index + 1]))
+    return ";".join((*pieces[:head], *middle, *pieces[len(pieces) - tail :]))
+
+
+def _same(one: Sequence[ErrorRoute], other: Sequence[ErrorRoute]) -> int:
+    """Return how many routes are the same at the beginning."""
+    pairs = itertools.takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False))
+    return sum(1 for _pair in pairs)
+
+
 def route_event(route: ErrorRoute) -> str:
-    """Return the name of a route among the events of its state: `failed 100-199`."""
-    return f"failed {_codes(route)}"
+    """Return the name of a route among the events of its state: `failed_100_199`.
+
+    It has no blank, because the FlexBE App drops the blanks of a state's outcomes.
+    """
+    return f"{FAILED_EVENT}_{_codes(route).replace('-', '_')}"
 
 
 def _codes(route: ErrorRoute) -> str:
-    return str(route.first) if route.first == route.last else f"{route.first}-{route.last}"
+    return format_codes(route.first, route.last)
+
+
+def format_codes(first: int, last: int) -> str:
+    """Return a range of codes as `ext:on_error` spells it: `305`, `100-199`."""
+    return str(first) if first == last else f"{first}-{last}"
 
 
 def read_route_event(text: str) -> tuple[int, int] | None:
     """Return first and last code of the route that has the name, None if it is no such name."""
     found = _EVENT.fullmatch(text)
-    return None if found is None else (int(found[1]), int(found[2] or found[1]))
+    if found is None:
+        return None
+    first, last = found[1] or found[3], found[2] or found[4]
+    return int(first), int(last or first)

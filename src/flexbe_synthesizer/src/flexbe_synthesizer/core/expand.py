@@ -142,7 +142,8 @@ def expand(resolved: ResolvedChart, package: str) -> Machine:
         _Expansion(resolved, flow, "", counts).children(),
         tuple(userdata),
     )
-    description = chart.description or f"The state chart {chart.name}."
+    is_visible = any(c.isprintable() and not c.isspace() for c in chart.description)
+    description = chart.description if is_visible else f"The state chart {chart.name}."
     return Machine(chart.name, package, description, root)
 
 
@@ -339,12 +340,14 @@ class _Expansion:
         return tuple(key for path, key in self._counts.items() if path.startswith(inside))
 
     def _remapping(self, entry: ResolvedNode) -> tuple[tuple[str, str], ...]:
-        """Return the home of each key, inputs first."""
+        """Return the home of each key, in the order of the FlexBE App: inputs first."""
         node_id, flow = entry.node.id, self._flow
         read, written = flow.inputs.get(node_id, _NONE), flow.outputs.get(node_id, _NONE)
         outputs = [(name, written[name]) for name in entry.use.outputs if name not in read]
+        if entry.body is None:
+            return (*read.items(), *outputs)
         passed = [(key, key) for key in self._passed_counts(entry)]
-        return (*read.items(), *outputs, *passed)
+        return (*read.items(), *passed, *outputs)
 
     def _support(self, wanted: Support, **values: Value) -> StateUse:
         """Return a state that an extension adds."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 
 EXTENSION = "urn:remodel:statechart:ext:1"
 
@@ -23,10 +22,9 @@ class Shape:
     extensions: tuple[str, ...] = ()
     children: Mapping[str, Shape] = field(default_factory=dict)
 
-    @cached_property
-    def required_set(self) -> frozenset[str]:
-        """Return the names of the attributes that have to be there."""
-        return frozenset(self.required)
+    def is_all(self, given: Mapping[str, str]) -> bool:
+        """Tell whether all attributes that have to be there have a value, and there are no more."""
+        return len(given) == len(self.required) and all(map(given.get, self.required))
 
     @property
     def attributes(self) -> tuple[str, ...]:

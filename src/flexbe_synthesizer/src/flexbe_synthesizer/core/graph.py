@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections import defaultdict, deque
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 from typing import NamedTuple
 
 from flexbe_synthesizer.core import names
@@ -33,21 +34,28 @@ class Edge(NamedTuple):
 
 @dataclass(frozen=True)
 class Graph:
-    """States and behaviors by id, and the edges from them; targets may be outcomes."""
+    """States and behaviors by id, and the edges from each; targets may be outcomes."""
 
     initial: str
     ids: tuple[str, ...]
-    edges: tuple[Edge, ...]
+    leaving: Mapping[str, Sequence[Edge]]
 
-    @cached_property
-    def leaving(self) -> Mapping[str, Sequence[Edge]]:
-        """Return the edges from each state."""
-        return _grouped((edge.source, edge) for edge in self.edges)
+    @property
+    def edges(self) -> Iterator[Edge]:
+        """Return all edges."""
+        return chain.from_iterable(self.leaving.values())
 
     @cached_property
     def entering(self) -> Mapping[str, Sequence[Edge]]:
         """Return the edges to each state or outcome."""
-        return _grouped((edge.target, edge) for edge in self.edges)
+        groups: dict[str, list[Edge]] = {}
+        for edges in self.leaving.values():
+            for edge in edges:
+                if edge.target in groups:
+                    groups[edge.target].append(edge)
+                else:
+                    groups[edge.target] = [edge]
+        return groups
 
     @property
     def order(self) -> tuple[str, ...]:
@@ -74,34 +82,33 @@ class Graph:
             while trail:
                 name, edges = trail[-1]
                 for edge in edges:
-                    if edge.target in unseen:
-                        unseen.discard(edge.target)
-                        trail.append((edge.target, iter(leaving.get(edge.target, ()))))
+                    target = edge.target
+                    if target in unseen:
+                        unseen.discard(target)
+                        trail.append((target, iter(leaving.get(target, ()))))
                         break
                 else:
                     left.append(name)
                     trail.pop()
             if start == self.initial:
                 reached = frozenset(left)
-        return tuple(reversed(left)), reached
+        left.reverse()
+        return tuple(left), reached
 
     @cached_property
     def loops(self) -> Mapping[str, int]:
         """Return a number per state, equal for states that can reach each other (Kosaraju)."""
         entering = self.entering
-        unseen = set(self.ids)
         component: dict[str, int] = {}
         for number, start in enumerate(self.order):
-            if start not in unseen:
+            if start in component:
                 continue
-            unseen.discard(start)
+            component[start] = number
             waiting = [start]
             while waiting:
-                name = waiting.pop()
-                component[name] = number
-                for edge in entering.get(name, ()):
-                    if edge.source in unseen:
-                        unseen.discard(edge.source)
+                for edge in entering.get(waiting.pop(), ()):
+                    if edge.source not in component:
+                        component[edge.source] = number
                         waiting.append(edge.source)
         return component
 
@@ -109,9 +116,14 @@ class Graph:
     def looping(self) -> frozenset[str]:
         """Return the states that can come back to themselves."""
         loops = self.loops
-        return frozenset(
-            edge.source for edge in self.edges if loops[edge.source] == loops.get(edge.target)
-        )
+        found = set()
+        for source, edges in self.leaving.items():
+            number = loops[source]
+            for edge in edges:
+                if loops.get(edge.target) == number:
+                    found.add(source)
+                    break
+        return frozenset(found)
 
 
 def chart_graph(resolved: ResolvedChart) -> Graph:
@@ -121,38 +133,52 @@ def chart_graph(resolved: ResolvedChart) -> Graph:
     not reported a second time as an unreachable state. What is in a concurrency container has no
     order: its edges are the events that its conditions wait for, and lead to its outcomes.
     """
-    chart, ids, is_repeated = resolved.chart, tuple(resolved.by_id), resolved.is_repeated
-    known = set(resolved.targets)
+    chart, ids = resolved.chart, tuple(resolved.by_id)
+    leaving: dict[str, list[Edge]] = {}
     if resolved.is_concurrent:
-        conditions = chart.conditions
-        return Graph("", ids, tuple(e for c in conditions for e in condition_edges(c, resolved)))
+        for condition in chart.conditions:
+            for edge in condition_edges(condition, resolved):
+                leaving.setdefault(edge.source, []).append(edge)
+        return Graph("", ids, leaving)
 
-    edges: list[Edge] = []
+    known = set(resolved.targets)
     for source, entry in resolved.by_id.items():
-        added = entry.use.added_events
-        counted = entry.node.attempts is not None and not entry.use.has_own(EXHAUSTED)
-        for event, target in _leads(entry.node):
-            if target not in known:
-                target = names.misspelt(target, resolved.targets) or target
-            is_exhausted = counted and event == EXHAUSTED and not is_repeated
-            edges.append(Edge(source, event, target, event not in added, is_exhausted))
+        node, added = entry.node, entry.use.added_events
+        counted = node.attempts is not None and not entry.use.has_own(EXHAUSTED)
+        counted = counted and not resolved.is_repeated
+        edges = [
+            Edge(source, event, target, event not in added, counted and event == EXHAUSTED)
+            for event, target in _leads(node)
+        ]
+        if edges:
+            leaving[source] = edges
+            if not all([edge.target in known for edge in edges]):
+                leaving[source] = [
+                    edge if edge.target in known else _mended(edge, resolved) for edge in edges
+                ]
     initial = chart.initial
     if initial not in resolved.by_id:
         initial = names.misspelt(initial, resolved.ids) or initial
-    return Graph(initial, tuple(sorted(ids, key=lambda name: name != initial)), tuple(edges))
+    return Graph(initial, tuple(sorted(ids, key=lambda name: name != initial)), leaving)
+
+
+def _mended(edge: Edge, resolved: ResolvedChart) -> Edge:
+    """Return an edge that leads to the target that was meant."""
+    return edge._replace(target=names.misspelt(edge.target, resolved.targets) or edge.target)
 
 
 def looping_nodes(chart: Chart) -> frozenset[str]:
     """Return the nodes of a chart, or of the content of a container, that can be entered again."""
-    ids = tuple(dict.fromkeys(node.id for node in chart.nodes))
-    edges = (Edge(node.id, *lead) for node in chart.nodes for lead in _leads(node))
-    return Graph(chart.initial, ids, tuple(edges)).looping
+    leaving: dict[str, list[Edge]] = {}
+    for node in chart.nodes:
+        leaving.setdefault(node.id, []).extend(Edge(node.id, *lead) for lead in _leads(node))
+    return Graph(chart.initial, tuple(leaving), leaving).looping
 
 
 def _leads(node: AnyNode) -> list[tuple[str, str]]:
     """Return event and target of each way out of a node."""
     leads = [(transition.event, transition.target) for transition in node.transitions]
-    leads.extend((FAILED, route.target) for route in node.on_error)
+    leads.extend([(FAILED, route.target) for route in node.on_error])
     return leads
 
 
@@ -205,11 +231,3 @@ def path_text(path: tuple[Edge, ...]) -> str:
         left_out = f" ... {len(steps) - 2 * _STEPS_SHOWN} more ..."
         steps = [*steps[:_STEPS_SHOWN], left_out, *steps[-_STEPS_SHOWN:]]
     return path[0].source + "".join(steps)
-
-
-def _grouped(named: Iterable[tuple[str, Edge]]) -> Mapping[str, list[Edge]]:
-    """Return the edges that have one name, by that name."""
-    groups: dict[str, list[Edge]] = defaultdict(list)
-    for name, edge in named:
-        groups[name].append(edge)
-    return dict(groups)

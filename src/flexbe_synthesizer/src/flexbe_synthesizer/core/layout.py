@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from flexbe_synthesizer.core.machine import BehaviorUse, Child, Container, StateUse, walk
+from flexbe_synthesizer.core.machine import BehaviorUse, Child, Container, StateUse
 
 ORIGIN = (30, 40)  # where the App puts what has no position [pixels]
 _GRID = 50  # the App's own grid [pixels]
@@ -32,12 +32,15 @@ def lay_out(root: Container) -> Layout:
     """Return positions for everything in a root container."""
     children: dict[str, Point] = {}
     outcomes: dict[str, Mapping[str, Point]] = {}
-    containers = {"": root} | {
-        path: child.content for path, child in walk(root) if isinstance(child.content, Container)
-    }
-    for path, container in containers.items():
+    waiting = [("", root)]
+    while waiting:
+        path, container = waiting.pop()
         placed, outcomes[path] = _place(container)
-        children.update({f"{path}/{label}": point for label, point in placed.items()})
+        for child in container.children:
+            own_path = f"{path}/{child.label}"
+            children[own_path] = placed[child.label]
+            if isinstance(child.content, Container):
+                waiting.append((own_path, child.content))
     return Layout(children, outcomes)
 
 
@@ -47,28 +50,33 @@ def _place(container: Container) -> tuple[Mapping[str, Point], Mapping[str, Poin
     placed: dict[str, Point] = {}
     x = ORIGIN[0]
     for column in _columns(container):
+        width = 0
         for row, label in enumerate(column):
             placed[label] = (x, ORIGIN[1] + row * _ROW)
-        x += max(_width(by_label[label]) for label in column)
+            width = max(width, _width(by_label[label]))
+        x += width
     ends = {name: (x, ORIGIN[1] + row * _ROW) for row, name in enumerate(container.outcomes)}
     return placed, ends
 
 
 def _columns(container: Container) -> list[list[str]]:
     """Return the labels by distance from the initial child, each column in its order."""
-    targets = {child.label: [exit_.target for exit_ in child.exits] for child in container.children}
-    columns = [[container.children[0].label]]
-    seen = set(columns[0])
+    unseen = {child.label: child.exits for child in container.children}
     if container.conditions:
-        return [list(targets)]  # concurrent children have no order
-    while columns[-1]:
+        return [list(unseen)]  # concurrent children have no order
+    columns = []
+    column = [(container.children[0].label, container.children[0].exits)]
+    del unseen[container.children[0].label]
+    while column:
+        columns.append([label for label, _exits in column])
         # In the order of those that lead there, which keeps the lines short and few crossing.
-        led_to = (target for label in columns[-1] for target in targets[label])
-        found = dict.fromkeys(t for t in led_to if t in targets and t not in seen)
-        seen.update(found)
-        columns.append(list(found))
-    left = [label for label in targets if label not in seen]
-    return [column for column in (*columns, left) if column]
+        column = [
+            (target, unseen.pop(target))
+            for _label, exits in column
+            for _outcome, target, _autonomy in exits
+            if target in unseen
+        ]
+    return [*columns, list(unseen)] if unseen else columns
 
 
 def _width(child: Child) -> int:

@@ -88,17 +88,19 @@ class _Lookup:
 
     def scope(self, chart: Chart, runs: ContainerKind, is_repeated: bool = False) -> ResolvedChart:
         """Return a chart, or the content of a container, with its names looked up."""
-        repeated = {node.id for node in chart.nodes} if is_repeated else looping_nodes(chart)
-        nodes = tuple(self._node(node, node.id in repeated) for node in chart.nodes)
+        containers = {node.id for node in chart.nodes if isinstance(node, Container)}
+        repeated = containers if is_repeated or not containers else looping_nodes(chart)
+        nodes = tuple([self._node(node, node.id in repeated) for node in chart.nodes])
         by_id: dict[str, ResolvedNode] = {}
         support: dict[Support, StateClass] = {}
         for entry in nodes:
             if entry.node.id:
                 by_id.setdefault(entry.node.id, entry)
-            for wanted in _wanted_support(entry):
-                found = self._find_support(wanted, entry.node)
-                if found is not None:
-                    support[wanted] = found
+            if entry.node.attempts is not None or entry.use.is_timed or entry.node.on_error:
+                for wanted in _wanted_support(entry):
+                    found = self._find_support(wanted, entry.node)
+                    if found is not None:
+                        support[wanted] = found
         is_inner = chart is not self._chart
         return ResolvedChart(chart, nodes, runs, support, by_id, is_inner, is_repeated)
 

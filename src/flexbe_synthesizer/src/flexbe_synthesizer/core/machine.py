@@ -9,6 +9,7 @@ from typing import NamedTuple, TypeAlias
 
 from flexbe_synthesizer.core.literal import Literal, python_literal
 from flexbe_synthesizer.core.model import Autonomy
+from flexbe_synthesizer.core.quick import quick
 from flexbe_synthesizer.core.signature import BehaviorClass, StateClass
 
 
@@ -60,6 +61,7 @@ def python_value(value: Value) -> str:
     return value.text if isinstance(value, Expression) else python_literal(value)
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class StateUse:
     """A state as the content of a child; `alias` is the name that it is imported under."""
@@ -96,6 +98,7 @@ class Container:
     conditions: tuple[Condition, ...] = ()
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Child:
     """A labelled element of a container; `remapping` maps own keys to the container's."""
@@ -118,8 +121,14 @@ class Machine:
 
 def walk(container: Container, path: str = "") -> Iterator[tuple[str, Child]]:
     """Yield every child below a container with its path, such as `/Insert/run`."""
-    for child in container.children:
-        own_path = f"{path}/{child.label}"
-        yield own_path, child
-        if isinstance(child.content, Container):
-            yield from walk(child.content, own_path)
+    waiting = [(path, iter(container.children))]
+    while waiting:
+        above, children = waiting[-1]
+        for child in children:
+            own_path = f"{above}/{child.label}"
+            yield own_path, child
+            if isinstance(child.content, Container):
+                waiting.append((own_path, iter(child.content.children)))
+                break
+        else:
+            waiting.pop()

@@ -6,7 +6,7 @@ import html
 from dataclasses import dataclass
 
 from flexbe_synthesizer.core.problem import ChartError
-from flexbe_synthesizer.core.xml_reader import XmlElement, read_xml
+from flexbe_synthesizer.core.xml_reader import XmlElement, as_utf8, read_root, read_utf8
 
 AUTHOR = "REMODEL planner developers"  # the FlexBE App wants one; the chart language has none
 DATE = "undated"  # the same chart must give the same bytes on every day
@@ -43,11 +43,14 @@ class Manifest:
 def read_manifest(text: str | bytes, file: str) -> Manifest | None:
     """Return the manifest that the text holds, None if it is XML of another kind or no XML."""
     try:
-        root = read_xml(text, file).root
+        data = as_utf8(text, file)
+        if read_root(data)[0] != "behavior":
+            return None  # a chart, for one, which may be large
+        root = read_utf8(data, file).root
     except ChartError:
         return None
     executable = _child(root, "executable")
-    if root.name != "behavior" or executable is None:
+    if executable is None:
         return None
     package, _, module = _attribute(executable, "package_path").partition(".")
     if not package or not module:

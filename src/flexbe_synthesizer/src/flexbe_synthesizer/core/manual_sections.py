@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import ast
+import re
 from collections.abc import Mapping
 
+_NAME = re.compile(r"^ +self\.name = (.+)$", re.MULTILINE)
 SECTIONS = ("IMPORT", "INIT", "CREATE", "FUNC")
 
 
@@ -36,3 +39,13 @@ def read_manual_sections(text: str) -> Mapping[str, str]:
             "it was written by hand; move it away, or rename the chart"
         )
     return found
+
+
+def written_name(text: str) -> str | None:
+    """Return the name of the behavior that a file says it is; None if it does not say it."""
+    found = _NAME.search(text)
+    try:
+        name = ast.literal_eval(found[1]) if found else None
+    except (SyntaxError, ValueError):
+        return None
+    return name if isinstance(name, str) else None

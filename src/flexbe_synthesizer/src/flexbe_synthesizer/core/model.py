@@ -16,6 +16,7 @@ from xml.etree.ElementTree import Element as XmlElement
 
 from flexbe_synthesizer.core.literal import Literal, freeze
 from flexbe_synthesizer.core.problem import Position
+from flexbe_synthesizer.core.quick import quick
 
 
 class Places(Protocol):
@@ -51,6 +52,7 @@ class Autonomy(Enum):
     FULL = "full"
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Outcome(Element):
     """One way in which the chart ends."""
@@ -58,6 +60,7 @@ class Outcome(Element):
     name: str
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Input(Element):
     """A value that the chart, or a state in it, reads; only the chart's own have a default."""
@@ -71,6 +74,7 @@ class Input(Element):
         object.__setattr__(self, "default", freeze(self.default))
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Output(Element):
     """A value that the chart, or a state in it, writes."""
@@ -79,6 +83,7 @@ class Output(Element):
     type: str | None = None
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Param(Element):
     """A constructor argument of a state, or a parameter of a behavior."""
@@ -91,6 +96,7 @@ class Param(Element):
         object.__setattr__(self, "value", freeze(self.value))
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Transition(Element):
     """Where an outcome of a state leads: to a state, a behavior or an outcome of the chart."""
@@ -100,6 +106,7 @@ class Transition(Element):
     autonomy: Autonomy | None = None
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Connection(Element):
     """A data flow; the chart's own name as a state id means its inputs or outputs."""
@@ -146,6 +153,7 @@ class Node(Element):
         return type(self).__name__.lower()
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class State(Node):
     """A state; `topic` is the name of the action that it calls, in place of its class's own."""
@@ -153,6 +161,7 @@ class State(Node):
     topic: str | None = None
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Behavior(Node):
     """A behavior inside the chart: a display name, a class, or the path of another chart."""
@@ -182,6 +191,7 @@ class Container(Node):
         return ContainerKind(self.type)
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class When(Element):
     """A state of a concurrency container that has ended with an event."""
@@ -190,6 +200,7 @@ class When(Element):
     event: str
 
 
+@quick
 @dataclass(frozen=True, slots=True)
 class Condition(Element):
     """An outcome of a concurrency container, and all that must have happened for it."""

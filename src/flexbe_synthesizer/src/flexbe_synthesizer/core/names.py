@@ -12,8 +12,15 @@ NAME_RULE = (
     "letters, digits, '_', '-', '.' and single blanks, starting with a letter; "
     "the words 'def' and 'class' cannot stand alone in it"
 )
+LONGEST_BEHAVIOR = 200  # letters; a file's name has 255 bytes, and takes a prefix and a suffix
+BEHAVIOR_RULE = (
+    f"at most {LONGEST_BEHAVIOR} letters, of which a-z, A-Z, 0-9 and '_' alone name the files and "
+    "the class, the first of these a letter"
+)
+TOPIC_RULE = "a-z, A-Z, 0-9, '_' and single '/' between them, starting with a letter, '/' or '~'"
 PREEMPTED = "preempted"  # FlexBE adds this outcome to every state and container itself
 _NAME = re.compile(r"[^\W\d_](?:[\w.-]| (?=[\w.-]))*\Z")
+_TOPIC = re.compile(r"(?:~/?|/)?[A-Za-z]\w*(?:/\w+)*\Z", re.ASCII)
 _CODE_WORD = re.compile(r"(?:^|\s)(?:def|class)(?:\s|$)")  # the FlexBE App splits code at these
 _UNREADABLE = re.compile(r"""['"\\()\[\]{},#=\n\r]""")
 _HUMP = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
@@ -26,6 +33,17 @@ _LISTED = 12  # names shown in a message before it says how many more there are
 def is_name(text: str) -> bool:
     """Tell whether FlexBE can carry the text as the name of a state, outcome or behavior."""
     return bool(_NAME.match(text)) and not _CODE_WORD.search(text)
+
+
+def is_behavior_name(text: str) -> bool:
+    """Return whether files and a class can have the name of a chart."""
+    stem = behavior_class(text).removesuffix("SM")
+    return len(text) <= LONGEST_BEHAVIOR and stem[:1].isalpha()
+
+
+def is_topic(text: str) -> bool:
+    """Return whether a text is the name of a ROS topic or action, relative, global or private."""
+    return bool(_TOPIC.match(text))
 
 
 def is_readable_outcome(text: str) -> bool:

@@ -19,13 +19,18 @@ from flexbe_synthesizer.core.written import outcome_effects
 
 
 class NestedEffects:
-    """The effects of behaviors, each found once."""
+    """The effects of behaviors, each found once.
+
+    Attributes:
+        read_back: the charts of behaviors that have none at hand, by module; None where the file
+            holds more than a chart can say. They hold for as long as the library does.
+    """
 
     def __init__(self, library: Library, charts: Mapping[str, BehaviorClass]) -> None:
         """Find behaviors in the library, and charts by their paths."""
         self._library = library
         self._charts = charts
-        self._read: dict[str, Chart | None] = {}
+        self.read_back: dict[str, Chart | None] = {}
         self._known: dict[str, tuple[Effect, ...]] = {}
         self._open: set[str] = set()
 
@@ -64,9 +69,9 @@ class NestedEffects:
             return None
         if behavior.chart is not None:
             return behavior.chart
-        if behavior.module not in self._read:
-            self._read[behavior.module] = _read_back(behavior, self._library)
-        return self._read[behavior.module]
+        if behavior.module not in self.read_back:
+            self.read_back[behavior.module] = _read_back(behavior, self._library)
+        return self.read_back[behavior.module]
 
     def _effects(self, behavior: BehaviorClass) -> tuple[Effect, ...]:
         chart = self._chart(behavior)

@@ -5,8 +5,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import NamedTuple
 
@@ -121,6 +121,40 @@ class Problem:
         file, line, column = self.position
         mark = "warning: " if self.code.severity is Severity.WARNING else ""
         return f"{file}:{line}:{column}: {mark}[{self.code.slug}] {self.message}"
+
+
+MOST_ERRORS = 1000  # of a chart, after which nobody looks for more
+
+
+class ProblemList(list[Problem]):
+    """Problems as they are found, up to `MOST_ERRORS` errors."""
+
+    def __init__(self, expect_time: Callable[[], None] = lambda: None) -> None:
+        """Begin without problems; `expect_time` is called at each, and what it raises ends it."""
+        super().__init__()
+        self._expect_time = expect_time
+        self._errors = 0
+
+    @property
+    def is_full(self) -> bool:
+        """Return whether no more problems are to be looked for."""
+        return self._errors >= MOST_ERRORS
+
+    def take(self, problem: Problem) -> None:
+        """Add a problem; the last one that there is room for says that it is the last."""
+        self._expect_time()
+        self._errors += problem.code.severity is Severity.ERROR
+        if self.is_full:
+            more = f" No more is checked after {MOST_ERRORS} errors; mend these first."
+            problem = replace(problem, message=problem.message + more)
+        self.append(problem)
+
+    def take_all(self, problems: Iterable[Problem]) -> None:
+        """Add problems, as far as there is room for them."""
+        for problem in problems:
+            if self.is_full:
+                return
+            self.take(problem)
 
 
 def errors_in(problems: Iterable[Problem]) -> tuple[Problem, ...]:

@@ -7,8 +7,9 @@ by four blanks, continued lines by ten times that, as the App does.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
+from operator import attrgetter, itemgetter
 from typing import TYPE_CHECKING
 
 from flexbe_synthesizer.core import names
@@ -25,6 +26,7 @@ from flexbe_synthesizer.core.machine import (
     walk,
 )
 from flexbe_synthesizer.core.manifest import AUTHOR, DATE
+from flexbe_synthesizer.core.model import Autonomy
 
 if TYPE_CHECKING:
     import jinja2
@@ -34,6 +36,7 @@ _LINE = "\n" + _INDENT * 3
 _BETWEEN = "\n" + _LINE
 _CONTINUED = "\n" + _INDENT * 10
 _ROOT = "_state_machine"
+_LEVELS = {level: f"Autonomy.{level.value.capitalize()}" for level in Autonomy}
 
 _TEMPLATE = """\
 #!/usr/bin/env python3
@@ -128,13 +131,16 @@ def render_python(machine: Machine, layout: Layout, manual: Mapping[str, str]) -
         layout: where everything in it stands.
         manual: content of the manual sections of the file before; missing ones are empty.
     """
-    variables = _variables(machine.root)
-    writer = _Writer(layout, variables)
-    below = sorted(walk(machine.root))
-    uses = [(path, child.content) for path, child in below]
-    inner = [(path, content) for path, content in uses if isinstance(content, Container)]
+    uses = [(path, child.content) for path, child in walk(machine.root)]
+    inner = sorted(
+        [(path, use) for path, use in uses if isinstance(use, Container)], key=itemgetter(0)
+    )
+    behaviors = sorted(
+        [(path, use) for path, use in uses if isinstance(use, BehaviorUse)], key=itemgetter(0)
+    )
+    writer = _Writer(layout, _variables([path for path, _container in inner]))
     return _compiled_template().render(
-        imports=_imports(content for _path, content in uses),
+        imports=_imports([content for _path, content in uses]),
         manual={**_EMPTY_SECTIONS, **manual},
         date=DATE,
         author=AUTHOR,
@@ -142,9 +148,7 @@ def render_python(machine: Machine, layout: Layout, manual: Mapping[str, str]) -
         description=_docstring(machine.description),
         name=quote(machine.name),
         behaviors=[
-            (content.behavior.class_name, quote(path.lstrip("/")))
-            for path, content in uses
-            if isinstance(content, BehaviorUse)
+            (content.behavior.class_name, quote(path.lstrip("/"))) for path, content in behaviors
         ],
         userdata=[
             f"{_ROOT}.userdata.{key} = {python_value(value)}"
@@ -167,13 +171,10 @@ def _compiled_template() -> jinja2.Template:
     ).from_string(_TEMPLATE)
 
 
-def _variables(root: Container) -> Mapping[str, str]:
-    """Return the variable of each container by its path."""
-    inner = sorted(
-        (path for path, child in walk(root) if isinstance(child.content, Container)), reverse=True
-    )
+def _variables(inner: Sequence[str]) -> Mapping[str, str]:
+    """Return the variable of each container by its path, given the sorted paths of inner ones."""
     numbered = {}
-    for number, path in enumerate(inner):
+    for number, path in enumerate(reversed(inner)):
         label = re.sub(r"\W", "_", path.rpartition("/")[2].lower())
         numbered[path] = f"_sm_{label}_{number}"
     return {"": _ROOT, **numbered}
@@ -238,12 +239,11 @@ class _Writer:
         """Return the comment with a child's place, and the call that adds it to its container."""
         quoted, content = self._quoted, child.content
         default = "Autonomy.Off" if isinstance(content, StateUse) else "Autonomy.Inherit"
-        targets, levels = [], []
-        for outcome, target, autonomy in child.exits:
-            key = quoted[outcome]
-            targets.append(f"{key}: {quoted[target]}")
-            level = default if autonomy is None else f"Autonomy.{autonomy.value.capitalize()}"
-            levels.append(f"{key}: {level}")
+        targets = [f"{quoted[exit_[0]]}: {quoted[exit_[1]]}" for exit_ in child.exits]
+        levels = [
+            f"{quoted[outcome]}: {default if autonomy is None else _LEVELS[autonomy]}"
+            for outcome, _target, autonomy in child.exits
+        ]
         homes = [f"{quoted[key]}: {quoted[home]}" for key, home in child.remapping]
         remapping = f",{_CONTINUED}remapping={{{', '.join(homes)}}}" if homes else ""
         x, y = self._layout.children[path]
@@ -256,6 +256,8 @@ class _Writer:
     def _content(self, path: str, content: StateUse | BehaviorUse | Container) -> str:
         """Return the expression for what a child is."""
         if isinstance(content, StateUse):
+            if not content.arguments:
+                return f"{content.alias}()"
             given = [f"{name}={python_value(value)}" for name, value in content.arguments]
             return f"{content.alias}({', '.join(given)})"
         if isinstance(content, Container):
@@ -275,12 +277,11 @@ def _in_order(children: tuple[Child, ...]) -> list[Child]:
     The initial one comes first, then the others by label, of which the App moves the first of all
     labels to the end.
     """
-    ordered = sorted(children, key=lambda child: child.label)
+    ordered = sorted(children, key=attrgetter("label"))
     initial = children[0]
     if ordered[0] is not initial:
         ordered.append(ordered.pop(0))
-    ordered.remove(initial)
-    return [initial, *ordered]
+    return [initial, *(child for child in ordered if child is not initial)]
 
 
 def _outcome_positions(container: Container, points: Mapping[str, Point]) -> str:

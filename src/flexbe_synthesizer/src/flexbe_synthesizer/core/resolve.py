@@ -19,6 +19,7 @@ from flexbe_synthesizer.core.model import (
     Node,
     State,
 )
+from flexbe_synthesizer.core.quick import quick
 from flexbe_synthesizer.core.signature import (
     BehaviorClass,
     Port,
@@ -38,6 +39,8 @@ class Support(Enum):
     COUNTER = ("remodel_states", "CountAttemptsState", "attempts")
     TIMER = ("flexbe_states", "WaitState", "timeout_s")
     CHOOSER = ("flexbe_states", "DecisionState", "on_error")
+
+    __hash__ = object.__hash__  # that of Enum is a function in Python
 
     def __init__(self, package: str, class_name: str, extension: str) -> None:
         """Name the parts of the value."""
@@ -95,6 +98,7 @@ class Use:
         return self.signature is not None and event in (self.signature.outcomes or ())
 
 
+@quick
 @dataclass(frozen=True, eq=False, slots=True)
 class ResolvedNode:
     """A node of a chart with what it names; `body` is the content of a container."""

@@ -34,15 +34,21 @@ class Values:
         given = {port.name for port in resolved.chart.inputs}
         known = flow.read() - given | {port.name for port in resolved.chart.outputs}
         self.writers: dict[str, list[str]] = {}
-        for node, homes in flow.outputs.items():
-            for home in homes.values():
-                if home in known:
-                    self.writers.setdefault(home, []).append(node)
-        self._bits = {home: 1 << index for index, home in enumerate(self.writers)}
+        self._bits: dict[str, int] = {}
         self._own: dict[str, int] = {}
-        for home, nodes in self.writers.items():
-            for node in nodes:
-                self._own[node] = self._own.get(node, 0) | self._bits[home]
+        for node, homes in flow.outputs.items():
+            own = 0
+            for home in homes.values():
+                if home not in known:
+                    continue
+                if home in self.writers:
+                    self.writers[home].append(node)
+                else:
+                    self.writers[home] = [node]
+                    self._bits[home] = 1 << len(self._bits)
+                own |= self._bits[home]
+            if own:
+                self._own[node] = own
         self._limited: dict[str, dict[str, tuple[int, int]]] = {}
         for node in self._own:
             signature = resolved.by_id[node].use.signature
@@ -65,8 +71,9 @@ class Values:
         if not edge.executed:
             return 0
         own = self._own.get(edge.source, 0)
-        limited = self._limited.get(edge.source)
-        return own if limited is None else limited.get(edge.event, (own, own))[0]
+        if edge.source not in self._limited:
+            return own
+        return self._limited[edge.source].get(edge.event, (own, own))[0]
 
     def touched_on(self, edge: Edge) -> int:
         """Return the homes that may be written when an edge is taken.
@@ -111,6 +118,7 @@ class Values:
         counted = {edge.source for edge in graph.edges if edge.is_exhausted}
         before: dict[str, int] = {graph.initial: 0}
         spent: dict[str, int] = {}  # the homes written when a counted state is left exhausted
+        round_trips: dict[str, int] = {}
         steps = Steps(graph)
         for name in steps:
             written = before[name]
@@ -122,10 +130,13 @@ class Values:
                     arriving = spent[name]
                 else:
                     continue  # no way round to it is known yet
-                has_changed = _narrow(before, target, arriving)
+                old = before.get(target)
+                before[target] = new = arriving if old is None else old & arriving
+                has_changed = new != old
                 if target in counted and loops[target] == loops[name]:
-                    round_trip = self._written_on_way_round(target)
-                    has_changed |= _narrow(spent, target, arriving | round_trip)
+                    if target not in round_trips:
+                        round_trips[target] = self._written_on_way_round(target)
+                    has_changed |= _narrow(spent, target, arriving | round_trips[target])
                 if has_changed:
                     steps.look_at(target)
         return before
@@ -167,7 +178,9 @@ class LastWriters:
         self._bits: dict[tuple[str, str], int] = {}
         self._all: dict[str, int] = {}
         for home, nodes in values.writers.items():
-            for node in nodes if len(nodes) > 1 else ():
+            if len(nodes) == 1:
+                continue
+            for node in nodes:
                 self._shared.setdefault(node, []).append(home)
                 self._bits[node, home] = 1 << len(self._bits)
                 self._all[home] = self._all.get(home, 0) | self._bits[node, home]

@@ -8,6 +8,7 @@ types are refused, and with them entity bombs, external entities and default att
 
 from __future__ import annotations
 
+import codecs
 import contextlib
 import re
 from collections.abc import Iterator
@@ -20,8 +21,8 @@ XML_NAMESPACE = "http://www.w3.org/XML/1998/namespace"
 _MOST_DUPLICATES = 100  # each costs a pass over the file; this many are enough to begin with
 _ENCODINGS = {"utf-8", "us-ascii", "ascii", "iso-8859-1", "latin-1", "windows-1252"}
 _DECLARATION = re.compile(rb"""<\?xml\s[^>]*?encoding\s*=\s*["']([\w.:-]+)""")
-_TAG_NAME = re.compile(rb"<[^\s/>]+")
-_ATTRIBUTE = re.compile(rb"""\s*([^\s=/>]+)\s*=\s*("[^"]*"|'[^']*')""")
+TAG_NAME = re.compile(rb"<[^\s/>]+")
+ATTRIBUTE = re.compile(rb"""\s*([^\s=/>]+)\s*=\s*("[^"]*"|'[^']*')""")
 
 
 @dataclass(frozen=True)
@@ -113,6 +114,29 @@ def read_description(data: bytes) -> str:
     return (*inside, before[-1])[0]
 
 
+def read_root(data: bytes) -> tuple[str, dict[str, str]]:
+    """Return name and attributes of the outermost element as they are spelled; "" if there is none.
+
+    Args:
+        data: a document in UTF-8; it is read as far as this element.
+    """
+    found: list[tuple[str, dict[str, str]]] = []
+
+    def start(name: str, attributes: dict[str, str]) -> None:
+        found.append((name, attributes))
+        raise _HeadReadError
+
+    def refuse(*_declaration: object) -> None:
+        raise _HeadReadError
+
+    parser = expat.ParserCreate(encoding="utf-8")
+    parser.StartElementHandler = start
+    parser.StartDoctypeDeclHandler = refuse
+    with contextlib.suppress(_HeadReadError, expat.ExpatError):
+        parser.Parse(data, True)
+    return found[0] if found else ("", {})
+
+
 class _HeadReadError(Exception):
     """The head of a document has been read, and the rest is not wanted."""
 
@@ -125,11 +149,18 @@ def as_utf8(source: str | bytes, file: str) -> bytes:
     Raises:
         ChartError: if the encoding is not known, or not that of the bytes.
     """
-    if isinstance(source, str):
-        return _without_nul(source, file)
+    return _without_nul(source if isinstance(source, str) else decoded(source, file), file)
+
+
+def decoded(source: bytes, file: str) -> str:
+    """Return the text of a source, whatever its byte order mark or declaration says it is in.
+
+    Raises:
+        ChartError: if the encoding is not known, or not that of the bytes.
+    """
     encoding = _encoding(source, file)
     try:
-        return _without_nul(source.decode(encoding), file)
+        return source.decode(encoding)
     except UnicodeDecodeError as error:
         before = source[: error.start]
         line = before.count(b"\n") + 1
@@ -137,6 +168,28 @@ def as_utf8(source: str | bytes, file: str) -> bytes:
         expected = encoding.removesuffix("-sig")
         message = f"byte {source[error.start]:#04x} is not {expected}; save the file as UTF-8."
         raise ChartError([Problem(Position(file, line, column), Code.NOT_XML, message)]) from error
+
+
+def encoded(text: str, file: str, like: bytes) -> bytes:
+    """Return a text as a file in its place is encoded, characters that cannot be as references.
+
+    Args:
+        text: what `decoded` reads from the bytes that are returned.
+        file: path of the file, for messages.
+        like: the bytes that were there before; empty if there were none.
+
+    Raises:
+        ChartError: if the text declares an encoding that is not known.
+    """
+    marks = {codecs.BOM_UTF16_LE: "utf-16-le", codecs.BOM_UTF16_BE: "utf-16-be"}
+    if like[:2] in marks:
+        return like[:2] + text.encode(marks[like[:2]])
+    if b"\0" in like[:2]:
+        return text.encode(_encoding(like, file))
+    is_marked = like.startswith(codecs.BOM_UTF8)
+    encoding = "utf-8" if is_marked else _encoding(text.encode(), file).removesuffix("-sig")
+    mark = codecs.BOM_UTF8 if is_marked else b""
+    return mark + text.encode(encoding, "xmlcharrefreplace")
 
 
 def _encoding(data: bytes, file: str) -> str:
@@ -180,7 +233,7 @@ class _Open:
 
     name: str
     position: Position
-    prefixes: dict[str, str]
+    prefixes: list[str]
     attributes: list[XmlAttribute] = field(default_factory=list)
     children: list[XmlElement] = field(default_factory=list)
     text: Position | None = None
@@ -194,6 +247,7 @@ class _Reading:
         self._file = file
         self._problems: list[Problem] = []
         self._open: list[_Open] = []
+        self._namespaces: dict[str, list[str]] = {"xml": [XML_NAMESPACE]}
         self._root: XmlElement | None = None
         self._parser = expat.ParserCreate(encoding="utf-8")
         self._parser.ordered_attributes = True
@@ -219,14 +273,13 @@ class _Reading:
         here = self._here()
         places = dict(self._attribute_places(here))
         values = dict(zip(pairs[::2], pairs[1::2], strict=True))
-        prefixes = {"xml": XML_NAMESPACE} if not self._open else self._open[-1].prefixes
-        prefixes = prefixes | {
-            raw.partition(":")[2]: value
-            for raw, value in values.items()
-            if raw == "xmlns" or raw.startswith("xmlns:")
-        }
-        element = _Open(name, here, prefixes)
+        element = _Open(name, here, [])
         self._open.append(element)
+        for raw, value in values.items():
+            if raw == "xmlns" or raw.startswith("xmlns:"):
+                prefix = raw.partition(":")[2]
+                self._namespaces.setdefault(prefix, []).append(value)
+                element.prefixes.append(prefix)
         for raw, value in values.items():
             if raw == "xmlns" or raw.startswith("xmlns:"):
                 continue
@@ -237,7 +290,7 @@ class _Reading:
 
     def _resolve(self, prefix: str, position: Position) -> str | None:
         """Return the namespace of a prefix; report it and return None if nothing declares it."""
-        namespace = self._open[-1].prefixes.get(prefix)
+        namespace = self._namespace(prefix)
         if namespace is None:
             message = (
                 f"the prefix '{prefix}' is not declared; write "
@@ -246,22 +299,31 @@ class _Reading:
             self._problems.append(Problem(position, Code.UNBOUND_PREFIX, message))
         return namespace
 
+    def _namespace(self, prefix: str) -> str | None:
+        """Return what a prefix stands for in the element that is open; None: nothing."""
+        declared = self._namespaces.get(prefix)
+        return declared[-1] if declared else None
+
     def _attribute_places(self, here: Position) -> Iterator[tuple[str, Position]]:
         """Yield name and position of each attribute of the tag that expat stands at."""
         start = self._parser.CurrentByteIndex
-        name = _TAG_NAME.match(self._data, start)
+        name = TAG_NAME.match(self._data, start)
         at = name.end() if name else start
-        while (found := _ATTRIBUTE.match(self._data, at)) is not None:
-            before = self._data[start : found.start(1)].decode()
-            lines = before.count("\n")
-            column = len(before) - before.rfind("\n") if lines else here.column + len(before)
-            yield found[1].decode(), Position(self._file, here.line + lines, column)
+        line, column, counted = here.line, here.column, start
+        while (found := ATTRIBUTE.match(self._data, at)) is not None:
+            between = self._data[counted : found.start(1)].decode()
+            lines = between.count("\n")
+            column = len(between) - between.rfind("\n") if lines else column + len(between)
+            line, counted = line + lines, found.start(1)
+            yield found[1].decode(), Position(self._file, line, column)
             at = found.end()
 
     def _end(self, _name: str) -> None:
         done = self._open.pop()
         prefix, _, local = done.name.rpartition(":")
-        namespace = done.prefixes.get(prefix)
+        namespace = self._namespace(prefix)
+        for declared in done.prefixes:
+            self._namespaces[declared].pop()
         if namespace is None and prefix:
             message = f"the prefix '{prefix}' of <{done.name}> is not declared."
             self._problems.append(Problem(done.position, Code.UNBOUND_PREFIX, message))
@@ -296,7 +358,7 @@ class _Reading:
         position = Position(self._file, error.lineno, error.offset + 1)
         at = self._parser.ErrorByteIndex
         if error.code == expat.errors.codes[expat.errors.XML_ERROR_DUPLICATE_ATTRIBUTE]:
-            found = _ATTRIBUTE.match(self._data, at)
+            found = ATTRIBUTE.match(self._data, at)
             if found is not None:
                 name = found[1].decode()
                 message = f"the attribute '{name}' stands twice in this element; delete one."

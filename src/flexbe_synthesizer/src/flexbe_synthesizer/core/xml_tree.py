@@ -3,22 +3,32 @@
 `xml.etree` builds its tree in C and knows no places; `xml_reader` knows every place and takes ten
 times as long. Both are expat underneath, so they agree on what is well-formed. What is not, or has
 a document type or an undeclared prefix, goes to `xml_reader` at once, which says what is wrong.
+The first place that is asked for costs a pass that finds where each tag begins.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+from bisect import bisect_right
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from xml.etree.ElementTree import Element, ParseError, TreeBuilder, XMLParser
+from xml.parsers import expat
 
 from flexbe_synthesizer.core.problem import Position, Problem
 from flexbe_synthesizer.core.xml_reader import (
+    ATTRIBUTE,
+    TAG_NAME,
     Document,
     XmlElement,
     as_utf8,
     read_description,
     read_utf8,
 )
+
+_LINE_END = re.compile(rb"\r\n?|\n")
+# Between tags, or in a comment or a text, none of which changes the elements and what is in them.
+_INDENTATION = re.compile(rb">[ \t\r\n]+<")
 
 
 class XmlTree:
@@ -40,6 +50,7 @@ class XmlTree:
         self._file = file
         root = _parse(self._data)
         self.problems: tuple[Problem, ...] = ()
+        self._is_fast = root is not None
         if root is None:
             self.problems = self._exact.problems
             root = _built(self._exact.root)
@@ -54,14 +65,53 @@ class XmlTree:
 
     def place(self, element: Element, attribute: str = "") -> Position:
         """Return where an attribute of the element stands, else where the element does."""
-        exact = self._places[id(element)]
-        same = [a for a in exact.attributes if a.name == attribute]
-        same.sort(key=lambda a: a.namespace != "")  # xsi:type is not the type
-        return same[0].position if same else exact.position
+        if not self._is_fast:
+            return self._exact_place(element, attribute)
+        start = self._starts[id(element)]
+        found = dict(self._attributes(start)) if attribute else {}
+        spelled = [n for n in found if n.rpartition(":")[2] == attribute]
+        spelled.sort(key=lambda name: ":" in name)  # xsi:type is not the type
+        return self._position(found[spelled[0]] if spelled else start)
 
     def text_place(self, element: Element) -> Position | None:
         """Return where the first text in the element stands that is not blank."""
         return self._places[id(element)].text
+
+    def _attributes(self, start: int) -> Iterator[tuple[str, int]]:
+        """Yield name and place of each attribute of the tag that begins at a byte."""
+        tag = TAG_NAME.match(self._data, start)
+        at = tag.end() if tag else start
+        while (found := ATTRIBUTE.match(self._data, at)) is not None:
+            name = found[1].decode()
+            if name != "xmlns" and not name.startswith("xmlns:"):
+                yield name, found.start(1)
+            at = found.end()
+
+    def _position(self, at: int) -> Position:
+        """Return the place of a byte."""
+        line = bisect_right(self._line_starts, at)
+        before = self._data[self._line_starts[line - 1] : at]
+        return Position(self._file, line, len(before.decode()) + 1)
+
+    @cached_property
+    def _line_starts(self) -> list[int]:
+        return [0, *(end.end() for end in _LINE_END.finditer(self._data))]
+
+    @cached_property
+    def _starts(self) -> Mapping[int, int]:
+        """Return the byte that the tag of each element begins at, by the element's identity."""
+        starts: list[int] = []
+        parser = expat.ParserCreate(encoding="utf-8")
+        parser.ordered_attributes = True  # a list is made faster than a dictionary
+        parser.StartElementHandler = lambda _name, _given: starts.append(parser.CurrentByteIndex)
+        parser.Parse(self._data, True)
+        return dict(zip(map(id, self.root.iter()), starts, strict=True))
+
+    def _exact_place(self, element: Element, attribute: str) -> Position:
+        exact = self._places[id(element)]
+        same = [a for a in exact.attributes if a.name == attribute]
+        same.sort(key=lambda a: a.namespace != "")
+        return same[0].position if same else exact.position
 
     @cached_property
     def _exact(self) -> Document:
@@ -80,7 +130,7 @@ def _parse(data: bytes) -> Element | None:
         return None
     parser = XMLParser(target=TreeBuilder(), encoding="utf-8")
     try:
-        parser.feed(data)
+        parser.feed(_INDENTATION.sub(b"><", data))  # each would become a string in the tree
         root: Element = parser.close()
     except ParseError:
         return None

@@ -7,6 +7,7 @@ import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
+from flexbe_synthesizer.edge.regular_file import read_regular
 from flexbe_synthesizer.errors import OutputError
 
 
@@ -24,7 +25,7 @@ def write_all(files: Mapping[Path, str | bytes]) -> tuple[Path, ...]:
     try:
         for path, given in files.items():
             content = given.encode() if isinstance(given, str) else given
-            before[path] = path.read_bytes() if path.exists() else None
+            before[path] = read_regular(path) if path.exists() else None
             if before[path] != content:
                 path.parent.mkdir(parents=True, exist_ok=True)
                 staged[path] = _stage(path, content)
@@ -41,12 +42,17 @@ def _stage(path: Path, content: bytes) -> Path:
     """Return a file beside the path that holds the content, flushed to the disk."""
     mode = path.stat().st_mode & 0o777 if path.exists() else 0o644
     handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-    with os.fdopen(handle, "wb") as file:
-        file.write(content)
-        os.fchmod(file.fileno(), mode)
-        file.flush()
-        os.fsync(file.fileno())
-    return Path(name)
+    temporary = Path(name)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+            os.fchmod(file.fileno(), mode)
+            file.flush()
+            os.fsync(file.fileno())
+    except OSError:
+        temporary.unlink(missing_ok=True)
+        raise
+    return temporary
 
 
 def _rename_all(staged: Mapping[Path, Path], before: Mapping[Path, bytes | None]) -> None:

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import os
-import stat
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
+from typing import TypeAlias
 
-from flexbe_synthesizer.core.codec import read_chart
+from flexbe_synthesizer.core.codec import read_chart, read_chart_name
 from flexbe_synthesizer.core.model import Chart, walk_nodes
 from flexbe_synthesizer.core.problem import Code, Problem
 from flexbe_synthesizer.core.resolve import included_path
+from flexbe_synthesizer.edge.regular_file import read_regular
 from flexbe_synthesizer.errors import ChartFileError, ChartRefusedError
+
+Read: TypeAlias = Callable[[bytes, str], tuple[Chart | None, tuple[Problem, ...]]]
 
 LARGEST_FILE = 4 * 2**20  # of a chart [bytes]; ten thousand states take less than 3 MiB
 
@@ -30,6 +33,7 @@ def read_charts(
     paths: Iterable[str],
     locate: Callable[[str], Path] = Path,
     drafts: Mapping[str, bytes] = MappingProxyType({}),
+    read: Read = read_chart,
 ) -> ChartFiles:
     """Return the charts of the paths and of all charts that they name.
 
@@ -37,6 +41,7 @@ def read_charts(
         paths: what to read; a path is also the name of the file in messages.
         locate: returns the file to read for a path, or raises ChartFileError to refuse it.
         drafts: contents that stand for those of the files, by path.
+        read: returns the chart in a content and what is wrong with its form, given its path.
 
     Raises:
         ChartFileError: if one of the paths cannot be read. A chart named by another one that
@@ -47,13 +52,17 @@ def read_charts(
     waiting = list(dict.fromkeys(os.path.normpath(path) for path in paths))
 
     def content(path: str) -> bytes:
-        return drafts[path] if path in drafts else _read_bytes(locate(path))
+        if path not in drafts:
+            return read_chart_file(locate(path))
+        if len(drafts[path]) > LARGEST_FILE:
+            raise ChartFileError(f"{path} would be larger than {LARGEST_FILE >> 20} MiB")
+        return drafts[path]
 
     sources = {path: content(path) for path in waiting}
     seen = set(waiting)
     while waiting:
         path = waiting.pop(0)
-        chart, found = read_chart(sources.pop(path), path)
+        chart, found = read(sources.pop(path), path)
         problems.extend(found)
         if chart is None:
             continue
@@ -73,14 +82,14 @@ def read_charts(
     return ChartFiles(tuple(charts.values()), tuple(problems))
 
 
-def _read_bytes(path: Path) -> bytes:
+def read_chart_file(path: Path) -> bytes:
+    """Return what a chart's file holds; all programs read charts by this.
+
+    Raises:
+        ChartFileError: if it is no regular file, too large, or cannot be read.
+    """
     try:
-        status = path.stat()
-        if not stat.S_ISREG(status.st_mode):
-            raise ChartFileError(f"{path} is no regular file")
-        if status.st_size > LARGEST_FILE:
-            raise ChartFileError(f"{path} is larger than {LARGEST_FILE >> 20} MiB")
-        return path.read_bytes()
+        return read_regular(path, LARGEST_FILE)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise ChartFileError(f"{path} cannot be read: {reason}") from error
@@ -101,6 +110,28 @@ def confined_to(folders: Iterable[Path]) -> Callable[[str], Path]:
         return real
 
     return locate
+
+
+def chart_names(
+    folders: Iterable[Path], expect_time: Callable[[], None] = lambda: None
+) -> Iterator[tuple[str, Path]]:
+    """Yield name and file of each chart in the folders; what cannot be read is no chart.
+
+    Args:
+        folders: where to look, in this order.
+        expect_time: called before each file; what it raises ends the search.
+    """
+    homes = tuple(folders)
+    locate = confined_to(homes)
+    for home in homes:
+        for path in sorted(home.glob("*.xml")):
+            expect_time()
+            try:
+                name = read_chart_name(read_chart_file(locate(str(path))))
+            except ChartFileError:
+                continue
+            if name is not None:
+                yield name, path
 
 
 def find_chart(name: str, folders: Iterable[Path]) -> str:

@@ -78,6 +78,11 @@ def output_package(folder: Path) -> OutputPackage:
     return OutputPackage(name, folder, missing, is_exported)
 
 
+def unwritten_package(folder: Path) -> OutputPackage:
+    """Return what stands for a package where charts are only checked."""
+    return OutputPackage("unwritten", folder, missing={})
+
+
 def enclosing_package(path: Path) -> OutputPackage:
     """Return the package that a file lies in.
 

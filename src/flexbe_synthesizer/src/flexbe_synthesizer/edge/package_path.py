@@ -6,12 +6,15 @@ on the path is no reason not to use the others.
 
 from __future__ import annotations
 
+import errno
 import importlib.util
 import os
+import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
 from xml.etree import ElementTree
 
 from flexbe_synthesizer.core.behavior_source import read_behavior_class
@@ -19,11 +22,17 @@ from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.manifest import Manifest, read_manifest
 from flexbe_synthesizer.core.signature import BehaviorClass, StateClass, Unreadable
 from flexbe_synthesizer.core.state_source import read_state_class
+from flexbe_synthesizer.edge.regular_file import read_regular, read_regular_text
+from flexbe_synthesizer.edge.stamps import Stamp, Stamps
+
+if TYPE_CHECKING:
+    from functools import _lru_cache_wrapper
 
 # Files that are remembered as they were read last: those of orders with thousands of tasks as well.
 _REMEMBERED = 1 << 14
+_LARGEST_MANIFEST = 2**20  # [bytes]; what is larger is something else
 
-_Version = tuple[int, int]
+_Content = TypeVar("_Content")
 
 
 @dataclass(frozen=True)
@@ -54,7 +63,7 @@ def read_package(folder: Path) -> Package:
         OSError: if it is not there.
     """
     try:
-        root = ElementTree.parse(folder / "package.xml").getroot()
+        root = ElementTree.fromstring(read_regular(folder / "package.xml"))
     except ElementTree.ParseError as error:
         raise ValueError(f"{folder / 'package.xml'} is not well-formed: {error}") from error
     name = (root.findtext("name") or "").strip()
@@ -64,16 +73,24 @@ def read_package(folder: Path) -> Package:
     return Package(name, folder, "flexbe_states" in exports, "flexbe_behaviors" in exports)
 
 
-def find_packages(package_path: str) -> tuple[tuple[Package, ...], tuple[str, ...]]:
+def find_packages(
+    package_path: str, seen: Stamps | None = None
+) -> tuple[tuple[Package, ...], tuple[str, ...]]:
     """Return the packages below the folders of a ROS_PACKAGE_PATH, and warnings.
 
     A folder with a package.xml is not searched further, nor one with a CATKIN_IGNORE. Of two
     packages of one name the first on the path counts.
+
+    Args:
+        package_path: folders, separated by `os.pathsep`.
+        seen: takes the stamps of all that was read.
     """
+    seen = Stamps() if seen is None else seen
     packages: dict[str, Package] = {}
     warnings: list[str] = []
-    for folder in _package_folders(package_path):
+    for folder in _package_folders(package_path, seen):
         try:
+            seen.take(folder / "package.xml")
             package = read_package(folder)
         except (ValueError, OSError) as error:
             warnings.append(f"{error}; the package is left out")
@@ -82,21 +99,32 @@ def find_packages(package_path: str) -> tuple[tuple[Package, ...], tuple[str, ..
     return tuple(packages.values()), tuple(warnings)
 
 
-def _package_folders(package_path: str) -> Iterator[Path]:
+def _package_folders(package_path: str, seen: Stamps) -> Iterator[Path]:
     for top in filter(None, package_path.split(os.pathsep)):
+        seen.take(top)
         for folder, inner, files in os.walk(top, followlinks=True):
             if "package.xml" in files and "CATKIN_IGNORE" not in files:
                 yield Path(folder)
             if "package.xml" in files or "CATKIN_IGNORE" in files:
                 inner.clear()
             inner[:] = sorted(name for name in inner if not name.startswith("."))
+            for name in inner:
+                seen.take(f"{folder}/{name}")
 
 
-def read_library(packages: Sequence[Package]) -> tuple[Library, tuple[str, ...]]:
-    """Return what charts can name of the packages, and warnings."""
+def read_library(
+    packages: Sequence[Package], seen: Stamps | None = None
+) -> tuple[Library, tuple[str, ...]]:
+    """Return what charts can name of the packages, and warnings.
+
+    Args:
+        packages: where to look.
+        seen: takes the stamps of all that was read.
+    """
+    seen = Stamps() if seen is None else seen
     warnings: list[str] = []
-    states = tuple(_read_states((p for p in packages if p.has_states), warnings))
-    behaviors = tuple(_read_behaviors((p for p in packages if p.has_behaviors), warnings))
+    states = tuple(_read_states((p for p in packages if p.has_states), warnings, seen))
+    behaviors = tuple(_read_behaviors((p for p in packages if p.has_behaviors), warnings, seen))
     folders = {package.name: package.module_folder for package in packages if package.has_behaviors}
     library = Library(
         states=tuple(s for s in states if isinstance(s, StateClass)),
@@ -119,23 +147,43 @@ class BehaviorFiles:
         package, *module = behavior.module.split(".")
         try:
             path = self.folders[package].joinpath(*module).with_suffix(".py")
-            return path.read_text(encoding="utf-8")
+            return read_regular_text(path)
         except (KeyError, OSError, ValueError):
             return ""
 
 
+def _files_below(top: Path, suffix: str, seen: Stamps) -> list[Path]:
+    """Return the files with a suffix in a folder and below it, sorted; links are not followed."""
+    seen.take(top)
+    found = []
+    for folder, inner, files in os.walk(top):
+        found += [Path(folder, name) for name in (*files, *inner) if name.endswith(suffix)]
+        for name in inner:
+            seen.take(f"{folder}/{name}")
+    return sorted(found)
+
+
+def _module_folder(package: Package, seen: Stamps) -> Path:
+    """Return the folder of a package's Python package."""
+    source = package.folder / "src" / package.name
+    if seen.take(source) is None:
+        for folder in sys.path:  # what is installed may appear there
+            seen.take(folder)
+    return package.module_folder
+
+
 def _read_states(
-    packages: Iterable[Package], warnings: list[str]
+    packages: Iterable[Package], warnings: list[str], seen: Stamps
 ) -> Iterator[StateClass | Unreadable]:
     """Yield the state class of each file of the packages that has one."""
     for package in packages:
-        top = package.module_folder
-        for path in sorted(top.rglob("*.py")):
+        top = _module_folder(package, seen)
+        for path in _files_below(top, ".py", seen):
             if path.name == "__init__.py":
                 continue
             module = ".".join((package.name, *path.relative_to(top).with_suffix("").parts))
             try:
-                state = _read_state(path, _version_of(path), package.name, module)
+                state = _read(_read_state, path, seen, package.name, module)
             except (OSError, SyntaxError, ValueError, RecursionError) as error:
                 warnings.append(f"{path} cannot be read: {error}; its state is left out")
             else:
@@ -143,60 +191,58 @@ def _read_states(
                     yield state
 
 
-def _version_of(path: Path) -> _Version:
-    status = path.stat()
-    return status.st_mtime_ns, status.st_size
+def _read(
+    reader: _lru_cache_wrapper[_Content], path: Path, seen: Stamps, *more: object
+) -> _Content:
+    """Return what a reader makes of a file, from memory if it has read this version before."""
+    stamp = seen.take(path)
+    read = reader.__wrapped__ if stamp is None or stamp.is_fresh else reader
+    return read(path, stamp, *more)
 
 
-@lru_cache(maxsize=_REMEMBERED)  # a server reads the same files at each request
+@lru_cache(maxsize=_REMEMBERED)  # a file that changes does not have the others read again
 def _read_state(
-    path: Path, _version: _Version, package: str, module: str
+    path: Path, _version: Stamp | None, package: str, module: str
 ) -> StateClass | Unreadable | None:
     """Return the state class of a version of a file, None if it has none."""
-    text = path.read_text(encoding="utf-8")
+    text = read_regular_text(path)
     may_hold_one = "(EventState)" in text  # parsing is slow
     return read_state_class(text, package, module) if may_hold_one else None
 
 
 def _read_behaviors(
-    packages: Iterable[Package], warnings: list[str]
+    packages: Iterable[Package], warnings: list[str], seen: Stamps
 ) -> Iterator[BehaviorClass | Unreadable]:
     """Yield the behavior of each manifest of the packages."""
     for package in packages:
-        for path in sorted(package.folder.rglob("*.xml")):
+        module_folder = _module_folder(package, seen)
+        for path in _files_below(package.folder, ".xml", seen):
             if path.name.startswith("#"):
                 continue
             try:
-                manifest = _read_manifest(path, _version_of(path))
+                manifest = _read(_read_manifest, path, seen)
             except OSError as error:
-                warnings.append(f"{path} cannot be read: {error}")
+                if error.errno != errno.EFBIG:
+                    warnings.append(f"{path} cannot be read: {error}")
                 continue
             if manifest is not None and manifest.package == package.name:
-                source = package.module_folder.joinpath(*manifest.module.split("."))
-                yield _known_behavior(source.with_suffix(".py"), manifest)
+                source = module_folder.joinpath(*manifest.module.split("."))
+                yield _read(_read_behavior, source.with_suffix(".py"), seen, manifest)
 
 
 @lru_cache(maxsize=_REMEMBERED)
-def _read_manifest(path: Path, _version: _Version) -> Manifest | None:
+def _read_manifest(path: Path, _version: Stamp | None) -> Manifest | None:
     """Return the manifest that a version of a file holds; None if it holds none."""
-    return read_manifest(path.read_bytes(), str(path))
-
-
-def _known_behavior(path: Path, manifest: Manifest) -> BehaviorClass | Unreadable:
-    try:
-        version = _version_of(path)
-    except OSError:
-        version = (0, 0)  # it cannot be read
-    return _read_behavior(path, version, manifest)
+    return read_manifest(read_regular(path, _LARGEST_MANIFEST), str(path))
 
 
 @lru_cache(maxsize=_REMEMBERED)
 def _read_behavior(
-    path: Path, _version: _Version, manifest: Manifest
+    path: Path, _version: Stamp | None, manifest: Manifest
 ) -> BehaviorClass | Unreadable:
     """Return the behavior class of a version of a file."""
     try:
-        text = path.read_text(encoding="utf-8")
+        text = read_regular_text(path)
     except (OSError, ValueError) as error:
         reason = f"its file cannot be read: {error}"
         return Unreadable(manifest.name, manifest.package, reason, manifest.class_name)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from flexbe_synthesizer.edge.regular_file import read_regular_text
 from flexbe_synthesizer.errors import DrawingError
 
 
@@ -15,7 +16,7 @@ def read_run(path: Path) -> tuple[tuple[str, str], ...]:
         DrawingError: if the file is no such record.
     """
     try:
-        steps = json.loads(path.read_text(encoding="utf-8"))
+        steps = json.loads(read_regular_text(path))
         if not isinstance(steps, list):
             raise ValueError("it is no list")
         return tuple(map(_step, steps))

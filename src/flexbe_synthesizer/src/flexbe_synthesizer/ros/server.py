@@ -21,14 +21,15 @@ from flexbe_msgs.msg import (
 
 from flexbe_core.ros.steady_action_server import SteadyActionServer
 from flexbe_synthesizer.core.instantiate import Instantiation
+from flexbe_synthesizer.edge.chart_memory import ChartMemory
 from flexbe_synthesizer.request import (
     Answer,
     ErrorCode,
     Request,
     RequestError,
     Settings,
+    deadline,
     fulfil,
-    within,
 )
 
 ACTION = "flexbe/synthesize"
@@ -41,6 +42,7 @@ class SynthesisServer:
     def __init__(self, settings: Settings, time_limit_s: float) -> None:
         """Start serving; a request may take `time_limit_s` [s] from when it is served."""
         self._settings = settings
+        self._memory = ChartMemory()
         self._time_limit_s = time_limit_s
         self._waiting: queue.Queue[actionlib.ServerGoalHandle] = queue.Queue(_MOST_WAITING)
         self._worker = threading.Thread(target=self._work, name="synthesis", daemon=True)
@@ -78,14 +80,18 @@ class SynthesisServer:
         rospy.loginfo("synthesizing %s for '%s'", asked.goal, asked.name)
 
         def report(status: str, progress: float) -> None:
-            if handle.get_goal_status().status == GoalStatus.PREEMPTING:
-                raise RequestError(ErrorCode.CANCELLED, f"cancelled before {status}")
             handle.publish_feedback(BehaviorSynthesisFeedback(status, progress))
+
+        in_time = deadline(self._time_limit_s, time.monotonic)  # a client waits
+
+        def expect_time() -> None:
+            in_time()
+            if handle.get_goal_status().status == GoalStatus.PREEMPTING:
+                raise RequestError(ErrorCode.CANCELLED, "cancelled; nothing was written")
 
         request = Request(asked.goal, asked.initial_condition, tuple(asked.sm_outcomes))
         try:
-            in_time = within(self._time_limit_s, report, time.monotonic)  # a client waits
-            answer = fulfil(request, self._settings, in_time)
+            answer = fulfil(request, self._settings, report, expect_time, self._memory)
         except RequestError as error:
             self._fail(handle, error.code, str(error))
         except Exception as error:  # noqa: BLE001 - one request must not end the others

@@ -96,9 +96,9 @@ class TwoArmsSM(Behavior):
 
             # x:530 y:40
             OperatableStateMachine.add('Insert_error',
-                                        DecisionState(outcomes=['failed 100-199', 'failed 305', 'failed 310-320', 'other'], conditions=lambda code: 'failed 100-199' if code in range(100, 200) else 'failed 305' if code in range(305, 306) else 'failed 310-320' if code in range(310, 321) else 'other'),
-                                        transitions={'failed 100-199': 'given up', 'failed 305': 'Insert_attempts', 'failed 310-320': 'Extract', 'other': 'Extract'},
-                                        autonomy={'failed 100-199': Autonomy.Off, 'failed 305': Autonomy.Off, 'failed 310-320': Autonomy.Off, 'other': Autonomy.Low},
+                                        DecisionState(outcomes=['failed_100_199', 'failed_305', 'failed_310_320', 'other'], conditions=lambda code: 'failed_100_199' if code in range(100, 200) else 'failed_305' if code in range(305, 306) else 'failed_310_320' if code in range(310, 321) else 'other'),
+                                        transitions={'failed_100_199': 'given up', 'failed_305': 'Insert_attempts', 'failed_310_320': 'Extract', 'other': 'Extract'},
+                                        autonomy={'failed_100_199': Autonomy.Off, 'failed_305': Autonomy.Off, 'failed_310_320': Autonomy.Off, 'other': Autonomy.Low},
                                         remapping={'input_value': 'error_code'})
 
             # x:780 y:40
@@ -167,7 +167,7 @@ class TwoArmsSM(Behavior):
                                         _sm_place_1,
                                         transitions={'placed': 'Urgent', 'given up': 'Recover'},
                                         autonomy={'placed': Autonomy.Inherit, 'given up': Autonomy.Inherit},
-                                        remapping={'cable_id': 'cable_id', 'where': 'look_left_pose', 'error_code': 'error_code', 'force': 'force', 'place_insert_attempts': 'place_insert_attempts'})
+                                        remapping={'cable_id': 'cable_id', 'where': 'look_left_pose', 'place_insert_attempts': 'place_insert_attempts', 'error_code': 'error_code', 'force': 'force'})
 
             # x:580 y:140
             OperatableStateMachine.add('Recover',

@@ -89,9 +89,9 @@ class WireTaskSM(Behavior):
         with _state_machine:
             # x:30 y:40
             OperatableStateMachine.add('Choose',
-                                        ChooseState(outcomes=['go on', 'stop'], hint='Don\x27t force it \x28def and \x23 are fine\x29'),
-                                        transitions={'go on': 'Count', 'stop': 'Say'},
-                                        autonomy={'go on': Autonomy.Low, 'stop': Autonomy.Off})
+                                        ChooseState(outcomes=['go_on', 'stop'], hint='Don\x27t force it \x28def and \x23 are fine\x29'),
+                                        transitions={'go_on': 'Count', 'stop': 'Say'},
+                                        autonomy={'go_on': Autonomy.Low, 'stop': Autonomy.Off})
 
             # x:430 y:140
             OperatableStateMachine.add('Clean',

@@ -58,7 +58,8 @@ def new_container(node_id: str) -> Container:
 
 def with_node(scope: Chart, node: AnyNode) -> Chart:
     """Return the scope with a node added; the first one is where it starts."""
-    return replace(scope, nodes=(*scope.nodes, node), initial=scope.initial or node.id)
+    initial = scope.initial if scope.nodes else node.id  # what runs at once starts nowhere
+    return replace(scope, nodes=(*scope.nodes, node), initial=initial)
 
 
 def without_node(scope: Chart, node_id: str) -> Chart:

@@ -12,10 +12,17 @@ from flexbe_synthesizer.core.resolve import ResolvedChart, Use
 
 @dataclass(frozen=True)
 class Inspection:
-    """Problems, those of this file first; and what nodes name by their paths, `Place/Insert`."""
+    """What the checks found.
+
+    Attributes:
+        problems: those of this file first.
+        uses: what nodes name, by their paths, `Place/Insert`.
+        unchecked: why it could not be checked; empty if it was.
+    """
 
     problems: tuple[Problem, ...] = ()
     uses: Mapping[str, Use] = field(default_factory=dict)
+    unchecked: str = ""
 
     @property
     def error_count(self) -> int:

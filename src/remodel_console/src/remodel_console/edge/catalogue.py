@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from flexbe_synthesizer.core.signature import BehaviorClass, StateClass
-from flexbe_synthesizer.edge.package_path import find_packages, read_library
+from flexbe_synthesizer.edge.inventory import Inventory, read_inventory
+from flexbe_synthesizer.edge.regular_file import read_regular_text
 
 
 @dataclass(frozen=True)
@@ -32,17 +33,16 @@ class Installed:
 
 @dataclass(frozen=True)
 class Catalogue:
-    """Reads the packages of a ROS package path anew each time, so that it never lags behind."""
+    """What the packages of a ROS package path offer at the moment of each call."""
 
     ros_package_path: str
 
     def behaviors(self) -> tuple[Installed, ...]:
         """Return the behaviors that are installed, by name."""
-        packages, _ = find_packages(self.ros_package_path)
-        library, _ = read_library(packages)
-        folders = {package.name: package.module_folder for package in packages}
+        inventory = self._inventory()
+        folders = {package.name: package.module_folder for package in inventory.packages}
         found = []
-        for behavior in library.behaviors:
+        for behavior in inventory.library.behaviors:
             text = _text(_file(folders[behavior.package], behavior.module))
             if text is not None:
                 found.append(Installed(behavior, _checksum(behavior.module), _checksum(text)))
@@ -50,19 +50,22 @@ class Catalogue:
 
     def states(self) -> tuple[StateClass, ...]:
         """Return the state classes that are installed, by package and name."""
-        packages, _ = find_packages(self.ros_package_path)
-        library, _ = read_library(packages)
-        return tuple(sorted(library.states, key=lambda state: (state.package, state.name)))
+        return tuple(
+            sorted(self._inventory().library.states, key=lambda state: (state.package, state.name))
+        )
 
     def documentation(self, state: StateClass) -> str:
         """Return the docstring of a state class; empty if there is none."""
-        packages, _ = find_packages(self.ros_package_path)
+        packages = self._inventory().packages
         folder = next((p.module_folder for p in packages if p.name == state.package), None)
         text = _text(_file(folder, state.module)) if folder else None
         for node in ast.parse(text or "").body:
             if isinstance(node, ast.ClassDef) and node.name == state.name:
                 return ast.get_docstring(node) or ""
         return ""
+
+    def _inventory(self) -> Inventory:
+        return read_inventory(self.ros_package_path)
 
 
 def _file(folder: Path, module: str) -> Path:
@@ -71,7 +74,7 @@ def _file(folder: Path, module: str) -> Path:
 
 def _text(file: Path) -> str | None:
     try:
-        return file.read_text(encoding="utf-8")
+        return read_regular_text(file)
     except (OSError, ValueError):
         return None
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from flexbe_synthesizer.core.codec import read_chart
 from flexbe_synthesizer.core.model import Chart
 from flexbe_synthesizer.core.problem import errors_in
 from remodel_console.core.inspection import Inspection, uses_by_path
@@ -12,12 +11,12 @@ from remodel_console.errors import CommandError
 
 def inspect_text(workspace: Workspace, text: str, file: str) -> tuple[Chart | None, Inspection]:
     """Return the chart that a text has the form of, if it has, and what the checks say about it."""
-    chart, problems = read_chart(text, file)
+    chart, problems = workspace.memory.read(text.encode("utf-8", "surrogatepass"), file)
     is_formed = chart is not None and not errors_in(problems)
     try:
         files = workspace.look(text, file)
-    except CommandError:
-        return (chart if is_formed else None), Inspection(problems)
+    except CommandError as error:
+        return (chart if is_formed else None), Inspection(problems, unchecked=str(error))
     own = files.charts.get(file)
     uses = uses_by_path(own.resolved) if own else {}
     order = sorted(files.problems, key=lambda problem: problem.position.file != file)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from flexbe_synthesizer.core import names
@@ -12,14 +12,30 @@ from flexbe_synthesizer.core.fold import fold
 from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.machine_reader import read_machine
 from flexbe_synthesizer.core.model import Chart, State, walk_nodes
-from flexbe_synthesizer.core.problem import Problem, errors_in
+from flexbe_synthesizer.core.problem import errors_in
 from flexbe_synthesizer.core.resolve import scopes
-from flexbe_synthesizer.edge.chart_files import confined_to, find_chart, read_charts
-from flexbe_synthesizer.edge.output_package import OutputPackage, enclosing_package
-from flexbe_synthesizer.edge.package_path import find_packages, read_library
-from flexbe_synthesizer.errors import OutputError, SynthesisError
+from flexbe_synthesizer.edge.chart_files import (
+    confined_to,
+    find_chart,
+    read_chart_file,
+    read_charts,
+)
+from flexbe_synthesizer.edge.chart_memory import ChartMemory
+from flexbe_synthesizer.edge.inventory import Inventory, read_inventory
+from flexbe_synthesizer.edge.output_package import (
+    OutputPackage,
+    enclosing_package,
+    output_package,
+    unwritten_package,
+)
+from flexbe_synthesizer.edge.regular_file import read_regular_text
+from flexbe_synthesizer.errors import ChartFileError, OutputError, SynthesisError
 from flexbe_synthesizer.synthesis import CheckedFiles, check_files, write_behaviors
+from remodel_console.core.draft import Draft, new_draft, read_draft
+from remodel_console.edge.chart_folders import ChartFolders
 from remodel_console.errors import CommandError
+
+OUTPUT = "remodel_behaviors"  # package of the behaviors whose charts lie in none, as of the server
 
 
 @dataclass(frozen=True)
@@ -29,20 +45,24 @@ class Workspace:
     Attributes:
         ros_package_path: on which packages, their charts, states and behaviors are found.
         more_folders: returns the other folders that hold charts now.
+        output: package to which behaviors go whose charts lie in no package.
+        memory: has the charts that were read and checked before.
     """
 
     ros_package_path: str
     more_folders: Callable[[], Iterable[Path]] = tuple
+    output: str = OUTPUT
+    memory: ChartMemory = field(default_factory=ChartMemory, compare=False, repr=False)
 
     @property
     def chart_folders(self) -> tuple[Path, ...]:
         """Return `charts/` of all packages that export behaviors, then the other folders."""
-        packages, _warnings = find_packages(self.ros_package_path)
+        packages = self._inventory().packages
         return (*(p.folder / "charts" for p in packages if p.has_behaviors), *self.more_folders())
 
     def folder_words(self) -> Iterator[tuple[Path, str]]:
         """Yield each chart folder, and what a person calls it."""
-        packages, _warnings = find_packages(self.ros_package_path)
+        packages = self._inventory().packages
         owners = {package.folder / "charts": package.name for package in packages}
         for folder in self.chart_folders:
             if folder in owners:
@@ -53,30 +73,28 @@ class Workspace:
                 yield folder, str(folder)
 
     def find(self, name: str) -> Chart:
-        """Return the chart of a behavior; one without a chart is read back from its code.
+        """Return the chart of a behavior; see `load`."""
+        return self.load(name).chart
+
+    def load(self, name: str) -> Draft:
+        """Return the chart of a behavior, and its text; one without is read back from its code.
 
         Raises:
             CommandError: if there is no such behavior, or no chart says what it does.
         """
-        found = {chart.name: chart for chart in self.charts()}
+        found = dict(self._folders().names())
         if name in found:
-            return found[name]
-        packages, _warnings = find_packages(self.ros_package_path)
-        library, _more = read_library(packages)
-        behaviors = {behavior.name: behavior for behavior in library.behaviors}
-        if name not in behaviors:
-            hint = names.allowed(name, sorted({*found, *behaviors}))
-            raise CommandError(f"there is no behavior '{name}'; {hint}")
-        behavior = behaviors[name]
-        package = next(p for p in packages if p.name == behavior.package)
-        code = package.module_folder.joinpath(*behavior.module.split(".")[1:]).with_suffix(".py")
-        try:
-            machine = read_machine(code.read_text(encoding="utf-8"), str(code), library)
-            chart = fold(machine, str(code))
-        except (OSError, ValueError) as error:
-            raise CommandError(f"'{name}' has no chart, and its code is none: {error}") from error
-        file = package.folder / "charts" / f"{names.behavior_file(name)}.xml"
-        return replace(chart, file=str(file))
+            path = found[name]
+            try:
+                content = read_chart_file(confined_to(self.chart_folders)(str(path)))
+            except ChartFileError as error:
+                raise CommandError(str(error)) from error
+            return read_draft(content, str(path))
+        return self._from_code(name, found)
+
+    def names(self) -> tuple[str, ...]:
+        """Return the names of all charts."""
+        return tuple(dict(self._folders().names()))
 
     def read(self, path: str) -> Chart:
         """Return the chart of a file that lies in the chart folders.
@@ -92,57 +110,50 @@ class Workspace:
         except SynthesisError as error:
             raise CommandError(str(error)) from error
 
-    def check(self, chart: Chart) -> tuple[Problem, ...]:
-        """Return all that is wrong with a chart and those that it names.
-
-        Raises:
-            CommandError: if a file cannot be read.
-        """
-        return self._checked(chart).problems
-
     def look(self, text: str, file: str) -> CheckedFiles:
         """Return the chart in a text as if it stood in a file, and all that is wrong with it.
 
         Raises:
             CommandError: if a chart that it names cannot be read.
         """
-        return self._check(file, {file: text.encode()})
+        return self._check(file, {file: text.encode("utf-8", "surrogatepass")})
 
     def library(self) -> Library:
         """Return the states and behaviors that are installed."""
-        packages, _warnings = find_packages(self.ros_package_path)
-        return read_library(packages)[0]
+        return self._inventory().library
 
     def files(self) -> tuple[str, ...]:
         """Return the names of the files in the chart folders, as `read` takes them."""
-        folders = self.chart_folders
-        return tuple(sorted({p.name for folder in folders for p in folder.glob("*.xml")}))
+        return self._folders().files()
 
     def text_of(self, path: str) -> str:
         """Return the text of a file in the chart folders; empty if it cannot be read."""
         try:
-            return Path(find_chart(path, self.chart_folders)).read_text(encoding="utf-8")
-        except (SynthesisError, OSError, ValueError):
+            return read_chart_file(Path(find_chart(path, self.chart_folders))).decode()
+        except (SynthesisError, ValueError):
             return ""
 
     def events(self, chart: Chart) -> dict[str, dict[str, tuple[str, ...]]]:
         """Return the events of the nodes by id, by the name of the container that they are in."""
-        (checked, *_) = self._checked(chart).charts.values()
+        (checked, *_) = self.look(write_chart(chart), chart.file).charts.values()
         return {
             scope.chart.name: {node: entry.use.events or () for node, entry in scope.by_id.items()}
             for scope in scopes(checked.resolved)
         }
 
-    def save(self, chart: Chart) -> tuple[Path, ...]:
-        """Write a chart and its behavior, and return the files that changed.
+    def save(self, draft: Draft) -> tuple[Path, ...]:
+        """Write a chart as its text is, and its behavior; return the files that changed.
 
         Raises:
-            CommandError: if it has errors, or cannot be written; then nothing is.
+            CommandError: if it has errors, its file or behavior is another one's by now, or it
+                cannot be written; then nothing is.
         """
-        files = self._checked(chart)
+        file = Path(draft.chart.file)
+        self._folders().expect_own(draft, file)
+        files = self._check(str(file), {str(file): draft.text.encode()}, is_written=True)
         self._expect_right(files)
         try:
-            return write_behaviors(files, {Path(chart.file): write_chart(chart)})
+            return write_behaviors(files, {file.resolve(): draft.content})
         except OutputError as error:
             raise CommandError(str(error)) from error
 
@@ -158,25 +169,63 @@ class Workspace:
 
     def charts(self) -> Iterator[Chart]:
         """Yield all charts of the folders that can be read."""
-        for folder in self.chart_folders:
-            for path in sorted(folder.glob("*.xml")):
-                try:
-                    chart, _problems = read_chart(path.read_bytes(), str(path))
-                except OSError:
-                    continue  # what cannot be read cannot be edited
-                if chart is not None:
-                    yield chart
+        for path, content in self._folders().contents():
+            chart, _problems = read_chart(content, str(path))
+            if chart is not None:
+                yield chart
 
-    def _checked(self, chart: Chart) -> CheckedFiles:
-        return self.look(write_chart(chart), chart.file)
+    def _inventory(self) -> Inventory:
+        return read_inventory(self.ros_package_path)
 
-    def _check(self, path: str, drafts: dict[str, bytes] | None = None) -> CheckedFiles:
+    def _folders(self) -> ChartFolders:
+        return ChartFolders(self.chart_folders)
+
+    def _from_code(self, name: str, charts: Iterable[str]) -> Draft:
+        """Return what the code of a behavior without a chart says."""
+        inventory = self._inventory()
+        packages, library = inventory.packages, inventory.library
+        behaviors = {behavior.name: behavior for behavior in library.behaviors}
+        if name not in behaviors:
+            hint = names.allowed(name, sorted({*charts, *behaviors}))
+            raise CommandError(f"there is no behavior '{name}'; {hint}")
+        behavior = behaviors[name]
+        package = next(p for p in packages if p.name == behavior.package)
+        code = package.module_folder.joinpath(*behavior.module.split(".")[1:]).with_suffix(".py")
+        try:
+            machine = read_machine(read_regular_text(code), str(code), library)
+            chart = fold(machine, str(code))
+        except (OSError, ValueError) as error:
+            raise CommandError(f"'{name}' has no chart, and its code is none: {error}") from error
+        file = package.folder / "charts" / f"{names.behavior_file(name)}.xml"
+        return new_draft(replace(chart, file=str(file)))
+
+    def _check(
+        self, path: str, drafts: dict[str, bytes] | None = None, *, is_written: bool = False
+    ) -> CheckedFiles:
         library = self.library()
         locate = confined_to((*self.chart_folders, Path(path).parent))
+        package_of = self._package_of if is_written else _package_to_check_in
         try:
-            return check_files([path], library, _package_of, locate, drafts or {})
+            return check_files(
+                [path], library, package_of, locate, drafts or {}, memory=self.memory
+            )
         except SynthesisError as error:
             raise CommandError(str(error)) from error
+
+    def _package_of(self, path: str) -> OutputPackage:
+        """Return the package that a chart lies in, else the one for all others."""
+        try:
+            return enclosing_package(Path(path))
+        except OutputError:
+            packages = self._inventory().packages
+            folder = next((p.folder for p in packages if p.name == self.output), None)
+            if folder is None:
+                raise OutputError(
+                    f"{path} lies in no ROS package, and there is no package '{self.output}' on "
+                    "the ROS package path to write its behavior to; keep the chart in charts/ of "
+                    "a package, or start the console with a package as `output`"
+                ) from None
+            return output_package(folder)
 
     @staticmethod
     def _expect_right(files: CheckedFiles) -> None:
@@ -186,5 +235,9 @@ class Workspace:
             raise CommandError(f"{len(errors)} error{'s' * (len(errors) > 1)}:\n{lines}")
 
 
-def _package_of(path: str) -> OutputPackage:
-    return enclosing_package(Path(path))
+def _package_to_check_in(path: str) -> OutputPackage:
+    """Return the package that a chart lies in, or one that stands for it: nothing is written."""
+    try:
+        return enclosing_package(Path(path))
+    except OutputError:
+        return unwritten_package(Path(path).parent)

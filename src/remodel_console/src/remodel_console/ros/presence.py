@@ -9,6 +9,7 @@ import threading
 import rosgraph
 import rospy
 
+from flexbe_core.ros.master import join_interruptibly
 from remodel_console.console import Console
 from remodel_console.core.run_view import Phase
 from remodel_console.desk import Journal
@@ -39,7 +40,7 @@ def join_ros(console: Console, journal: Journal, end: threading.Event) -> None:
     if not watch.wait(end):
         return
     try:
-        rospy.init_node("console", disable_signals=True)
+        join_interruptibly("console", anonymous=False)
     except rospy.ROSException as error:  # the master went away meanwhile; a node joins but once
         _end_process(end, f"could not join ROS: {error}")
         return

@@ -167,7 +167,7 @@ class EditorPage(Page):
         self._empty.set_visibility(self.chart is None)
         if self.chart is None:
             return
-        self.xml.show(self.chart)
+        self.xml.show(self.console.session.text)
         await self._inspect()
         await self._draw(is_other)
 
@@ -219,8 +219,8 @@ class EditorPage(Page):
         chart, self.inspection = await run.io_bound(
             inspect_text, self.console.workspace, text, old.file
         )
-        if chart is not None and chart != old:
-            await self.give("edit: the XML", lambda: self.console.session.change(lambda _: chart))
+        if chart is not None:
+            await self.give("edit: the XML", lambda: self.console.session.retype(text))
         self._show_problems()
 
     def _pick(self, text: str) -> None:

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import logging
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING
 
-from nicegui import ui
+from nicegui import background_tasks, run, ui
 
 from flexbe_synthesizer.core.model import Chart
-from flexbe_synthesizer.core.names import behavior_file, is_name
+from flexbe_synthesizer.core.names import behavior_file, is_behavior_name, is_name
 from remodel_console.core import chart_edit
 from remodel_console.core.answer import DONE
 from remodel_console.core.commands import Command, Verb
 from remodel_console.core.editing import container_at
+from remodel_console.errors import CommandError
 
 if TYPE_CHECKING:
     from remodel_console.web.editor_page import EditorPage
+
+_LOG = logging.getLogger(__name__)
 
 
 class EditorTools:
@@ -30,7 +34,7 @@ class EditorTools:
             )
             self._open.props("outlined dense").classes("opener")
             self._open.on("focus", self._list)
-            self._list()
+            background_tasks.create(self._list())
             page.button("New", self._ask_new, icon="add", look="quiet")
             page.button("Container", self._add_container, icon="select_all", look="quiet")
             page.button("Undo", self.undo, icon="undo", look="quiet")
@@ -44,8 +48,9 @@ class EditorTools:
 
     def show_other(self, chart: Chart | None) -> None:
         """Show that another chart is open."""
-        self._list()
-        self._open.value = chart.name if chart else None
+        name = chart.name if chart else None
+        self._open.set_options([*filter(None, (name,))], value=name)
+        background_tasks.create(self._list())
 
     async def save(self) -> None:
         """Save the chart, or tell why it cannot be."""
@@ -60,13 +65,20 @@ class EditorTools:
         self._page.xml.is_typing = False
         await self._page.give("undo", self._page.console.session.undo)
 
-    def _list(self) -> None:
+    async def _list(self) -> None:
         """Offer all charts and behaviors."""
-        console, chart = self._page.console, self._page.chart
-        known = {one.name for one in console.workspace.charts()}
-        known |= {one.name for one in console.catalogue.behaviors()}
-        known |= {chart.name} if chart else set()
-        self._open.set_options(sorted(known))
+        known = await run.io_bound(self._names)
+        chart = self._page.chart
+        self._open.set_options(sorted({*known, *((chart.name,) if chart else ())}))
+
+    def _names(self) -> set[str]:
+        console = self._page.console
+        behaviors = {one.name for one in console.catalogue.behaviors()}
+        try:
+            return behaviors | set(console.workspace.names())
+        except CommandError:
+            _LOG.exception("the charts cannot be listed")
+            return behaviors
 
     async def _load(self, name: str | None) -> None:
         chart = self._page.console.session.chart
@@ -101,8 +113,12 @@ class EditorTools:
             self._page.button("Make", make)
 
     async def _make(self, name: str, folder: str) -> bool:
-        if not is_name(name):
-            ui.notify("A name has letters, digits and single blanks.", type="warning")
+        if not (is_name(name) and is_behavior_name(name)):
+            ui.notify(
+                "A name has letters, digits and single blanks, of which at least the first of a-z, "
+                "A-Z, 0-9 and '_' is a letter, and 200 at most.",
+                type="warning",
+            )
             return False
         file = FilePath(folder) / f"{behavior_file(name)}.xml"
         if file.exists():

@@ -27,7 +27,10 @@ class ProblemList:
         with self._area:
             count = inspection.error_count
             words = "No errors." if not count else f"{count} error{'s' * (count > 1)}"
-            ui.label(words).classes("soft" if not count else "bad-count")
+            if inspection.unchecked:
+                words = f"Not checked: {inspection.unchecked}"
+            is_fine = not count and not inspection.unchecked
+            ui.label(words).classes("soft" if is_fine else "bad-count")
             for problem in inspection.problems:
                 _problem_line(problem, own, self._reveal)
 

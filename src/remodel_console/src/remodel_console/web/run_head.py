@@ -92,6 +92,8 @@ class RunHead:
 
 
 def _progress_words(now: UseCase) -> str:
+    if not now.run:
+        return ""
     words = f"{now.done} of {now.total} tasks done"
     words += f", {now.set_aside} set aside" if now.set_aside else ""
     words += f"; {duration_words(now.told_s - now.started_s)} so far"

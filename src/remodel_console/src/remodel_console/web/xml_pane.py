@@ -6,8 +6,6 @@ from collections.abc import Awaitable, Callable
 
 from nicegui import ui
 
-from flexbe_synthesizer.core.codec import write_chart
-from flexbe_synthesizer.core.model import Chart
 from remodel_console.core.inspection import Inspection
 
 # What is typed into the XML means nothing else; but saving does, and is not the browser's.
@@ -37,10 +35,10 @@ class XmlPane:
         self._editor.on("keydown", js_handler=_KEEP_KEYS)
         self._typed = ui.timer(_TYPED_S, self._take_typed, active=False, once=False)
 
-    def show(self, chart: Chart) -> None:
-        """Write a chart, unless it is just being typed."""
+    def show(self, text: str) -> None:
+        """Show a chart's text, unless it is just being typed."""
         if not self.is_typing:
-            self.text = write_chart(chart)
+            self.text = text.replace("\r\n", "\n").replace("\r", "\n")  # as the page has it
             self._editor.set_value(self.text)
 
     def mark(self, inspection: Inspection, own: str) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import rospy
 
-from flexbe_core.ros.master import START_LIMIT_S, NoMasterError, require_master
+from flexbe_core.ros.master import START_LIMIT_S, NoMasterError, join_interruptibly, require_master
 from remodel_planner.commands.database_option import add_database_option
 from remodel_planner.commands.run_follower import RunFollower
 from remodel_planner.commands.storyteller import Storyteller
@@ -66,12 +66,12 @@ def main(arguments: list[str] | None = None) -> int:
         return 2
     try:
         require_master(options.wait)
+        join_interruptibly("run_order")
     except NoMasterError as error:
         print(f"run_order: {error}", file=sys.stderr)
         return 3
     except KeyboardInterrupt:
         return 130
-    rospy.init_node("run_order", anonymous=True)
     print(f"order {order.name}: {len(order.wires)} wires, {len(order.components)} components")
     follower = RunFollower(RunLog(database), order)
     started = time.monotonic()
@@ -80,6 +80,9 @@ def main(arguments: list[str] | None = None) -> int:
     except PlannerError as error:
         print(f"run_order: {error}", file=sys.stderr)
         return 3
+    except KeyboardInterrupt:
+        print("run_order: interrupted; the supervisor goes on with the order", file=sys.stderr)
+        return 130
     finally:
         database.close()
     wall_s = time.monotonic() - started

@@ -9,7 +9,7 @@ import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 from remodel_msgs import msg
 
-from remodel_planner.supervisors.ports import Doing
+from remodel_planner.supervisors.ports import Doing, server_of
 
 _FEEDBACK = "ActionFeedback"
 ABILITIES = tuple(
@@ -69,14 +69,15 @@ class AbilityWatch:
 
     def are_quiet(self, since_s: float) -> bool:
         """Return whether all connected servers have reported since then [s] that they rest."""
-        return not self._restless(since_s)
+        return not self.restless(since_s)
 
-    def silent(self, since_s: float) -> str:
-        """Return the names of those that do not rest or do not report, for a person."""
-        return ", ".join(f"the server of {ability}" for ability in self._restless(since_s))
-
-    def _restless(self, since_s: float) -> list[str]:
-        return [a for a in ABILITIES if self.is_connected(a) and not self._rests(a, since_s)]
+    def restless(self, since_s: float) -> tuple[str, ...]:
+        """Return those that do not rest or do not report, for a person."""
+        return tuple(
+            server_of(ability)
+            for ability in ABILITIES
+            if self.is_connected(ability) and not self._rests(ability, since_s)
+        )
 
     def _rests(self, ability: str, since_s: float) -> bool:
         status = self._statuses.get(ability)

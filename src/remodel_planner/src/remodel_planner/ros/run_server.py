@@ -5,22 +5,19 @@ from __future__ import annotations
 import contextlib
 import threading
 import traceback
-from dataclasses import dataclass
 
 import actionlib
 import rospy
 from remodel_msgs.msg import (
     ErrorCode,
     RunUseCaseAction,
-    RunUseCaseFeedback,
     RunUseCaseGoal,
-    RunUseCaseResult,
 )
 
 from flexbe_core.ros.steady_action_server import SteadyActionServer
-from remodel_planner.core.supervision.events import Command, Commanded, Ending, RunBegun
+from remodel_planner.core.supervision.events import Command, Commanded, RunBegun
 from remodel_planner.core.supervision.fold import state_after
-from remodel_planner.core.supervision.state import RunState, Stage
+from remodel_planner.core.supervision.state import RunState
 from remodel_planner.edge.cell_ownership import CellOwnership, Owned
 from remodel_planner.edge.run_log import RunLog
 from remodel_planner.errors import (
@@ -31,11 +28,13 @@ from remodel_planner.errors import (
     PlannerError,
     RecordLostError,
 )
+from remodel_planner.ros.active_run import ActiveRun, refusal
 from remodel_planner.ros.event_loop import RosEventLoop
-from remodel_planner.ros.run_messages import RunView, levels
+from remodel_planner.ros.run_messages import RunView
 from remodel_planner.ros.run_services import RunServices
 from remodel_planner.ros.state_publisher import StatePublisher
 from remodel_planner.ros.work import WorkMaker
+from remodel_planner.supervisors.unresumed_run import UnresumedRun
 from remodel_planner.supervisors.use_case_supervisor import UseCaseSupervisor
 from remodel_planner.supervisors.work import Peers
 
@@ -47,20 +46,6 @@ _PUBLISH_EVERY_S = 0.25
 
 # [s] wall time that a run gets to come to rest when the node is shut down; roslaunch waits for 15.
 _LEAVE_LIMIT_S = 8.0
-
-
-@dataclass
-class _Active:
-    """A run under way.
-
-    Attributes:
-        handle: the goal that asked for it; None if it was resumed.
-        begun: ROS time at which this process began or resumed it.
-    """
-
-    supervisor: UseCaseSupervisor
-    handle: actionlib.ServerGoalHandle | None
-    begun: rospy.Time
 
 
 class RunServer:
@@ -94,11 +79,13 @@ class RunServer:
         # Whether the cell may have a run that has not ended and that nobody supervises.
         self._unsure = True
         self._closed = "this node is starting; ask again"
-        self._active: _Active | None = None
-        self._next: _Active | None = None
+        self._active: ActiveRun | None = None
+        self._next: ActiveRun | None = None
         self._publisher = StatePublisher()
         self._publisher.idle(maker.cell, self._closed, starting=True)
-        self._services = RunServices(loop, lambda: self._supervisor, self._why_closed, peers)
+        self._services = RunServices(
+            loop, lambda: self._supervisor, self._why_closed, peers.abilities
+        )
         self._server = SteadyActionServer(
             ACTION,
             RunUseCaseAction,
@@ -204,31 +191,55 @@ class RunServer:
             return self._next is not None or self._unsure or bool(self._disowned)
 
         def is_outdated() -> bool:
-            return self._closed != self._services.safety
+            return self._closed != self._services.commands.safety
 
         while not is_over():
-            self._closed = self._services.safety
-            self._publisher.idle(self._maker.cell, self._closed)
+            self._closed = self._services.commands.safety
+            by = self._services.commands.stopped_by
+            self._publisher.idle(self._maker.cell, self._closed, stopped_by=by)
             self._loop.run_until(lambda: is_over() or is_outdated(), float("inf"))
 
     def _resume(self) -> None:
         """Take the cell's run to its end that was cut short, or begun without an answer."""
         unfinished = self._log.unfinished(self._maker.cell)
         self._unsure = False
-        if unfinished is not None:
-            self._supervise(self._resumed(unfinished))
+        active = None if unfinished is None else self._resumed(unfinished)
+        if active is not None:
+            self._supervise(active)
 
-    def _resumed(self, run: int) -> _Active:
-        """Return a run that was cut short, taken up."""
+    def _resumed(self, run: int) -> ActiveRun | None:
+        """Return a run that was cut short, taken up; None if a person is needed, and has acted."""
         self._log.take_up(run, self._owner)
         state = self._log.state(run)
         rospy.loginfo("resuming run %d of order %s", run, state.order)
-        work = self._maker.work(state.order, len(state.tasks), self._owner)
+        try:
+            work = self._maker.work(state.order, len(state.tasks), self._owner)
+        except (LostError, OwnerError, RecordLostError):
+            raise
+        except PlannerError as error:
+            self._await_person(UnresumedRun(run, self._owner, state, self._log, str(error)))
+            return None
         return self._made(run, state, work, None)
+
+    def _await_person(self, unresumed: UnresumedRun) -> None:
+        """Keep a run that cannot be resumed, and refuse goals, until a person has acted."""
+        rospy.logerr("%s", unresumed.text)
+        self._peers.engine.cancel()
+        self._peers.abilities.cancel()
+        self._closed = unresumed.text
+        self._publisher.idle(self._maker.cell, self._closed, starting=True)
+        self._services.commands.unresumed = unresumed
+        try:
+            self._loop.run_until(lambda: unresumed.is_over or bool(self._disowned), float("inf"))
+        finally:
+            self._services.commands.unresumed = None
+        self._unsure = True
+        if self._disowned:
+            raise OwnerError(self._disowned)
 
     def _made(
         self, run: int, state: RunState, work: object, handle: actionlib.ServerGoalHandle | None
-    ) -> _Active:
+    ) -> ActiveRun:
         supervisor = UseCaseSupervisor(
             run,
             self._owner,
@@ -240,24 +251,22 @@ class RunServer:
             self._on_change,
             self._why_disowned,
         )
-        return _Active(supervisor, handle, rospy.Time.now())
+        return ActiveRun(supervisor, handle, rospy.Time.now())
 
-    def _supervise(self, active: _Active) -> None:
+    def _supervise(self, active: ActiveRun) -> None:
         self._active, self._next = active, None
         self._services.ask_to_be_asked()
-        self._services.stop_if_unsafe()
+        self._services.commands.stop_if_unsafe()
         self._on_change()
         try:
             state = active.supervisor.supervise()
         except (OwnerError, RecordLostError) as error:
-            if active.handle is not None:
-                _abort(active, str(error))
+            active.abort(str(error))
             raise
         self._services.ask_no_more()
         self._on_change()
         self._active = None
-        if active.handle is not None:
-            _answer(active, state)
+        active.answer(state)
 
     def _give_up(self, error: PlannerError) -> None:
         """Report why the run under way is not supervised any more."""
@@ -286,7 +295,7 @@ class RunServer:
                 self._disowned = str(error)
             is_busy = self._active is not None or bool(self._closed)
             code = ErrorCode.BUSY if is_busy else ErrorCode.INVALID_GOAL
-            handle.set_rejected(_refusal(goal, code, str(error)), str(error))
+            handle.set_rejected(refusal(goal, code, str(error)), str(error))
             return
         handle.set_accepted()
 
@@ -302,7 +311,7 @@ class RunServer:
         if not 0 <= goal.timeout < float("inf"):
             raise CellError(f"timeout must be a number >= 0, found {goal.timeout}")
 
-    def _begun(self, goal: RunUseCaseGoal, handle: actionlib.ServerGoalHandle) -> _Active:
+    def _begun(self, goal: RunUseCaseGoal, handle: actionlib.ServerGoalHandle) -> ActiveRun:
         """Begin a run; PlannerError, and no run, if the order cannot be done."""
         work = self._maker.work(goal.order, goal.tasks, self._owner)
         tasks = tuple(task.name for task in work.planner.order.tasks)
@@ -337,9 +346,9 @@ class RunServer:
             self._publisher.flush()
             if self._active is not None:
                 self._on_change()
-                self._feed_back(self._active)
+                self._active.feed_back(self._view(self._active))
 
-    def _view(self, active: _Active) -> RunView:
+    def _view(self, active: ActiveRun) -> RunView:
         supervisor = active.supervisor
         return RunView(
             run=supervisor.run,
@@ -352,57 +361,3 @@ class RunServer:
             descriptions=self._maker.descriptions,
             moving=supervisor.is_moving,
         )
-
-    def _feed_back(self, active: _Active) -> None:
-        state = active.supervisor.state
-        if active.handle is None or state.ended is not None:
-            return
-        ended = len(state.in_stage(Stage.DONE, Stage.SET_ASIDE))
-        active.handle.publish_feedback(
-            RunUseCaseFeedback(
-                id=active.handle.get_goal().id,
-                message=active.supervisor.doing,
-                elapsed_time=(rospy.Time.now() - active.begun).to_sec(),
-                completed_percentage=100.0 * ended / max(1, len(state.tasks)),
-                task=state.current,
-                levels=levels(self._view(active)),
-            )
-        )
-
-
-def _answer(active: _Active, state: RunState) -> None:
-    """End the goal as the run has ended."""
-    result = _result(active, state)
-    because = state.ended.because if state.ended else ""
-    result.success = state.ended is not None and state.ended.ending is Ending.COMPLETE
-    if result.success:
-        active.handle.set_succeeded(result)
-        return
-    result.error_code, result.error_message = ErrorCode.INTERNAL, because
-    if state.ended is not None and state.ended.ending is Ending.STOPPED:
-        result.error_code = ErrorCode.PREEMPTED
-        active.handle.set_canceled(result, because)
-    else:
-        active.handle.set_aborted(result, because)
-
-
-def _abort(active: _Active, because: str) -> None:
-    result = _result(active, active.supervisor.state)
-    result.error_code, result.error_message = ErrorCode.STALE_OWNER, because
-    active.handle.set_aborted(result, because)
-
-
-def _result(active: _Active, state: RunState) -> RunUseCaseResult:
-    done = list(state.in_stage(Stage.DONE))
-    return RunUseCaseResult(
-        id=active.handle.get_goal().id,
-        message=f"{len(done)} of {len(state.tasks)} tasks done",
-        elapsed_time=(rospy.Time.now() - active.begun).to_sec(),
-        run=active.supervisor.run,
-        done=done,
-        left=[name for name in state.tasks if name not in done],
-    )
-
-
-def _refusal(goal: RunUseCaseGoal, code: int, text: str) -> RunUseCaseResult:
-    return RunUseCaseResult(id=goal.id, success=False, error_code=code, error_message=text)

@@ -28,13 +28,16 @@ from remodel_planner.core.supervision.events import Answer, Answered, Command, C
 from remodel_planner.core.supervision.gate import Permit
 from remodel_planner.ros.event_loop import RosEventLoop
 from remodel_planner.supervisors.commands import Reply
+from remodel_planner.supervisors.ports import Abilities
+from remodel_planner.supervisors.run_commands import RunCommands
 from remodel_planner.supervisors.use_case_supervisor import UseCaseSupervisor
-from remodel_planner.supervisors.work import Peers
 
 RECORDER = "remodel/keep_record"
 RECORDER_PARAMETER = "remodel/recorder"
 BEGIN = "remodel/begin_operation"
 PROTECTIVE_STOP = "remodel/protective_stop"
+# Names of the persons who have stopped the cell by the service; it outlives this node.
+STOPPED_PARAMETER = "remodel/protective_stop_by"
 
 _ANSWERS = {
     Permit.GRANTED: BeginOperationResponse.GRANTED,
@@ -46,14 +49,18 @@ _OF_TASK = (Command.SKIP, Command.RETRY)
 
 
 class RunServices:
-    """Passes requests on to the supervisor, on its loop."""
+    """Passes requests on to the supervisor, on its loop.
+
+    Attributes:
+        commands: does what is commanded; holds the cell during protective stops.
+    """
 
     def __init__(
         self,
         loop: RosEventLoop,
         active: Callable[[], UseCaseSupervisor | None],
         why_closed: Callable[[], str],
-        peers: Peers,
+        abilities: Abilities,
     ) -> None:
         """Advertise all services, and listen to safety controllers.
 
@@ -61,15 +68,20 @@ class RunServices:
             loop: on which requests are processed.
             active: returns the supervisor of the run under way; None without a run.
             why_closed: returns why this node takes nothing now; empty if it does.
-            peers: whose abilities a protective stop cancels, run or no run.
+            abilities: that a protective stop cancels, run or no run.
         """
         self._loop = loop
         self._active = active
         self._why_closed = why_closed
-        self._peers = peers
-        # Controllers that ask for a protective stop by the topic, and have not released it; only
-        # the loop's thread has it.
-        self._stopped_by: set[str] = set()
+        self._abilities = abilities
+        self.commands = RunCommands(
+            loop,
+            abilities,
+            active,
+            why_closed,
+            rospy.get_param(STOPPED_PARAMETER, []),
+            lambda persons: rospy.set_param(STOPPED_PARAMETER, list(persons)),
+        )
         rospy.Service(RECORDER, KeepRecord, self._on_record)
         rospy.Service(BEGIN, BeginOperation, self._on_begin)
         rospy.Service("remodel/use_case/answer", AnswerQuestion, self._on_answer)
@@ -78,13 +90,6 @@ class RunServices:
         for command in _OF_TASK:
             self._serve_task(command)
         self._stops = rospy.Subscriber(PROTECTIVE_STOP, Bool, self._on_stop, tcp_nodelay=True)
-
-    @property
-    def safety(self) -> str:
-        """Why nothing may move, by the safety controllers; empty if it may."""
-        if not self._stopped_by:
-            return ""
-        return f"protective stop by {', '.join(sorted(self._stopped_by))}; release it first"
 
     def ask_to_be_asked(self) -> None:
         """Have all states ask before they begin, and wait until their records are kept.
@@ -139,18 +144,14 @@ class RunServices:
         rospy.Service(f"remodel/use_case/{command.value}", CommandTask, on_call)
 
     def _command(self, command: Command, task: str, by: str) -> tuple[bool, str]:
+        event = Commanded(command, task, by or "somebody")
+
         def do(reply: Reply) -> None:
-            supervisor = self._active()
-            if command is Command.RESUME and self.safety:
-                reply(False, self.safety)
-            elif supervisor is not None:
-                supervisor.command(Commanded(command, task, by or "somebody"), reply)
-            else:
-                reply(False, self._why_closed() or "no run is under way")
+            self.commands.command(event, reply)
 
         # The gate closes first: what is cancelled before it does may be followed by another goal.
         if command is Command.PROTECTIVE_STOP:
-            return self._loop.ask(do, self._peers.abilities.cancel)
+            return self._loop.ask(do, self._abilities.cancel)
         return self._loop.ask(do)
 
     def _on_answer(self, request: object) -> AnswerQuestionResponse:
@@ -172,23 +173,12 @@ class RunServices:
         by = message._connection_header.get("callerid", "a safety controller")
         self._loop.post(lambda: self._note_stop(by, is_stopped=message.data))
         if message.data:
-            self._peers.abilities.cancel()
+            self._abilities.cancel()
 
     def _note_stop(self, by: str, *, is_stopped: bool) -> None:
-        if not is_stopped:
-            # Whoever is not there any more, such as `rostopic pub`, cannot release it.
-            self._stopped_by &= {link.callerid_pub for link in self._stops.impl.connections} - {by}
-        elif by not in self._stopped_by:
-            self._stopped_by.add(by)
-            self.stop_if_unsafe()
-
-    def stop_if_unsafe(self) -> None:
-        """Stop the run under way if a safety controller has asked for it, before the run or now."""
-        supervisor = self._active()
-        if supervisor is not None and self._stopped_by:
-            by = ", ".join(sorted(self._stopped_by))
-            stop = Commanded(Command.PROTECTIVE_STOP, "", by)
-            supervisor.command(stop, lambda granted, text: None)
+        # Whoever is not there any more, such as `rostopic pub`, cannot release its own stop.
+        present = {link.callerid_pub for link in self._stops.impl.connections}
+        self.commands.note_controller(by, is_stopped=is_stopped, present=present)
 
 
 def operation_of(record: AbilityRecord) -> Operation:

@@ -75,7 +75,9 @@ class StatePublisher:
         self._sent_s = self._compared_s = -_HEARTBEAT_S
         rospy.Service(TASKS, GetTasks, self._on_get)
 
-    def idle(self, cell: str, text: str = "", *, starting: bool = False) -> None:
+    def idle(
+        self, cell: str, text: str = "", *, starting: bool = False, stopped_by: str = ""
+    ) -> None:
         """Publish that there is no run.
 
         How a run has ended stays published, and its tasks served, as long as there is nothing to
@@ -85,6 +87,7 @@ class StatePublisher:
             cell: name of this cell.
             text: why, for a person; empty if it waits for an order.
             starting: an order cannot be taken yet.
+            stopped_by: who has stopped the cell protectively; empty if nobody has.
         """
         has_ended = self._published is not None and self._published.view.state.ended is not None
         if has_ended and not text and not starting:
@@ -92,7 +95,8 @@ class StatePublisher:
         with self._lock:
             self._published = self._waiting = None
         phase = UseCaseState.STARTING if starting else UseCaseState.IDLE
-        self._send(UseCaseState(phase=phase, cell=cell, message=text))
+        phase = UseCaseState.PROTECTIVE_STOP if stopped_by else phase
+        self._send(UseCaseState(phase=phase, cell=cell, message=text, stopped_by=stopped_by))
 
     def publish(self, view: RunView) -> None:
         """Publish what has changed in a run, now or with the next `flush` that is due.

@@ -13,36 +13,62 @@ from remodel_planner.errors import CellError
 Reply = Callable[[bool, str], None]
 
 
+# [s] wall time after which a command is answered although something does not rest, such as an
+# ability server that stalls for ever.
+REST_LIMIT_S = 30.0
+
+
 @dataclass(frozen=True)
 class _Pending:
     holds: Callable[[], bool]
     reply: Reply
+    restless: Callable[[], str]
+    asked_s: float
 
 
 class PendingReplies:
     """Replies that wait for something, such as that nothing moves."""
 
-    def __init__(self) -> None:
-        """Begin without any."""
+    def __init__(self, wall_s: Callable[[], float]) -> None:
+        """Begin without any; `wall_s` returns the wall time [s], monotonic."""
+        self._wall_s = wall_s
         self._pending: list[_Pending] = []
 
-    def reply_when(self, holds: Callable[[], bool], reply: Reply) -> None:
-        """Answer a request with success as soon as a condition holds."""
-        self._pending.append(_Pending(holds, reply))
+    def reply_when(
+        self, holds: Callable[[], bool], reply: Reply, restless: Callable[[], str]
+    ) -> None:
+        """Answer a request with success as soon as a condition holds.
+
+        Args:
+            holds: the condition.
+            reply: to the request.
+            restless: returns what does not answer or rest, for a person; empty while an operation
+                is under way as it should. The request waits REST_LIMIT_S for it.
+        """
+        self._pending.append(_Pending(holds, reply, restless, self._wall_s()))
         self.check()
 
     def check(self) -> None:
-        """Answer the requests whose condition holds."""
-        due = [pending for pending in self._pending if pending.holds()]
-        self._pending = [pending for pending in self._pending if pending not in due]
-        for pending in due:
-            pending.reply(True, "")
+        """Answer the requests whose condition holds, or whose time has passed."""
+        now_s = self._wall_s()
+        for pending in list(self._pending):
+            if pending.holds():
+                self._answer(pending, True, "")
+            elif now_s > pending.asked_s + REST_LIMIT_S and (names := pending.restless()):
+                limit = f"{REST_LIMIT_S:.0f} s"
+                text = f"not at rest {limit} after it was asked for: {names}; nothing else begins"
+                self._answer(pending, False, text)
 
     def end(self, text: str) -> None:
         """Answer all that is left when the run is over, or this process ends."""
-        pending, self._pending = self._pending, []
-        for each in pending:
-            each.reply(each.holds(), text)
+        for pending in list(self._pending):
+            granted = pending.holds()
+            names = "" if granted else pending.restless()
+            self._answer(pending, granted, f"{text}; not at rest: {names}" if names else text)
+
+    def _answer(self, pending: _Pending, granted: bool, text: str) -> None:
+        self._pending.remove(pending)
+        pending.reply(granted, text)
 
 
 def require_sense(event: Commanded, state: RunState) -> None:

@@ -10,7 +10,7 @@ from remodel_planner.core.supervision.events import Asked, Escalated
 from remodel_planner.core.supervision.gate import Gate
 from remodel_planner.core.supervision.judge import failure_of, judged
 from remodel_planner.core.supervision.question import question_about
-from remodel_planner.core.supervision.state import SERVER_TROUBLE, TaskProgress
+from remodel_planner.core.supervision.state import SERVER_TROUBLE
 from remodel_planner.core.supervision.step import Ask, Decide
 from remodel_planner.supervisors.ports import Abilities, EventLoop, Log
 from remodel_planner.supervisors.run_record import RunRecord
@@ -55,7 +55,7 @@ class FailureJudge:
     def decide(self, name: str) -> None:
         """Decide what to do about a task that failed, when what it had trouble with answers."""
         planner = self._work.planner
-        self._await_server(self._record.state.tasks[name])
+        self.await_server(name)
         state = self._record.state
         task = state.tasks[name]
         now_s = self._loop.now_s()
@@ -76,20 +76,18 @@ class FailureJudge:
         decided = judged(state, name, faults, policy, possible, now_s, bounds, unpromising)
         self._record.append_if_next(Decide(name), decided, while_paused=True)
 
-    def _await_server(self, task: TaskProgress) -> None:
+    def await_server(self, name: str) -> None:
         """Wait until the ability server with which a task had trouble answers, and rests.
 
         Before that it may still complete its goal; afterwards what it has done can be inspected.
         One that stays away is left to the policy.
         """
-        last = task.operations[-1] if task.operations else None
-        if not task.codes or task.codes[-1] not in SERVER_TROUBLE or last is None:
-            return
-        in_trouble = {o.ability for o in task.operations if o.error_code in SERVER_TROUBLE}
+        operations = self._record.state.tasks[name].operations
+        in_trouble = {o.ability for o in operations if o.error_code in SERVER_TROUBLE}
         since_s = self._loop.wall_s()
         abilities = self._abilities
         for ability in sorted(in_trouble - {"FeedWire"}):
-            self._describe(f"{task.name}: waiting for the server of {ability} to answer")
+            self._describe(f"{name}: waiting for the server of {ability} to answer")
             self._loop.run_until(
                 lambda a=ability: (
                     bool(self._gate.halt)  # type: ignore[misc]

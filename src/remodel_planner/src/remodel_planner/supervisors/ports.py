@@ -144,8 +144,13 @@ class Abilities(Protocol):
     def is_connected(self, ability: str) -> bool:
         """Return whether the server of an ability is connected, whether it answers or not."""
 
-    def silent(self, since_s: float) -> str:
-        """Return the names of those that keep `are_quiet` from being true, for a person."""
+    def restless(self, since_s: float) -> tuple[str, ...]:
+        """Return those that keep `are_quiet` from being true, for a person."""
+
+
+def server_of(ability: str) -> str:
+    """Return what the server of an ability is called, for a person."""
+    return f"the server of {ability}"
 
 
 class Cell(Protocol):

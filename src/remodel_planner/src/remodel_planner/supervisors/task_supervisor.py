@@ -6,10 +6,17 @@ from collections import Counter
 from collections.abc import Callable
 
 from remodel_planner.core.run import Operation
-from remodel_planner.core.supervision.gate import Gate, Permit
-from remodel_planner.core.supervision.state import FINISHED, PREEMPTED, SERVER_GONE
+from remodel_planner.core.supervision.gate import FEEDER, Gate, Permit
+from remodel_planner.core.supervision.state import FINISHED, MOTION_STOPPED, PREEMPTED, SERVER_GONE
 from remodel_planner.errors import LostError, PlannerError
-from remodel_planner.supervisors.ports import Abilities, BehaviorEnd, End, Engine, EventLoop
+from remodel_planner.supervisors.ports import (
+    Abilities,
+    BehaviorEnd,
+    End,
+    Engine,
+    EventLoop,
+    server_of,
+)
 
 # [s] wall time between two checks of what nobody reports, such as silence.
 _CHECK_S = 0.1
@@ -50,7 +57,8 @@ class TaskSupervisor:
         self._keep: Keep | None = None
         self._kept: Counter[str] = Counter()
         self._goals: set[str] = set()
-        self._server_gone = ""
+        # Why nothing more of the behavior may begin; empty if it may.
+        self._why_over = ""
         # Operations whose server may still do them: path of the state -> ability, and since when.
         self._unended: dict[str, tuple[str, float]] = {}
         self._is_cut = False
@@ -60,6 +68,25 @@ class TaskSupervisor:
     def is_still(self) -> bool:
         """Whether nothing moves, for all that is known: at first, and after a loss, nothing is."""
         return self._gate.is_still and not self._settling
+
+    @property
+    def unrested(self) -> tuple[str, ...]:
+        """Servers that were lost during an operation, and may still complete it; for a person."""
+        return tuple(dict.fromkeys(server_of(ability) for ability, _ in self._unended.values()))
+
+    def restless(self, since_s: float) -> str:
+        """Return what does not rest although it should, for a person.
+
+        Args:
+            since_s: [s] wall time at which rest was asked for.
+        """
+        names = list(self.unrested)
+        if FEEDER in self._gate.moving:
+            names.append("the feeder")
+        if self._settling or self._gate.halt:
+            names += self._abilities.restless(since_s)
+            names += [] if self._engine.is_idle else ["the behavior engine"]
+        return ", ".join(dict.fromkeys(names))
 
     def run(self, behavior: str, keep: Keep) -> str:
         """Run a behavior to its end, and return its outcome; stop it when the gate halts.
@@ -75,7 +102,7 @@ class TaskSupervisor:
         self.halted = self._gate.halt
         if self.halted:
             return PREEMPTED
-        self.behavior, self._keep, self._server_gone = behavior, keep, ""
+        self.behavior, self._keep, self._why_over = behavior, keep, ""
         self._is_cut = False
         self._kept.clear()
         self._goals.clear()
@@ -112,7 +139,7 @@ class TaskSupervisor:
         self._rest(
             lambda: self._abilities.are_quiet(since_s),
             end_s,
-            lambda: self._abilities.silent(since_s),
+            lambda: ", ".join(self._abilities.restless(since_s)),
             while_leaving,
         )
         self._gate.clear()
@@ -129,8 +156,8 @@ class TaskSupervisor:
         """
         if self._settling or self.halted or behavior != self.behavior:
             return Permit.REFUSED, f"behavior {behavior!r} is about to be stopped"
-        if self._server_gone:
-            return Permit.REFUSED, self._server_gone
+        if self._why_over:
+            return Permit.REFUSED, self._why_over
         permit = self._gate.ask(state_path, ability)
         self._is_cut = self._is_cut or permit is Permit.REFUSED
         return permit, self._gate.why
@@ -154,7 +181,9 @@ class TaskSupervisor:
             self._goals.add(operation.goal_id)
             self._kept[operation.state_path] += 1
         if operation.error_code in SERVER_GONE:
-            self._server_gone = f"the server of {operation.ability} is lost"
+            self._why_over = f"the server of {operation.ability} is lost"
+        elif operation.error_code in MOTION_STOPPED:
+            self._why_over = f"{operation.ability} ended with a motion fault; a person is needed"
         if operation.error_code in SERVER_GONE or not operation.outcome:
             # A goal that was given up is cancelled; the server has not reported its end.
             self._unended[operation.state_path] = operation.ability, self._loop.wall_s()
@@ -197,7 +226,8 @@ class TaskSupervisor:
         if end is None:
             raise LostError(f"the behavior does not stop within {STOP_LIMIT_S:.0f} s")
         if not self._loop.run_until(lambda: self._abilities.are_quiet(since_s), limit_s):
-            raise LostError(f"{self._abilities.silent(since_s)} does not stop")
+            names = ", ".join(self._abilities.restless(since_s))
+            raise LostError(f"{names} does not stop")
         return end
 
     def _ended(self, or_until: Callable[[], bool]) -> BehaviorEnd | None:

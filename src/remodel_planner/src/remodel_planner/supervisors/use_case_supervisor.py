@@ -105,7 +105,6 @@ class UseCaseSupervisor:
     """Takes one run to its end.
 
     Attributes:
-        doing: what is being done now, for a person.
         tasks: the task supervisor below, which answers the states of behaviors.
     """
 
@@ -136,7 +135,7 @@ class UseCaseSupervisor:
         """
         self.run = run
         self.owner = owner
-        self.doing = ""
+        self._doing = ""
         self.work = work
         self._loop = loop
         self._peers = peers
@@ -145,7 +144,7 @@ class UseCaseSupervisor:
         self._gate = Gate()
         self.tasks = TaskSupervisor(loop, peers.engine, peers.abilities, self._gate, owner)
         self._lease = LeaseKeeper(loop, work.leases, self._close_or_open)
-        self._replies = PendingReplies()
+        self._replies = PendingReplies(loop.wall_s)
         self._behaviors_ended = 0
         # ROS time that counts for the run's limit: that of behaviors before this process took over.
         self._before_s = state.cell_s
@@ -164,6 +163,12 @@ class UseCaseSupervisor:
     def state(self) -> RunState:
         """What is known of the run; replaced at each event, never changed."""
         return self._record.state
+
+    @property
+    def doing(self) -> str:
+        """What is being done now, for a person, and what does not rest although it should."""
+        unrested = ", ".join(self.tasks.unrested)
+        return f"{self._doing}; not at rest: {unrested}" if unrested else self._doing
 
     @property
     def doing_now(self) -> Doing | None:
@@ -217,7 +222,8 @@ class UseCaseSupervisor:
         """Do what an operator or a safety controller asks for.
 
         The reply comes when nothing moves any more: after a pause when the operation under way has
-        ended, after a stop of any kind when what ran is cancelled and at rest.
+        ended, after a stop of any kind when what ran is cancelled and at rest. If something does
+        not rest in time, the reply names it, and nothing else begins before it rests.
         """
         is_under_way = bool(event.task) and event.task == getattr(self._step, "task", "")
         try:
@@ -228,15 +234,22 @@ class UseCaseSupervisor:
             return
         if self._gate.halt and not self.tasks.behavior:
             self._peers.abilities.cancel()
-        if event.command is Command.PAUSE:
-            self._replies.reply_when(lambda: self.tasks.is_still, reply)
-        elif self._gate.halt and self.tasks.behavior:
+        if self._gate.halt and self.tasks.behavior and event.command is not Command.PAUSE:
             ended = self._behaviors_ended + 1
-            self._replies.reply_when(lambda: self._behaviors_ended >= ended, reply)
-        elif self._gate.halt or is_under_way:
-            self._replies.reply_when(lambda: self.tasks.is_still, reply)
+            self._reply_when(lambda: self._behaviors_ended >= ended, reply)
+        elif event.command is Command.PAUSE or self._gate.halt or is_under_way:
+            self._reply_when(lambda: self.tasks.is_still, reply)
         else:
             reply(True, "")
+
+    def _reply_when(self, holds: Callable[[], bool], reply: Reply) -> None:
+        asked_s = self._loop.wall_s()
+
+        def restless() -> str:
+            names = self.tasks.restless(asked_s)
+            return names or (self.doing if self._gate.halt and not self.tasks.is_still else "")
+
+        self._replies.reply_when(holds, reply, restless)
 
     def answer(self, event: Answered, reply: Reply) -> None:
         """Take an operator's answer."""
@@ -284,6 +297,8 @@ class UseCaseSupervisor:
     def _execute(self, name: str, part: Part) -> None:
         if not self._has(name):
             return
+        if part is Part.CLEAR:
+            self._judge.await_server(name)
         task = self.state.tasks[name]
         chosen = self._chosen(task, part)
         chart = self.work.planner.chart(name, part, task.connected, task.decisions, chosen)
@@ -482,7 +497,10 @@ class UseCaseSupervisor:
         by = state.skipped.get(state.current, "") if is_attempt else ""
         protective = f"protective stop by {state.protective}" if state.protective else ""
         overdue = "its time has passed" if self._is_overdue() else ""
+        unrested = ", ".join(self.tasks.unrested)
         self._gate.hold = "the run is paused" if state.paused else ""
+        if unrested and not state.paused:
+            self._gate.hold = f"not at rest: {unrested}"
         self._gate.halt = (
             self._disowned()
             or protective
@@ -530,7 +548,7 @@ class UseCaseSupervisor:
         try:
             self.tasks.stop_all(_LEAVE_LIMIT_S, while_leaving=True)
         except LostError as lost:
-            self.doing = str(lost)
+            self._doing = str(lost)
 
     def _is_overdue(self) -> bool:
         spent_s = self._before_s + self._loop.now_s() - self._begun_s
@@ -551,5 +569,5 @@ class UseCaseSupervisor:
         self._on_change()
 
     def _describe(self, text: str) -> None:
-        self.doing = text
+        self._doing = text
         self._on_change()

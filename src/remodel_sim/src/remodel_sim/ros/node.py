@@ -11,6 +11,7 @@ import rospy
 import yaml
 from genpy import MessageException
 
+from flexbe_core.ros.master import join, spin
 from remodel_sim.abilities.station import Audience
 from remodel_sim.cell import Cell
 from remodel_sim.core.cell_design import CellDesign
@@ -38,7 +39,7 @@ RATES_HZ = (120, 2000)
 
 def main() -> int:
     """Run the cell until ROS shuts down; returns the exit code."""
-    rospy.init_node("cell")
+    join("cell")
     sys.setswitchinterval(SWITCH_INTERVAL_S)
     with ExitStack() as closing:
         try:
@@ -51,8 +52,7 @@ def main() -> int:
             AbilityServer(ability, owner)
         Services(owner, materials)
         rospy.loginfo("the cell is ready")
-        owner.spin()
-    return 0
+        return spin(owner.spin)
 
 
 def _build(materials: WireMaterials, closing: ExitStack) -> Owner:

@@ -18,8 +18,6 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import Generic, TypeVar
 
-import rospy
-
 from remodel_sim.abilities.runner import advance
 from remodel_sim.cell import Cell
 from remodel_sim.core.errors import CellError
@@ -69,10 +67,10 @@ class Owner:
         """Do nothing for so long: no step, no answer, no cancel; only the clock goes on."""
         self._frozen_until_s = self.clock.now_s + seconds
 
-    def spin(self) -> None:
-        """Run until ROS shuts down."""
+    def spin(self, is_over: Callable[[], bool]) -> None:
+        """Run until `is_over` returns that the node ends."""
         pause = threading.Event()
-        while not rospy.is_shutdown():
+        while not is_over():
             if self.clock.now_s < self._frozen_until_s:
                 pause.wait(IDLE_S)
                 self.clock.follow_wall()

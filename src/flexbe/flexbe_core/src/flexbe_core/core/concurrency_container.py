@@ -7,7 +7,9 @@ from typing import ClassVar
 
 from flexbe_core.core.operatable_state_machine import OperatableStateMachine
 from flexbe_core.core.state import State
+from flexbe_core.engine.concurrency import Concurrency
 from flexbe_core.engine.definition import Condition, Kind
+from flexbe_core.ros.session import run_session
 
 
 class ConcurrencyContainer(OperatableStateMachine):
@@ -30,6 +32,12 @@ class ConcurrencyContainer(OperatableStateMachine):
         """
         super().__init__(*args, **kwargs)
         self._conditions = conditions
+
+    @property
+    def _returned_outcomes(self) -> dict[str, str]:
+        """Outcomes of the states that have ended in this visit, by their labels."""
+        record = run_session(self).container(self.path)
+        return record.results if isinstance(record, Concurrency) else {}
 
     def _supervised_children(self) -> list[State]:
         return self._states[:1]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from flexbe_core.core.manually_transitionable_state import ManuallyTransitionableState
 from flexbe_core.ros.session import run_session
 
@@ -17,6 +19,18 @@ class LockableState(ManuallyTransitionableState):
     @_locked.setter
     def _locked(self, value: bool) -> None:
         run_session(self).set_locked(self.path, value)
+
+    @property
+    def _stored_outcome(self) -> str | None:
+        """The outcome that the active state keeps until it is unlocked; stock's attribute."""
+        session = run_session(self)
+        return session.engine.record.stored if session.active_leaf() is self else None
+
+    @_stored_outcome.setter
+    def _stored_outcome(self, value: str | None) -> None:
+        session = run_session(self)
+        if session.active_leaf() is self:
+            session.engine.record = replace(session.engine.record, stored=value)
 
     def is_locked(self) -> bool:
         """Return whether the state is kept from being left."""

@@ -104,6 +104,7 @@ class OperatableStateMachine(PreemptableStateMachine):
         """
         self._name = name
         self.id = id
+        own_session(self).forget()
         own_session(self).listen()
         self._begin_record()
         if self.autonomy_level != UNSUPERVISED:

@@ -14,8 +14,15 @@ class _Priority(type):
 
     @property
     def active_container(cls) -> str | None:
-        """Path of the priority container that is active in what was last executed by hand."""
+        """Path of the priority container that is active in what was last executed by hand.
+
+        What is assigned holds for whatever is executed by hand next.
+        """
         return Session.priority_by_hand
+
+    @active_container.setter
+    def active_container(cls, path: str | None) -> None:
+        Session.assign_priority(path)
 
 
 class PriorityContainer(OperatableStateMachine, metaclass=_Priority):

@@ -101,8 +101,12 @@ class Concurrency(Container):
 
     def leaf(self) -> Leaf | None:
         """Return the active state of the first child that still runs."""
-        running = self._running()
-        return running[0].leaf() if running else None
+        first = self.first_running()
+        return None if first is None else first.leaf()
+
+    def first_running(self) -> Node | None:
+        """Return the first child that still runs; None if all have ended."""
+        return next(iter(self._running()), None)
 
     def child(self, label: str) -> Node:
         """Return the record of a child; mirrors see the first, conditions say where all lead."""
@@ -137,7 +141,7 @@ class Concurrency(Container):
         for outcome, pairs in conditions:
             if all(self.results.get(label) == result for label, result in pairs):
                 self.exit()
-                self.engine.sync_pending = self.definition._is_controlled
+                self.engine.sync_pending |= self.definition._is_controlled
                 return outcome
         if not self._running():
             results = ", ".join(f"{label}: {result}" for label, result in self.results.items())

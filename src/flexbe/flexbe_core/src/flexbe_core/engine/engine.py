@@ -23,7 +23,8 @@ from typing import TYPE_CHECKING, ClassVar
 from flexbe_core.engine import commands
 from flexbe_core.engine.concurrency import Concurrency
 from flexbe_core.engine.definition import Definition, Kind
-from flexbe_core.engine.facts import Answered, Entered, Fact, Refused, Synced
+from flexbe_core.engine.facts import Answered, Entered, Fact, Refused, Shown, Synced
+from flexbe_core.engine.following import left, shown, shown_path
 from flexbe_core.engine.handover import active_state, let_go
 from flexbe_core.engine.leaf import Leaf
 from flexbe_core.engine.machine import Machine
@@ -68,7 +69,8 @@ class Engine:
         slow: whether cycles are slowed down, see machine.py; for the driver to set.
         released: whether the active state was handed over to another version.
         recording: whether facts are told that only a record of the run needs (Ended, Forced).
-        sync_pending: whether mirrors are to be told where the run is, as soon as a state is active.
+        sync_pending: whether mirrors need to know where the run is, as soon as a state is active.
+        left: the supervised state that was left in this execution, with its outcome; None if none.
     """
 
     records: ClassVar[Mapping[Kind, type[Node]]] = {
@@ -95,6 +97,9 @@ class Engine:
         self.policy = policy
         self.released = False
         self.recording = False
+        self.left: tuple[Leaf, str] | None = None
+        self._shown = ""
+        self._entered = ""
         self._sync_asked = False
         self._pause_claim: tuple[str | None] | None = None
         self.root: Node = self.records[type(root).__kind__](self, root, None, "")
@@ -146,6 +151,7 @@ class Engine:
         self.commands.clear()
         self.sync_pending = self._sync_asked = False
         self._pause_claim = None
+        self._shown = self._entered = ""
 
     def wake(self, leaf: Leaf) -> None:
         """Execute a state as soon as possible: what it waits for may have come."""
@@ -172,7 +178,7 @@ class Engine:
         """
         if self.record.preempt:  # the first row of decision.BEFORE, for all states at once
             return self._preempt()
-        tick = self.root.tick
+        tick = self._tick_supervised if self.root.definition._is_controlled else self.root.tick
         while True:
             self.moved = False
             outcome = tick(now)
@@ -191,6 +197,8 @@ class Engine:
     def stop(self) -> None:
         """End the visits of all active states, as after an error."""
         self.root.exit()
+        if self._shown:
+            self._show("")
 
     def take_facts(self) -> list[Fact]:
         """Return what happened since the last call: entries first, then the rest in order."""
@@ -199,6 +207,17 @@ class Engine:
         self.facts = []
         if len(entries) > ENTRIES_TO_FOLLOW:
             entries = entries[-1:]
+        # A state whose beginning was not followed may be the one to show now: another child of a
+        # concurrency container, after the first has ended.
+        node = shown(self.root)
+        if (
+            isinstance(node, Leaf)
+            and node.entered
+            and node.path != (entries or [self._entered])[-1]
+        ):
+            entries.append(node.path)
+        if entries:
+            self._entered = entries[-1]
         return [Entered(path) for path in entries] + facts
 
     def holds_errors(self) -> bool:
@@ -230,14 +249,39 @@ class Engine:
         if self._is_supervised() and not self.released:
             self.facts.append(Answered("preempt"))
         self.record = replace(self.record, preempt=False)
-        self.root.exit()
+        self.stop()
         return PREEMPTED
 
+    def _tick_supervised(self, now: float) -> str | None:
+        """Execute the root once; mirrors follow each execution, before the next one."""
+        try:
+            return self.root.tick(now)
+        finally:
+            self._lead_mirrors()
+
+    def _lead_mirrors(self) -> None:
+        """Have mirrors show the state that is active after an execution."""
+        path = shown_path(self.root) if self.root.active else ""
+        is_followed = self._shown in ("", path)
+        if self.left is not None:
+            fact = left(*self.left, path)
+            self.facts.append(fact)
+            self.left, is_followed = None, fact.is_followed
+            self._shown = ""  # a state that follows itself is shown again
+        if path != self._shown:
+            self._show(path)
+        if self.sync_pending or self._sync_asked or not is_followed:
+            self._sync()
+
+    def _show(self, path: str) -> None:
+        self._shown = path
+        self.facts.append(Shown(path))
+
     def _sync(self) -> None:
-        leaf = self.root.leaf()
-        if leaf is None:
+        path = shown_path(self.root) if self.root.active else ""
+        if not path:
             return
-        self.facts.append(Synced(leaf.path))
+        self.facts.append(Synced(path))
         if self._sync_asked:
             self.facts.append(Answered("sync"))
         self.sync_pending = self._sync_asked = False

@@ -17,11 +17,21 @@ class Entered:
 
 @dataclass(frozen=True, slots=True)
 class Left:
-    """A supervised state took one of its declared outcomes; `index` counts them."""
+    """A supervised state took one of its declared outcomes; `index` counts them.
+
+    Attributes:
+        path: its path.
+        outcome: the outcome.
+        index: its index in the state's outcomes.
+        is_followed: whether a mirror that follows this outcome through the structure arrives at the
+            state that is active now. It does not where a concurrency container goes on without
+            its first state, or ends with an outcome of its own.
+    """
 
     path: str
     outcome: str
     index: int
+    is_followed: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +53,16 @@ class Answered:
 @dataclass(frozen=True, slots=True)
 class Synced:
     """A mirror shall continue from this state."""
+
+    path: str
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """Mirrors of this engine show this state from now on; empty at the end of the run.
+
+    Left and Synced lead mirrors of stock FlexBE, on two topics that may overtake each other.
+    """
 
     path: str
 
@@ -89,4 +109,4 @@ class Ended:
     outcome: str
 
 
-Fact = Entered | Left | Requested | Answered | Synced | Refused | Raised | Forced | Ended
+Fact = Entered | Left | Requested | Answered | Synced | Shown | Refused | Raised | Forced | Ended

@@ -4,6 +4,9 @@ A fingerprint is the list of the value's unchangeable parts, in the order of a w
 The parts are kept, not copied: bytes of an image cost one reference. Taken again after the value
 was lent out, an equal fingerprint means that nothing was written into it.
 
+A list of many objects of one class, such as the poses of a path, is walked attribute by attribute
+in place of object by object: what they have in one attribute is one part.
+
 Seen: lists, tuples, sets, dicts, ROS messages, and whatever has a buffer (arrays, bytearrays).
 Of a buffer beyond SAMPLED_BYTES only samples are compared. Other objects count as unchangeable,
 as they do in stock FlexBE, which compares their repr.
@@ -12,6 +15,8 @@ as they do in stock FlexBE, which compares their repr.
 from __future__ import annotations
 
 import zlib
+from collections.abc import Sequence
+from operator import attrgetter
 from typing import Any
 
 # Whatever users put into userdata.
@@ -62,8 +67,8 @@ def _walk(value: Value, parts: Fingerprint, seen: set[int]) -> None:
         return
     seen.add(id(value))
     if kind in (list, tuple):
-        if len(value) > _LONG_LIST and set(map(type, value)) <= _PLAIN:
-            parts.append(tuple(value))
+        if len(value) > _LONG_LIST:
+            _walk_together(value, parts, seen, frozenset())
             return
         parts.append(len(value))
         for item in value:
@@ -74,13 +79,58 @@ def _walk(value: Value, parts: Fingerprint, seen: set[int]) -> None:
             _walk(item, parts, seen)
     elif kind in (set, frozenset):
         parts.append(frozenset(value))
-    elif hasattr(kind, "__slots__") and not hasattr(value, "__array_interface__"):
-        skipped = _SET_BY_PUBLISHING if kind.__name__ == "Header" else frozenset()
-        for name in kind.__slots__:
-            if name not in skipped:
-                _walk(getattr(value, name, None), parts, seen)
+    elif _has_slots(kind):
+        for name in _changeable_slots(kind):
+            _walk(getattr(value, name, None), parts, seen)
     else:
         _sum_buffer(value, parts)
+
+
+def _walk_together(
+    values: Sequence[Value], parts: Fingerprint, seen: set[int], around: frozenset[type]
+) -> None:
+    """Walk through many values at once, as long as they are of one class.
+
+    Args:
+        values: what all objects of a list have in one attribute; at first the list itself.
+        parts: gets the parts.
+        seen: ids of the values that were walked through one by one.
+        around: classes of the objects that hold the values; one that holds itself is walked
+            through object by object, which ends.
+    """
+    kinds = tuple(map(type, values))
+    classes = set(kinds)
+    parts.append(kinds)
+    if classes <= _PLAIN:
+        parts.append(tuple(values))
+        return
+    kind = kinds[0]
+    columns = _columns(values, kind) if len(classes) == 1 and kind not in around else None
+    if columns is None:
+        for value in values:
+            _walk(value, parts, seen)
+    else:
+        for column in columns:
+            _walk_together(column, parts, seen, around | {kind})
+
+
+def _columns(values: Sequence[Value], kind: type) -> list[list[Value]] | None:
+    """Return what objects of one class have in each attribute; None if some lack one."""
+    if not _has_slots(kind):
+        return None
+    try:
+        return [list(map(attrgetter(name), values)) for name in _changeable_slots(kind)]
+    except AttributeError:
+        return None
+
+
+def _has_slots(kind: type) -> bool:
+    return hasattr(kind, "__slots__") and not hasattr(kind, "__array_interface__")
+
+
+def _changeable_slots(kind: Any) -> list[str]:  # noqa: ANN401 - a class that has slots
+    skipped = _SET_BY_PUBLISHING if kind.__name__ == "Header" else frozenset()
+    return [name for name in kind.__slots__ if name not in skipped]
 
 
 def _sum_buffer(value: Value, parts: Fingerprint) -> None:

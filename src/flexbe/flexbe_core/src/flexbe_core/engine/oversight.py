@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from flexbe_core.engine.commands import StateCommand
 from flexbe_core.engine.decision import PENDING, Act, Moment, Pending, decide
-from flexbe_core.engine.facts import NO_OUTCOME, Forced, Left, Requested
+from flexbe_core.engine.facts import NO_OUTCOME, Forced, Requested
 from flexbe_core.engine.obey import ActiveState, obey
 
 if TYPE_CHECKING:
@@ -55,11 +55,10 @@ def after(leaf: Leaf, outcome: str | None) -> Act:
 
 
 def left(leaf: Leaf, outcome: str) -> None:
-    """Tell mirrors that the state was left, and drop what concerned only this visit."""
+    """Note for mirrors that the state was left, and drop what concerned only this visit."""
     engine = leaf.engine
-    outcomes = leaf.definition._outcomes
-    if outcome in outcomes:
-        engine.facts.append(Left(leaf.path, outcome, outcomes.index(outcome)))
+    if outcome in leaf.definition._outcomes:
+        engine.left = leaf, outcome
     engine.record = engine.record.after_visit()
 
 

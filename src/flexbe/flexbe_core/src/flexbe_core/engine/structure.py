@@ -56,6 +56,14 @@ def first_state(root: Definition) -> Definition:
     return root
 
 
+def first_path(root: Definition, path: str) -> str:
+    """Return the path of the state that is active first in what is at `path`."""
+    while type(root).__kind__ is not Kind.STATE and root._labels:
+        label, root = next(iter(root._labels.items()))
+        path = f"{path}/{label}"
+    return path
+
+
 def _walk(definition: Definition, path: str, parent: Definition, label: str) -> Iterator[Part]:
     is_container = type(definition).__kind__ is not Kind.STATE
     children = tuple(definition._labels) if is_container else ()

@@ -8,7 +8,7 @@ from __future__ import annotations
 import functools
 import threading
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Any, Protocol
 
 from genpy import Message
@@ -45,6 +45,10 @@ _COMMANDS: dict[str, Callable[[Any], Command]] = {
 }
 
 
+# What ends whatever runs. A machine that is executed by hand, without supervision, needs no more,
+# and each subscription costs calls to the master.
+STOPS = (topics.PREEMPT, topics.PREEMPT_OF_DELIVERABLE)
+
 # What stays in force until another command changes it. The others are about what is active now.
 _LASTING = Preempt | SetAutonomy | Attach | Lock | Unlock | Pause | Resume
 
@@ -57,23 +61,30 @@ class Listener(Protocol):
 
 
 class CommandHub:
-    """Hands each command to everything that listens."""
+    """Hands each command to everything that listens.
+
+    Attributes:
+        preempts: how many have arrived.
+    """
 
     def __init__(self) -> None:
         """Begin without a subscription."""
+        self.preempts = 0
         self._lock = threading.Lock()
         self._listeners: weakref.WeakSet[Listener] = weakref.WeakSet()
         self._held: list[Command] | None = None
-        self._is_subscribed = False
+        self._subscribed: set[str] = set()
 
-    def subscribe(self) -> None:
-        """Subscribe to all commands; calls to the master, so better done before a run."""
-        if not self._is_subscribed:
-            self._is_subscribed = True
-            subscriber = ProxySubscriberCached()
-            for topic, message_type in topics.COMMANDS.items():
+    def subscribe(self, names: Collection[str] = topics.COMMANDS) -> None:
+        """Subscribe to commands, by default to all.
+
+        That calls the master for each topic, so better before a run.
+        """
+        for topic in names:
+            if topic not in self._subscribed:
+                self._subscribed.add(topic)
                 on_message = functools.partial(self._on_message, topic)
-                subscriber.subscribe(topic, message_type, on_message)
+                ProxySubscriberCached().subscribe(topic, topics.COMMANDS[topic], on_message)
 
     def hold(self) -> None:
         """Keep lasting commands from now on for the next listener: a run is being prepared."""
@@ -90,7 +101,6 @@ class CommandHub:
 
         It gets first, in their order, the commands that were kept for it.
         """
-        self.subscribe()
         with self._lock:
             for command in self._held or ():
                 listener.post(command)
@@ -105,6 +115,7 @@ class CommandHub:
     def _on_message(self, topic: str, message: Message) -> None:
         command = _COMMANDS[topic](message)
         with self._lock:
+            self.preempts += isinstance(command, Preempt)
             if self._held is not None and isinstance(command, _LASTING):
                 self._held.append(command)
             for listener in tuple(self._listeners):

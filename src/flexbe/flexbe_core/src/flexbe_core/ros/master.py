@@ -2,7 +2,8 @@
 
 rospy waits for a master for ever, and registers a node only once. A node that must not do so calls
 `require_master` before it joins, and `spin` or a `MasterWatch` afterwards. rospy's handler of
-signals deadlocks when one arrives while the node still advertises its topics: nodes call `join`.
+signals deadlocks when one arrives while the node still advertises its topics. So nobody calls
+rospy.init_node: nodes that serve call `join` and `spin`, commands call `join_interruptibly`.
 """
 
 from __future__ import annotations
@@ -32,6 +33,9 @@ _WATCH_EVERY_S = 1.0
 
 # [s] Wall time between two wake-ups of a node's main thread.
 _SIGNALS_EVERY_S = 0.5
+
+# [s] Wall time that a node whose shutdown was requested by ROS gets to stop publishing.
+_SERVED_LIMIT_S = 2.0
 
 # [s] Wall time without an answer after which a master counts as silent.
 SILENCE_S = 5.0
@@ -177,16 +181,58 @@ _ended = threading.Event()
 
 def join(name: str) -> None:
     """Become a node that SIGINT and SIGTERM end once it calls `spin`, not while it is set up."""
+    threading.excepthook = _log_error
+    # Without a master, rospy waits for one, and a signal must be able to end that.
+    is_there = master_identity() is not None
+    if is_there:
+        _keep_signals()
     rospy.init_node(name, disable_signals=True)
+    if not is_there:
+        _keep_signals()
+
+
+def _keep_signals() -> None:
+    """Have signals end `spin`, and nothing before it."""
     for number in (signal.SIGINT, signal.SIGTERM):
         # On a thread of its own: the main thread may hold any lock now, that of the event too.
         signal.signal(number, lambda *_: _thread.start_new_thread(_ended.set, ()))
 
 
-def spin() -> int:
+def _log_error(error: threading.ExceptHookArgs) -> None:
+    """Print what ended a thread, unless it only published while ROS was closing the topics.
+
+    The timers of actionlib's servers do that at each shutdown.
+    """
+    is_late = isinstance(error.exc_value, rospy.ROSException) and "closed" in str(error.exc_value)
+    if not (is_late and rospy.core.is_shutdown_requested()):
+        threading.__excepthook__(error)
+
+
+def join_interruptibly(name: str, anonymous: bool = True) -> None:
+    """Become a node for the length of a command: signals raise KeyboardInterrupt, as in Python.
+
+    SIGTERM does so too if the main thread calls this; from another thread it leaves signals alone.
+    """
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+    rospy.init_node(name, anonymous=anonymous, disable_signals=True)
+
+
+def _wait(is_over: Callable[[], bool]) -> None:
+    # Python handles signals in the main thread, but the system may deliver one to another thread,
+    # for instance while that starts a third. Only a main thread that wakes up notices it then.
+    while not is_over():
+        _ended.wait(_SIGNALS_EVERY_S)
+
+
+def spin(serve: Callable[[Callable[[], bool]], None] = _wait) -> int:
     """Serve until ROS shuts this node down, or its master was restarted; return the exit code.
 
     roslaunch respawns a node that ends with EXIT_MASTER_RESTARTED; it then joins the new master.
+
+    Args:
+        serve: what the calling thread does meanwhile; it gets a function that returns whether the
+            node ends, and returns soon after that. Its topics are open until then.
     """
     restarts: list[str] = []
 
@@ -195,11 +241,12 @@ def spin() -> int:
         _ended.set()
 
     watch = MasterWatch(on_restart)
-    rospy.on_shutdown(_ended.set)
-    # Python handles signals in the main thread, but the system may deliver one to another thread,
-    # for instance while that starts a third. Only a main thread that wakes up notices it then.
-    while not _ended.wait(_SIGNALS_EVERY_S):
-        pass
+    served = threading.Event()
+    rospy.on_shutdown(lambda: _end(served))
+    try:
+        serve(_ended.is_set)
+    finally:
+        served.set()
     watch.stop()
     if not restarts:
         rospy.signal_shutdown("asked to end")
@@ -207,3 +254,9 @@ def spin() -> int:
     rospy.logfatal("%s", restarts[0])
     rospy.signal_shutdown(restarts[0])
     return EXIT_MASTER_RESTARTED
+
+
+def _end(served: threading.Event) -> None:
+    """End `spin`, and give it time to stop publishing before ROS closes the topics."""
+    _ended.set()
+    served.wait(_SERVED_LIMIT_S)

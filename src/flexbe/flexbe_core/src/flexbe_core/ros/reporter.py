@@ -30,6 +30,7 @@ from flexbe_core.engine.facts import (
     Raised,
     Refused,
     Requested,
+    Shown,
     Synced,
 )
 from flexbe_core.engine.structure import definition_at, structure_of
@@ -45,6 +46,7 @@ _SAME_ERROR_S = 10.0
 def advertise() -> None:
     """Advertise what runs publish."""
     ProxyPublisher(topics.PUBLISHED)
+    ProxyPublisher({topics.ACTIVE_STATE: String}, _latch=True)
 
 
 class Reporter:
@@ -55,7 +57,6 @@ class Reporter:
         self._root = root
         self._publisher = ProxyPublisher()
         self._logged: dict[str, tuple[str, float]] = {}
-        advertise()
 
     def report(self, facts: Sequence[Fact]) -> None:
         """Publish facts in their order."""
@@ -85,13 +86,15 @@ class Reporter:
 
     @_publish.register
     def _(self, fact: Entered) -> None:
-        # A supervised behavior is followed by a mirror, which publishes this itself.
-        if not self._root._is_controlled:
+        # A supervised behavior is followed by a mirror, which publishes this itself. What is
+        # executed by hand has no id, and is no behavior.
+        if not self._root._is_controlled and getattr(self._root, "id", None) is not None:
             self._send(topics.BEHAVIOR_UPDATE, String(fact.path))
 
     @_publish.register
     def _(self, fact: Left) -> None:
-        self._send(topics.MIRROR_OUTCOME, UInt8(fact.index))
+        if fact.is_followed:
+            self._send(topics.MIRROR_OUTCOME, UInt8(fact.index))
         self._send(topics.CURRENT_STATE, String(f"{fact.path} > {fact.outcome}"))
 
     @_publish.register
@@ -117,6 +120,10 @@ class Reporter:
     @_publish.register
     def _(self, fact: Synced) -> None:
         self._send(topics.MIRROR_SYNC, BehaviorSync(self._behavior_id(), checksum(fact.path)))
+
+    @_publish.register
+    def _(self, fact: Shown) -> None:
+        self._send(topics.ACTIVE_STATE, String(fact.path))
 
     @_publish.register
     def _(self, fact: Refused) -> None:
@@ -151,4 +158,6 @@ class Reporter:
         return getattr(self._root, "id", None) or 0
 
     def _send(self, topic: str, message: Message) -> None:
+        if not self._publisher.is_available(topic):
+            advertise()
         self._publisher.publish(topic, message)

@@ -21,7 +21,7 @@ from flexbe_core.engine.node import Node
 from flexbe_core.logger import Logger
 from flexbe_core.ros import breakpoints, clock
 from flexbe_core.ros.beat import Beat
-from flexbe_core.ros.command_hub import HUB
+from flexbe_core.ros.command_hub import HUB, STOPS
 from flexbe_core.ros.driver import Driver, Inbox
 from flexbe_core.ros.reporter import Reporter, advertise
 
@@ -35,11 +35,14 @@ class Session:
 
     Attributes:
         engine: what runs it.
+        is_listening: whether it takes commands of operators.
         priority_by_hand: path of what runs alone in what was last executed by hand; None if
             nothing does.
     """
 
     priority_by_hand: ClassVar[str | None] = None
+    # Number and value of the last assignment to stock FlexBE's attribute of the process.
+    _assigned: ClassVar[tuple[int, str | None]] = (0, None)
 
     def __init__(self, root: Definition, policy: ErrorPolicy = ErrorPolicy.AUTO) -> None:
         """Prepare to run `root`."""
@@ -48,9 +51,17 @@ class Session:
         self._beat: Beat | None = None
         self._driver: Driver | None = None
         self._inbox: Inbox = queue.SimpleQueue()
-        self._is_listening = False
+        self.is_listening = False
+        self._is_connected = False
+        self._assignment = 0
         self._reporter = Reporter(root)
         self._has_level = type(root).__kind__ is not Kind.STATE and hasattr(root, "autonomy_level")
+
+    @classmethod
+    def assign_priority(cls, path: str | None) -> None:
+        """Have what is at `path` run alone, in whatever is executed by hand next; None: nothing."""
+        cls.priority_by_hand = path
+        cls._assigned = cls._assigned[0] + 1, path
 
     def post(self, command: Command) -> None:
         """Take a command; may be called from any thread."""
@@ -58,19 +69,32 @@ class Session:
 
     def listen(self) -> None:
         """Take commands of operators from now on, and those that the hub kept for this run."""
-        if self._is_listening:
-            return
-        self._is_listening = True
+        if not self._is_connected:
+            self._is_connected = True
+            connect()
+        self._begin_listening()
+
+    def listen_for_stops(self) -> None:
+        """Be preempted by operators from now on, with nothing else in force than before."""
+        HUB.subscribe(STOPS)
+        self._begin_listening()
+
+    def _begin_listening(self) -> None:
+        if not self.is_listening:
+            self.is_listening = True
+            HUB.listen(self)
+
+    def ignore(self) -> None:
+        """Take no more commands from operators, and put none in force any more."""
+        self.is_listening = False
+        HUB.ignore(self)
+        self.forget()
+
+    def forget(self) -> None:
+        """Put nothing in force of what was commanded, for a new run."""
         while not self._inbox.empty():
             self._inbox.get()
         self.engine.forget_supervision()
-        HUB.listen(self)
-        breakpoints.subscribe()
-
-    def ignore(self) -> None:
-        """Take no more commands from operators."""
-        self._is_listening = False
-        HUB.ignore(self)
 
     def spin(self, userdata: UserData | None = None) -> str:
         """Run to the end and return the outcome; see Driver.drive for what it raises."""
@@ -96,6 +120,8 @@ class Session:
         self._take_commands()
         if is_preempted:
             self._command(Preempt())
+        if self._assignment != self._assigned[0]:
+            self._assignment, self.engine.priority = self._assigned
         self.engine.begin(userdata)
         policy = self.engine.policy
         if policy is ErrorPolicy.AUTO:
@@ -141,10 +167,15 @@ class Session:
 
     def container(self, path: str) -> Container | None:
         """Return the record of the container at this path; None if it has not been reached."""
+        node = self.node(path)
+        return node if isinstance(node, Container) else None
+
+    def node(self, path: str) -> Node | None:
+        """Return the record at this path; None if it has not been reached."""
         node: Node | None = self.engine.root
         for label in path.removeprefix(self.engine.root_path).split("/")[1:]:
             node = node.children.get(label) if isinstance(node, Container) else None
-        return node if isinstance(node, Container) else None
+        return node
 
     def is_locked(self, path: str) -> bool:
         """Return whether the operator has locked the state or container at this path."""

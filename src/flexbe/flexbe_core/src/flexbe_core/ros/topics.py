@@ -12,6 +12,8 @@ COMMAND_FEEDBACK = "flexbe/command_feedback"
 MIRROR_STRUCTURE = "flexbe/mirror/structure"
 MIRROR_SYNC = "flexbe/mirror/sync"
 MIRROR_OUTCOME = "flexbe/mirror/outcome"
+# Not stock FlexBE's: the path of the active state of a supervised run, empty after it.
+ACTIVE_STATE = "flexbe/mirror/active_state"
 OUTCOME_REQUEST = "flexbe/outcome_request"
 CURRENT_STATE = "flexbe/debug/current_state"
 BEHAVIOR_UPDATE = "flexbe/behavior_update"

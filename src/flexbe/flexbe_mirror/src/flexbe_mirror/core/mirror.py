@@ -4,6 +4,10 @@
       ^                     |  (asks for it after ASK_AFTER_S)     |
       +---------------------+-------- any end, silence -----------+
 
+An engine of this workspace names its active state itself, in the order of the run: on_active_state.
+Any other is followed: on_outcome goes from state to state through the structure, on_sync jumps.
+Those come on topics of their own, and may overtake each other.
+
 An engine that falls silent shows nothing; if its heartbeat comes back, the mirror follows it again.
 What has been told is answered with what to do: Show, AskForStructure, AskWhere. A mirror that joins
 late, or gets the structure late, does not know where the behavior is: it asks.
@@ -77,6 +81,7 @@ class Mirror:
         self._ask_at = 0.0
         self._heard_at = 0.0
         self._lost: int | None = None
+        self._named = ""
 
     def on_heartbeat(self, now: float) -> list[Deed]:
         """Take a sign of life of the engine; `now` [s] is wall time."""
@@ -103,6 +108,12 @@ class Mirror:
             return []
         self._tree = tree
         return [AskWhere()]
+
+    def on_active_state(self, path: str) -> list[Deed]:
+        """Take the active state from an engine that names it; it may come before STARTED."""
+        self._named = path
+        # That no state is active is what a status reports.
+        return [] if self._behavior_id is None or not path else self._show(path)
 
     def on_outcome(self, index: int) -> list[Deed]:
         """Take the outcome of the active state."""
@@ -137,6 +148,8 @@ class Mirror:
         self._behavior_id = behavior_id
         self._tree, self.path = self._buffered.get(behavior_id), ""
         self._ask_at = now + ASK_AFTER_S
+        if self._named:
+            return self._show(self._named)
         if self._tree is None:
             return []
         is_there = resume_at in self._tree.parts
@@ -152,4 +165,5 @@ class Mirror:
         if self._behavior_id is not None:
             self._buffered.pop(self._behavior_id, None)
         self._behavior_id = self._tree = None
+        self._named = ""
         return self._show("")

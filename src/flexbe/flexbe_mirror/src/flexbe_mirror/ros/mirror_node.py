@@ -42,6 +42,9 @@ class FlexbeMirror:
             ("flexbe/heartbeat", Empty, lambda m: self._mirror.on_heartbeat(time.monotonic())),
         ):
             rospy.Subscriber(topic, message_type, self._put, handle, tcp_nodelay=True)
+        self._names = rospy.Subscriber(
+            topics.ACTIVE_STATE, String, self._put, self._on_active_state, tcp_nodelay=True
+        )
         threading.Thread(target=self._work, name="mirror", daemon=True).start()
 
     def _put(self, message: Message, handle: Callable[[Message], list[Deed]]) -> None:
@@ -82,8 +85,19 @@ class FlexbeMirror:
         )
         return self._mirror.on_structure(message.behavior_id, tree)
 
+    def _on_active_state(self, message: String) -> list[Deed]:
+        return self._mirror.on_active_state(message.data)
+
     def _on_outcome(self, message: UInt8) -> list[Deed]:
+        if self._is_named():
+            return []
         return self._mirror.on_outcome(message.data)
 
     def _on_sync(self, message: BehaviorSync) -> list[Deed]:
+        if self._is_named():
+            return []
         return self._mirror.on_sync(message.behavior_id, message.current_state_checksum)
+
+    def _is_named(self) -> bool:
+        """Return whether the engine names its active state itself, in the order of the run."""
+        return self._names.get_num_connections() > 0

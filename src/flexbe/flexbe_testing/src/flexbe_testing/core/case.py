@@ -8,7 +8,7 @@ params: {calculation: "lambda x: 2 * x"}
 input: {input_value: 2}
 output: {output_value: 4}
 outcome: done
-data: package/folder/some.bag           where values written as !/topic come from
+data: package/folder/some.bag           where values written as /topic come from
 launch: package/folder/some.launch      or the XML itself: what runs beside the test
 wait_cond: "rospy.has_param('/ready')"  Python, true when what was launched is ready
 require_launch_success: true            whether what was launched must still run at the end
@@ -80,7 +80,7 @@ def read_case(title: str, found: object) -> Case:
     """
     if not isinstance(found, dict):
         raise CaseError(f"a test case is a mapping of keys to values; found {found!r:.80}")
-    entries = {str(key): value for key, value in found.items() if value is not None}
+    entries = {str(key): value for key, value in found.items() if value not in (None, "None")}
     wrong = [
         f"{key} must be of type {_KINDS[key].__name__}, found {value!r:.80}"
         for key, value in entries.items()

@@ -1,6 +1,9 @@
 """Values of a test case: as written, from a bag, or functions.
 
-    !/topic          the next message of that topic in the case's bag
+    /topic           the next message of that topic in the case's bag; without a bag, this text
+    !/topic          the same, and an error without a bag
+    //text           the text `/text`
+    None             None
     lambda x: x + 1  that function
 
 A test case names any module to import, so it is trusted as code is; that is why functions in it may
@@ -18,23 +21,30 @@ _FROM_BAG = "!"
 _FUNCTION = "lambda"
 
 
-def value_of(written: Any, message: Callable[[str], Any]) -> Any:  # noqa: ANN401
+def value_of(written: Any, message: Callable[[str], Any], has_bag: bool = False) -> Any:  # noqa: ANN401
     """Return what a value of a test case stands for.
 
     Args:
         written: as it is in the case.
         message: returns the next message of a topic.
+        has_bag: whether the case names a bag.
 
     Raises:
         CaseError: if it is a function that is no Python.
     """
     if isinstance(written, dict):
-        return {key: value_of(value, message) for key, value in written.items()}
-    if isinstance(written, list):
-        return [value_of(value, message) for value in written]
-    if not isinstance(written, str):
-        return written
-    if written.startswith(_FROM_BAG):
+        return {key: value_of(value, message, has_bag) for key, value in written.items()}
+    if isinstance(written, list | tuple):
+        return type(written)([value_of(value, message, has_bag) for value in written])
+    return _text(written, message, has_bag) if isinstance(written, str) else written
+
+
+def _text(written: str, message: Callable[[str], Any], has_bag: bool) -> Any:  # noqa: ANN401
+    if written == "None":
+        return None
+    if written.startswith("//"):
+        return written[1:]
+    if written.startswith(_FROM_BAG + "/") or (has_bag and written.startswith("/")):
         return message(written.removeprefix(_FROM_BAG))
     if written.lstrip().startswith(_FUNCTION):
         return _function(written.strip())

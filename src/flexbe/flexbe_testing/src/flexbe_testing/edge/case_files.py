@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import rospkg
-import yaml
 
 from flexbe_testing.core.case import Case, read_case
+from flexbe_testing.edge.case_yaml import load_case
 from flexbe_testing.errors import CaseError
 
 _SUFFIX = ".test"
@@ -40,9 +40,10 @@ def read_case_file(file: Path) -> Case:
         CaseError: if it makes no sense.
     """
     try:
-        return read_case(file.stem, yaml.safe_load(file.read_text(encoding="utf-8")))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        text = file.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
         raise CaseError(f"cannot read it: {error}") from error
+    return read_case(file.stem, load_case(text))
 
 
 def resource(name: str) -> Path:

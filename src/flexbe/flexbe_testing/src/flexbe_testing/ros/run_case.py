@@ -13,7 +13,7 @@ from flexbe_core.core import State, UserData
 from flexbe_core.engine.supervision import UNSUPERVISED
 from flexbe_testing.core.case import Case
 from flexbe_testing.core.values import value_of
-from flexbe_testing.core.verdict import Verdict, compare
+from flexbe_testing.core.verdict import PASS, Check, Verdict, compare, not_run
 from flexbe_testing.edge.bag_messages import BagMessages
 from flexbe_testing.edge.case_files import resource
 from flexbe_testing.errors import CaseError
@@ -21,22 +21,22 @@ from flexbe_testing.ros.surroundings import surroundings
 
 
 def run_case(case: Case) -> Verdict:
-    """Run a test case; whatever goes wrong is a complaint."""
+    """Run a test case; whatever goes wrong is a complaint of its result `pass`."""
     try:
         tested = _import(case)
         if case.import_only:
             return Verdict(case.title)
         messages = BagMessages(resource(case.bag) if case.bag else None)
         with surroundings(case) as launched:
-            complaints = _run(case, tested, messages)
+            checks = _run(case, tested, messages)
+            complaint = ""
             if launched is not None and case.require_launch_success and launched.poll():
-                complaints += (f"what was launched ended with {launched.returncode}",)
-        return Verdict(case.title, complaints)
+                complaint = f"what was launched ended with {launched.returncode}"
+        return Verdict(case.title, (Check(PASS, complaint), *checks))
     except CaseError as error:
-        return Verdict(case.title, (str(error),))
+        return not_run(case, str(error))
     except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever the tested code raises
-        trace = traceback.format_exc()
-        return Verdict(case.title, (f"{type(error).__name__}: {error}\n{trace}",))
+        return not_run(case, f"{type(error).__name__}: {error}\n{traceback.format_exc()}")
 
 
 def _import(case: Case) -> type:
@@ -52,9 +52,9 @@ def _import(case: Case) -> type:
     return tested
 
 
-def _run(case: Case, tested: type, messages: BagMessages) -> tuple[str, ...]:
+def _run(case: Case, tested: type, messages: BagMessages) -> tuple[Check, ...]:
     params, inputs, expected = (
-        value_of(dict(written), messages.next_of)
+        value_of(dict(written), messages.next_of, bool(case.bag))
         for written in (case.params, case.inputs, case.outputs)
     )
     run = _run_behavior if issubclass(tested, Behavior) else _run_state

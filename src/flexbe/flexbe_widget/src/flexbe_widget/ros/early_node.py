@@ -5,9 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 
-import rospy
-
-from flexbe_core.ros.master import require_master
+from flexbe_core.ros.master import join_interruptibly, require_master
 
 
 def begin_node(name: str, limit_s: float) -> Callable[[], None]:
@@ -28,7 +26,7 @@ def begin_node(name: str, limit_s: float) -> Callable[[], None]:
     def begin() -> None:
         try:
             require_master(limit_s)
-            rospy.init_node(name, anonymous=True, disable_signals=True)
+            join_interruptibly(name)
         except Exception as error:  # noqa: BLE001 - raised by whoever waits
             errors.append(error)
 

@@ -37,6 +37,7 @@ from remodel_planner.core.supervision.events import (
 from remodel_planner.core.supervision.state import (
     FINISHED,
     INTERRUPTION_LIMIT,
+    MOTION_STOPPED,
     NOTHING_TO_LAY_DOWN,
     PREEMPTED,
     SERVER_TROUBLE,
@@ -103,7 +104,8 @@ def _(_: PanelLoaded, state: RunState) -> RunState:
 
 @_applied.register
 def _(event: PartRequested, state: RunState) -> RunState:
-    return _under_way(state, replace(state.tasks[event.task], stage=Stage.READY, piece=True))
+    task = replace(state.tasks[event.task], stage=Stage.READY, piece=True)
+    return replace(_under_way(state, task), fed=event.task)
 
 
 @_applied.register
@@ -166,7 +168,8 @@ def _(event: TaskEnded, state: RunState) -> RunState:
         return _do(task.then or Do.NEW_PART, state, task, "the piece is discarded")
     if task.part.is_attempt and event.outcome == FINISHED:
         if event.denied:
-            return state.with_task(replace(task, stage=Stage.DOUBTFUL, part=Part.AGAIN))
+            then = _then_of_skipped(state, task)
+            return state.with_task(replace(task, stage=Stage.DOUBTFUL, part=Part.AGAIN, then=then))
         return _leave(state, replace(task, stage=Stage.DONE))
     return _failed(state, task)
 
@@ -181,7 +184,8 @@ def _(event: Interrupted, state: RunState) -> RunState:
     if task.interruptions > INTERRUPTION_LIMIT:
         task = replace(task, stage=Stage.FAILED, codes=(*task.codes, _LOST))
         return state.with_task(task, failures=state.failures + 1)
-    return state.with_task(replace(task, stage=Stage.READY, part=Part.CLEAR))
+    then = _then_of_skipped(state, task)
+    return state.with_task(replace(task, stage=Stage.READY, part=Part.CLEAR, then=then))
 
 
 @_applied.register
@@ -189,7 +193,7 @@ def _(event: Settled, state: RunState) -> RunState:
     task = replace(state.tasks[event.task], connected=event.connected, unseen=event.unseen)
     if not event.left and not event.unseen:
         return _leave(state, replace(task, stage=Stage.DONE, then=None))
-    if task.then is not None:
+    if task.then is not None and event.code not in MOTION_STOPPED:
         return _do(task.then, state, task, "what is done was inspected")
     if event.unseen:
         failed = replace(task, stage=Stage.FAILED, codes=(*task.codes, event.code))
@@ -249,8 +253,11 @@ def _(event: Commanded, state: RunState) -> RunState:
 def _retried(state: RunState, task: TaskProgress) -> RunState:
     if task.stage is not Stage.SET_ASIDE:
         return state
+    # Cells take up only the wire that was fed last: a piece of another one is replaced.
+    is_out_of_reach = task.piece and not task.unseen and state.fed != task.name
+    then = Do.NEW_PART if is_out_of_reach else None
     part = Part.AGAIN if task.piece else Part.WHOLE
-    task = replace(task, stage=Stage.DOUBTFUL, part=part, then=None)
+    task = replace(task, stage=Stage.DOUBTFUL, part=part, then=then)
     return state.with_task(task, waiting=(*state.waiting, task.name))
 
 
@@ -265,6 +272,11 @@ def _skipped(state: RunState, task: TaskProgress, by: str) -> RunState:
     if task.stage in (Stage.READY, Stage.DOUBTFUL) and not task.stuck_hand:
         return _act(Do.SET_ASIDE, state, task, f"{by} skipped it")
     return state
+
+
+def _then_of_skipped(state: RunState, task: TaskProgress) -> Do | None:
+    """Return what follows once the hand is empty: a task that is to be skipped is left."""
+    return Do.SET_ASIDE if task.name in state.skipped else task.then
 
 
 @_applied.register
@@ -316,6 +328,8 @@ def _may_hold_something(task: TaskProgress) -> bool:
     if not task.operations:
         return task.part is Part.CLEAR and task.outcome != FINISHED
     last = task.operations[-1]
+    if any(operation.error_code in MOTION_STOPPED for operation in task.operations):
+        return True  # it was not allowed to lay down what it held
     if last.error_code in NOTHING_TO_LAY_DOWN or not last.error_code:
         return False
     in_trouble = last.error_code in SERVER_TROUBLE or last.error_code == _OTHER_CABLE_HELD
@@ -331,7 +345,7 @@ def _failed(state: RunState, task: TaskProgress) -> RunState:
         stop = f"somebody stopped the behavior of task {task.name}"
     if task.part is Part.CLEAR:
         task = replace(task, stuck_hand=task.stuck_hand + 1)
-        if task.stuck_hand <= STUCK_HAND_LIMIT:
+        if task.stuck_hand <= STUCK_HAND_LIMIT and code not in MOTION_STOPPED:
             return state.with_task(replace(task, stage=Stage.READY), stop=stop)
     undiscarded = task.undiscarded or task.part is Part.DISCARD
     task = replace(task, stage=Stage.FAILED, codes=(*task.codes, code), undiscarded=undiscarded)

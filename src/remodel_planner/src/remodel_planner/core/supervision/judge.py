@@ -12,6 +12,7 @@ from remodel_planner.core.recovery.policy import Policy
 from remodel_planner.core.run import Operation, step_of
 from remodel_planner.core.supervision.events import Decided
 from remodel_planner.core.supervision.state import (
+    MOTION_STOPPED,
     STUCK_HAND_LIMIT,
     UNTOLD,
     RunState,
@@ -95,7 +96,7 @@ def judged(
     if task.stuck_hand > STUCK_HAND_LIMIT:
         do = Do.ASK_OPERATOR if Do.ASK_OPERATOR in possible else Do.STOP
         because = f"the hand could not be emptied in {task.stuck_hand} attempts"
-    elif name in state.skipped:
+    elif name in state.skipped and failure.code not in MOTION_STOPPED:
         do, by = Do.SET_ASIDE, state.skipped[name]
         because = f"{by} skipped it"
     return Decided(

@@ -97,14 +97,21 @@ def path_difference(attempt: Attempt, chart: Chart, nested: Mapping[str, Chart])
     entered = [path for path in attempt.path if path in set(asked)]
     if operations and operations[-1].error_code in SERVER_GONE:
         # What would begin after it is refused, which leaves no record.
-        followed = list(attempt.path)[: len(asked)] == asked
-        return "" if followed else f"the engine entered {entered}, operations are of {asked}"
+        return (
+            ""
+            if entered[: len(asked)] == asked
+            else f"the engine entered {entered}, operations are of {asked}"
+        )
     if attempt.path and entered != asked:
         return f"the engine entered {entered}, operations are of {asked}"
     outcome = trace(chart, operations, nested).outcome
     if outcome != execution.outcome:
         return f"the chart leads to {outcome}, the behavior ended {execution.outcome}"
     return ""
+
+
+def _differing(entered: list[str], asked: list[str]) -> str:
+    return f"the engine entered {entered}, operations are of {asked}"
 
 
 def _difference(event: Event, state: RunState) -> str:

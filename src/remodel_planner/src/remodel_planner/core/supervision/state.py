@@ -22,6 +22,10 @@ SERVER_TROUBLE = frozenset({1, 4, 5, 6, 7, 8})
 # more: the server may complete its goal when it wakes up.
 SERVER_GONE = frozenset({4, 7})
 
+# remodel_msgs/ErrorCode: MOTION_FAULT. Nobody knows what the arm has touched: nothing moves again,
+# not even to lay down what is held, before a person has confirmed.
+MOTION_STOPPED = frozenset({307})
+
 # remodel_msgs/ErrorCode: NOTHING_HELD and WIRE_NOT_FED, of a hand that has nothing to lay down;
 # INTERNAL, of a task that failed though no ability reported an error.
 NOTHING_TO_LAY_DOWN = (202, 403)
@@ -126,6 +130,7 @@ class RunState:
         protective: who asked for the protective stop that is in force; empty if none is.
         skipped: names of tasks that an operator wants to be set aside, by whom.
         stop: why the run is to end; empty if it is not.
+        fed: name of the task whose piece was requested last; empty if none was.
         question: that an operator is to answer; None if there is none.
         questions: how many were asked.
         failures: attempts that failed.
@@ -147,6 +152,7 @@ class RunState:
     protective: str = ""
     skipped: Mapping[str, str] = field(default_factory=dict)
     stop: str = ""
+    fed: str = ""
     question: Asked | None = None
     questions: int = 0
     interruptions: int = 0

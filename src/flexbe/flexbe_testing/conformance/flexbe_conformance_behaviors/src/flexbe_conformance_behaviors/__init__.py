@@ -1,0 +1,1 @@
+"""Behaviors and states that engine_conformance has an engine run."""

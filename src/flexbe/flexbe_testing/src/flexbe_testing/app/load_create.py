@@ -1,0 +1,247 @@
+"""Load the method `create` of a behavior: containers and what they hold."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+from flexbe_testing.app import text as cut
+from flexbe_testing.app.behavior import BehaviorUse, Child, Container, Point, StateUse
+from flexbe_testing.app.known import Known
+from flexbe_testing.app.states import without_blanks
+from flexbe_testing.app.text import AppLoadError
+
+_PLACES = r"(?:# (x:-?\d+ y:-?\d+(?:, x:-?\d+ y:-?\d+)*)[ \t]*\n\s*)?"
+_PLAIN = re.compile(_PLACES + r"(\w+) = (OperatableStateMachine|PriorityContainer)\(([^)]*)\)")
+_CONCURRENT = re.compile(
+    _PLACES + r"(\w+) = (ConcurrencyContainer)\(([^)]*?)conditions=\[\n(.*?)\s\]\)\n", re.DOTALL
+)
+_CONDITION = re.compile(r"\('([^']+)', \[((?:\('[^']+', '[^']+'\)(?:, )?)+)\]\)")
+_PAIR = re.compile(r"\('([^']+)', '([^']+)'\)")
+_ADD = re.compile(
+    r"(?:# x:(-?\d+) y:(-?\d+)(?: \{([^\n]*)\})?[ \t]*\n\s*)?OperatableStateMachine\.add\("
+)
+_WITH = re.compile(r"^[ \t]*with (\w+):", re.MULTILINE)
+_ASSIGNED = re.compile(r"^[ \t]*(\w+) = (.*)$", re.MULTILINE)
+_USERDATA = re.compile(r"^[ \t]*\w+\.userdata\.(\w+) = (.*)$", re.MULTILINE)
+_RETURNED = re.compile(r"^[ \t]+return (\w+)[ \t]*$", re.MULTILINE)
+_INTERNAL = re.compile(r"(\?\w+) = (\[[^\]]*\]|[^,]+)")
+_DEFAULT_PLACE = (30, 40)
+_MAPS = ("transitions", "autonomy", "remapping")
+
+
+class CreateSection:
+    """The text of `create`; what cannot be read is added to `lost`."""
+
+    def __init__(self, text: str, known: Known, lost: list[str]) -> None:
+        """Find the definitions and blocks of the containers."""
+        self._text, self._known, self._lost = text, known, lost
+        self._definitions = {
+            found[2]: _definition(found)
+            for pattern in (_PLAIN, _CONCURRENT)
+            for found in pattern.finditer(text)
+        }
+        starts = list(_WITH.finditer(text))
+        ends = [start.start() for start in starts[1:]] + [len(text)]
+        self._blocks = {
+            start[1]: text[start.end() : end] for start, end in zip(starts, ends, strict=False)
+        }
+
+    def private(self) -> dict[str, str]:
+        """Return all variables that are no container."""
+        found = dict(_ASSIGNED.findall(self._text))
+        return {name: value for name, value in found.items() if name not in self._definitions}
+
+    def userdata(self) -> dict[str, str]:
+        """Return the default userdata, of whatever container."""
+        return dict(_USERDATA.findall(self._text))
+
+    def interface(self) -> Container:
+        """Return the root without its content.
+
+        Raises:
+            AppLoadError: if there is none.
+        """
+        returned = _RETURNED.search(self._text)
+        if returned is None:
+            raise AppLoadError("create does not return a variable, or ' def ' stands in it")
+        if returned[1] not in self._definitions:
+            raise AppLoadError(f"the definition of {returned[1]} is not read")
+        return self._definitions[returned[1]]
+
+    def root(self) -> Container:
+        """Return the root with all it holds.
+
+        Raises:
+            AppLoadError: if the App cannot load it.
+        """
+        self.interface()
+        for name, value in self.private().items():
+            if re.match(r"(OperatableStateMachine|\w+Container)\(", value):
+                raise AppLoadError(f"the definition of container {name} is not read: {value}")
+        returned = _RETURNED.search(self._text)
+        return self._container(returned[1] if returned else "", "", ())
+
+    def _container(self, variable: str, path: str, above: tuple[str, ...]) -> Container:
+        definition, block = self._definitions[variable], self._blocks.get(variable, "")
+        if not definition.places:
+            self._lost.append(f"the App loses the positions of the outcomes of '{path or '/'}'")
+        if len(re.findall(r"\.add\(", block)) != len(_ADD.findall(block)):
+            self._lost.append(
+                f"the App loses an add in '{path or '/'}' that is not OperatableStateMachine.add"
+            )
+        adds = [
+            self._child(found, block, path, (*above, variable)) for found in _ADD.finditer(block)
+        ]
+        labels = {child.label for child in adds} | set(definition.outcomes)
+        return replace(
+            definition, children=tuple(self._connected(child, labels, path) for child in adds)
+        )
+
+    def _child(self, found: re.Match[str], block: str, path: str, above: tuple[str, ...]) -> Child:
+        arguments = cut.items(cut.bracketed(block, found.end() - 1) or "")
+        label = cut.unquoted(arguments[0]) if arguments else None
+        if label is None or len(arguments) < 2:
+            raise AppLoadError(f"a call of add in '{path or '/'}' is not read")
+        inner = f"{path}/{label}"
+        if found[1] is None:
+            self._lost.append(f"the App loses the position of '{inner}'")
+        maps = {name: self._map(name, arguments[2:], inner) for name in _MAPS}
+        internal = {name: value.strip() for name, value in _INTERNAL.findall(found[3] or "")}
+        content = self._content(arguments[1], inner, above, (*maps["transitions"],), internal)
+        place: Point = _DEFAULT_PLACE if found[1] is None else (int(found[1]), int(found[2]))
+        return Child(label, place, content, *(maps[name] for name in _MAPS))
+
+    def _map(self, name: str, arguments: list[str], path: str) -> dict[str, str]:
+        """Return what an argument maps to what; names without their quotes."""
+        for argument in arguments:
+            found = re.match(rf"{name}\s*=\s*\{{([^{{}}]*)\}}\Z", argument)
+            if found:
+                entries = cut.pairs(found[1])
+                return {key: cut.unquoted(v) or v for key, v in entries.items()}
+            if argument.startswith(name):
+                self._lost.append(
+                    f"the App loses {name} of '{path}', which are not read: {argument}"
+                )
+        return {}
+
+    def _content(
+        self,
+        text: str,
+        path: str,
+        above: tuple[str, ...],
+        used: tuple[str, ...],
+        internal: dict[str, str],
+    ) -> StateUse | BehaviorUse | Container:
+        if text in above:
+            raise AppLoadError(f"'{path}' is a container that it lies in itself")
+        if text in self._definitions:
+            return self._container(text, path, above)
+        called = re.match(r"([\w.]+)\(", text)
+        if called is None:
+            raise AppLoadError(f"'{path}' is neither a state, a behavior nor a container: {text}")
+        arguments = cut.items(cut.bracketed(text, called.end() - 1) or "")
+        if called[1] == "self.use_behavior":
+            return self._behavior(arguments, path)
+        return self._state(called[1], arguments, path, used, internal)
+
+    def _state(
+        self,
+        alias: str,
+        arguments: list[str],
+        path: str,
+        used: tuple[str, ...],
+        internal: dict[str, str],
+    ) -> StateUse:
+        definition = self._known.state(alias, [without_blanks(outcome) for outcome in used])
+        if definition is None:
+            raise AppLoadError(f"'{path}' is of the class {alias}, which the App does not know")
+        given = dict(internal)
+        for name, argument in zip(definition.parameters, arguments, strict=False):
+            if not re.match(r"\w+\s*=[^=]", argument):
+                given[name] = argument
+        for argument in arguments:
+            keyword = re.match(r"(\w+)\s*=\s*([^=].*)", argument, re.DOTALL)
+            if keyword and keyword[1] in definition.parameters:
+                given[keyword[1]] = keyword[2]
+            elif keyword:
+                self._lost.append(
+                    f"the App loses parameter {keyword[1]} of '{path}', which {alias} hides"
+                )
+        return StateUse(definition, given)
+
+    def _behavior(self, arguments: list[str], path: str) -> BehaviorUse:
+        definition = self._known.behavior(arguments[0]) if arguments else None
+        if definition is None or len(arguments) < 2:
+            raise AppLoadError(f"'{path}' is a behavior that the App does not know: {arguments}")
+        keys: tuple[str, ...] = ()
+        given: dict[str, str] = {}
+        for argument in arguments[2:]:
+            keyword, _, value = argument.partition("=")
+            if keyword == "default_keys":
+                keys = tuple(cut.names(value) or ())
+            elif re.fullmatch(r"\{[^{})]*\}", value):
+                given = cut.pairs(value[1:-1])
+            else:
+                self._lost.append(
+                    f"the App loses parameters of '{path}', with a brace or ')' in them: {value}"
+                )
+        return BehaviorUse(definition, cut.unquoted(arguments[1]) or "", keys, given)
+
+    def _connected(self, child: Child, targets: set[str], path: str) -> Child:
+        """Return a child without the transitions that the App cannot connect."""
+        kept, inner = {}, f"{path}/{child.label}"
+        for outcome, target in child.transitions.items():
+            if outcome not in child.content.outcomes:
+                why = (
+                    "the App drops the blanks of a state's outcomes"
+                    if without_blanks(outcome) in child.content.outcomes
+                    else f"its outcomes are {', '.join(child.content.outcomes) or 'none'}"
+                )
+                self._lost.append(
+                    f"the App loses the transition of '{outcome}' of '{inner}': {why}"
+                )
+            elif target not in targets:
+                self._lost.append(
+                    f"the App loses the transition of '{outcome}' of '{inner}' to '{target}'"
+                )
+            else:
+                kept[outcome] = target
+        for key in child.remapping:
+            if key not in child.keys:
+                self._lost.append(
+                    f"the App loses the remapping of '{key}' of '{inner}', which it does not have"
+                )
+        levels = {o: child.level(o) for o in child.content.outcomes}
+        homes = {key: child.remapping.get(key, key) for key in child.keys}
+        return replace(child, transitions=kept, autonomy=levels, remapping=homes)
+
+
+def _definition(found: re.Match[str]) -> Container:
+    """Return a container without its content."""
+    lists = {}
+    for argument in cut.items(found[4]):
+        keyword, _, value = argument.partition("=")
+        listed = cut.names(value)
+        if listed is None:
+            raise AppLoadError(f"{found[2]} has another argument than a list of names: {argument}")
+        lists[keyword.strip()] = tuple(listed)
+    conditions = _conditions(found) if found.re is _CONCURRENT else ()
+    places = re.findall(r"x:(-?\d+) y:(-?\d+)", found[1] or "")
+    return Container(
+        found[3],
+        lists.get("outcomes", ()),
+        lists.get("input_keys", ()),
+        lists.get("output_keys", ()),
+        tuple((int(x), int(y)) for x, y in places),
+        conditions,
+    )
+
+
+def _conditions(found: re.Match[str]) -> tuple[tuple[str, tuple[tuple[str, str], ...]], ...]:
+    """Return the conditions of a concurrency container."""
+    unread = _CONDITION.sub("", found[5]).replace(",", "").strip()
+    if unread:
+        raise AppLoadError(f"{found[2]} has a condition that is not read: {unread}")
+    read = _CONDITION.findall(found[5])
+    return tuple((outcome, tuple(_PAIR.findall(pairs))) for outcome, pairs in read)

@@ -1,0 +1,1 @@
+"""What a conformance scenario is, how messages are compared, and how findings are printed."""

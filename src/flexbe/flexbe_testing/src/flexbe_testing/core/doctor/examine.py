@@ -1,0 +1,36 @@
+"""Examine the text of one file."""
+
+from __future__ import annotations
+
+from flexbe_testing.core.doctor.app import check_app
+from flexbe_testing.core.doctor.blocking import check_blocking
+from flexbe_testing.core.doctor.finding import Finding
+from flexbe_testing.core.doctor.imports import Surface, check_imports
+from flexbe_testing.core.doctor.internals import check_internals
+from flexbe_testing.core.doctor.module import Kind, Module, parse_module
+from flexbe_testing.core.doctor.python2 import check_python2, unparsable
+
+
+def examine(
+    file: str, text: str, surface: Surface, attributes: frozenset[str]
+) -> tuple[list[Finding], Module | None]:
+    """Return the findings in a file, and the parsed file if it is Python 3.
+
+    Args:
+        file: its path.
+        text: its source.
+        surface: what flexbe_core of this engine has.
+        attributes: names that states and containers of this engine have.
+    """
+    try:
+        module = parse_module(file, text)
+    except SyntaxError as error:
+        return [unparsable(file, text, error)], None
+    found = [*check_imports(module, surface), *check_python2(module)]
+    found += [*check_blocking(module), *check_internals(module, attributes), *check_app(module)]
+    return found, module
+
+
+def count(module: Module, kind: Kind) -> int:
+    """Return how many classes of a kind a file has."""
+    return sum(found.kind is kind for found in module.classes)

@@ -1,0 +1,1 @@
+"""Files of a user's workspace and of this engine."""

@@ -1,0 +1,1 @@
+"""Play the conformance scenarios against an engine, by ROS only; nothing of flexbe_core."""

@@ -1,0 +1,81 @@
+"""Play scenarios one after another, and find out how they ended."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import rospkg
+
+from flexbe_testing.core.conformance.scenario import (
+    Finding,
+    NotJudgedError,
+    Scenario,
+    Verdict,
+    ViolationError,
+)
+from flexbe_testing.ros.conformance.bench import PACKAGE, Bench, StuckError
+from flexbe_testing.ros.conformance.scenarios import FIRST
+from flexbe_testing.ros.conformance.wire import NoEngineError, Wire
+
+
+def behavior_package() -> Path:
+    """Return the folder of the behaviors that an engine under test must know."""
+    return Path(rospkg.RosPack().get_path("flexbe_testing")) / "conformance" / PACKAGE
+
+
+class Judge:
+    """Plays scenarios against the engine in this node's namespace.
+
+    Attributes:
+        bench: the engine under test.
+    """
+
+    def __init__(self, limit_s: float = 10.0, quiet_s: float = 0.3) -> None:
+        """Connect to the engine.
+
+        Args:
+            limit_s: how long the engine may take for each step [s, wall time].
+            quiet_s: for how long something that must not happen is waited for [s, wall time].
+
+        Raises:
+            NoEngineError: if there is no engine, or if it runs a behavior.
+        """
+        self.bench = Bench(Wire(limit_s), behavior_package(), limit_s, quiet_s)
+        self._stuck = ""
+        if self.bench.wire.tape.is_running:
+            raise NoEngineError("the engine runs a behavior; stop it first")
+
+    def judge(self, scenarios: Iterable[Scenario]) -> Iterator[Finding]:
+        """Play scenarios, before them the one that all others need, and yield each finding."""
+        first = self.play(FIRST)
+        if first.verdict is Verdict.FAIL:
+            self._stuck = self._stuck or f"{FIRST.name} failed"
+        yield first
+        for scenario in scenarios:
+            if scenario is not FIRST:
+                yield self.play(scenario)
+
+    def play(self, scenario: Scenario) -> Finding:
+        """Play a scenario, and bring the engine back to rest."""
+        if self._stuck:
+            return Finding(scenario, Verdict.NOT_JUDGED, self._stuck)
+        begun = time.monotonic()
+        verdict, reason = self._verdict(scenario)
+        try:
+            self.bench.recover()
+        except StuckError as error:
+            self._stuck = f"the engine is stuck since {scenario.name}: {error}"
+        return Finding(scenario, verdict, reason, time.monotonic() - begun)
+
+    def _verdict(self, scenario: Scenario) -> tuple[Verdict, str]:
+        self.bench.begin()
+        try:
+            scenario.play(self.bench)
+            self.bench.finish()
+        except ViolationError as violation:
+            return Verdict.FAIL, str(violation)
+        except NotJudgedError as reason:
+            return Verdict.NOT_JUDGED, str(reason)
+        return Verdict.PASS, ""

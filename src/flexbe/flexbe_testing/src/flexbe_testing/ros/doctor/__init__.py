@@ -1,0 +1,1 @@
+"""Import and construct a user's states and behaviors, in a process of its own."""

@@ -1,0 +1,5 @@
+from flexbe_core import EventState
+
+
+class BrokenState(EventState:  # doctor: syntax
+    pass

@@ -1,0 +1,3 @@
+import os  # doctor: construction
+
+os._exit(7)

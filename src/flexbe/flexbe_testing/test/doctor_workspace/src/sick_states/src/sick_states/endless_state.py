@@ -1,0 +1,3 @@
+import threading  # doctor: construction
+
+threading.Event().wait()

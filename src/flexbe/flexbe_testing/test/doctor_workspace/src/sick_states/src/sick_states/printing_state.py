@@ -1,0 +1,7 @@
+from flexbe_core import EventState
+
+
+class PrintingState(EventState):
+    def execute(self, userdata):
+        print "done"  # doctor: python2
+        return "done"

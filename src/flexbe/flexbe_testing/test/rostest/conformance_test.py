@@ -1,0 +1,42 @@
+#!/usr/bin/env python3
+"""This workspace's engine keeps everything that engine_conformance judges."""
+
+import json
+import subprocess
+import unittest
+
+import rostest
+
+# Judged in the namespace `whole`, which has a mirror and an action server.
+WHOLE = (
+    *("mirror-publishes-paths", "action-succeeds", "action-unknown-behavior"),
+    *("action-is-cancelled", "action-is-aborted", "attach", "sync", "preempt-supervised"),
+)
+
+
+def run_kit(*words):
+    """Return the exit code, and the verdict and reason of each scenario."""
+    command = ["rosrun", "flexbe_testing", "engine_conformance", "--json", "--quiet", "0.2", *words]
+    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, timeout=150)
+    rows = json.loads(done.stdout)
+    return done.returncode, {row["scenario"]: (row["verdict"], row["reason"]) for row in rows}
+
+
+class ConformanceTest(unittest.TestCase):
+    def test_an_engine_alone(self):
+        code, found = run_kit("__ns:=/alone")
+        missing = {name for name, (verdict, _) in found.items() if verdict != "pass"}
+        expected = {name for name in WHOLE if name.startswith(("mirror-", "action-"))}
+        self.assertEqual(missing, expected, found)
+        self.assertEqual(code, 0)
+        self.assertIn("there is no mirror", found["mirror-publishes-paths"][1])
+        self.assertIn("there is no action server", found["action-succeeds"][1])
+
+    def test_an_engine_with_mirror_and_action_server(self):
+        code, found = run_kit("__ns:=/whole", *(f"--only={name}" for name in WHOLE))
+        self.assertEqual({verdict for verdict, _ in found.values()}, {"pass"}, found)
+        self.assertEqual((code, len(found)), (0, len(WHOLE) + 1))
+
+
+if __name__ == "__main__":
+    rostest.rosrun("flexbe_testing", "test_conformance", ConformanceTest)

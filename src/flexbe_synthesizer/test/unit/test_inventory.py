@@ -1,0 +1,156 @@
+import os
+import shutil
+from itertools import count
+
+import pytest
+
+from flexbe_synthesizer.edge.inventory import read_inventory
+from flexbe_synthesizer.edge.package_path import find_packages, read_library
+
+_STATE = "cell_states/src/cell_states/pause_state.py"
+_AGES = count(1)
+
+
+@pytest.fixture
+def packages(tmp_path, package_path):
+    return shutil.copytree(package_path, tmp_path / "packages")
+
+
+def let_rest(top):
+    """Date all files and folders back to an hour at which nothing else was written."""
+    hour = 3600 * next(_AGES)
+    for folder, inner, files in os.walk(top):
+        for name in (*inner, *files, "."):
+            path = os.path.join(folder, name)
+            os.utime(path, (hour, hour))
+
+
+def change_a_state(top):
+    file = top / _STATE
+    file.write_text(file.read_text().replace("PauseState", "HaltStates"))  # as many letters
+
+
+def swap_a_state(top):
+    """Put another file in its place that has the same size and time."""
+    file = top / _STATE
+    before = file.stat()
+    new = file.with_suffix(".new")
+    new.write_text(file.read_text().replace("PauseState", "RestStates"))
+    os.utime(new, ns=(before.st_mtime_ns, before.st_mtime_ns))
+    new.replace(file)
+
+
+def add_a_state_in_a_folder(top):
+    (top / "cell_states/src/cell_states/more/deep").mkdir(parents=True)
+    text = (top / _STATE).read_text().replace("PauseState", "DeepState")
+    (top / "cell_states/src/cell_states/more/deep/deep_state.py").write_text(text)
+
+
+def add_a_package(top):
+    shutil.copytree(top / "cell_states", top / "nested" / "deeper" / "new_states")
+    xml = top / "nested" / "deeper" / "new_states" / "package.xml"
+    xml.write_text(xml.read_text().replace("cell_states", "new_states"))
+    source = xml.parent / "src"
+    (source / "cell_states").rename(source / "new_states")
+
+
+def rename_a_behavior(top):
+    manifest = top / "cell_behaviors/manifest/clean_up.xml"
+    manifest.write_text(manifest.read_text().replace("Clean Up", "Tidy Up!"))
+
+
+def change_the_code_of_a_behavior(top):
+    source = top / "cell_behaviors/src/cell_behaviors/clean_up_sm.py"
+    source.write_text(source.read_text().replace("'failed'", "'broken'"))
+
+
+def stop_exporting_states(top):
+    xml = top / "cell_states/package.xml"
+    xml.write_text(xml.read_text().replace("flexbe_states", "flexbe_other"))
+
+
+def hide_a_package(top):
+    (top / "cell_states" / "CATKIN_IGNORE").touch()
+
+
+def delete_a_package(top):
+    shutil.rmtree(top / "cell_states")
+
+
+def break_a_state(top):
+    (top / _STATE).write_text("class (EventState):")
+
+
+def make_a_state_a_pipe(top):
+    (top / _STATE).unlink()
+    os.mkfifo(top / _STATE)
+
+
+_CHANGES = (
+    change_a_state,
+    swap_a_state,
+    add_a_state_in_a_folder,
+    add_a_package,
+    rename_a_behavior,
+    change_the_code_of_a_behavior,
+    stop_exporting_states,
+    hide_a_package,
+    delete_a_package,
+    break_a_state,
+    make_a_state_a_pipe,
+)
+
+
+def test_what_has_not_changed_is_not_read_again(packages):
+    let_rest(packages)
+    assert read_inventory(str(packages)) is read_inventory(str(packages))
+
+
+def test_a_second_change_within_one_tick_of_the_clock_is_seen(packages):
+    file = packages / _STATE
+    os.utime(file)
+    before = file.stat()
+    first = read_inventory(str(packages))
+    change_a_state(packages)
+    os.utime(file, ns=(before.st_mtime_ns, before.st_mtime_ns))
+    assert read_inventory(str(packages)) != first
+
+
+@pytest.mark.parametrize("change", _CHANGES)
+def test_a_change_is_seen_at_once(packages, change):
+    let_rest(packages)
+    before = read_inventory(str(packages))
+    change(packages)
+    now = read_inventory(str(packages))
+    assert now != before
+    found, path_warnings = find_packages(str(packages))
+    library, warnings = read_library(found)
+    assert (now.packages, now.library) == (found, library)
+    assert now.warnings == (*path_warnings, *warnings)
+    let_rest(packages)
+    assert read_inventory(str(packages)) == now
+    assert read_inventory(str(packages)) is read_inventory(str(packages))
+
+
+def test_a_package_that_appears_on_the_path_is_seen(tmp_path, package_path):
+    late = tmp_path / "late"
+    assert not read_inventory(str(late)).packages
+    shutil.copytree(package_path, late)
+    assert read_inventory(str(late)).packages
+
+
+def test_an_installed_package_is_read_again_when_its_python_package_changes(
+    tmp_path, monkeypatch, package_path
+):
+    source = f"{package_path}/cell_states"
+    share = shutil.copytree(source, tmp_path / "share" / "cell_states")
+    shutil.rmtree(share / "src")
+    code = shutil.copytree(f"{source}/src/cell_states", tmp_path / "lib" / "cell_states")
+    monkeypatch.syspath_prepend(str(tmp_path / "lib"))
+    let_rest(tmp_path)
+    path = str(tmp_path / "share")
+    assert read_inventory(path) is read_inventory(path)
+    (code / "pause_state.py").unlink()
+    names = [state.name for state in read_inventory(path).library.states]
+    assert "LocateComponentState" in names
+    assert "PauseState" not in names

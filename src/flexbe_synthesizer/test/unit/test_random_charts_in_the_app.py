@@ -1,0 +1,50 @@
+"""Behaviors of random charts are loaded, checked and saved unchanged by the FlexBE App's rules."""
+
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from random_charts.engine_run import Synthesis
+from random_charts.generate import generate
+
+from flexbe_testing.app.judge import judge
+from flexbe_testing.app.known import Known
+from flexbe_testing.app.load import define_behavior
+from flexbe_testing.edge.app_packages import read_packages
+
+SOURCES = Path(__file__).parents[3]
+CHARTS, FEWEST_SAVED = 150, 100
+# What the App drops or cannot write, as the package's README says: blanks in outcomes of states,
+# and containers whose ids are no Python names.
+BLANKS = re.compile(r"'(no) (way)'|'(not) (turned)'")
+UNNAMEABLE = "would name a variable"
+
+
+@pytest.fixture(scope="module")
+def states():
+    scripted = Path(__file__).parents[1] / "random_charts" / "packages" / "scripted_states"
+    folders = [scripted, SOURCES / "remodel_states", SOURCES / "flexbe" / "flexbe_states"]
+    return read_packages(folders).states
+
+
+def test_the_app_saves_the_behaviors_of_random_charts_unchanged(states, tmp_path):
+    saved, complaints = 0, []
+    for seed in range(CHARTS):
+        source = generate(seed)
+        synthesis = Synthesis(source.files, source.path, tmp_path)
+        if synthesis.errors:
+            continue
+        files = [path for path in synthesis.written if path.stem.endswith("_sm")]
+        texts = {f"{path.parent.name}.{path.stem}": path.read_text() for path in files}
+        inner = [define_behavior(text, module) for module, text in texts.items()]
+        for module, text in texts.items():
+            without_blanks = BLANKS.sub(lambda m: f"'{''.join(filter(None, m.groups()))}'", text)
+            found = judge(without_blanks, Known(states, inner))
+            saved += not found
+            complaints += [(seed, module, c) for c in found if UNNAMEABLE not in c]
+    assert complaints == []
+    assert saved >= FEWEST_SAVED

@@ -1,0 +1,89 @@
+"""The folders that charts lie in: what is in them, and whose a file is."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from flexbe_synthesizer.core.names import behavior_file
+from flexbe_synthesizer.edge.chart_files import chart_names, confined_to, read_chart_file
+from flexbe_synthesizer.errors import ChartFileError
+from remodel_console.core.draft import Draft
+from remodel_console.errors import CommandError
+
+_READ_WITHIN_S = 10.0  # all charts of the folders; a person waits for them
+
+
+@dataclass(frozen=True)
+class ChartFolders:
+    """Folders of charts. Files that are no charts, or cannot be read, are passed over."""
+
+    folders: tuple[Path, ...]
+
+    def files(self) -> tuple[str, ...]:
+        """Return the names of the files in them."""
+        return tuple(sorted({p.name for folder in self.folders for p in folder.glob("*.xml")}))
+
+    def names(self) -> Iterator[tuple[str, Path]]:
+        """Yield name and file of each chart.
+
+        Raises:
+            CommandError: if that takes too long.
+        """
+        return chart_names(self.folders, self._deadline())
+
+    def contents(self) -> Iterator[tuple[Path, bytes]]:
+        """Yield file and content of each chart.
+
+        Raises:
+            CommandError: if that takes too long.
+        """
+        locate, expect_time = confined_to(self.folders), self._deadline()
+        for _name, path in self.names():
+            expect_time()
+            try:
+                yield path, read_chart_file(locate(str(path)))
+            except ChartFileError:
+                continue
+
+    def expect_own(self, draft: Draft, file: Path) -> None:
+        """Refuse to write a chart where another one is, or was meanwhile.
+
+        Raises:
+            CommandError: if the file or the behavior would be overwritten.
+        """
+        try:
+            now = read_chart_file(file) if file.exists() else None
+        except (ChartFileError, OSError) as error:
+            raise CommandError(str(error)) from error
+        if now is not None and now != draft.origin:
+            raise CommandError(
+                f"{file} was changed by somebody else since it was "
+                f"{'opened' if draft.origin is None else 'loaded'}, and saving would undo that; "
+                "load it again, or move it away and save then"
+            )
+        if now is None and draft.origin is not None:
+            return  # it was deleted: saving brings it back
+        own = behavior_file(draft.chart.name)
+        for name, path in self.names():
+            is_beside = path.parent == file.parent and path.resolve() != file.resolve()
+            if is_beside and behavior_file(name) == own:
+                raise CommandError(
+                    f"'{draft.chart.name}' and '{name}' of {path} become the same behavior; "
+                    "rename one of them"
+                )
+
+    def _deadline(self) -> Callable[[], None]:
+        end = time.monotonic() + _READ_WITHIN_S
+
+        def expect_time() -> None:
+            if time.monotonic() > end:
+                where = ", ".join(map(str, self.folders))
+                raise CommandError(
+                    f"reading the chart folders takes more than {_READ_WITHIN_S:g} s; take what "
+                    f"is no chart out of {where}"
+                )
+
+        return expect_time

@@ -1,0 +1,137 @@
+"""Chart folders with what is no chart in them, and charts that lie in no package."""
+
+import os
+import shutil
+import signal
+from pathlib import Path
+
+import pytest
+
+from remodel_console.core import chart_edit
+from remodel_console.core.commands import read_command
+from remodel_console.edge.chart_folders import ChartFolders
+from remodel_console.edge.inspect_chart import inspect_text
+from remodel_console.edge.workspace import Workspace
+from remodel_console.errors import CommandError
+from remodel_console.session import Session
+
+SRC = Path(__file__).parents[3]
+AT_MOST_S = 20  # what blocks is ended by then
+CHART = """<statemachine name="{name}" initial="A">
+  <datamodel><outcome name="finished"/></datamodel>
+  <state id="A" type="WaitState">
+    <param name="wait_time" value="1"/>
+    <transition event="done" target="{target}"/>
+  </state>
+</statemachine>
+"""
+
+
+@pytest.fixture(autouse=True)
+def in_time():
+    """Fail a test that blocks."""
+
+    def end(*_arguments):
+        pytest.fail("it blocks")
+
+    before = signal.signal(signal.SIGALRM, end)
+    signal.alarm(AT_MOST_S)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
+
+@pytest.fixture
+def package(tmp_path):
+    return Path(shutil.copytree(SRC / "remodel_behaviors", tmp_path / "remodel_behaviors"))
+
+
+@pytest.fixture
+def user_charts(tmp_path):
+    folder = tmp_path / "home" / "remodel_charts"
+    folder.mkdir(parents=True)
+    return folder
+
+
+@pytest.fixture
+def workspace(package, user_charts):
+    path = f"{package}:{SRC / 'remodel_states'}:{SRC / 'flexbe' / 'flexbe_states'}"
+    return Workspace(path, lambda: (user_charts,))
+
+
+@pytest.fixture
+def session(workspace):
+    return Session(workspace)
+
+
+@pytest.fixture
+def give(session):
+    return lambda text: session.carry_out(read_command(text))
+
+
+def test_what_is_no_chart_blocks_nothing(package, user_charts, workspace, give, tmp_path):
+    (tmp_path / "secret.xml").write_text(CHART.format(name="Secret", target="finished"))
+    for folder in (package / "charts", user_charts):
+        os.mkfifo(folder / "fifo.xml")
+        (folder / "folder.xml").mkdir()
+        (folder / "zero.xml").symlink_to("/dev/zero")
+        (folder / "secret.xml").symlink_to(tmp_path / "secret.xml")
+        (folder / "gone.xml").symlink_to(folder / "nowhere")
+        (folder / "round.xml").symlink_to(folder / "round.xml")
+        with (folder / "large.xml").open("wb") as large:
+            large.truncate(2**33)
+    os.mkfifo(package / "manifest" / "fifo.xml")
+    os.mkfifo(package / "src" / "remodel_behaviors" / "fifo.py")
+    assert "loaded 'my_first_behavior'" in give("load my_first_behavior")
+    assert give("check") == "no errors and no warnings"
+    give("synthesize Box i: start g: TestBehaviorExample_descpt.xml")
+    give("save")
+    assert "Say hello" in give("findStateUsage flexbe_states.LogState")
+    assert "Secret" not in workspace.names()
+    for name in ("fifo.xml", "folder.xml", "zero.xml", "secret.xml", "gone.xml", "large.xml"):
+        assert workspace.text_of(name) == ""
+        with pytest.raises(CommandError):
+            give(f"synthesize Box i: start g: {user_charts / name}")
+
+
+def test_folders_that_take_too_long_are_named(package, monkeypatch):
+    monkeypatch.setattr("remodel_console.edge.chart_folders._READ_WITHIN_S", -1.0)
+    with pytest.raises(CommandError, match=r"takes more than .* take what is no chart out of .*"):
+        list(ChartFolders((package / "charts",)).names())
+
+
+def test_a_chart_in_no_package_is_checked_as_any_other(workspace, user_charts, give):
+    file = user_charts / "lost.xml"
+    file.write_text(CHART.format(name="Lost", target="nowhere"))
+    give("load Lost")
+    assert "lost.xml:5:" in give("check")
+    _chart, inspection = inspect_text(workspace, file.read_text(), str(file))
+    assert inspection.error_count == 1
+    assert inspection.unchecked == ""
+    with pytest.raises(CommandError, match="unknown-target"):
+        give("save")
+
+
+def test_a_chart_in_no_package_is_saved_where_it_lies_its_behavior_in_the_output_package(
+    session, package, user_charts, give
+):
+    file = user_charts / "found.xml"
+    file.write_text(CHART.format(name="Found", target="finished"))
+    give("load Found")
+    assert str(package / "src" / "remodel_behaviors" / "found_sm.py") in give("save")
+    limited = chart_edit.limited(session.chart, "A", None, 9.0)
+    session.change(lambda _chart: chart_edit.led(limited, "A", "timed_out", "finished"))
+    answer = give("save")
+    assert str(file) in answer
+    assert 'ext:timeout_s="9.0"' in file.read_text()
+    assert not list(user_charts.glob("*/"))
+
+
+def test_without_an_output_package_saving_says_what_to_do(user_charts):
+    (user_charts / "lost.xml").write_text(CHART.format(name="Lost", target="finished"))
+    session = Session(Workspace(str(SRC / "flexbe" / "flexbe_states"), lambda: (user_charts,)))
+    session.carry_out(read_command("load Lost"))
+    with pytest.raises(CommandError, match="no package 'remodel_behaviors'") as caught:
+        session.carry_out(read_command("save"))
+    assert "--output" not in str(caught.value)
+    assert session.carry_out(read_command("check")) == "no errors and no warnings"

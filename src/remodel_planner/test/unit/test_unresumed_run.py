@@ -1,0 +1,82 @@
+"""A run whose work cannot be made waits for a person, who has it resumed or ended."""
+
+import pytest
+from house import HOUSE
+from supervisor_bench import Bench
+
+from remodel_planner.core.supervision.events import Blocked, Command, Commanded, Ending, RunEnded
+from remodel_planner.core.supervision.replay import replayed
+from remodel_planner.edge.production_database import ProductionDatabase
+from remodel_planner.errors import LostError
+from remodel_planner.supervisors.run_commands import RunCommands
+from remodel_planner.supervisors.unresumed_run import UnresumedRun
+
+
+@pytest.fixture
+def bench(tmp_path):
+    url = f"sqlite:///{tmp_path}/production.sqlite"
+    database = ProductionDatabase(url)
+    database.add_order(HOUSE)
+    database.close()
+    bench = Bench(url)
+    yield bench
+    bench.database.close()
+
+
+@pytest.fixture
+def unresumed(bench):
+    state = bench.log.state(bench.number)
+    return UnresumedRun(bench.number, bench.owner, state, bench.log, "no use case 'switchgear'")
+
+
+def given(bench, unresumed, command):
+    """Give a command without a supervisor, and return the list that its reply is put into."""
+    commands = RunCommands(bench.loop, bench.abilities, lambda: None, lambda: unresumed.text)
+    commands.unresumed = unresumed
+    replies = []
+    event = Commanded(command, "", "ann")
+    commands.command(event, lambda granted, text: replies.append((granted, text)))
+    return replies
+
+
+def test_it_names_the_reason_and_what_to_do(bench, unresumed):
+    assert "run 1 of order house cannot be resumed: no use case 'switchgear'" in unresumed.text
+    assert given(bench, unresumed, Command.PAUSE) == [(False, unresumed.text)]
+    assert not unresumed.is_over
+
+
+def test_it_is_resumed_without_an_event(bench, unresumed):
+    ((granted, _),) = given(bench, unresumed, Command.RESUME)
+    assert granted
+    assert unresumed.is_over
+    assert bench.run().ended.ending is Ending.COMPLETE
+
+
+def test_it_is_ended_when_nothing_moves(bench, unresumed):
+    bench.abilities.stalled = ("InsertCable",)
+    replies = given(bench, unresumed, Command.STOP)
+    assert (replies, bench.abilities.cancelled) == ([], 1)
+    bench.abilities.stalled = ()
+    bench.loop.run_until(lambda: False, 1.0)
+    assert replies == [(True, "run 1 has ended")]
+    assert [event.because for event in bench.events(Blocked)] == ["no use case 'switchgear'"]
+    assert [event.ending for event in bench.events(RunEnded)] == [Ending.STOPPED]
+    events = bench.events(object)
+    assert [frame.differs for frame in replayed(events) if frame.differs] == []
+
+
+def test_an_end_that_the_database_does_not_answer_is_asked_for_again(bench, unresumed, monkeypatch):
+    kept = bench.log.append
+
+    def append(*arguments):
+        kept(*arguments)
+        raise LostError("the production database does not answer")
+
+    monkeypatch.setattr(bench.log, "append", append)
+    ((granted, text),) = given(bench, unresumed, Command.STOP)
+    assert (granted, unresumed.is_over) == (False, False)
+    assert "does not answer" in text
+    monkeypatch.setattr(bench.log, "append", kept)
+    ((granted, _),) = given(bench, unresumed, Command.STOP)
+    assert granted
+    assert bench.log.state(bench.number).ended.ending is Ending.STOPPED
