@@ -8,8 +8,8 @@ import random
 from itertools import chain, combinations
 
 import pytest
+from synthesizer_support.chart_run import run
 
-from flexbe_synthesizer.core.chart_run import run
 from flexbe_synthesizer.core.codec import parse_chart
 from flexbe_synthesizer.core.compile import compile_chart
 from flexbe_synthesizer.core.instantiate import instantiate, with_presets_written

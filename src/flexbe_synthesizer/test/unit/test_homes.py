@@ -3,13 +3,7 @@
 Random charts found each of these accepted, and doing something else than it says.
 """
 
-import sys
-from pathlib import Path
-
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-
 from random_charts.engine_run import Synthesis
 
 from flexbe_synthesizer.core.problem import Code

@@ -4,16 +4,11 @@ A seed that fails here is shown, shrunk, by `python3 -m random_charts --seed SEE
 `--trace`; see "Random charts" in the package's README.
 """
 
-import sys
 from collections import Counter
 from importlib import import_module
-from pathlib import Path
 
 import pytest
 from lxml import etree
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-
 from random_charts.chart_xml import EXT, read_chart
 from random_charts.engine_run import Synthesis, library
 from random_charts.explore import explore
