@@ -33,10 +33,10 @@ behaviors: build ## Synthesize the charts of remodel_behaviors again
 	@$(SOURCED) rosrun flexbe_synthesizer synthesize src/remodel_behaviors/charts/*.xml
 
 unit: build ## Tests that need no ROS master
-	@$(SOURCED) pytest --junit-xml=$(RESULTS)/unit.xml
+	@$(SOURCED) pytest --numprocesses auto --dist loadfile --no-loadscope-reorder --junit-xml=$(RESULTS)/unit.xml
 
 rostest: build ## Tests of running nodes, each on a roscore of its own
-	@$(SOURCED) catkin_make --no-color run_tests -j1 >build/rostest.log 2>&1 || { tail -n 40 build/rostest.log; exit 1; }
+	@$(SOURCED) catkin_make --no-color run_tests -j2 >build/rostest.log 2>&1 || { tail -n 40 build/rostest.log; exit 1; }
 	@$(SOURCED) catkin_test_results --all $(RESULTS) || { echo "log: build/rostest.log"; exit 1; }
 
 lint: .venv/.ready ## Style, types of the pure cores, and XML
@@ -74,8 +74,9 @@ bench-planner: build build/bench-venv/.ready ## Measure the planner beside GTPyh
 bench-learning: build ## First-pass yield with learned and with frozen parameters, and the guard rail; plot in out/bench/learning.png
 	@$(SOURCED) benchmarks/learning/first_pass_yield.py $(BENCH)
 
-bench-synthesis: build ## Time of the synthesis by size of the chart; 10,000 random charts on the engine (BENCH="--seed 7 --trace")
+bench-synthesis: build ## CPU time of the synthesis by size of the chart, and while typing; 10,000 random charts on the engine (BENCH="--seed 7 --trace")
 	@$(SOURCED) benchmarks/synthesis/sizes.py
+	@$(SOURCED) benchmarks/synthesis/typing_check.py
 	@$(SOURCED) PYTHONPATH="src/flexbe_synthesizer/test:$$PYTHONPATH" python3 -m random_charts --count 10000 $(BENCH)
 
 bench-sim: build build/bench-venv/.ready ## Measure the simulated wire against theory, beside MuJoCo; figures in out/bench/sim.jsonl
