@@ -14,7 +14,6 @@ from flexbe_synthesizer.core.draw import chart_to_dot
 from flexbe_synthesizer.core.expand import chart_steps
 from flexbe_synthesizer.core.model import Chart
 from flexbe_synthesizer.core.problem import errors_in
-from flexbe_synthesizer.core.scxml import ScxmlError, chart_to_scxml
 from flexbe_synthesizer.edge.atomic_write import write_all
 from flexbe_synthesizer.edge.graphviz import FORMATS, render_dot
 from flexbe_synthesizer.edge.inventory import read_inventory
@@ -43,7 +42,7 @@ def main(arguments: Sequence[str], ros_package_path: str) -> int:
         return _fail("--run is drawn; say with --draw where")
     try:
         return _run(options, ros_package_path)
-    except (SynthesisError, ScxmlError) as error:
+    except SynthesisError as error:
         return _fail(str(error))
 
 
@@ -136,9 +135,20 @@ def _export(chart: Chart, options: argparse.Namespace) -> tuple[Path, ...]:
         render_dot(chart_to_dot(chart, path_taken), options.draw)
         made.append(options.draw)
     if options.scxml is not None:
-        write_all({options.scxml: chart_to_scxml(chart)})
+        write_all({options.scxml: _scxml(chart)})
         made.append(options.scxml)
     return tuple(made)
+
+
+def _scxml(chart: Chart) -> str:
+    """Return a chart as SCXML."""
+    # Here, since lxml is a seventh of the start of a program that seldom needs it.
+    from flexbe_synthesizer.core.scxml import ScxmlError, chart_to_scxml
+
+    try:
+        return chart_to_scxml(chart)
+    except ScxmlError as error:
+        raise OutputError(str(error)) from error
 
 
 def _tell(files: CheckedFiles, written: Sequence[Path], is_check: bool) -> None:

@@ -8,6 +8,7 @@ import pytest
 
 from flexbe_synthesizer.core.problem import MOST_ERRORS
 from flexbe_synthesizer.edge.chart_files import LARGEST_FILE
+from flexbe_synthesizer.edge.chart_memory import ChartMemory
 from flexbe_synthesizer.request import (
     ErrorCode,
     Request,
@@ -33,10 +34,11 @@ def ask(settings):
         outcomes=(),
         report=lambda _status, _progress: None,
         expect_time=lambda: None,
+        memory=None,
         **changes,
     ):
         changed = Settings(**{**vars(settings), **changes})
-        return fulfil(Request(goal, initial, tuple(outcomes)), changed, report, expect_time)
+        return fulfil(Request(goal, initial, tuple(outcomes)), changed, report, expect_time, memory)
 
     return ask
 
@@ -64,6 +66,19 @@ def test_a_chart_is_written_and_its_states_are_returned(ask, settings):
     }
     assert [progress for progress, _ in steps] == sorted(progress for progress, _ in steps)
     assert ask(str(settings.chart_folders[0] / "wire_task.xml")).written == ()
+
+
+def test_what_is_remembered_of_a_request_never_outlives_a_change(ask, settings):
+    memory = ChartMemory()
+    first = ask("wire_task.xml", memory=memory)
+    again = ask("wire_task.xml", memory=memory)
+    assert (again.states, again.written) == (first.states, ())
+    inner = settings.chart_folders[0] / "place_connector.xml"
+    inner.write_text(inner.read_text().replace('ext:attempts="3"', 'ext:attempts="4"'))
+    (changed,) = ask("wire_task.xml", memory=memory).written
+    assert changed.name == "place_connector_sm.py"
+    inner.write_text(inner.read_text().replace('target="Fix"', 'target="Fax"'))
+    assert refusal(ask, "wire_task.xml", memory=memory)[0] is ErrorCode.CHART_INVALID
 
 
 def test_start_and_nothing_mean_where_the_chart_starts(ask):

@@ -135,3 +135,28 @@ def test_without_an_output_package_saving_says_what_to_do(user_charts):
         session.carry_out(read_command("save"))
     assert "--output" not in str(caught.value)
     assert session.carry_out(read_command("check")) == "no errors and no warnings"
+
+
+def test_while_a_chart_is_typed_the_charts_that_it_names_are_not_checked_again(
+    workspace, user_charts
+):
+    (user_charts / "inner.xml").write_text(CHART.format(name="Inner", target="finished"))
+    outer = user_charts / "outer.xml"
+    text = CHART.format(name="Outer", target="In").replace(
+        "</statemachine>",
+        '<behavior id="In" type="inner.xml"><transition event="finished" target="finished"/>'
+        "</behavior></statemachine>",
+    )
+    found = []
+    for value in ("1", "2"):
+        typed = text.replace('value="1"', f'value="{value}"')
+        chart, inspection = inspect_text(workspace, typed, str(outer))
+        assert (chart.nodes[0].params[0].value, inspection.problems) == (int(value), ())
+        found.append(workspace.look(typed, str(outer)).charts)
+    first, second = found
+    inner = str(user_charts / "inner.xml")
+    assert first[inner].resolved is second[inner].resolved
+    assert first[str(outer)].resolved is not second[str(outer)].resolved
+    (user_charts / "inner.xml").write_text(CHART.format(name="Inner", target="finisht"))
+    _chart, inspection = inspect_text(workspace, typed, str(outer))
+    assert "unknown-target" in [problem.code.slug for problem in inspection.problems]

@@ -7,7 +7,7 @@ attribute that is missing reads as the empty string, which the checks pass over.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from sys import intern
 from types import MappingProxyType
@@ -197,7 +197,7 @@ class _ChartReader:
                 for e in part.children("input")
             ),
             outputs=tuple(self._output(e) for part in data for e in part.children("output")),
-            connections=tuple(map(self._connection, fields.children("connection"))),
+            connections=self._connections(fields.children("connection")),
             conditions=tuple(map(self._condition, fields.children("ext:condition"))),
             source=source,
         )
@@ -237,31 +237,51 @@ class _ChartReader:
         source = (self._tree, element)
         return Output(given.get("name", ""), given.get("type") or None, source=source)
 
-    def _param(self, element: Element) -> Param:
-        given, _extensions = self._leaf(element, _PARAM)
-        value = parse_literal(given.get("value", ""))
-        return Param(intern(given.get("name", "")), value, source=(self._tree, element))
+    # Names are interned: one string for all that name a state is found faster, in less memory.
 
-    def _transition(self, element: Element) -> Transition:
-        given, extensions = self._leaf(element, TRANSITION)
-        autonomy = None
-        if extensions:
-            autonomy = self._convert(
-                element, extensions, "autonomy", Autonomy, _LEVELS, Autonomy.OFF
-            )
-        source = (self._tree, element)
-        return Transition(
-            intern(given.get("event", "")), intern(given.get("target", "")), autonomy, source=source
+    def _params(self, elements: Sequence[Element]) -> tuple[Param, ...]:
+        tree = self._tree
+        return tuple(
+            [
+                Param(
+                    intern(given.get("name", "")),
+                    parse_literal(given.get("value", "")),
+                    source=(tree, element),
+                )
+                for element, given, _extensions in self._leaves(elements, _PARAM)
+            ]
         )
 
-    def _connection(self, element: Element) -> Connection:
-        given, _extensions = self._leaf(element, _CONNECTION)
-        return Connection(
-            intern(given.get("output_state_id", "")),
-            intern(given.get("output", "")),
-            intern(given.get("input_state_id", "")),
-            intern(given.get("input", "")),
-            source=(self._tree, element),
+    def _transitions(self, elements: Sequence[Element]) -> tuple[Transition, ...]:
+        tree = self._tree
+        return tuple(
+            [
+                Transition(
+                    intern(given.get("event", "")),
+                    intern(given.get("target", "")),
+                    self._autonomy(element, extensions) if extensions else None,
+                    source=(tree, element),
+                )
+                for element, given, extensions in self._leaves(elements, TRANSITION)
+            ]
+        )
+
+    def _autonomy(self, element: Element, extensions: Mapping[str, str]) -> Autonomy | None:
+        return self._convert(element, extensions, "autonomy", Autonomy, _LEVELS, Autonomy.OFF)
+
+    def _connections(self, elements: Sequence[Element]) -> tuple[Connection, ...]:
+        tree = self._tree
+        return tuple(
+            [
+                Connection(
+                    intern(given.get("output_state_id", "")),
+                    intern(given.get("output", "")),
+                    intern(given.get("input_state_id", "")),
+                    intern(given.get("input", "")),
+                    source=(tree, element),
+                )
+                for element, given, _extensions in self._leaves(elements, _CONNECTION)
+            ]
         )
 
     def _condition(self, element: Element) -> Condition:
@@ -282,7 +302,7 @@ class _ChartReader:
         fields = self._fields(element, shape)
         limits = self._limits(element, fields.extensions) if fields.extensions else _UNLIMITED
         parts = fields.parts
-        transitions = tuple([self._transition(e) for e in parts.get("transition", ())])
+        transitions = self._transitions(parts.get("transition", ()))
         node_id, source = intern(fields.text("id")), (self._tree, element)
         if element.tag not in ("state", "behavior"):
             body = self._container_body(element, fields, shape)
@@ -296,7 +316,7 @@ class _ChartReader:
             transitions,
             tuple([self._input(e, PORT) for e in parts["input"]]) if "input" in parts else (),
             tuple([self._output(e) for e in parts["output"]]) if "output" in parts else (),
-            tuple([self._param(e) for e in parts["param"]]) if "param" in parts else (),
+            self._params(parts["param"]) if "param" in parts else (),
             *limits,
         )
         if element.tag == "behavior":
@@ -353,17 +373,32 @@ class _ChartReader:
             return instead
 
     def _leaf(self, element: Element, shape: Shape) -> tuple[Mapping[str, str], Mapping[str, str]]:
-        """Return the attributes of an element without children, and those of the extension.
+        """Return the attributes of an element without children, and those of the extension."""
+        ((_element, given, extensions),) = self._leaves((element,), shape)
+        return given, extensions
+
+    def _leaves(
+        self, elements: Sequence[Element], shape: Shape
+    ) -> Iterator[tuple[Element, Mapping[str, str], Mapping[str, str]]]:
+        """Yield elements without children, their attributes, and those of the extension.
 
         Most have all that they need and nothing else, and are let through at once. The element
         keeps its place only: fresh memory is a good part of the time that reading takes.
         """
-        given: Mapping[str, str] = element.attrib
-        if shape.is_all(given) and not len(element) and not self._tree.has_text:
-            element.clear()
-            return given, _NO_EXTENSIONS
-        fields = self._fields(element, shape)
-        return fields.plain, fields.extensions
+        required, count = shape.required, len(shape.required)
+        for element in elements:
+            given: Mapping[str, str] = element.attrib
+            if (
+                len(given) == count
+                and all(map(given.get, required))
+                and not len(element)
+                and not self._tree.has_text
+            ):
+                element.clear()
+                yield element, given, _NO_EXTENSIONS
+            else:
+                fields = self._fields(element, shape)
+                yield element, fields.plain, fields.extensions
 
     def _fields(self, element: Element, shape: Shape) -> _Fields:
         """Return the element's parts, and report those that its shape does not have."""
@@ -376,7 +411,9 @@ class _ChartReader:
             self.report(place, Code.UNEXPECTED_TEXT, message)
         parts: dict[str, list[Element]] = {}
         for child in element:
-            tag = child.tag if child.tag in shape.children else _tag(child)
+            tag = child.tag
+            if tag not in parts:
+                tag = tag if tag in shape.children else _tag(child)
             if tag in parts:
                 parts[tag].append(child)
             elif tag in shape.children:
