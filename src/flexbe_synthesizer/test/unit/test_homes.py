@@ -98,6 +98,22 @@ def written_by_another(output):
     )
 
 
+def changed_by_another(giver):
+    """`giver` is v if the last to read is to have what S made of the input, w for any."""
+    first = state("S", "TallyState", "", enough="T")
+    second = state("T", "TallyState", "", enough="R")
+    first = first.replace("</state>", '<transition event="more" target="T"/></state>')
+    second = second.replace("</state>", '<transition event="more" target="R"/></state>')
+    source = ("S", "count") if giver == "v" else ("T", "count")
+    return chart(
+        first + second + state("R", "UseState", used="o", refused="o"),
+        ("A", "v", "S", "count"),
+        ("S", "count", "T", "count"),
+        (*source, "R", "item"),
+        data='<input name="v"/>',
+    )
+
+
 @pytest.mark.parametrize(
     ("made", "said"),
     [
@@ -107,6 +123,7 @@ def written_by_another(output):
         (written_inside, "may be written over while it is still read"),
         (written_at_the_same_time, "which 'Make' writes at the same time"),
         (written_by_another, "from 'S', but 'T' writes the same value, 'v'"),
+        (changed_by_another, "from 'S', but 'T' writes the same value, 'v'"),
     ],
 )
 def test_a_value_that_can_be_taken_for_another(made, said, tmp_path):
