@@ -239,8 +239,9 @@ class _ChartReader:
 
     def _param(self, element: Element) -> Param:
         given, _extensions = self._leaf(element, _PARAM)
-        value = parse_literal(given.get("value", ""))
-        return Param(intern(given.get("name", "")), value, source=(self._tree, element))
+        text = given.get("value", "")
+        value = parse_literal(text)
+        return Param(intern(given.get("name", "")), value, text, source=(self._tree, element))
 
     def _transition(self, element: Element) -> Transition:
         given, extensions = self._leaf(element, TRANSITION)
