@@ -127,7 +127,10 @@ def test_nodes_join_ros_by_the_one_module_that_handles_signals():
     files = [*programs, *(path for package in PACKAGES for path in modules(package).values())]
     joining = {path for path in files if "rospy.init_node(" in path.read_text()}
     spinning = {path for path in files if "rospy.spin(" in path.read_text()}
-    assert joining == {modules("flexbe_core")["flexbe_core.ros.master"]}
+    # The judge of engines imports nothing of this one; as a command, it leaves signals to Python.
+    judge = modules("flexbe_testing")["flexbe_testing.ros.conformance.command"]
+    assert joining == {modules("flexbe_core")["flexbe_core.ros.master"], judge}
+    assert all("disable_signals=True" in path.read_text() for path in joining)
     assert not spinning
 
 

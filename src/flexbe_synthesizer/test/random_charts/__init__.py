@@ -1,6 +1,7 @@
 """Random charts, run on the engine and beside it by a reference that shares no code with it.
 
-    generate    a seed -> chart files, valid ones and some whose data flow has holes
+    generate    a seed -> chart files, valid ones and some whose data flow has holes; made of parts
+                and of a data_flow
     chart_xml   chart files -> what they say, read with lxml
     reference   one run of a chart as the documentation describes it
     explore     all runs of a chart: is a value ever missing, or another state's?

@@ -50,7 +50,7 @@ def explore(chart: Scope) -> tuple[Fault, ...]:
     explorer.ends(chart, "", frozenset())
     for path, behavior in _behaviors(chart, ""):  # whether a run comes there or not
         explorer.ends(behavior, path, frozenset())
-    return tuple(explorer.faults)
+    return tuple(sorted(explorer.faults))
 
 
 def _behaviors(scope: Scope, path: str) -> Iterator[tuple[str, Scope]]:

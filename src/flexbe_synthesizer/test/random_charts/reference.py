@@ -153,7 +153,8 @@ class Reference:
         if event == "failed" and node.routes:
             yield
             code = values.written(node.id, "error_code")
-            fitting = [t for first, last, t in node.routes if first <= code <= last]
+            is_code = isinstance(code, int)
+            fitting = [t for first, last, t in node.routes if is_code and first <= code <= last]
             self._end(f"{path}_error", fitting[0] if fitting else node.events[event])
             return fitting[0] if fitting else node.events[event]
         return node.events[event]

@@ -1,5 +1,6 @@
 import os
 import re
+import sys
 from pathlib import Path
 
 import pytest
@@ -8,10 +9,14 @@ from flexbe_core import EventState
 from flexbe_core.core.operatable_state_machine import OperatableStateMachine
 from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.engine.user_data import UserData
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from synthesizer_support.interpreter import Interface
+
 from flexbe_synthesizer.core.check import check_chart
 from flexbe_synthesizer.core.codec import parse_chart, read_chart
 from flexbe_synthesizer.core.compile import compile_chart
-from flexbe_synthesizer.core.interpreter import Interface
 from flexbe_synthesizer.core.model import Behavior, State
 from flexbe_synthesizer.core.signature import FromParameter, chart_behavior, state_signature
 from flexbe_synthesizer.edge.package_path import find_packages, read_library

@@ -146,7 +146,7 @@ def test_an_output_that_lives_elsewhere_cannot_feed_the_output_of_its_name():
     nodes = [state("A", "Write", "B"), state("B", "Write")]
     result = checked(nodes, [("A", "v", "Task", "w")], outputs=["v", "w"])
     assert codes(result) == [Code.CONFLICTING_OUTPUT]
-    assert "output 'v' of state 'A' lives in 'w'" in result.problems[0].message
+    assert "and lives in 'w'" in result.problems[0].message
     flows = [("A", "v", "Task", "w"), ("B", "v", "Task", "v")]
     assert codes(checked(nodes, flows, outputs=["v", "w"])) == []
 

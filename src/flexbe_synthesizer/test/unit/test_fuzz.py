@@ -9,6 +9,8 @@ import time
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from synthesizer_support.strategies import charts
+from synthesizer_support.w3c_scxml import faults
 
 from flexbe_synthesizer.core.chart_writer import write_chart
 from flexbe_synthesizer.core.codec import read_chart
@@ -19,8 +21,6 @@ from flexbe_synthesizer.core.model import Connection, Input, Outcome, Param, Sta
 from flexbe_synthesizer.core.problem import errors_in
 from flexbe_synthesizer.core.render_python import render_python
 from flexbe_synthesizer.core.scxml import ScxmlError, chart_to_scxml
-from flexbe_synthesizer.strategies import charts
-from flexbe_synthesizer.w3c_scxml import faults
 
 LONGEST_S = 5.0
 BOUNDED = settings(max_examples=120, deadline=None, derandomize=True)

@@ -1,10 +1,10 @@
 """What the reference interpreter tells of charts that go wrong, and how a run is followed."""
 
 import pytest
+from synthesizer_support.chart_run import run
+from synthesizer_support.interpreter import Interface, explore
 
-from flexbe_synthesizer.core.chart_run import run
 from flexbe_synthesizer.core.codec import parse_chart
-from flexbe_synthesizer.core.interpreter import Interface, explore
 
 HEAD = """<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="A" initial="S">
   <datamodel><outcome name="o"/></datamodel>"""

@@ -4,16 +4,14 @@ A seed that fails here is shown, shrunk, by `python3 -m random_charts --seed SEE
 `--trace`; see "Random charts" in the package's README.
 """
 
+import os
+import subprocess
 import sys
 from collections import Counter
 from importlib import import_module
-from pathlib import Path
 
 import pytest
 from lxml import etree
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-
 from random_charts.chart_xml import EXT, read_chart
 from random_charts.engine_run import Synthesis, library
 from random_charts.explore import explore
@@ -44,6 +42,22 @@ def test_the_charts_are_worth_running():
     assert kinds["refused"] > 0.05 * CHARTS, kinds
     assert kinds["refused without need"] < 0.04 * CHARTS, kinds
     assert sum(not verdict.is_explored for verdict in verdicts.values()) < 0.02 * CHARTS
+
+
+def test_a_seed_is_one_chart_in_every_process():
+    command = "from random_charts.generate import generate\n"
+    command += "print([generate(seed).files for seed in range(15)])"
+    printed = {
+        subprocess.run(
+            [sys.executable, "-c", command],
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "PYTHONHASHSEED": number},
+            check=True,
+            capture_output=True,
+        ).stdout
+        for number in ("1", "2")
+    }
+    assert len(printed) == 1
+    assert repr([generate(seed).files for seed in range(15)]).encode() in printed.pop()
 
 
 def test_the_charts_hold_the_whole_language():

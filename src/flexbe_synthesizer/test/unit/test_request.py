@@ -59,8 +59,10 @@ def test_a_chart_is_written_and_its_states_are_returned(ask, settings):
         "__init__.py",
         "wire_task_sm.py",
         "wire_task.xml",
+        "wire_task.yaml",
         "place_connector_sm.py",
         "place_connector.xml",
+        "place_connector.yaml",
     }
     assert [progress for progress, _ in steps] == sorted(progress for progress, _ in steps)
     assert ask(str(settings.chart_folders[0] / "wire_task.xml")).written == ()

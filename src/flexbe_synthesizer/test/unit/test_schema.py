@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from lxml import etree
+from synthesizer_support.strategies import charts
 
 from flexbe_synthesizer.core.chart_writer import write_chart
 from flexbe_synthesizer.core.codec import parse_chart, read_chart
 from flexbe_synthesizer.core.problem import errors_in
-from flexbe_synthesizer.strategies import charts
 
 ROOT = Path(__file__).parents[4]
 PACKAGE = ROOT / "src" / "flexbe_synthesizer"

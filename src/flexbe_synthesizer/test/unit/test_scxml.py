@@ -5,11 +5,11 @@ import random
 import pytest
 from lxml import etree
 from statemachine.io import load
+from synthesizer_support.chart_run import run
+from synthesizer_support.w3c_scxml import faults
 
-from flexbe_synthesizer.core.chart_run import run
 from flexbe_synthesizer.core.codec import parse_chart
 from flexbe_synthesizer.core.scxml import NAMESPACE, ScxmlError, chart_to_scxml, scxml_name
-from flexbe_synthesizer.w3c_scxml import faults
 
 CHARTS = ("plain.xml", "place_connector.xml", "wire_task.xml", "two_arms.xml")
 RUNS, MOST_STEPS = 15, 60

@@ -53,6 +53,7 @@ class Disturbances:
             *(self._stall_supervisor,) * 3,
             *(self._terminate,) * 2,
             self._lose_use_case,
+            self._replace_supervisor,
             *(self._kill_node,) * 5,
             *(self._stall_node,) * 5,
             *(self._fail_database,) * 3,
@@ -90,6 +91,9 @@ class Disturbances:
     def _terminate(self, station: Station, random: Random) -> None:
         if station.process is not None:
             station.process.leave()
+
+    def _replace_supervisor(self, station: Station, random: Random) -> None:
+        station.replace_supervisor(random.choice((0.5, 2.0, 5.0, 10.0)))
 
     def _lose_use_case(self, station: Station, random: Random) -> None:
         for_s = random.choice((3.0, 20.0))

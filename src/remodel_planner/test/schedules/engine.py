@@ -99,9 +99,11 @@ class Engine(Node):
         run.steps = self._behave(run)
         self._resume(run, 0, None)
 
-    def on_cancel(self) -> None:
-        """Stop whatever runs, when the engine gets to it."""
-        if self._run is not None:
+    def on_cancel(self, client: Client | None = None, number: int = 0) -> None:
+        """Stop whatever runs, or what a client has started, when the engine gets to it."""
+        if self._run is not None and (
+            client is None or (client, number) == (self._run.client, self._run.number)
+        ):
             run = self._run
             self.deliver(self.simulation.random.uniform(0.0, 0.15), self._preempt, run)
 

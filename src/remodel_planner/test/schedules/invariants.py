@@ -88,6 +88,8 @@ class Invariants:
             self._discards.add(event.task)
         elif isinstance(event, TaskBegun) and event.part is Part.WHOLE:
             self._discards.discard(event.task)
+        if after.stop.startswith("somebody stopped"):
+            self.simulation.violated(f"run {run}: {after.stop}, though nobody did")
         before = self.states.get(run)
         self.states[run] = after
         for name, task in after.tasks.items():

@@ -98,10 +98,11 @@ class SimulatedEngine:
             self._process.simulation.after(latency_s, self.on_end, self._number, lost)
         self._process.step()
 
-    def cancel(self) -> None:
-        """Have every behavior stopped."""
+    def cancel(self, *, own_only: bool = False) -> None:
+        """Have every behavior stopped, or the one started last."""
         self._process.step()
-        self._engine.deliver(self._process.simulation.latency_s(), self._engine.on_cancel)
+        own = (self, self._number) if own_only else ()
+        self._engine.deliver(self._process.simulation.latency_s(), self._engine.on_cancel, *own)
 
     def path(self) -> tuple[str, ...]:
         """Return the states that were entered."""
@@ -129,15 +130,15 @@ class SimulatedAbilities:
         self._process = process
         self._servers = servers
 
-    def cancel(self) -> None:
-        """Cancel every goal."""
+    def cancel(self, owner: int | None = None) -> None:
+        """Cancel every goal, or those of an owner."""
         self._process.step()
         for server in self._servers.values():
-            server.deliver(self._process.simulation.latency_s(), server.on_cancel)
+            server.deliver(self._process.simulation.latency_s(), server.on_cancel, "", owner)
 
-    def are_quiet(self, since_s: float) -> bool:
+    def are_quiet(self, since_s: float, owner: int | None = None) -> bool:
         """Return whether all connected servers have reported rest."""
-        return all(s.rests(since_s) for s in self._servers.values() if s.is_up)
+        return not self.restless(since_s, owner)
 
     def answers(self, ability: str, since_s: float) -> bool:
         """Return whether a server is there, and rests."""
@@ -148,9 +149,10 @@ class SimulatedAbilities:
         """Return whether a server is connected."""
         return self._servers[ability].is_up
 
-    def restless(self, since_s: float) -> tuple[str, ...]:
+    def restless(self, since_s: float, owner: int | None = None) -> tuple[str, ...]:
         """Return the names of those that do not rest or report."""
-        return tuple(s.name for s in self._servers.values() if s.is_up and not s.rests(since_s))
+        servers = [server for server in self._servers.values() if server.is_up]
+        return tuple(s.name for s in servers if not s.rests(since_s, owner))
 
 
 class SimulatedCell:

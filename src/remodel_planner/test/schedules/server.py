@@ -90,12 +90,13 @@ class Server(Node):
         """Whether it does a goal."""
         return self._job is not None
 
-    def rests(self, since_s: float) -> bool:
-        """Return whether it has reported since then [s] that it rests."""
+    def rests(self, since_s: float, owner: int | None = None) -> bool:
+        """Return whether it has reported since then [s] that it rests, or serves another owner."""
         heard_s = self.heard_s - 0.003
         tick_s = heard_s - math.fmod(heard_s + self._phase_s, _REPORT_S)
+        is_foreign = self._job is not None and owner not in (None, self._job.motion.owner)
         if self._changed_s <= heard_s:
-            return self._job is None and max(tick_s, self._changed_s) >= since_s
+            return (self._job is None or is_foreign) and max(tick_s, self._changed_s) >= since_s
         # What it does now it began, or ended, after its last report.
         return self._job is not None and tick_s >= since_s
 
@@ -184,10 +185,12 @@ class Server(Node):
         if not (job.fault and job.fault.behaves is Behaves.HANGS):
             self._end(job, Result(False, ErrorCode.TIMEOUT, "not done in time"))
 
-    def on_cancel(self, goal_id: str = "") -> None:
-        """Cancel a goal, or whatever there is; the arm stops a little later."""
+    def on_cancel(self, goal_id: str = "", owner: int | None = None) -> None:
+        """Cancel a goal, an owner's, or whatever there is; the arm stops a little later."""
         job = self._job
-        if job is not None and goal_id in ("", job.goal.id):
+        if job is None or owner not in (None, job.motion.owner):
+            return
+        if goal_id in ("", job.goal.id):
             stopped = Result(False, ErrorCode.PREEMPTED, "cancelled")
             self.deliver(self.simulation.random.uniform(0.0, 0.4), self._end, job, stopped)
 

@@ -99,7 +99,13 @@ class Station:
 
     def _start(self) -> None:
         self._lives += 1
-        Process(self.simulation, f"{self.name}/sup{self._lives}", self._main, self._on_end)
+        number = self._lives
+        Process(
+            self.simulation,
+            f"{self.name}/sup{number}",
+            self._main,
+            lambda: self._on_end(number),
+        )
 
     def keep_stops(self, persons: Collection[str]) -> None:
         """Keep who has stopped the cell, beyond the life of its supervisor."""
@@ -109,7 +115,19 @@ class Station:
         self.life = Life(self, process)
         self.life.serve()
 
-    def _on_end(self) -> None:
+    def replace_supervisor(self, stall_s: float) -> None:
+        """Start another supervisor while this one stalls, which is to end when it wakes up.
+
+        So it is with a second node of one name, which the ROS master has the first one end for.
+        """
+        if self.process is not None:
+            self.process.stall(stall_s)
+            self.process.leave()
+            self._start()
+
+    def _on_end(self, number: int) -> None:
+        if number != self._lives:
+            return  # another one has taken its place
         self.simulation.after(self.simulation.random.uniform(*_RESPAWN_S), self._start)
 
     # --- what states and people ask

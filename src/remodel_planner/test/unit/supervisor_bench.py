@@ -115,7 +115,7 @@ class FakeAbilities:
     def __init__(self):
         self.away, self.cancelled, self.stalled = 0, 0, ()
 
-    def cancel(self):
+    def cancel(self, owner=None):
         self.cancelled += 1
 
     def is_connected(self, ability):
@@ -125,10 +125,10 @@ class FakeAbilities:
         self.away -= 1
         return self.away < 0 and ability not in self.stalled
 
-    def are_quiet(self, since_s):
+    def are_quiet(self, since_s, owner=None):
         return not self.stalled
 
-    def restless(self, since_s):
+    def restless(self, since_s, owner=None):
         return tuple(server_of(ability) for ability in self.stalled)
 
 
@@ -179,7 +179,7 @@ class FakeEngine:
             assert tasks.keep_record(behavior, done) == (True, ""), "sent twice, kept once"
         return permit
 
-    def cancel(self):
+    def cancel(self, own_only=False):
         self.cancelled += 1
         self.end = self.end or BehaviorEnd(End.PREEMPTED, "stopped")
 

@@ -243,7 +243,10 @@ def test_a_shutdown_leaves_no_event_and_the_next_start_resumes(bench):
         # The behavior goes on until it is cancelled.
         bench.engine.is_idle = False
 
-    bench.engine.cancel = lambda: setattr(bench.engine, "is_idle", True)
+    def cancel(own_only=False):
+        bench.engine.is_idle, bench.engine.end = True, BehaviorEnd(End.PREEMPTED, "stopped")
+
+    bench.engine.cancel = cancel
     bench.engine.endings = [begin]
     original = bench.engine.start
 
@@ -321,7 +324,7 @@ def test_a_record_of_a_behavior_that_was_stopped_is_dropped(bench):
 
     stopped = (True, "of a behavior that was stopped; it is not kept")
     send(bench.owner)  # before this supervisor has stopped what runs
-    bench.run(lambda: send(bench.owner - 1), lambda: send(bench.owner))
+    bench.run(lambda: send(bench.owner + 1), lambda: send(bench.owner))
     assert answers == [stopped, stopped, (True, "")]
     second = bench.events(Planned)[0].tasks[1]
     assert [event.task for event in bench.events(OperationEnded)] == [second]
@@ -430,7 +433,7 @@ def test_a_protective_stop_that_is_released_at_once_does_not_end_the_run(bench):
         bench.engine.cancel = resume
         bench.command(Command.PROTECTIVE_STOP)
 
-    def resume():
+    def resume(own_only=False):
         """The run is resumed before the engine has stopped the behavior."""
         del bench.engine.cancel
         bench.command(Command.RESUME)

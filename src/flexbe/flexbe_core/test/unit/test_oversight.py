@@ -56,6 +56,13 @@ def test_a_transition_is_told_to_mirrors(bench):
     assert step(bench, engine) == [Left("/a", "done", 0)]
 
 
+def test_a_state_that_is_supervised_by_itself_reports_its_outcome(bench):
+    root = two_states(bench)
+    engine = bench.engine(root, level=3)
+    root["a"]._is_controlled = True
+    assert step(bench, engine) == [Left("/a", "done", 0)]
+
+
 def test_a_transition_that_needs_more_asks_once_and_waits(bench):
     _, engine = started(bench, level=1, required=1)
     assert step(bench, engine) == [Requested("/a", 0)]
@@ -156,6 +163,14 @@ def test_a_repeat_leaves_and_enters_again(bench):
 def test_sync_tells_where_the_run_is(bench):
     _, engine = started(bench, script=[None])
     assert step(bench, engine, Sync()) == [Synced("/a"), Answered("sync")]
+
+
+def test_a_mirror_that_asks_is_answered_also_where_nothing_has_changed(bench):
+    _, engine = started(bench, script=[None])
+    step(bench, engine)
+    engine.handle(Sync())
+    engine.run(bench.now)
+    assert engine.take_facts() == [Shown("/a"), Synced("/a"), Answered("sync")]
 
 
 def test_attach_sets_the_level_and_names_the_behavior(bench):

@@ -75,9 +75,12 @@ class MirrorTest(unittest.TestCase):
         self.assertTrue(late.wait(lambda m: m.data == path), late.messages)
         late.close()
 
-    def kill(self, node):
+    def pid(self, node):
         uri = rosgraph.Master(rospy.get_name()).lookupNode(node)
-        os.kill(ServerProxy(uri).getPid(rospy.get_name())[2], signal.SIGKILL)
+        return ServerProxy(uri).getPid(rospy.get_name())[2]
+
+    def kill(self, node):
+        os.kill(self.pid(node), signal.SIGKILL)
 
     def test_who_joins_late_learns_where_the_behavior_is_and_when_it_ended(self):
         self.begin(wait_time=60)
@@ -90,6 +93,17 @@ class MirrorTest(unittest.TestCase):
         self.begin(wait_time=60)
         self.assert_shown("/Wait")
         self.kill("/behavior_mirror")
+        self.assert_shown("/Wait")
+
+    def test_an_engine_that_stood_still_is_shown_again(self):
+        self.begin(wait_time=60)
+        self.assert_shown("/Wait")
+        engine = self.pid("/behavior")
+        os.kill(engine, signal.SIGSTOP)
+        try:
+            self.assert_shown("")
+        finally:
+            os.kill(engine, signal.SIGCONT)
         self.assert_shown("/Wait")
 
     def test_an_engine_that_is_killed_runs_nothing_any_more(self):

@@ -115,7 +115,9 @@ def test_syncs_of_another_behavior_or_an_unknown_state_change_nothing():
 
 def test_an_engine_that_names_its_active_state_is_shown_as_it_says():
     mirror = following()
+    assert mirror.on_active_state("/A") == [], "it is shown since the start"
     assert mirror.on_active_state("/B") == [Show("/B")]
+    assert mirror.on_active_state("/B") == [Show("/B")], "it follows itself"
     assert mirror.on_active_state("") == [], "the end is told by a status"
     assert status(mirror, Code.FINISHED) == [Show("")]
 

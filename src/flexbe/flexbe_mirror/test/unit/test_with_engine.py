@@ -1,8 +1,11 @@
 """Mirrors follow the real engine through random behaviors with random joins.
 
-Whenever the engine has published, a mirror is where the engine is, and what it publishes on the way
-was active, in the order of the run. One run of three begins without supervision. The messages are
-made of the engine's facts, as its reporter makes them.
+What a mirror publishes was active, in the order of the run, and whenever the engine has published,
+the mirror is where the engine is. A mirror that only follows what stock FlexBE publishes is there
+too, though the outcome of the first state of a join may lead it elsewhere until the sync behind it.
+
+One run of three begins without supervision. The messages are made of the engine's facts, as its
+reporter makes them.
 """
 
 import itertools
@@ -107,7 +110,7 @@ class Follower:
 
     def follow(self, fact):
         """Take the messages that stock FlexBE publishes too."""
-        if isinstance(fact, Left) and fact.is_followed:
+        if isinstance(fact, Left):
             self.take(self.mirror.on_outcome(fact.index))
         elif isinstance(fact, Synced):
             self.take(self.mirror.on_sync(BEHAVIOR, checksum(fact.path)))
@@ -173,12 +176,11 @@ class Run:
 
     def check(self):
         """Have the mirrors take what was published, and check what they make of it."""
-        before = len(self.follower.published), len(self.reader.published)
+        before = len(self.reader.published)
         for fact in self.engine.take_facts():
             self.follower.follow(fact)
             self.reader.read(fact)
-        assert were_active(self.follower.published[before[0] :], self.moments)
-        assert were_active(self.reader.published[before[1] :], self.moments)
+        assert were_active(self.reader.published[before:], self.moments)
         self.moments = self.moments[-1:]
 
     def check_place(self):

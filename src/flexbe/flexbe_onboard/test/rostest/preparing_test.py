@@ -35,6 +35,7 @@ class PreparingTest(unittest.TestCase):
 
     def prepare(self, level=3, **commands):
         """Send commands to a behavior that is being prepared, and let it begin when they are in."""
+        self.gate.unlink(missing_ok=True)
         self.engine.start("Gated Test", level=level, gate=self.gate)
         self.assertIsNotNone(self.engine.log.wait(lambda m: m.text == "waiting at the gate"))
         for name, value in commands.items():

@@ -228,7 +228,6 @@ def _check_outputs(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]
             yield Problem(output.position(), Code.UNFED_OUTPUT, message)
         yield from _check_feeds(output, feeding[output.name], resolved, wiring)
     yield from _check_pass_through(resolved)
-    yield from _check_fed_by_name(resolved, flow)
     for (node, name), connection in wiring.into_machine.items():
         home = flow.outputs.get(node, {}).get(name, connection.input)
         if home != connection.input:
@@ -236,30 +235,6 @@ def _check_outputs(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]
             message += f"'{home}', and cannot feed output '{connection.input}' too; "
             message += "put a state between that copies it."
             yield Problem(connection.position(), Code.CONFLICTING_OUTPUT, message)
-
-
-def _check_fed_by_name(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
-    """Yield a problem for each value that feeds a machine output by its name and lives elsewhere.
-
-    The machine output would keep what another state has written before.
-    """
-    wiring = flow.wiring
-    by_name = {port.name for port in resolved.chart.outputs} - wiring.connected_outputs
-    for node, homes in flow.outputs.items() if by_name else ():
-        for name, home in homes.items():
-            if name not in by_name or home == name:
-                continue
-            entry = resolved.by_id[node]
-            connection = wiring.into_machine.get((node, name)) or wiring.into_state.get(
-                (node, name)
-            )
-            message = (
-                f"output '{name}' of {label(entry.node)} lives in '{home}', so that it cannot "
-            )
-            message += f"feed output '{name}' of {resolved.title}, which all outputs of its name "
-            message += "feed. Connect those that are to feed it, or rename one of the two."
-            position = (connection or entry.node).position()
-            yield Problem(position, Code.CONFLICTING_OUTPUT, message)
 
 
 def _check_feeds(

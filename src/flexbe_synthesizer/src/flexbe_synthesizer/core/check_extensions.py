@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from flexbe_synthesizer.core import names
-from flexbe_synthesizer.core.model import Container, ContainerKind, walk_nodes
+from flexbe_synthesizer.core.model import AnyNode, Container, ContainerKind, walk_nodes
 from flexbe_synthesizer.core.problem import Code, Problem
 from flexbe_synthesizer.core.resolve import (
     ERROR_CODE,
@@ -25,7 +25,10 @@ def check_extensions(entry: ResolvedNode, resolved: ResolvedChart) -> Iterator[P
 
 
 def check_priorities(resolved: ResolvedChart) -> Iterator[Problem]:
-    """Yield a problem for each priority container inside another one."""
+    """Yield a problem for each priority container inside another one, and for each with a timer."""
+    for entry in resolved.nodes:
+        if entry.body is not None and entry.body.runs is ContainerKind.PRIORITY:
+            yield from _check_timer(entry.node)
     if resolved.runs is not ContainerKind.PRIORITY:
         return
     for node in walk_nodes(resolved.chart):
@@ -34,6 +37,15 @@ def check_priorities(resolved: ResolvedChart) -> Iterator[Problem]:
             message += f"{resolved.chart.name}' around it has, and FlexBE cannot nest them; "
             message += "make it an <ext:container>."
             yield Problem(node.position(), Code.MISPLACED_ELEMENT, message)
+
+
+def _check_timer(node: AnyNode) -> Iterator[Problem]:
+    """Yield a problem if a priority container has a timer, which would wait while it runs."""
+    if node.timeout_s is not None:
+        message = f"ext:timeout_s at {label(node)}: while a priority container runs, nothing beside"
+        message += " it does, and its timer is beside it. Put what is in it into an <ext:container>"
+        message += " inside it, with ext:timeout_s there."
+        yield Problem(node.position("timeout_s"), Code.UNKNOWN_EXTENSION, message)
 
 
 def _check_side_by_side(entry: ResolvedNode) -> Iterator[Problem]:

@@ -20,7 +20,6 @@ def check_homes(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
     yield from _check_reads(resolved, flow)
     yield from _check_containers(resolved, flow)
     yield from _check_routes(resolved, flow)
-    yield from _check_named(resolved, flow)
     if resolved.is_concurrent:
         yield from _check_races(resolved, flow)
 
@@ -89,21 +88,6 @@ def _check_races(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
                 yield Problem(
                     (connection or entry.node).position(), Code.OVERWRITTEN_VALUE, message
                 )
-
-
-def _check_named(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
-    """Yield a problem for each output that should feed the chart's of its name, and cannot."""
-    wiring = flow.wiring
-    by_name = {port.name for port in resolved.chart.outputs} - wiring.connected_outputs
-    for name, homes in flow.outputs.items():
-        for output, home in homes.items():
-            if output in by_name and home != output:
-                message = f"output '{output}' of {label(resolved.by_id[name].node)} feeds the "
-                message += f"output of that name of {resolved.title}, and lives in '{home}': it "
-                message += "is connected elsewhere, or written in place of what is read there. Say "
-                message += f"with a <connection> what feeds '{output}'."
-                position = wiring.into_machine.get((name, output)) or resolved.by_id[name].node
-                yield Problem(position.position(), Code.CONFLICTING_OUTPUT, message)
 
 
 def _other_output(name: str, output: str, flow: DataFlow) -> str | None:

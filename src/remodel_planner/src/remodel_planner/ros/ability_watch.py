@@ -9,6 +9,7 @@ import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 from remodel_msgs import msg
 
+from remodel_planner.core.supervision.goal_owner import owner_of
 from remodel_planner.supervisors.ports import Doing, server_of
 
 _FEEDBACK = "ActionFeedback"
@@ -22,6 +23,9 @@ ABILITIES = tuple(
 # such as one of its predecessor, lists it as recalled, and for ever if it has no clock yet.
 _RUNNING = (GoalStatus.PENDING, GoalStatus.ACTIVE, GoalStatus.PREEMPTING)
 
+# Goals of an ability whose owners are known; a server has one at a time.
+_GOALS_KNOWN = 20
+
 
 @dataclass(frozen=True)
 class _Status:
@@ -29,11 +33,11 @@ class _Status:
 
     Attributes:
         at_s: [s] wall time at which it arrived.
-        is_running: whether a goal is on its way.
+        running: actionlib's ids of the goals that are on their way.
     """
 
     at_s: float
-    is_running: bool
+    running: frozenset[str]
 
 
 class AbilityWatch:
@@ -44,7 +48,9 @@ class AbilityWatch:
         self.latest: Doing | None = None
         self._statuses: dict[str, _Status] = {}
         self._subscribers: dict[str, rospy.Subscriber] = {}
-        self._cancels: list[rospy.Publisher] = []
+        self._cancels: dict[str, rospy.Publisher] = {}
+        # Ability -> actionlib's id of a goal -> token of the owner who granted it, the latest last.
+        self._owners: dict[str, dict[str, int]] = {ability: {} for ability in ABILITIES}
         for ability in ABILITIES:
             topic = f"remodel_abilities/{ability.lower()}"
             kind = getattr(msg, f"{ability}ActionFeedback")
@@ -52,12 +58,19 @@ class AbilityWatch:
             self._subscribers[ability] = rospy.Subscriber(
                 f"{topic}/status", GoalStatusArray, self._on_status, ability
             )
-            self._cancels.append(rospy.Publisher(f"{topic}/cancel", GoalID, queue_size=10))
+            goal = getattr(msg, f"{ability}ActionGoal")
+            rospy.Subscriber(f"{topic}/goal", goal, self._on_goal, ability)
+            self._cancels[ability] = rospy.Publisher(f"{topic}/cancel", GoalID, queue_size=10)
 
-    def cancel(self) -> None:
-        """Cancel every goal of every ability, whoever sent it."""
-        for publisher in self._cancels:
-            publisher.publish(GoalID())
+    def cancel(self, owner: int | None = None) -> None:
+        """Cancel every goal of every ability, or only those that an owner of the cell granted."""
+        for ability, publisher in self._cancels.items():
+            if owner is None:
+                publisher.publish(GoalID())
+                continue
+            for goal_id, token in list(self._owners[ability].items()):
+                if token == owner:
+                    publisher.publish(GoalID(id=goal_id))
 
     def is_connected(self, ability: str) -> bool:
         """Return whether the server of an ability is connected, whether it answers or not."""
@@ -67,21 +80,32 @@ class AbilityWatch:
         """Return whether the server of an ability is there, and has reported rest since [s]."""
         return self.is_connected(ability) and self._rests(ability, since_s)
 
-    def are_quiet(self, since_s: float) -> bool:
+    def are_quiet(self, since_s: float, owner: int | None = None) -> bool:
         """Return whether all connected servers have reported since then [s] that they rest."""
-        return not self.restless(since_s)
+        return not self.restless(since_s, owner)
 
-    def restless(self, since_s: float) -> tuple[str, ...]:
+    def restless(self, since_s: float, owner: int | None = None) -> tuple[str, ...]:
         """Return those that do not rest or do not report, for a person."""
         return tuple(
             server_of(ability)
             for ability in ABILITIES
-            if self.is_connected(ability) and not self._rests(ability, since_s)
+            if self.is_connected(ability) and not self._rests(ability, since_s, owner)
         )
 
-    def _rests(self, ability: str, since_s: float) -> bool:
-        status = self._statuses.get(ability)
-        return status is not None and status.at_s >= since_s and not status.is_running
+    def _rests(self, ability: str, since_s: float, owner: int | None = None) -> bool:
+        status, owners = self._statuses.get(ability), self._owners[ability]
+        if status is None or status.at_s < since_s:
+            return False
+        if owner is None:
+            return not status.running
+        return all(owners.get(goal_id) != owner for goal_id in status.running)
+
+    def _on_goal(self, message: object, ability: str) -> None:
+        owners = {
+            **self._owners[ability],
+            message.goal_id.id: owner_of(message.goal.id),  # type: ignore[attr-defined]
+        }
+        self._owners[ability] = dict(list(owners.items())[-_GOALS_KNOWN:])
 
     def _on_feedback(self, message: object, ability: str) -> None:
         feedback = message.feedback  # type: ignore[attr-defined]
@@ -89,8 +113,8 @@ class AbilityWatch:
         self.latest = Doing(ability, feedback.message, feedback.completed_percentage, since_s)
 
     def _on_status(self, array: GoalStatusArray, ability: str) -> None:
-        is_running = any(status.status in _RUNNING for status in array.status_list)
-        self._statuses[ability] = _Status(time.monotonic(), is_running)
+        running = frozenset(s.goal_id.id for s in array.status_list if s.status in _RUNNING)
+        self._statuses[ability] = _Status(time.monotonic(), running)
         latest = self.latest
-        if not is_running and latest is not None and latest.ability == ability:
+        if not running and latest is not None and latest.ability == ability:
             self.latest = None

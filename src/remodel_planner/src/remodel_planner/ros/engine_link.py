@@ -110,8 +110,12 @@ class EngineLink:
         goal = BehaviorExecutionGoal(behavior_name=behavior)
         self._goal = self._server.send(goal, on_end=lambda: self._loop.post(lambda: None))
 
-    def cancel(self) -> None:
-        """Have every behavior stopped, whoever started it."""
+    def cancel(self, *, own_only: bool = False) -> None:
+        """Have every behavior stopped, whoever started it, or only the one started last here."""
+        if own_only:
+            if self._goal is not None:
+                self._goal.cancel()
+            return
         self._server.cancel_all()
         self._preempt.publish(Empty())
 

@@ -96,8 +96,8 @@ class Engine(Protocol):
     def start(self, behavior: str) -> None:
         """Have a behavior run."""
 
-    def cancel(self) -> None:
-        """Have every behavior stopped, whoever started it."""
+    def cancel(self, *, own_only: bool = False) -> None:
+        """Have every behavior stopped, whoever started it, or only the one started last here."""
 
     def path(self) -> tuple[str, ...]:
         """Return the paths of the states that the behavior started last has entered."""
@@ -128,14 +128,15 @@ class Abilities(Protocol):
 
     latest: Doing | None
 
-    def cancel(self) -> None:
-        """Cancel every goal of every ability, whoever sent it."""
+    def cancel(self, owner: int | None = None) -> None:
+        """Cancel every goal of every ability, or only those that an owner of the cell granted."""
 
-    def are_quiet(self, since_s: float) -> bool:
+    def are_quiet(self, since_s: float, owner: int | None = None) -> bool:
         """Return whether all servers that are connected have reported since then that they rest.
 
         Args:
             since_s: [s] wall time.
+            owner: of the goals that count; None: all do.
         """
 
     def answers(self, ability: str, since_s: float) -> bool:
@@ -144,7 +145,7 @@ class Abilities(Protocol):
     def is_connected(self, ability: str) -> bool:
         """Return whether the server of an ability is connected, whether it answers or not."""
 
-    def restless(self, since_s: float) -> tuple[str, ...]:
+    def restless(self, since_s: float, owner: int | None = None) -> tuple[str, ...]:
         """Return those that keep `are_quiet` from being true, for a person."""
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.gate import FEEDER, Gate, Permit
+from remodel_planner.core.supervision.goal_owner import owner_of
 from remodel_planner.core.supervision.state import FINISHED, MOTION_STOPPED, PREEMPTED, SERVER_GONE
 from remodel_planner.errors import LostError, PlannerError
 from remodel_planner.supervisors.ports import (
@@ -45,11 +46,23 @@ class TaskSupervisor:
         abilities: Abilities,
         gate: Gate,
         owner: int = 0,
+        disowned: Callable[[], str] = lambda: "",
     ) -> None:
-        """Take the ports, the gate that its operations pass, and the token of the cell's owner."""
+        """Take the ports, and the gate that its operations pass.
+
+        Args:
+            loop: time, and what arrives.
+            engine: that runs behaviors.
+            abilities: that the cell has.
+            gate: that all operations pass.
+            owner: token by which this supervisor owns the cell.
+            disowned: returns why it does not own the cell any more; empty if it does.
+        """
         self.behavior = ""
         self.halted = ""
         self._owner = owner
+        self._disowned = disowned
+        self._has_started = False
         self._loop = loop
         self._engine = engine
         self._abilities = abilities
@@ -106,6 +119,7 @@ class TaskSupervisor:
         self._is_cut = False
         self._kept.clear()
         self._goals.clear()
+        self._has_started = True
         try:
             self._engine.start(behavior)
             outcome = self._watch()
@@ -117,12 +131,11 @@ class TaskSupervisor:
         finally:
             self.behavior, self._keep = "", None
 
-    def stop_all(self, limit_s: float, *, while_leaving: bool = False) -> None:
+    def stop_all(self, limit_s: float) -> None:
         """Stop whatever runs, and return when engine and abilities have reported that they rest.
 
         Args:
             limit_s: [s] wall time that it gets.
-            while_leaving: go on although the process is to end.
 
         Raises:
             LostError: if one of them does not rest in time.
@@ -132,18 +145,46 @@ class TaskSupervisor:
         if not self._engine.is_idle:
             self._engine.cancel()
         self._abilities.cancel()
-        self._rest(
-            lambda: self._engine.is_idle, end_s, lambda: "the behavior engine", while_leaving
-        )
+        self._rest(lambda: self._engine.is_idle, end_s, lambda: "the behavior engine")
         since_s = self._loop.wall_s()
         self._rest(
             lambda: self._abilities.are_quiet(since_s),
             end_s,
             lambda: ", ".join(self._abilities.restless(since_s)),
-            while_leaving,
         )
         self._gate.clear()
         self._unended.clear()
+        self._settling = False
+
+    def stop_own(self, limit_s: float) -> None:
+        """Stop what this supervisor has begun, before its process or its ownership ends.
+
+        Another supervisor may own the cell by now: what that one has begun goes on.
+
+        Args:
+            limit_s: [s] wall time that it gets.
+
+        Raises:
+            LostError: if something does not rest in time.
+        """
+        self._settling = True
+        end_s = self._loop.wall_s() + limit_s
+        self._engine.cancel(own_only=True)
+        self._abilities.cancel(self._owner)
+        self._rest(
+            lambda: not self._has_started or self._engine.end is not None,
+            end_s,
+            lambda: "the behavior engine",
+            while_leaving=True,
+        )
+        since_s = self._loop.wall_s()
+        self._rest(
+            lambda: self._abilities.are_quiet(since_s, self._owner),
+            end_s,
+            lambda: ", ".join(self._abilities.restless(since_s, self._owner)),
+            while_leaving=True,
+        )
+        self._gate.clear()
         self._settling = False
 
     def begin_operation(self, behavior: str, state_path: str, ability: str) -> tuple[Permit, str]:
@@ -201,8 +242,8 @@ class TaskSupervisor:
 
     def _is_of_another_owner(self, operation: Operation) -> bool:
         """Return whether a supervisor before this one granted an operation."""
-        token, colon, _ = operation.goal_id.partition(":")
-        return bool(colon) and token.isdecimal() and int(token) != self._owner
+        token = owner_of(operation.goal_id)
+        return token not in (0, self._owner)
 
     def _watch(self) -> str:
         end = self._ended(lambda: bool(self._gate.halt))
@@ -217,16 +258,17 @@ class TaskSupervisor:
 
     def _halted(self) -> BehaviorEnd:
         """Stop the behavior, and return how it ended when nothing moves any more."""
-        self._engine.cancel()
-        self._abilities.cancel()
+        owner = self._owner if self._disowned() else None
+        self._engine.cancel(own_only=owner is not None)
+        self._abilities.cancel(owner)
         late_s = self._loop.wall_s() + STOP_LIMIT_S
         end = self._ended(lambda: self._loop.wall_s() > late_s)
         since_s = self._loop.wall_s()
         limit_s = max(0.0, late_s - since_s)
         if end is None:
             raise LostError(f"the behavior does not stop within {STOP_LIMIT_S:.0f} s")
-        if not self._loop.run_until(lambda: self._abilities.are_quiet(since_s), limit_s):
-            names = ", ".join(self._abilities.restless(since_s))
+        if not self._loop.run_until(lambda: self._abilities.are_quiet(since_s, owner), limit_s):
+            names = ", ".join(self._abilities.restless(since_s, owner))
             raise LostError(f"{names} does not stop")
         return end
 
@@ -252,7 +294,8 @@ class TaskSupervisor:
         holds: Callable[[], bool],
         end_s: float,
         what: Callable[[], str],
-        while_leaving: bool,
+        *,
+        while_leaving: bool = False,
     ) -> None:
         limit_s = max(0.0, end_s - self._loop.wall_s())
         if not self._loop.run_until(holds, limit_s, while_leaving=while_leaving):

@@ -142,7 +142,9 @@ class UseCaseSupervisor:
         self._on_change = on_change
         self._disowned = disowned
         self._gate = Gate()
-        self.tasks = TaskSupervisor(loop, peers.engine, peers.abilities, self._gate, owner)
+        self.tasks = TaskSupervisor(
+            loop, peers.engine, peers.abilities, self._gate, owner, disowned
+        )
         self._lease = LeaseKeeper(loop, work.leases, self._close_or_open)
         self._replies = PendingReplies(loop.wall_s)
         self._behaviors_ended = 0
@@ -546,7 +548,7 @@ class UseCaseSupervisor:
         """Stop what runs before this process, or its ownership, ends."""
         self._gate.halt = str(error) or type(error).__name__
         try:
-            self.tasks.stop_all(_LEAVE_LIMIT_S, while_leaving=True)
+            self.tasks.stop_own(_LEAVE_LIMIT_S)
         except LostError as lost:
             self._doing = str(lost)
 

@@ -23,8 +23,8 @@ from typing import TYPE_CHECKING, ClassVar
 from flexbe_core.engine import commands
 from flexbe_core.engine.concurrency import Concurrency
 from flexbe_core.engine.definition import Definition, Kind
-from flexbe_core.engine.facts import Answered, Entered, Fact, Refused, Shown, Synced
-from flexbe_core.engine.following import left, shown, shown_path
+from flexbe_core.engine.facts import Answered, Entered, Fact, Left, Refused, Shown, Synced
+from flexbe_core.engine.following import arrival, shown, shown_path
 from flexbe_core.engine.handover import active_state, let_go
 from flexbe_core.engine.leaf import Leaf
 from flexbe_core.engine.machine import Machine
@@ -70,7 +70,6 @@ class Engine:
         released: whether the active state was handed over to another version.
         recording: whether facts are told that only a record of the run needs (Ended, Forced).
         sync_pending: whether mirrors need to know where the run is, as soon as a state is active.
-        left: the supervised state that was left in this execution, with its outcome; None if none.
     """
 
     records: ClassVar[Mapping[Kind, type[Node]]] = {
@@ -97,7 +96,8 @@ class Engine:
         self.policy = policy
         self.released = False
         self.recording = False
-        self.left: tuple[Leaf, str] | None = None
+        self._left: Left | None = None
+        self._arrival = ""
         self._shown = ""
         self._entered = ""
         self._sync_asked = False
@@ -252,6 +252,14 @@ class Engine:
         self.stop()
         return PREEMPTED
 
+    def leave(self, leaf: Leaf, outcome: str) -> None:
+        """Note that a supervised state was left with one of its outcomes, for mirrors."""
+        fact = Left(leaf.path, outcome, leaf.definition._outcomes.index(outcome))
+        if self.root.definition._is_controlled:
+            self._left, self._arrival = fact, arrival(leaf, outcome)
+        else:  # executed by hand, where a state may be supervised by itself; no mirror follows
+            self.facts.append(fact)
+
     def _tick_supervised(self, now: float) -> str | None:
         """Execute the root once; mirrors follow each execution, before the next one."""
         try:
@@ -263,12 +271,11 @@ class Engine:
         """Have mirrors show the state that is active after an execution."""
         path = shown_path(self.root) if self.root.active else ""
         is_followed = self._shown in ("", path)
-        if self.left is not None:
-            fact = left(*self.left, path)
-            self.facts.append(fact)
-            self.left, is_followed = None, fact.is_followed
-            self._shown = ""  # a state that follows itself is shown again
-        if path != self._shown:
+        if self._left is not None:
+            self.facts.append(self._left)
+            is_followed = self._arrival == path
+            self._left, self._shown = None, ""  # a state that follows itself is shown again
+        if path != self._shown or self._sync_asked:
             self._show(path)
         if self.sync_pending or self._sync_asked or not is_followed:
             self._sync()

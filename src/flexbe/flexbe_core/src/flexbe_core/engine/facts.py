@@ -17,21 +17,11 @@ class Entered:
 
 @dataclass(frozen=True, slots=True)
 class Left:
-    """A supervised state took one of its declared outcomes; `index` counts them.
-
-    Attributes:
-        path: its path.
-        outcome: the outcome.
-        index: its index in the state's outcomes.
-        is_followed: whether a mirror that follows this outcome through the structure arrives at the
-            state that is active now. It does not where a concurrency container goes on without
-            its first state, or ends with an outcome of its own.
-    """
+    """A supervised state took one of its declared outcomes; `index` counts them."""
 
     path: str
     outcome: str
     index: int
-    is_followed: bool = True
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,9 +1,9 @@
 """Which state mirrors show, and where they arrive when they follow an outcome.
 
 A mirror knows the structure of the behavior and one active state. It follows the outcomes of that
-state through the structure. Where this leads elsewhere than the run does, the engine publishes
-where the run is: a concurrency container goes on after its first state has ended, or is ended by
-another of its states.
+state through the structure, as in stock FlexBE. Where this leads elsewhere than the run does, the
+engine publishes a sync behind the outcome: a concurrency container goes on after its first state
+has ended, or is ended by another of its states.
 """
 
 from __future__ import annotations
@@ -11,12 +11,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexbe_core.engine.concurrency import Concurrency
-from flexbe_core.engine.facts import Left
 from flexbe_core.engine.machine import Machine
 from flexbe_core.engine.structure import first_path
 
 if TYPE_CHECKING:
-    from flexbe_core.engine.leaf import Leaf
     from flexbe_core.engine.node import Node
 
 
@@ -43,13 +41,7 @@ def shown_path(root: Node) -> str:
     return node.path if node.active else first_path(node.definition, node.path)
 
 
-def left(leaf: Leaf, outcome: str, shown: str) -> Left:
-    """Return the fact that a state was left, now that mirrors are to show the state at `shown`."""
-    index = leaf.definition._outcomes.index(outcome)
-    return Left(leaf.path, outcome, index, _arrival(leaf, outcome) == shown)
-
-
-def _arrival(node: Node, outcome: str) -> str:
+def arrival(node: Node, outcome: str) -> str:
     """Return where a mirror arrives that follows an outcome; empty at the end of the behavior."""
     while node.parent is not None:
         container = node.parent.definition

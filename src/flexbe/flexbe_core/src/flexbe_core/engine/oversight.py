@@ -58,7 +58,7 @@ def left(leaf: Leaf, outcome: str) -> None:
     """Note for mirrors that the state was left, and drop what concerned only this visit."""
     engine = leaf.engine
     if outcome in leaf.definition._outcomes:
-        engine.left = leaf, outcome
+        engine.leave(leaf, outcome)
     engine.record = engine.record.after_visit()
 
 

@@ -93,8 +93,7 @@ class Reporter:
 
     @_publish.register
     def _(self, fact: Left) -> None:
-        if fact.is_followed:
-            self._send(topics.MIRROR_OUTCOME, UInt8(fact.index))
+        self._send(topics.MIRROR_OUTCOME, UInt8(fact.index))
         self._send(topics.CURRENT_STATE, String(f"{fact.path} > {fact.outcome}"))
 
     @_publish.register

@@ -82,6 +82,7 @@ class Mirror:
         self._heard_at = 0.0
         self._lost: int | None = None
         self._named = ""
+        self._is_first = False
 
     def on_heartbeat(self, now: float) -> list[Deed]:
         """Take a sign of life of the engine; `now` [s] is wall time."""
@@ -112,8 +113,9 @@ class Mirror:
     def on_active_state(self, path: str) -> list[Deed]:
         """Take the active state from an engine that names it; it may come before STARTED."""
         self._named = path
+        is_known = self._is_first and path == self.path
         # That no state is active is what a status reports.
-        return [] if self._behavior_id is None or not path else self._show(path)
+        return [] if self._behavior_id is None or not path or is_known else self._show(path)
 
     def on_outcome(self, index: int) -> list[Deed]:
         """Take the outcome of the active state."""
@@ -153,10 +155,12 @@ class Mirror:
         if self._tree is None:
             return []
         is_there = resume_at in self._tree.parts
-        return self._show(resume_at if is_there else self._tree.first_state())
+        deeds = self._show(resume_at if is_there else self._tree.first_state())
+        self._is_first = True  # and not to be shown again when the engine names it
+        return deeds
 
     def _show(self, path: str | None) -> list[Deed]:
-        self._is_new = False
+        self._is_new = self._is_first = False
         self.path = path or ""
         return [Show(self.path)]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from flexbe_synthesizer.core.interpreter import Interfaces, fulfilled_outcome, is_concurrent
 from flexbe_synthesizer.core.model import AnyNode, Chart, Container
+from synthesizer_support.interpreter import Interfaces, fulfilled_outcome, is_concurrent
 
 Chooser = Callable[[str, tuple[str, ...]], str]
 
