@@ -3,12 +3,12 @@
 import re
 
 import pytest
+from flexbe_synthesizer.strategies import WILD_NAMES, charts
 from hypothesis import HealthCheck, given, settings
 
 from flexbe_synthesizer.core.chart_rewriter import RewriteError, rewrite_chart
 from flexbe_synthesizer.core.codec import parse_chart, read_chart, write_chart
 from flexbe_synthesizer.core.model import Chart, Outcome, State
-from flexbe_synthesizer.strategies import WILD_NAMES, charts
 
 MIXED = charts(WILD_NAMES.map(str.strip).filter(bool))
 CHART = """<statemachine name="A" initial="S">
