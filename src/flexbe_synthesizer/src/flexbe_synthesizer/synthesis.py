@@ -8,9 +8,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
+from hashlib import sha256
 from pathlib import Path
 from types import MappingProxyType
 
+from flexbe_synthesizer.core.certificate import certify, write_certificate
 from flexbe_synthesizer.core.check import CheckedChart, check_chart
 from flexbe_synthesizer.core.codec import read_chart
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, manifest_of
@@ -123,7 +125,7 @@ def started_at(files: CheckedFiles, library: Library, initial: str) -> CheckedCh
 def write_behaviors(
     files: CheckedFiles, beside: Mapping[Path, str] = MappingProxyType({})
 ) -> tuple[Path, ...]:
-    """Write the behavior and manifest of each chart; return the files that changed.
+    """Write the behavior, manifest and certificate of each chart; return what changed.
 
     Args:
         files: the charts.
@@ -142,11 +144,14 @@ def write_behaviors(
         machine = compile_chart(checked, package.name)
         texts.update(package.missing)
         _expect_own(machine.name, package)
-        texts[package.code_path(machine.name)] = render_behavior(
-            machine, package.code_path(machine.name)
-        )
+        text = render_behavior(machine, package.code_path(machine.name))
+        texts[package.code_path(machine.name)] = text
         manifest = write_manifest(manifest_of(machine), machine.description)
         texts[package.manifest_path(machine.name)] = manifest
+        manual = [name for name, code in read_manual_sections(text).items() if code.strip()]
+        texts[package.certificate_path(machine.name)] = write_certificate(
+            certify(checked, package.name), sha256(text.encode()).hexdigest(), manual
+        )
     return write_all(texts)
 
 

@@ -47,6 +47,7 @@ def test_a_chart_is_written_to_the_package_that_it_lies_in(run, charts):
         f"wrote: {package}/src/cell/__init__.py",
         f"wrote: {package}/src/cell/place_connector_sm.py",
         f"wrote: {package}/manifest/place_connector.xml",
+        f"wrote: {package}/certificate/place_connector.yaml",
     ]
     assert run(charts / "place_connector.xml")[:2] == (
         0,
@@ -62,8 +63,10 @@ def test_a_chart_that_another_one_names_is_written_too(run, charts, tmp_path):
         "__init__.py",
         "wire_task_sm.py",
         "wire_task.xml",
+        "wire_task.yaml",
         "place_connector_sm.py",
         "place_connector.xml",
+        "place_connector.yaml",
     }
     code_text = (tmp_path / "out" / "src" / "out" / "wire_task_sm.py").read_text()
     assert "from out.place_connector_sm import PlaceConnectorSM" in code_text
@@ -157,6 +160,10 @@ def test_manual_sections_survive_and_what_cannot_be_kept_is_not_overwritten(run,
         "# [MANUAL_INIT]\n", "# [MANUAL_INIT]\n        self.mine = 1\n"
     )
     code_path.write_text(mine)
+    certificate = charts.parent / "certificate" / "plain_chart.yaml"
+    assert "manual_code: []" in certificate.read_text()
+    assert run(charts / "plain.xml")[1] == f"wrote: {certificate}\n"
+    assert 'manual_code: ["INIT"]' in certificate.read_text()
     assert run(charts / "plain.xml")[1] == "unchanged: every behavior is as its chart says\n"
     chart = charts / "plain.xml"
     chart.write_text(chart.read_text().replace("own words", "words"))

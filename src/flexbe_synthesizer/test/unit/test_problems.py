@@ -193,7 +193,6 @@ CASES = [
         (FORCE, ""),
     ),
     (Code.PARAMETER_TYPE, "is float; found much (string)", ('value="20"', '◊value="much"')),
-    (Code.PARAMETER_TYPE, "write \"'5'\"", ('value="side"', '◊value="5"')),
     (
         Code.PARAMETER_TYPE,
         "dictionary",

@@ -149,3 +149,20 @@ def width_of(child):
 def test_the_golden_charts_say_what_their_names_say(golden):
     assert {p.name for p in (golden / "charts").glob("*.xml")} == set(CHARTS)
     assert parse_chart((golden / "charts" / "plain.xml").read_bytes()).name == "plain_chart"
+
+
+@pytest.mark.parametrize(
+    ("spelled", "code"),
+    [("404", "'404'"), ("true", "'true'"), ("1.50", "'1.50'"), ("'5'", "'5'"), ("null", "None")],
+)
+def test_what_is_declared_a_string_takes_its_text_as_it_stands(check, spelled, code):
+    checked, problems = check(
+        '<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="A" initial="Look">'
+        '<datamodel><outcome name="x"/><input name="component_id" type="string"/></datamodel>'
+        '<state id="Look" type="LocateComponentState">'
+        f'<param name="view" value="{spelled}"/><transition event="located" target="x"/>'
+        '<transition event="failed" target="x"/></state></statemachine>'
+    )
+    assert problems == ()
+    text = rendered(compile_chart(checked, "cell"))
+    assert f"view={code}" in text

@@ -90,7 +90,7 @@ def test_a_state_class_is_read_with_types_from_its_docstring():
         (
             Parameter("speed_m_s", "float"),
             Parameter("names", "list"),
-            Parameter("count", None, required=False),
+            Parameter("count", None, required=False, default=3),
             Parameter("flag", "bool"),
             Parameter("other", None, required=False),
         ),

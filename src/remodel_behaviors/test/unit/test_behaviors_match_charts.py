@@ -22,7 +22,11 @@ def test_regenerating_all_behaviors_changes_nothing(tmp_path):
     shutil.copy(PACKAGE / "package.xml", copy)
     arguments = [*map(str, CHARTS), "--output", str(copy)]
     assert main(arguments, os.environ["ROS_PACKAGE_PATH"]) == 0
-    for folder, pattern in (("src/remodel_behaviors", "*_sm.py"), ("manifest", "*.xml")):
+    for folder, pattern in (
+        ("src/remodel_behaviors", "*_sm.py"),
+        ("manifest", "*.xml"),
+        ("certificate", "*.yaml"),
+    ):
         committed = {path.name: path.read_bytes() for path in (PACKAGE / folder).glob(pattern)}
         generated = {path.name: path.read_bytes() for path in (copy / folder).glob(pattern)}
         assert generated == committed, "run `make behaviors` and commit what it changes"

@@ -135,6 +135,18 @@ class EditorTest(BehaviorTestCase):
         self.take_picture(self.page, "editor-refusal")
         self.press(self.page, "Close")
 
+    def test_the_certificate_of_the_chart_as_it_stands_is_shown(self):
+        page = self.page
+        self.open("Errand")
+        page.get_by_role("tab", name="Certificate").click()
+        expect(page.locator(".certificate")).to_contain_text("Nothing limits the time of a run")
+        expect(page.locator(".certificate table").first).to_contain_text("visits")
+        self.take_picture(page, "editor-certificate")
+        self.write_xml(BROKEN)
+        expect(page.locator(".problems")).to_contain_text("errors")
+        page.get_by_role("tab", name="Certificate").click()
+        expect(page.get_by_text("A chart with errors has no certificate.")).to_be_visible()
+
     def test_xml_and_drawing_follow_each_other_and_undo_takes_back(self):
         page = self.page
         self.open("Errand")

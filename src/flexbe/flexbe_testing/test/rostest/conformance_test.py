@@ -2,10 +2,13 @@
 """This workspace's engine keeps everything that engine_conformance judges."""
 
 import json
+import signal
 import subprocess
 import unittest
 
+import rospy
 import rostest
+from flexbe_msgs.msg import BehaviorSelection, BEStatus
 
 # Judged in the namespace `whole`, which has a mirror and an action server.
 WHOLE = (
@@ -37,6 +40,25 @@ class ConformanceTest(unittest.TestCase):
         self.assertEqual({verdict for verdict, _ in found.values()}, {"pass"}, found)
         self.assertEqual((code, len(found)), (0, len(WHOLE) + 1))
 
+    def test_an_interrupt_leaves_the_engine_idle(self):
+        command = ["rosrun", "flexbe_testing", "engine_conformance", "__ns:=/whole"]
+        running = subprocess.Popen(
+            command,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            # A shell starts what runs in its background with SIGINT ignored.
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+        )
+        self.assertIn("runs-behaviors", running.stdout.readline())
+        rospy.wait_for_message("/whole/flexbe/start_behavior", BehaviorSelection, 20.0)
+        running.send_signal(signal.SIGINT)
+        _, errors = running.communicate(timeout=30)
+        self.assertEqual((running.returncode, errors), (130, ""))
+        last = rospy.wait_for_message("/whole/flexbe/status", BEStatus, 10.0)
+        self.assertNotEqual(last.code, BEStatus.STARTED)
+
 
 if __name__ == "__main__":
+    rospy.init_node("test_conformance")
     rostest.rosrun("flexbe_testing", "test_conformance", ConformanceTest)

@@ -16,8 +16,9 @@ from wrong_rules import RULES, changed, status
 
 from flexbe_testing.core.conformance import topics
 from flexbe_testing.core.conformance.scenario import Verdict
+from flexbe_testing.ros.conformance.catalogue import ALL, FIRST
 from flexbe_testing.ros.conformance.judge import Judge
-from flexbe_testing.ros.conformance.scenarios import ALL, FIRST, presence
+from flexbe_testing.ros.conformance.scenarios import presence
 
 SCENARIOS = {scenario.name: scenario for scenario in ALL}
 

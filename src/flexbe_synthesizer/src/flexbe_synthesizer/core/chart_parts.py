@@ -90,8 +90,7 @@ def _node(node: AnyNode) -> Part:
     part.children += (_port("input", port) for port in node.inputs)
     part.children += (_port("output", port) for port in node.outputs)
     part.children += (
-        _part("param", param, name=param.name, value=format_literal(param.value))
-        for param in node.params
+        _part("param", param, name=param.name, value=param.text) for param in node.params
     )
     part.children += map(_transition, node.transitions)
     return part

@@ -37,15 +37,21 @@ def rewrite_chart(text: str, chart: Chart) -> str:
     base, _problems = read_chart(text, chart.file)
     if base is None or base.source is None:
         raise RewriteError("the text is not well-formed XML with a <statemachine>; mend it first")
+    wanted = chart_part(chart)
     try:
-        wanted = _said(write_chart(chart), chart.file)
-        found = _Rewriting(XmlLayout(text.encode()), base.source[1]).changed(base, chart)
+        rewriting = _Rewriting(XmlLayout(text.encode()), base.source[1])
+        found = rewriting.changed(base, wanted, chart.description)
+        again = _said(found, chart.file)
+        is_said = again == (wanted, chart.description)
+        # A value that no chart can have, half-way through an edit, is read as one that it can.
+        if not is_said and again != _said(write_chart(chart), chart.file):
+            raise RewriteError(
+                "this change cannot be made in the XML as it is written; make it in the XML itself"
+            )
+    except RewriteError:
+        raise
     except ValueError as error:
         raise RewriteError(str(error)) from error
-    if _said(found, chart.file) != wanted:
-        raise RewriteError(
-            "this change cannot be made in the XML as it is written; make it in the XML itself"
-        )
     return found
 
 
@@ -60,16 +66,14 @@ class _Rewriting:
 
     def __init__(self, layout: XmlLayout, root: Element) -> None:
         self._layout = layout
-        markups = zip(root.iter(), layout.root.walk(), strict=True)
+        markups = zip(root.iter(), layout.elements, strict=True)
         self._markups: Mapping[int, Markup] = {id(element): markup for element, markup in markups}
         self._edits = Edits(layout, style_of(layout))
 
-    def changed(self, base: Chart, chart: Chart) -> str:
-        """Return the text with a chart in place of the one that it holds."""
-        self._compare(chart_part(base), chart_part(chart), self._layout.root)
-        about = description_edit(
-            self._layout, self._edits.style, base.description, chart.description
-        )
+    def changed(self, base: Chart, wanted: Part, description: str) -> str:
+        """Return the text with another chart in place of the one that it holds."""
+        self._compare(chart_part(base), wanted, self._layout.root)
+        about = description_edit(self._layout, self._edits.style, base.description, description)
         if about is not None:
             self._edits.replace(*about)
         self._edits.declare_extension()
@@ -77,6 +81,8 @@ class _Rewriting:
 
     def _compare(self, old: Part, new: Part, markup: Markup) -> None:
         """Collect the edits that make one element of another."""
+        if old == new:
+            return
         if old.tag != new.tag:
             self._edits.rename(markup, new.tag)
         self._compare_attributes(old, new, markup)
@@ -104,6 +110,8 @@ class _Rewriting:
     def _compare_group(self, group: str, old: Part, new: Part, markup: Markup) -> None:
         """Collect the edits that make the elements of one kind in an element others."""
         olds, news = in_group(old, group), in_group(new, group)
+        if olds == news:
+            return
         marks = [self._mark(part, markup) for part in olds]
         if None in marks:  # a chart without a datamodel; its model always has one
             olds, marks = [], []
@@ -112,15 +120,21 @@ class _Rewriting:
         for index, mark in enumerate(marks):
             if index not in kept and mark is not None:
                 self._edits.remove(mark)
-        place = self._first_place(group, old, markup, [marks[index] for index in sorted(kept)])
+        place, last = None, None
+        staying = [marks[index] for index in sorted(kept)]
         for part, pair in zip(news, pairs, strict=True):
             mark = None if pair is None else marks[pair]
+            if pair in kept and pair is not None and mark is not None:
+                self._compare(olds[pair], part, mark)
+                place, last = None, mark
+                continue
+            if place is None and last is not None:
+                place = self._edits.after(last)
+            elif place is None:
+                place = self._first_place(group, old, markup, staying)
             if pair is None or mark is None:
                 if part.tag != "datamodel" or part.children:
                     self._edits.add(part, place)
-            elif pair in kept:
-                self._compare(olds[pair], part, mark)
-                place = self._edits.after(mark)
             else:
                 self._edits.add_text(self._moved(olds[pair], part, mark), place)
 

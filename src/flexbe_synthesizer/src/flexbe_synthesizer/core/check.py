@@ -20,7 +20,7 @@ from flexbe_synthesizer.core.graph import chart_graph
 from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.lookup import resolve_chart
 from flexbe_synthesizer.core.model import Chart, State
-from flexbe_synthesizer.core.nested import NestedEffects
+from flexbe_synthesizer.core.nested import NestedBehaviors
 from flexbe_synthesizer.core.problem import Problem, ProblemList
 from flexbe_synthesizer.core.resolve import ResolvedChart, ResolvedNode, scopes
 from flexbe_synthesizer.core.signature import BehaviorClass
@@ -32,13 +32,14 @@ class CheckedChart:
 
     resolved: ResolvedChart
     problems: tuple[Problem, ...]
+    nested: NestedBehaviors
 
 
 def check_chart(
     chart: Chart,
     library: Library,
     charts: Mapping[str, BehaviorClass],
-    nested: NestedEffects | None = None,
+    nested: NestedBehaviors | None = None,
     expect_time: Callable[[], None] = lambda: None,
 ) -> CheckedChart:
     """Return the chart with its names looked up, its data bound, and all its problems.
@@ -50,8 +51,8 @@ def check_chart(
         nested: what is known already of the behaviors in charts that are checked together.
         expect_time: called again and again; what it raises ends the check.
     """
-    nested = nested or NestedEffects(library, charts)
-    resolved, unresolved = resolve_chart(chart, library, charts, nested.of)
+    nested = nested or NestedBehaviors(library, charts)
+    resolved, unresolved = resolve_chart(chart, library, charts, nested.effects)
     problems = ProblemList(expect_time)
     problems.take_all(unresolved)
     problems.take_all(check_paths(resolved))
@@ -59,7 +60,7 @@ def check_chart(
         for check in _checks(scope, expect_time):
             expect_time()
             problems.take_all(check)
-    return CheckedChart(resolved, tuple(problems))
+    return CheckedChart(resolved, tuple(problems), nested)
 
 
 def _checks(scope: ResolvedChart, expect_time: Callable[[], None]) -> Iterator[Iterable[Problem]]:

@@ -9,7 +9,13 @@ from flexbe_synthesizer.core.literal import Literal, format_literal, type_of
 from flexbe_synthesizer.core.model import Behavior, Input, Node, Output, State
 from flexbe_synthesizer.core.predicates import PARAMETER, PREDICATES
 from flexbe_synthesizer.core.problem import Code, Position, Problem
-from flexbe_synthesizer.core.resolve import ResolvedChart, ResolvedNode, arguments, label
+from flexbe_synthesizer.core.resolve import (
+    ResolvedChart,
+    ResolvedNode,
+    arguments,
+    given_values,
+    label,
+)
 from flexbe_synthesizer.core.signature import FromParameter, Port, Signature, StateClass, fits
 
 
@@ -36,7 +42,7 @@ def check_parameters(entry: ResolvedNode) -> Iterator[Problem]:
 def _check_values(entry: ResolvedNode, signature: Signature) -> Iterator[Problem]:
     """Yield the problems with values that are given."""
     known = {parameter.name: parameter for parameter in signature.parameters}
-    for name, value in arguments(entry.node, entry.use.is_timed).items():
+    for name, value in given_values(entry).items():
         parameter = known.get(name)
         if name and parameter is None:
             hint = names.allowed(name, known)

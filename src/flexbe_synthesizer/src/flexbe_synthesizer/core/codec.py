@@ -245,7 +245,8 @@ class _ChartReader:
             [
                 Param(
                     intern(given.get("name", "")),
-                    parse_literal(given.get("value", "")),
+                    parse_literal(text := given.get("value", "")),
+                    text,
                     source=(tree, element),
                 )
                 for element, given, _extensions in self._leaves(elements, _PARAM)

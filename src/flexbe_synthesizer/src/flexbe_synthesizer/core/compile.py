@@ -13,13 +13,13 @@ from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.machine import BehaviorUse, Machine, walk
 from flexbe_synthesizer.core.manifest import Manifest
 from flexbe_synthesizer.core.model import Chart
-from flexbe_synthesizer.core.nested import NestedEffects
+from flexbe_synthesizer.core.nested import NestedBehaviors
 from flexbe_synthesizer.core.problem import ChartError, Code, Problem, errors_in
 from flexbe_synthesizer.core.resolve import ResolvedNode, scopes
 from flexbe_synthesizer.core.signature import BehaviorClass, chart_behavior
 
 Check: TypeAlias = Callable[
-    [Chart, Library, Mapping[str, BehaviorClass], NestedEffects], CheckedChart
+    [Chart, Library, Mapping[str, BehaviorClass], NestedBehaviors], CheckedChart
 ]
 
 
@@ -48,7 +48,7 @@ def check_units(
     """
     behaviors = {unit.chart.file: chart_behavior(unit.chart, unit.package) for unit in units}
     whole = library.with_behaviors(behaviors.values())
-    nested = NestedEffects(whole, behaviors)
+    nested = NestedBehaviors(whole, behaviors)
     checked = {}
     for unit in units:
         report(unit.chart.file)

@@ -36,7 +36,7 @@ from flexbe_synthesizer.core.resolve import (
     ResolvedChart,
     ResolvedNode,
     Support,
-    arguments,
+    given_values,
     scopes,
 )
 from flexbe_synthesizer.core.signature import BehaviorClass, StateClass
@@ -362,7 +362,7 @@ def _own_outcomes(entry: ResolvedNode) -> tuple[str, ...]:
 
 def _arguments(entry: ResolvedNode) -> tuple[Pair, ...]:
     """Return what is given to a class; what takes Python source has the name of a predicate."""
-    given = arguments(entry.node, entry.use.is_timed).items()
+    given = given_values(entry).items()
     taking_source = entry.use.taking_source
     if not taking_source:
         return tuple([Pair(name, value) for name, value in given])

@@ -42,6 +42,16 @@ def parse_literal(text: str) -> Literal:
     return text
 
 
+def as_declared(text: str, wanted: str | None) -> Literal:
+    """Return the value that a text spells where a type is declared.
+
+    What is declared a string is the text as it stands, `5` and `true` too; only null stays null.
+    """
+    value = parse_literal(text)
+    is_text = wanted == "string" and value is not None and not isinstance(value, str)
+    return text if is_text else value
+
+
 def _parse_structure(spelled: str, text: str) -> Literal:
     """Return the string, list or dictionary spelled as in JSON or Python, else the text itself."""
     for parse in (json.loads, _parse_python):

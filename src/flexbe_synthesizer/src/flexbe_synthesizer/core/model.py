@@ -14,7 +14,7 @@ from enum import Enum
 from typing import Protocol, TypeAlias
 from xml.etree.ElementTree import Element as XmlElement
 
-from flexbe_synthesizer.core.literal import Literal, freeze
+from flexbe_synthesizer.core.literal import Literal, format_literal, freeze, parse_literal
 from flexbe_synthesizer.core.problem import Position
 from flexbe_synthesizer.core.quick import quick
 
@@ -86,14 +86,25 @@ class Output(Element):
 @quick
 @dataclass(frozen=True, slots=True)
 class Param(Element):
-    """A constructor argument of a state, or a parameter of a behavior."""
+    """A constructor argument of a state, or a parameter of a behavior.
+
+    Attributes:
+        spelled: how the chart spells the value; empty in charts built in code.
+    """
 
     name: str
     value: Literal
+    spelled: str = field(default="", compare=False, repr=False)
 
     def __post_init__(self) -> None:
         """Freeze the value."""
         object.__setattr__(self, "value", freeze(self.value))
+
+    @property
+    def text(self) -> str:
+        """Return the text of the value, as it is spelled if it still is that value."""
+        is_same = self.spelled != "" and parse_literal(self.spelled) == self.value
+        return self.spelled if is_same else format_literal(self.value)
 
 
 @quick

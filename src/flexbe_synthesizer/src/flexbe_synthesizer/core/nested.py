@@ -13,13 +13,13 @@ from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.lookup import resolve_chart
 from flexbe_synthesizer.core.machine_reader import InexpressibleError, read_machine
 from flexbe_synthesizer.core.model import Behavior, Chart, walk_nodes
-from flexbe_synthesizer.core.resolve import included_path
+from flexbe_synthesizer.core.resolve import ResolvedChart, included_path
 from flexbe_synthesizer.core.signature import BehaviorClass, Effect
 from flexbe_synthesizer.core.written import outcome_effects
 
 
-class NestedEffects:
-    """The effects of behaviors, each found once.
+class NestedBehaviors:
+    """What the behaviors inside charts are made of and what they write, each found once.
 
     Attributes:
         read_back: the charts of behaviors that have none at hand, by module; None where the file
@@ -33,8 +33,9 @@ class NestedEffects:
         self.read_back: dict[str, Chart | None] = {}
         self._known: dict[str, tuple[Effect, ...]] = {}
         self._open: set[str] = set()
+        self._resolved: dict[str, ResolvedChart] = {}
 
-    def of(self, behavior: BehaviorClass) -> tuple[Effect, ...]:
+    def effects(self, behavior: BehaviorClass) -> tuple[Effect, ...]:
         """Return the effects of a behavior; none, which is all, while it contains itself."""
         if behavior.module in self._open:
             return self._known.get(behavior.module, ())
@@ -47,13 +48,13 @@ class NestedEffects:
             if inner is not None:
                 trail.append(inner)
                 continue
-            self._known[one.module] = self._effects(one)
+            self._known[one.module] = self._found(one)
             trail.pop()
         return self._known[behavior.module]
 
     def _inside(self, behavior: BehaviorClass) -> Iterator[BehaviorClass]:
         """Yield the behaviors inside another one, as far as their effects matter to it."""
-        chart = self._chart(behavior)
+        chart = self._chart(behavior) if behavior.outputs else None
         if chart is None:
             return
         for node in walk_nodes(chart):
@@ -64,23 +65,29 @@ class NestedEffects:
                 yield from (one for one in candidates if isinstance(one, BehaviorClass))
 
     def _chart(self, behavior: BehaviorClass) -> Chart | None:
-        """Return the chart of a behavior; None if it has no outputs, or cannot be read back."""
-        if not behavior.outputs:
-            return None
+        """Return the chart of a behavior, None if it cannot be read back."""
         if behavior.chart is not None:
             return behavior.chart
         if behavior.module not in self.read_back:
             self.read_back[behavior.module] = _read_back(behavior, self._library)
         return self.read_back[behavior.module]
 
-    def _effects(self, behavior: BehaviorClass) -> tuple[Effect, ...]:
+    def _found(self, behavior: BehaviorClass) -> tuple[Effect, ...]:
+        if not behavior.outputs:
+            return ()
+        resolved = self.resolved(behavior)
+        if resolved is not None:
+            return outcome_effects(resolved)
+        outputs = frozenset(port.name for port in behavior.outputs)
+        return tuple(Effect(outcome, frozenset(), outputs) for outcome in behavior.outcomes)
+
+    def resolved(self, behavior: BehaviorClass) -> ResolvedChart | None:
+        """Return what a behavior is made of, None if its file cannot be read back."""
         chart = self._chart(behavior)
-        if chart is None:
-            nothing: frozenset[str] = frozenset()
-            outputs = frozenset(port.name for port in behavior.outputs)
-            return tuple(Effect(o, nothing, outputs) for o in behavior.outcomes if outputs)
-        resolved, _problems = resolve_chart(chart, self._library, self._charts, self.of)
-        return outcome_effects(resolved)
+        if chart is not None and behavior.module not in self._resolved:
+            found, _problems = resolve_chart(chart, self._library, self._charts, self.effects)
+            self._resolved[behavior.module] = found
+        return self._resolved.get(behavior.module)
 
 
 def _read_back(behavior: BehaviorClass, library: Library) -> Chart | None:

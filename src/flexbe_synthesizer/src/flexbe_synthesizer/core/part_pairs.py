@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Callable, Hashable, Iterator, Sequence
+from itertools import takewhile
 
 from flexbe_synthesizer.core.chart_parts import Part
 
@@ -49,6 +50,23 @@ def paired(group: str, olds: Sequence[Part], news: Sequence[Part]) -> list[int |
 
     Equal ones are the same, then those of one name, then those that stand in one place.
     """
+    head = _same(olds, news)
+    tail = min(_same(olds[::-1], news[::-1]), min(len(olds), len(news)) - head)
+    middle = _paired(group, olds[head : len(olds) - tail], news[head : len(news) - tail])
+    return [
+        *range(head),
+        *(None if index is None else head + index for index in middle),
+        *range(len(olds) - tail, len(olds)),
+    ]
+
+
+def _same(olds: Sequence[Part], news: Sequence[Part]) -> int:
+    """Return how many elements are equal at the beginning."""
+    pairs = zip(olds, news, strict=False)
+    return sum(1 for _pair in takewhile(lambda pair: pair[0] == pair[1], pairs))
+
+
+def _paired(group: str, olds: Sequence[Part], news: Sequence[Part]) -> list[int | None]:
     found: list[int | None] = [None] * len(news)
     _pair_by(_content, olds, news, found)
     for attributes in _KEYS.get(group, ((),)):

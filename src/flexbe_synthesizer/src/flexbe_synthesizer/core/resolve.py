@@ -10,7 +10,7 @@ from functools import cached_property
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.data_flow import DataFlow, bind_data
-from flexbe_synthesizer.core.literal import Literal
+from flexbe_synthesizer.core.literal import Literal, as_declared
 from flexbe_synthesizer.core.model import (
     AnyNode,
     Behavior,
@@ -181,6 +181,19 @@ def arguments(node: AnyNode, is_timed: bool) -> dict[str, Literal]:
         values["topic"] = node.topic
     if isinstance(node, State) and node.timeout_s is not None and not is_timed:
         values["timeout_s"] = node.timeout_s
+    return values
+
+
+def given_values(entry: ResolvedNode) -> dict[str, Literal]:
+    """Return the values that a node gives to its class; texts where these are declared strings."""
+    values = arguments(entry.node, entry.use.is_timed)
+    signature = entry.use.signature
+    if signature is None or not entry.node.params:
+        return values
+    kinds = {parameter.name: parameter.type for parameter in signature.parameters}
+    for param in entry.node.params:
+        if kinds.get(param.name) == "string" and param.spelled:
+            values[param.name] = as_declared(param.spelled, "string")
     return values
 
 

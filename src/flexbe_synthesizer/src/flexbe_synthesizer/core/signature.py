@@ -54,11 +54,12 @@ class Port:
 
 @dataclass(frozen=True)
 class Parameter:
-    """A constructor argument of a state, or a parameter of a behavior."""
+    """A constructor argument of a state, or a parameter of a behavior; `default` is a number."""
 
     name: str
     type: str | None = None
     required: bool = True
+    default: float | None = None
 
     @property
     def takes_source(self) -> bool:

@@ -136,12 +136,17 @@ def _parameters(
     given = constructor.args
     positional = [*given.posonlyargs, *given.args][1:]
     first_default = len(positional) - len(given.defaults)
-    required = [index < first_default for index in range(len(positional))]
-    required += [default is None for default in given.kw_defaults]
-    for argument, is_required in zip([*positional, *given.kwonlyargs], required, strict=True):
+    defaults = [*[None] * first_default, *given.defaults, *given.kw_defaults]
+    for argument, default in zip([*positional, *given.kwonlyargs], defaults, strict=True):
         annotation = documented_type(ast.unparse(argument.annotation or ast.Constant("")))
         kind = documented.get(("--", argument.arg)) or annotation
-        yield Parameter(argument.arg, kind, is_required)
+        yield Parameter(argument.arg, kind, default is None, _number(default))
+
+
+def _number(node: ast.expr | None) -> float | None:
+    """Return the number that a default is, None for any other."""
+    value = node.value if isinstance(node, ast.Constant) else None
+    return value if isinstance(value, int | float) and not isinstance(value, bool) else None
 
 
 def _super_call(constructor: ast.FunctionDef) -> ast.Call:

@@ -91,7 +91,7 @@ class Edits:
     def declare_extension(self) -> None:
         """Declare the extension's namespace if it is needed and is not declared."""
         root = self.layout.root
-        if self.uses_extension and root.extension_prefix is None:
+        if self.uses_extension and self.layout.extension_prefix is None:
             self.add_attribute(root, f"xmlns:{self.style.prefix}", EXTENSION)
 
     def remove(self, markup: Markup) -> None:
@@ -206,5 +206,5 @@ def style_of(layout: XmlLayout) -> Style:
             break
     quotes = [chr(data[span.value_end]) for span in root.attributes.values()]
     has_blank = 2 * data.count(b" />") > data.count(b"/>")
-    prefix = root.extension_prefix or ("ext" if "ext" not in root.prefixes else "chart_ext")
+    prefix = layout.extension_prefix or ("ext" if "ext" not in layout.prefixes else "chart_ext")
     return Style(indent, (quotes or ['"'])[-1], " />" if has_blank else "/>", prefix)

@@ -255,7 +255,7 @@ def _narrow(homes: dict[str, int], name: str, arriving: int) -> bool:
     return new != old
 
 
-def outcome_effects(resolved: ResolvedChart) -> tuple[Effect, ...]:
+def outcome_effects(resolved: ResolvedChart, graph: Graph | None = None) -> tuple[Effect, ...]:
     """Return what each outcome of a chart, or of the content of a container, writes.
 
     An outcome that nothing leads to never happens, so that nothing is left out with it.
@@ -264,7 +264,7 @@ def outcome_effects(resolved: ResolvedChart) -> tuple[Effect, ...]:
     outputs = frozenset(port.name for port in chart.outputs if port.name)
     if not outputs:
         return ()
-    values = Values(resolved, resolved.flow, chart_graph(resolved))
+    values = Values(resolved, resolved.flow, graph or chart_graph(resolved))
     if resolved.is_concurrent:
         certain = _written_by_conditions(resolved, values)
         everything = reduce(or_, map(values.touched_in, resolved.by_id), 0)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from xml.parsers import expat
 
@@ -34,7 +33,6 @@ class Markup:
 
     Attributes:
         name: as it is spelled, with its prefix.
-        prefixes: namespaces by the prefixes that are declared here or around it.
         parent: the element around it.
         attributes: by name as the grammar spells it, `ext:attempts`.
         start: of the start tag.
@@ -44,7 +42,6 @@ class Markup:
     """
 
     name: str
-    prefixes: dict[str, str]
     parent: Markup | None
     start: int
     head_end: int = 0
@@ -59,21 +56,10 @@ class Markup:
         return self.tail < self.head_end
 
     @property
-    def extension_prefix(self) -> str | None:
-        """Return a prefix of the extension's namespace here; None if it is not declared."""
-        return next((p for p, space in self.prefixes.items() if p and space == EXTENSION), None)
-
-    @property
     def attributes_end(self) -> int:
         """Return where another attribute can be added."""
         ends = [span.end for span in self.attributes.values()]
         return max([self.start + 1 + len(self.name.encode()), *ends])
-
-    def walk(self) -> Iterator[Markup]:
-        """Yield the element and all in it, in the order of the document."""
-        yield self
-        for child in self.children:
-            yield from child.walk()
 
 
 class XmlLayout:
@@ -81,9 +67,8 @@ class XmlLayout:
 
     Attributes:
         data: the text.
-        root: its outermost element.
-        comments: where the comments begin that stand before the root element, and in it before
-            the second element.
+        elements: all of it, in its order.
+        prefixes: namespaces by the prefixes that the outermost element declares.
     """
 
     def __init__(self, data: bytes) -> None:
@@ -93,9 +78,10 @@ class XmlLayout:
             ValueError: if it is not well-formed.
         """
         self.data = data
-        self._open: list[Markup] = []
-        self._roots: list[Markup] = []
-        self._count = 0
+        self.elements: list[Markup] = []
+        self.prefixes: dict[str, str] = {}
+        self._open: list[tuple[Markup, list[str]]] = []
+        self._namespaces: dict[str, list[str]] = {}
         self._before: list[int] = []
         self._inside: list[int] = []
         self._parser = expat.ParserCreate(encoding="utf-8")
@@ -107,7 +93,16 @@ class XmlLayout:
             self._parser.Parse(data, True)
         except expat.ExpatError as error:
             raise ValueError(str(error)) from error
-        self.root = self._roots[0]
+
+    @property
+    def root(self) -> Markup:
+        """Return the outermost element."""
+        return self.elements[0]
+
+    @property
+    def extension_prefix(self) -> str | None:
+        """Return the prefix of the extension's namespace; None if it is not declared at once."""
+        return next((p for p, space in self.prefixes.items() if p and space == EXTENSION), None)
 
     @property
     def description(self) -> tuple[int, int] | None:
@@ -162,22 +157,26 @@ class XmlLayout:
         return "\r\n" if end > 0 and self.data[end - 1 : end] == b"\r" else "\n"
 
     def _comment(self, _text: str) -> None:
-        if self._count == 0:
+        if not self.elements:
             self._before.append(self._parser.CurrentByteIndex)
-        elif self._count == 1 and self._open:
+        elif len(self.elements) == 1 and self._open:
             self._inside.append(self._parser.CurrentByteIndex)
 
     def _start(self, name: str, pairs: list[str]) -> None:
-        self._count += 1
-        values = dict(zip(pairs[::2], pairs[1::2], strict=True))
-        parent = self._open[-1] if self._open else None
-        prefixes = parent.prefixes if parent else {}
-        for raw, value in values.items():
+        parent = self._open[-1][0] if self._open else None
+        markup = Markup(name, parent, self._parser.CurrentByteIndex)
+        if parent is not None:
+            parent.children.append(markup)
+        self.elements.append(markup)
+        declared = []
+        for raw, value in zip(pairs[::2], pairs[1::2], strict=True):
             if raw == "xmlns" or raw.startswith("xmlns:"):
-                prefixes = prefixes | {raw.partition(":")[2]: value}
-        markup = Markup(name, prefixes, parent, self._parser.CurrentByteIndex)
-        (parent.children if parent else self._roots).append(markup)
-        self._open.append(markup)
+                prefix = raw.partition(":")[2]
+                self._namespaces.setdefault(prefix, []).append(value)
+                declared.append(prefix)
+        if parent is None:
+            self.prefixes = {prefix: spaces[-1] for prefix, spaces in self._namespaces.items()}
+        self._open.append((markup, declared))
         self._read_head(markup)
 
     def _read_head(self, markup: Markup) -> None:
@@ -186,23 +185,25 @@ class XmlLayout:
         at = found.end() if found else markup.start
         while (found := ATTRIBUTE.match(self.data, at)) is not None:
             span = AttributeSpan(at, found.start(2) + 1, found.end())
-            markup.attributes[_known(found[1].decode(), markup.prefixes)] = span
+            markup.attributes[self._known(found[1].decode())] = span
             at = found.end()
         closing = _HEAD_END.match(self.data, at)
         markup.head_end = closing.end() if closing else at
         if closing and closing[0].endswith(b"/>"):
             markup.tail, markup.end = closing.start(), closing.end()
 
+    def _known(self, raw: str) -> str:
+        """Return an attribute's name as the grammar spells it."""
+        prefix, _, local = raw.rpartition(":")
+        spaces = self._namespaces.get(prefix) if prefix else None
+        if spaces and spaces[-1] == EXTENSION:
+            return f"ext:{local}"
+        return f"other {raw}" if prefix == "ext" else raw
+
     def _end(self, _name: str) -> None:
-        markup = self._open.pop()
+        markup, declared = self._open.pop()
+        for prefix in declared:
+            self._namespaces[prefix].pop()
         if not markup.end:
             markup.tail = self._parser.CurrentByteIndex
             markup.end = self.data.index(b">", markup.tail) + 1
-
-
-def _known(raw: str, prefixes: dict[str, str]) -> str:
-    """Return an attribute's name as the grammar spells it."""
-    prefix, _, local = raw.rpartition(":")
-    if prefix and prefixes.get(prefix) == EXTENSION:
-        return f"ext:{local}"
-    return f"other {raw}" if prefix == "ext" else raw

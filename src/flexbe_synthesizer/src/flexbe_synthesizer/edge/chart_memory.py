@@ -11,7 +11,7 @@ from flexbe_synthesizer.core.check import CheckedChart, check_chart
 from flexbe_synthesizer.core.codec import read_chart
 from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.model import Behavior, Chart, walk_nodes
-from flexbe_synthesizer.core.nested import NestedEffects
+from flexbe_synthesizer.core.nested import NestedBehaviors
 from flexbe_synthesizer.core.problem import Problem
 from flexbe_synthesizer.core.resolve import included_path
 from flexbe_synthesizer.core.signature import BehaviorClass
@@ -87,7 +87,7 @@ class ChartMemory:
         chart: Chart,
         library: Library,
         charts: Mapping[str, BehaviorClass],
-        nested: NestedEffects,
+        nested: NestedBehaviors,
         expect_time: Callable[[], None] = lambda: None,
     ) -> CheckedChart:
         """Return what `check.check_chart` does."""

@@ -45,6 +45,10 @@ class OutputPackage:
         """Return the Python file of a behavior."""
         return self.folder / "src" / self.name / f"{names.behavior_module(behavior)}.py"
 
+    def certificate_path(self, behavior: str) -> Path:
+        """Return the certificate of a behavior."""
+        return self.folder / "certificate" / f"{names.behavior_file(behavior)}.yaml"
+
     def manifest_path(self, behavior: str) -> Path:
         """Return the manifest of a behavior."""
         return self.folder / "manifest" / f"{names.behavior_file(behavior)}.xml"

@@ -159,7 +159,7 @@ def with_parameter(scope: Chart, node_id: str, name: str, text: str) -> Chart:
     def put(node: AnyNode) -> AnyNode:
         known = {param.name: param for param in node.params}
         if text:
-            known[name] = Param(name, parse_literal(text))
+            known[name] = Param(name, parse_literal(text), text)
         else:
             known.pop(name, None)
         return replace(node, params=tuple(known.values()))

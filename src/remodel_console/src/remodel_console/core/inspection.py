@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
+from flexbe_synthesizer.core.certificate import Certificate, certify
+from flexbe_synthesizer.core.check import CheckedChart
 from flexbe_synthesizer.core.model import AnyNode, Chart
 from flexbe_synthesizer.core.problem import Problem, errors_in
 from flexbe_synthesizer.core.resolve import ResolvedChart, Use
@@ -18,11 +20,21 @@ class Inspection:
         problems: those of this file first.
         uses: what nodes name, by their paths, `Place/Insert`.
         unchecked: why it could not be checked; empty if it was.
+        checked: the chart, if it was.
+        package: where its behavior goes.
     """
 
     problems: tuple[Problem, ...] = ()
     uses: Mapping[str, Use] = field(default_factory=dict)
     unchecked: str = ""
+    checked: CheckedChart | None = None
+    package: str = ""
+
+    def certify(self) -> Certificate | None:
+        """Return what the behavior can do at most; None if it has errors."""
+        if self.checked is None or self.error_count:
+            return None
+        return certify(self.checked, self.package)
 
     @property
     def error_count(self) -> int:

@@ -20,4 +20,6 @@ def inspect_text(workspace: Workspace, text: str, file: str) -> tuple[Chart | No
     own = files.charts.get(file)
     uses = uses_by_path(own.resolved) if own else {}
     order = sorted(files.problems, key=lambda problem: problem.position.file != file)
-    return (chart if is_formed else None), Inspection(tuple(order), uses)
+    package = files.packages[file].name if own else ""
+    found = Inspection(tuple(order), uses, checked=own, package=package)
+    return (chart if is_formed else None), found

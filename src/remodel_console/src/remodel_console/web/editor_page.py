@@ -19,6 +19,7 @@ from remodel_console.edge.inspect_chart import inspect_text
 from remodel_console.edge.picture import picture
 from remodel_console.errors import CommandError
 from remodel_console.web.canvas import Canvas
+from remodel_console.web.certificate_panel import CertificatePanel
 from remodel_console.web.editor_tools import EditorTools
 from remodel_console.web.library_panel import LibraryPanel
 from remodel_console.web.page import Page
@@ -61,11 +62,15 @@ class EditorPage(Page):
                 with ui.tabs().props("no-caps dense align=left").classes("wide") as tabs:
                     ui.tab("Properties")
                     ui.tab("XML")
-                with ui.tab_panels(tabs, value="Properties").classes("wide panes") as self._tabs:
+                    ui.tab("Certificate")
+                panels = ui.tab_panels(tabs, value="Properties", on_change=self._certify)
+                with panels.classes("wide panes") as self._tabs:
                     with ui.tab_panel("Properties"):
                         self._properties = PropertiesPanel(self)
                     with ui.tab_panel("XML").classes("xml-pane"):
                         self.xml = XmlPane(self._take_typed, is_dark=bool(self._dark.value))
+                    with ui.tab_panel("Certificate"):
+                        self._certificate = CertificatePanel()
                 self._problems = ProblemList(self._reveal)
 
     def show(self, world: World) -> None:
@@ -200,6 +205,12 @@ class EditorPage(Page):
         own = self.chart.file if self.chart else ""
         self._problems.show(self.inspection, own)
         self.xml.mark(self.inspection, own)
+        self._certify()
+
+    def _certify(self) -> None:
+        """Show the certificate, if its tab is open."""
+        if self._tabs.value == "Certificate":
+            background_tasks.create(self._certificate.show(self.inspection))
 
     def _reveal(self, line: int) -> None:
         self._tabs.value = "XML"

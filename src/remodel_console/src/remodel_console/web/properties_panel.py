@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 from nicegui import ui
 
 from flexbe_synthesizer.core.error_routes import FAILED_EVENT, format_routes
-from flexbe_synthesizer.core.literal import format_literal
 from flexbe_synthesizer.core.model import AnyNode, Chart, Container, ContainerKind
 from remodel_console.core import chart_edit
 from remodel_console.core.concurrency_edit import kind_at
@@ -116,7 +115,7 @@ class PropertiesPanel:
         if isinstance(node, Container) or not parameters:
             return
         ui.label("Parameters").classes("heading")
-        given = {param.name: format_literal(param.value) for param in node.params}
+        given = {param.name: param.text for param in node.params}
         for parameter in parameters:
             hint = f"{parameter.type or 'any'}{', needed' if parameter.required else ''}"
             name = parameter.name

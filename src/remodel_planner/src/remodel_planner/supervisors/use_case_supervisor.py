@@ -499,6 +499,7 @@ class UseCaseSupervisor:
         by = state.skipped.get(state.current, "") if is_attempt else ""
         protective = f"protective stop by {state.protective}" if state.protective else ""
         overdue = "its time has passed" if self._is_overdue() else ""
+        self.tasks.check()
         unrested = ", ".join(self.tasks.unrested)
         self._gate.hold = "the run is paused" if state.paused else ""
         if unrested and not state.paused:
@@ -516,7 +517,6 @@ class UseCaseSupervisor:
         with suppress(LostError):
             self._record.catch_up()
         self._lease.check()
-        self.tasks.check()
         self._close_or_open()
         self._replies.check()
 

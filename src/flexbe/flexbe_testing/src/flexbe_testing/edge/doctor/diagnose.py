@@ -5,12 +5,14 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
-from flexbe_testing.core.doctor.examine import count, examine
+from flexbe_testing.app.known import Known
+from flexbe_testing.core.doctor.examine import Engine, count, examine
 from flexbe_testing.core.doctor.finding import Finding, Report, Severity, sorted_findings
 from flexbe_testing.core.doctor.module import Kind, Module
+from flexbe_testing.edge.app_packages import flexbe_packages, read_packages
 from flexbe_testing.edge.doctor.child import construct
 from flexbe_testing.edge.doctor.surface import attributes, names_of
 from flexbe_testing.edge.doctor.workspace import Package, packages
@@ -41,12 +43,13 @@ def diagnose(workspace: Path, is_static: bool = False, limit_s: float = 20.0) ->
         limit_s: how long importing and constructing one module may take [s, wall time].
     """
     found = list(packages(workspace))
-    findings: list[Finding] = []
+    engine = Engine(names_of, attributes())
+    known, findings = _known(found)
     modules: list[Module] = []
     importable: list[tuple[str, str]] = []
     for package in found:
         for file in package.files():
-            new, module = _examine(file)
+            new, module = _examine(file, engine, known)
             findings += new
             if module is not None:
                 modules.append(module)
@@ -68,13 +71,38 @@ def diagnose(workspace: Path, is_static: bool = False, limit_s: float = 20.0) ->
     )
 
 
-def _examine(file: Path) -> tuple[list[Finding], Module | None]:
+def _known(found: Sequence[Package]) -> tuple[Known, list[Finding]]:
+    """Return what the App finds in a workspace and beside it, and what cannot be read of it."""
+    states, behaviors, findings = [], [], []
+    for package in found:
+        try:
+            known = read_packages([package.folder])
+        except (OSError, ValueError) as error:
+            text = f"not all of package {package.name} can be read: {error}"
+            file = str(package.folder / "package.xml")
+            findings.append(Finding(file, 1, "package", Severity.ERROR, text))
+            continue
+        states += known.states
+        behaviors += known.behaviors
+    known = _known_beside({package.name for package in found})
+    return Known([*states, *known.states], [*behaviors, *known.behaviors]), findings
+
+
+def _known_beside(names: Collection[str]) -> Known:
+    """Return what the App finds on the ROS package path; what is wrong there is not the user's."""
+    try:
+        return read_packages(folder for folder in flexbe_packages() if folder.name not in names)
+    except (OSError, ValueError):
+        return Known()
+
+
+def _examine(file: Path, engine: Engine, known: Known) -> tuple[list[Finding], Module | None]:
     try:
         text = file.read_text()
     except UnicodeDecodeError as error:
         text = f"the file is not UTF-8: {error.reason} at byte {error.start}"
         return [Finding(str(file), 1, "syntax", Severity.ERROR, text)], None
-    return examine(str(file), text, names_of, attributes())
+    return examine(str(file), text, engine, known)
 
 
 def _dotted(package: Package, file: Path) -> str:

@@ -53,11 +53,15 @@ def _package(name: str, folder: Path) -> Package:
 
 
 def _exporting(file: Path) -> str | None:
-    """Return the name of a package that exports states or behaviors."""
+    """Return the name of a package that exports states or behaviors.
+
+    One whose package.xml is no XML is named after its folder, so that it is not passed over.
+    """
     try:
         root = ElementTree.parse(file).getroot()
     except ElementTree.ParseError:
-        return None
+        text = file.read_text(errors="replace")
+        return file.parent.name if any(element in text for element in _EXPORTS) else None
     if all(root.find(f"export/{element}") is None for element in _EXPORTS):
         return None
     return (root.findtext("name") or "").strip() or None

@@ -18,11 +18,14 @@ from flexbe_testing.core.conformance.scenario import (
     Verdict,
     chosen,
 )
+from flexbe_testing.ros.conformance.catalogue import ALL
 from flexbe_testing.ros.conformance.judge import Judge, behavior_package
-from flexbe_testing.ros.conformance.scenarios import ALL
 from flexbe_testing.ros.conformance.wire import NoEngineError
 
 KEPT, BROKEN, USAGE, NO_ENGINE, INTERRUPTED = 0, 1, 2, 4, 130
+
+# [s] No step of a scenario is waited for longer.
+_LONGEST_S = 3600.0
 
 # [s] Wall time that a ROS master gets to answer.
 _MASTER_LIMIT_S = 5.0
@@ -129,9 +132,12 @@ def _arguments(words: Sequence[str]) -> argparse.Namespace:
 
 
 def _seconds(text: str) -> float:
-    value = float(text)
-    if not 0.0 < value < 3600.0:
-        raise argparse.ArgumentTypeError(f"{text} is not a time between 0 and 3600 s")
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0.0 < value <= _LONGEST_S:
+        raise argparse.ArgumentTypeError(f"{text!r} is no time above 0 and up to {_LONGEST_S:g} s")
     return value
 
 

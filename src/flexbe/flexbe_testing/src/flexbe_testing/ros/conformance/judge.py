@@ -16,7 +16,7 @@ from flexbe_testing.core.conformance.scenario import (
     ViolationError,
 )
 from flexbe_testing.ros.conformance.bench import PACKAGE, Bench, StuckError
-from flexbe_testing.ros.conformance.scenarios import FIRST
+from flexbe_testing.ros.conformance.catalogue import FIRST
 from flexbe_testing.ros.conformance.wire import NoEngineError, Wire
 
 
@@ -58,15 +58,19 @@ class Judge:
                 yield self.play(scenario)
 
     def play(self, scenario: Scenario) -> Finding:
-        """Play a scenario, and bring the engine back to rest."""
+        """Play a scenario, and bring the engine back to rest, also after an interrupt."""
         if self._stuck:
             return Finding(scenario, Verdict.NOT_JUDGED, self._stuck)
         begun = time.monotonic()
-        verdict, reason = self._verdict(scenario)
         try:
-            self.bench.recover()
+            try:
+                verdict, reason = self._verdict(scenario)
+            finally:
+                self.bench.recover()
         except StuckError as error:
             self._stuck = f"the engine is stuck since {scenario.name}: {error}"
+        if verdict is Verdict.FAIL:
+            self.bench.settle()
         return Finding(scenario, verdict, reason, time.monotonic() - begun)
 
     def _verdict(self, scenario: Scenario) -> tuple[Verdict, str]:

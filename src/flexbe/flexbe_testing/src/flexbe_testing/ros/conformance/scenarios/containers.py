@@ -57,7 +57,7 @@ def concurrency_supervises_the_first(bench: Bench) -> None:
     bench.never(f"exit {_LEFT}", "level 0 allows nothing")
     bench.send(topics.TRANSITION, OutcomeRequest(0, "Left"))
     bench.feedback("transition", "Left", "Left")
-    bench.left(_LEFT, "done", 0)
+    bench.left_among_others(_LEFT, "done", 0)
     bench.gate("Right", "done")
     bench.at("/After")
     bench.preempt()

@@ -127,7 +127,7 @@ def sync_after_concurrency(bench: Bench) -> None:
     bench.start(PAIR, 3)
     bench.in_any_order("enter /Both/Left", "enter /Both/Right")
     bench.gate("Left", "done")
-    bench.left("/Both/Left", "done", 0)
+    bench.left_among_others("/Both/Left", "done", 0)
     bench.gate("Right", "done")
     bench.at("/After")
     _synchronized(bench, "/After")

@@ -11,7 +11,7 @@ class WrongSM(Mixin, Behavior):  # doctor: app
         super().__init__()
         self.name = "Wrong"
 
-    def create(self, size=1):  # doctor: app
+    def create(self, size=1):
         root = OperatableStateMachine(outcomes=["finished"])
         with root:
             OperatableStateMachine.add("Wave", WavingState(), {"done": "finished"})  # doctor: construction

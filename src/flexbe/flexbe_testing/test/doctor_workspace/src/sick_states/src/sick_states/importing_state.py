@@ -6,5 +6,8 @@ import flexbe_core.nothing  # doctor: unknown-import
 
 
 class ImportingState(EventState):
+    def __init__(self):
+        super().__init__(outcomes=["done"])
+
     def execute(self, userdata):
         return proxy and OperatableStateMachine and Loopback and flexbe_core.nothing
