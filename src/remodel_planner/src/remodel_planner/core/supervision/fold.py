@@ -193,13 +193,13 @@ def _(event: Settled, state: RunState) -> RunState:
     task = replace(state.tasks[event.task], connected=event.connected, unseen=event.unseen)
     if not event.left and not event.unseen:
         return _leave(state, replace(task, stage=Stage.DONE, then=None))
+    state = _under_way(state, task)
     if task.then is not None and event.code not in MOTION_STOPPED:
         return _do(task.then, state, task, "what is done was inspected")
     if event.unseen:
-        failed = replace(task, stage=Stage.FAILED, codes=(*task.codes, event.code))
-        return _under_way(state, failed)
+        return state.with_task(replace(task, stage=Stage.FAILED, codes=(*task.codes, event.code)))
     part = Part.REST if event.connected else task.part
-    return _under_way(state, replace(task, stage=Stage.READY, part=part))
+    return state.with_task(replace(task, stage=Stage.READY, part=part))
 
 
 @_applied.register
