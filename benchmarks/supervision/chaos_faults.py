@@ -52,6 +52,9 @@ WEIGHTS = {
 # [s] wall time of a stall, of a long one, and of a database that takes no writes.
 _STALL_S, _LONG_STALL_S, _DATABASE_S = (2.0, 12.0), 45.0, (1.0, 8.0)
 
+# Tasks that a run still has when one is skipped, so that it does not end before the retry.
+_LEFT_TO_SKIP = 6
+
 # [s] wall time from the record of a protective stop by topic, which has no answer, to the rest.
 _STOP_S = 0.5
 
@@ -235,7 +238,7 @@ class Faults:
     def _skip(self, run: int) -> Struck | None:
         state = self._records.state(run)
         left = [name for name, task in state.tasks.items() if not task.stage.is_lasting]
-        if len(left) < 3:
+        if len(left) < _LEFT_TO_SKIP:
             return None
         since = self._count(run)
         task = state.current or self._random.choice(left)

@@ -3,8 +3,8 @@
 import re
 
 import pytest
-from flexbe_synthesizer.strategies import WILD_NAMES, charts
 from hypothesis import HealthCheck, given, settings
+from synthesizer_support.strategies import WILD_NAMES, charts
 
 from flexbe_synthesizer.core.chart_rewriter import RewriteError, rewrite_chart
 from flexbe_synthesizer.core.codec import parse_chart, read_chart, write_chart

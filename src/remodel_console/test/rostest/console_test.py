@@ -194,9 +194,10 @@ class ConsoleTest(BehaviorTestCase):
         lit = self.page.evaluate("() => window.lit")
         late_s = []
         for seen_ms, path in lit:
-            sources = [at for at, label in entered if label == path and at <= seen_ms + 5]
-            if sources:
-                late_s.append((seen_ms - sources[-1]) / 1000)
+            # The page may get an update before this process does.
+            apart_ms = [abs(seen_ms - at) for at, label in entered if label == path]
+            if apart_ms:
+                late_s.append(min(apart_ms) / 1000)
         self.assertGreater(len(late_s), 5)
         late_s.sort()
         self.assertLess(late_s[len(late_s) // 2], LIT_S, late_s)

@@ -2,7 +2,7 @@
 
 The chart that the text holds and the chart that is wanted are compared part by part, and each
 difference becomes an edit of the text. Comments, blanks, quotes, the order of attributes and the
-spelling of values are nobody's business but the author's.
+spelling of values stay as the author wrote them.
 """
 
 from __future__ import annotations
