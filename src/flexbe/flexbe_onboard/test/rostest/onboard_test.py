@@ -131,6 +131,11 @@ class Engine:
     def is_at(self, path):
         return self.updates.wait(lambda m: m.data == path) is not None
 
+    def is_mirrored(self):
+        """Whether the mirror, which connects on its own, has published even a short first state."""
+        self.start("Quick Test", wait_time=0)
+        return self.ended() and self.updates.wait(lambda m: m.data == "/Say", 0.5) is not None
+
     def stop(self):
         self.send("command/preempt", Empty())
 
@@ -166,6 +171,7 @@ class OnboardTest(unittest.TestCase):
         cls.engine = Engine()
         cls.server = HangingServer("test_action")
         assert cls.engine.status.wait(lambda m: m.code == BEStatus.READY)
+        assert wait_until(cls.engine.is_mirrored), "the mirror does not follow the engine"
 
     def setUp(self):
         self.server.goals.clear()
