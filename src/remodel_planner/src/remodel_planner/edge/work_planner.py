@@ -35,8 +35,10 @@ from remodel_planner.edge.nested_charts import nested_charts
 from remodel_planner.edge.order_planner import plan_problem, replan_problem
 
 # [s] wall time that the search gets when the rest of an order is planned again: what it starts from
-# is the result of a longer search, and the robot waits.
+# is the result of a longer search, and the robot waits. Beyond so many wires it gets less in
+# proportion: the moves that open each search find nearly all there is to find (docs/planning.md).
 REPLAN_SEARCH_S = 0.03
+_FULL_SEARCH_WIRES = 100
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,11 @@ class _Place:
 
     prepared: Prepared
     mode: Mode
+
+
+def replan_search_s(wires: int) -> float:
+    """Return the wall time [s] of the search when so many wires are planned again."""
+    return REPLAN_SEARCH_S * min(1.0, _FULL_SEARCH_WIRES / max(1, wires))
 
 
 class WorkPlanner:
@@ -117,7 +124,7 @@ class WorkPlanner:
         problem = put_off(prepared.preferred.problem, last)
         if previous:
             modes = {name: place.mode.number for name, place in self._places.items()}
-            search_s = min(self._search_s, REPLAN_SEARCH_S)
+            search_s = min(self._search_s, replan_search_s(len(wanted)))
             plan = replan_problem(problem, previous, modes, search_s).plan
         else:
             plan = plan_problem(problem, self._search_s if len(wanted) > 1 else 0.0).plan
