@@ -1,5 +1,6 @@
 """The rest of an order is planned again at once, and no worse than it was."""
 
+import gc
 import random
 import threading
 from dataclasses import replace
@@ -139,6 +140,19 @@ def test_a_replan_searches_for_less_time_the_more_wires_there_are(monkeypatch):
     monkeypatch.setattr(work_planner, "_FULL_SEARCH_WIRES", WIRES // 4)
     planner.plan(names, names)
     assert limits == [work_planner.REPLAN_SEARCH_S, work_planner.REPLAN_SEARCH_S / 4]
+
+
+def test_no_garbage_is_collected_while_the_rest_is_planned_again(monkeypatch):
+    order = cabinet_order(1)
+    planner = planner_of(order)
+    names = planner.plan([task.name for task in order.tasks])
+    collecting, replan = [], work_planner.replan_problem
+    monkeypatch.setattr(
+        work_planner, "replan_problem", lambda *a: collecting.append(gc.isenabled()) or replan(*a)
+    )
+    planner.plan(names, names)
+    assert collecting == [False]
+    assert gc.isenabled()
 
 
 def test_all_moves_of_a_search_are_done_in_its_own_thread(monkeypatch):

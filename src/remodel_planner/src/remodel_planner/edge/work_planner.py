@@ -6,6 +6,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.synthesis import garbage_kept
 from remodel_planner.core.learning.experience import Experience
 from remodel_planner.core.learning.learned_expectations import Call, numbers_from
 from remodel_planner.core.planning.listing import listing_of
@@ -98,6 +99,7 @@ class WorkPlanner:
         self._places: dict[str, _Place] = {}
         self._tasks: dict[str, PlannedTask] = {}
 
+    @garbage_kept()
     def plan(
         self,
         names: Collection[str],
@@ -105,6 +107,9 @@ class WorkPlanner:
         last: Collection[str] = (),
     ) -> tuple[str, ...]:
         """Return the tasks of these names in the best order that is found in time.
+
+        Garbage cycles are not collected meanwhile: the thousands of objects of a plan would have
+        the collector look through the whole process now and then, while the robot waits.
 
         Args:
             names: of the tasks.
