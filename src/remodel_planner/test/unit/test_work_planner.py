@@ -1,6 +1,8 @@
 """The rest of an order is planned again at once, and no worse than it was."""
 
+import gc
 import random
+import threading
 from dataclasses import replace
 
 import numpy as np
@@ -22,7 +24,7 @@ from remodel_planner.core.use_case.decomposition import Decomposer
 from remodel_planner.core.use_case.preparation import prepare
 from remodel_planner.edge import work_planner
 from remodel_planner.edge.anytime_planner import AnytimePlanner
-from remodel_planner.edge.search_kernel import Kernel
+from remodel_planner.edge.search_kernel import Kernel, KernelSearch
 from remodel_planner.edge.use_case_files import find_use_case
 from remodel_planner.edge.work_planner import WorkPlanner
 
@@ -123,6 +125,50 @@ def test_a_replan_prepares_and_decomposes_nothing_again(monkeypatch):
     assert (prepared, decomposed) == ([], [])
     assert planner.chart(again[1], Part.WHOLE, (), ()).name == f"Wire {again[1]}"
     assert len(decomposed) == 1, "the task whose turn it is"
+
+
+def test_a_replan_searches_for_less_time_the_more_wires_there_are(monkeypatch):
+    order = cabinet_order(1)
+    planner = planner_of(order, search_s=0.05)
+    names = planner.plan([task.name for task in order.tasks])
+    limits = []
+    replan = work_planner.replan_problem
+    monkeypatch.setattr(
+        work_planner, "replan_problem", lambda *a: limits.append(a[-1]) or replan(*a)
+    )
+    planner.plan(names, names)
+    monkeypatch.setattr(work_planner, "_FULL_SEARCH_WIRES", WIRES // 4)
+    planner.plan(names, names)
+    assert limits == [work_planner.REPLAN_SEARCH_S, work_planner.REPLAN_SEARCH_S / 4]
+
+
+def test_no_garbage_is_collected_while_the_rest_is_planned_again(monkeypatch):
+    order = cabinet_order(1)
+    planner = planner_of(order)
+    names = planner.plan([task.name for task in order.tasks])
+    collecting, replan = [], work_planner.replan_problem
+    monkeypatch.setattr(
+        work_planner, "replan_problem", lambda *a: collecting.append(gc.isenabled()) or replan(*a)
+    )
+    planner.plan(names, names)
+    assert collecting == [False]
+    assert gc.isenabled()
+
+
+def test_all_moves_of_a_search_are_done_in_its_own_thread(monkeypatch):
+    order = cabinet_order(2)
+    planner = planner_of(order)
+    names = planner.plan([task.name for task in order.tasks])
+    threads, anneal = [], KernelSearch.anneal
+
+    def annealed(search, *arguments):
+        threads.append(threading.get_ident())
+        return anneal(search, *arguments)
+
+    monkeypatch.setattr(KernelSearch, "anneal", annealed)
+    planner.plan(names, names)
+    assert threads
+    assert threading.get_ident() not in threads
 
 
 def test_what_is_left_of_a_preparation_is_what_preparing_it_gives():

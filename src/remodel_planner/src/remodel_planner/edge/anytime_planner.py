@@ -1,6 +1,6 @@
 """Plan: a first plan at once, a better one until the time is over, or an old one patched.
 
-Two searches with their own seeds run in threads, since the kernel lets go of Python's lock.
+Two searches with their own seeds run in threads, since the kernel releases Python's lock.
 """
 
 from __future__ import annotations
@@ -75,20 +75,23 @@ class AnytimePlanner:
         return self._decoded(*self._following(order, modes, opening_first=False))
 
     def improved(self, limits: Limits, start: Planned | None = None) -> Result:
-        """Return the best plan found within the limits, from a plan or from the first plan."""
+        """Return the best plan found within the limits, from a plan or from the first plan.
+
+        Both searches do all their moves in the threads, their first ones too: at the same time.
+        """
         deadline = time.monotonic() + limits.time_s
-        searches = [self._started(index, start) for index in range(_THREADS)]
-        shown = self._shown(searches[0])
-        offset = shown.cost - searches[0].best()[0]
-        best = shown if start is None else start
-        reached = threading.Event()
-
-        def over(cost: int) -> bool:
-            if limits.target is not None and cost + offset <= limits.target:
-                reached.set()
-            return reached.is_set() or limits.stopped() or time.monotonic() >= deadline
-
         with ThreadPoolExecutor(_THREADS) as pool:
+            searches = list(pool.map(lambda i: self._started(i, start), range(_THREADS)))
+            shown = self._shown(searches[0])
+            offset = shown.cost - searches[0].best()[0]
+            best = shown if start is None else start
+            reached = threading.Event()
+
+            def over(cost: int) -> bool:
+                if limits.target is not None and cost + offset <= limits.target:
+                    reached.set()
+                return reached.is_set() or limits.stopped() or time.monotonic() >= deadline
+
             complete = list(
                 pool.map(lambda search: self._run(search, limits.time_s, over), searches)
             )

@@ -6,6 +6,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.synthesis import garbage_kept
 from remodel_planner.core.learning.experience import Experience
 from remodel_planner.core.learning.learned_expectations import Call, numbers_from
 from remodel_planner.core.planning.listing import listing_of
@@ -35,8 +36,10 @@ from remodel_planner.edge.nested_charts import nested_charts
 from remodel_planner.edge.order_planner import plan_problem, replan_problem
 
 # [s] wall time that the search gets when the rest of an order is planned again: what it starts from
-# is the result of a longer search, and the robot waits.
+# is the result of a longer search, and the robot waits. Beyond so many wires it gets less in
+# proportion: the moves that open each search find nearly all there is to find (docs/planning.md).
 REPLAN_SEARCH_S = 0.03
+_FULL_SEARCH_WIRES = 100
 
 
 @dataclass(frozen=True)
@@ -45,6 +48,11 @@ class _Place:
 
     prepared: Prepared
     mode: Mode
+
+
+def replan_search_s(wires: int) -> float:
+    """Return the wall time [s] of the search when so many wires are planned again."""
+    return REPLAN_SEARCH_S * min(1.0, _FULL_SEARCH_WIRES / max(1, wires))
 
 
 class WorkPlanner:
@@ -91,6 +99,7 @@ class WorkPlanner:
         self._places: dict[str, _Place] = {}
         self._tasks: dict[str, PlannedTask] = {}
 
+    @garbage_kept()
     def plan(
         self,
         names: Collection[str],
@@ -98,6 +107,9 @@ class WorkPlanner:
         last: Collection[str] = (),
     ) -> tuple[str, ...]:
         """Return the tasks of these names in the best order that is found in time.
+
+        Garbage cycles are not collected meanwhile: the thousands of objects of a plan would have
+        the collector look through the whole process now and then, while the robot waits.
 
         Args:
             names: of the tasks.
@@ -117,7 +129,7 @@ class WorkPlanner:
         problem = put_off(prepared.preferred.problem, last)
         if previous:
             modes = {name: place.mode.number for name, place in self._places.items()}
-            search_s = min(self._search_s, REPLAN_SEARCH_S)
+            search_s = min(self._search_s, replan_search_s(len(wanted)))
             plan = replan_problem(problem, previous, modes, search_s).plan
         else:
             plan = plan_problem(problem, self._search_s if len(wanted) > 1 else 0.0).plan

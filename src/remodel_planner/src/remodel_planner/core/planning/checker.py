@@ -120,20 +120,10 @@ class _Judge:
     def hear(self, index: int, action: Action) -> None:
         """Judge one action, and let it happen."""
         self._index = index
-        judges: dict[ActionKind, Callable[[Action, _ArmState], None]] = {
-            ActionKind.CHANGE_TOOL: self._change_tool,
-            ActionKind.PICK: self._pick,
-            ActionKind.LOCATE: self._locate,
-            ActionKind.INSERT: self._insert,
-            ActionKind.ROUTE: self._route,
-            ActionKind.HAND_OVER: self._hand_over,
-            ActionKind.FIX: self._fix,
-            ActionKind.EXTRACT: self._extract,
-        }
         try:
             if action.arm not in self.arms:
                 raise _RefusedError(f"no arm {action.arm}")
-            judges[action.kind](action, self.arms[action.arm])
+            _JUDGES[action.kind](self, action, self.arms[action.arm])
         except _RefusedError as refusal:
             self._blame(str(refusal))
 
@@ -303,6 +293,18 @@ class _Judge:
         state.jammed = None
 
 
+_JUDGES: dict[ActionKind, Callable[[_Judge, Action, _ArmState], None]] = {
+    ActionKind.CHANGE_TOOL: _Judge._change_tool,
+    ActionKind.PICK: _Judge._pick,
+    ActionKind.LOCATE: _Judge._locate,
+    ActionKind.INSERT: _Judge._insert,
+    ActionKind.ROUTE: _Judge._route,
+    ActionKind.HAND_OVER: _Judge._hand_over,
+    ActionKind.FIX: _Judge._fix,
+    ActionKind.EXTRACT: _Judge._extract,
+}
+
+
 def _initial(wire: Wire, start: int) -> _WireState:
     state = _WireState(wire.stage, wire.first, wire.jammed)
     if wire.stage >= Stage.FIRST_IN and wire.first is not None:
@@ -320,6 +322,8 @@ def _overlaps(uses: list[_Use]) -> Iterator[str]:
     for use in uses:
         by_name.setdefault(use.what, []).append(use)
     for what, group in by_name.items():
+        if len({use.arm for use in group}) == 1:
+            continue
         latest: dict[str, _Use] = {}
         for use in sorted(group, key=lambda u: u.start):
             for arm, other in latest.items():
