@@ -13,6 +13,11 @@ from sqlalchemy import create_engine, text
 # What several tests share is imported by its name.
 sys.path.insert(0, str(Path(__file__).parent))
 
+from house import HOUSE
+from supervisor_bench import Bench
+
+from remodel_planner.edge.production_database import ProductionDatabase
+
 PROGRAMS = Path("/usr/lib/postgresql")
 
 
@@ -56,3 +61,27 @@ def url(request, tmp_path):
         connection.execute(text("CREATE SCHEMA public"))
     engine.dispose()
     return url
+
+
+@pytest.fixture(scope="session")
+def house_file(tmp_path_factory):
+    """Return an SQLite file with the order HOUSE; to copy it is quicker than to migrate a new one."""
+    file = tmp_path_factory.mktemp("house") / "production.sqlite"
+    database = ProductionDatabase(f"sqlite:///{file}")
+    database.add_order(HOUSE)
+    database.close()
+    return file
+
+
+@pytest.fixture
+def house_url(house_file, tmp_path):
+    """Return the URL of a database with the order HOUSE."""
+    return f"sqlite:///{shutil.copy(house_file, tmp_path)}"
+
+
+@pytest.fixture
+def bench(house_url):
+    """Return a supervisor of the order HOUSE, with everything beside it faked but the database."""
+    bench = Bench(house_url)
+    yield bench
+    bench.database.close()

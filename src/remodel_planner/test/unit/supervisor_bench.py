@@ -30,6 +30,7 @@ from remodel_planner.supervisors.use_case_supervisor import UseCaseSupervisor
 from remodel_planner.supervisors.work import Peers, Work
 
 CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
+FAULTS = read_faults()
 LAYOUT = lay_out(HOUSE, CATALOGUE, PanelRules())
 
 
@@ -228,7 +229,7 @@ class Bench:
         self.leases = TaskLeases(self.database, "house", "cell", 30.0, self.owner)
         self.work = Work(
             WorkPlanner(cell_order(LAYOUT), use_case, experience, 0.0),
-            read_faults(),
+            FAULTS,
             panel_message(LAYOUT, PanelRules()),
             channels={cut.wire.name: cut.channel for cut in LAYOUT.wires},
             leases=self.leases,

@@ -1,28 +1,14 @@
 """A protective stop holds the cell, with or without a run; a command is answered in time."""
 
-import pytest
-from house import HOUSE
-from supervisor_bench import Bench, FakeAbilities, FakeLoop
+from supervisor_bench import FakeAbilities, FakeLoop
 
 from remodel_planner.core.supervision.events import Command, Commanded, Ending
 from remodel_planner.core.supervision.gate import Permit
-from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.supervisors.commands import REST_LIMIT_S
 from remodel_planner.supervisors.run_commands import RunCommands
 
 # remodel_msgs/ErrorCode.SERVER_LOST.
 LOST = 4
-
-
-@pytest.fixture
-def bench(tmp_path):
-    url = f"sqlite:///{tmp_path}/production.sqlite"
-    database = ProductionDatabase(url)
-    database.add_order(HOUSE)
-    database.close()
-    bench = Bench(url)
-    yield bench
-    bench.database.close()
 
 
 class Cell:

@@ -1,26 +1,12 @@
 """A run whose work cannot be made waits for a person, who has it resumed or ended."""
 
 import pytest
-from house import HOUSE
-from supervisor_bench import Bench
 
 from remodel_planner.core.supervision.events import Blocked, Command, Commanded, Ending, RunEnded
 from remodel_planner.core.supervision.replay import replayed
-from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.errors import LostError
 from remodel_planner.supervisors.run_commands import RunCommands
 from remodel_planner.supervisors.unresumed_run import UnresumedRun
-
-
-@pytest.fixture
-def bench(tmp_path):
-    url = f"sqlite:///{tmp_path}/production.sqlite"
-    database = ProductionDatabase(url)
-    database.add_order(HOUSE)
-    database.close()
-    bench = Bench(url)
-    yield bench
-    bench.database.close()
 
 
 @pytest.fixture

@@ -1,7 +1,7 @@
 """The supervisor does what comes next, keeps it, waits for what is lost, and goes on."""
 
 import pytest
-from house import HOUSE, owner_of
+from house import owner_of
 from supervisor_bench import Bench
 
 from remodel_planner.core.learning.learned_responses import TriedResponse
@@ -36,22 +36,6 @@ from remodel_planner.errors import LeavingError, LostError, OwnerError, RefusedE
 from remodel_planner.supervisors.ports import BehaviorEnd, End, UnseenError
 
 JAM, LOST, SLIPPED, MISSING, MOTION_FAULT = 301, 4, 303, 103, 307
-
-
-@pytest.fixture
-def url(tmp_path):
-    url = f"sqlite:///{tmp_path}/production.sqlite"
-    database = ProductionDatabase(url)
-    database.add_order(HOUSE)
-    database.close()
-    return url
-
-
-@pytest.fixture
-def bench(url):
-    bench = Bench(url)
-    yield bench
-    bench.database.close()
 
 
 def test_an_order_is_done_task_by_task(bench):
@@ -148,8 +132,8 @@ def test_what_is_connected_is_not_connected_again(bench):
     assert 'id="Pick b"' in chart
 
 
-def test_a_learning_supervisor_tells_what_it_chose_and_learns_from_it(url):
-    bench = Bench(url, explore=True)
+def test_a_learning_supervisor_tells_what_it_chose_and_learns_from_it(house_url):
+    bench = Bench(house_url, explore=True)
     state = bench.run(*[SLIPPED] * 2)
     assert state.ended.ending is Ending.COMPLETE
     chosen = [(event, each) for event in bench.events(TaskBegun) for each in event.chosen]
@@ -163,8 +147,8 @@ def test_a_learning_supervisor_tells_what_it_chose_and_learns_from_it(url):
     bench.database.close()
 
 
-def test_a_response_that_never_helped_is_not_given_again(url):
-    bench = Bench(url, explore=True)
+def test_a_response_that_never_helped_is_not_given_again(house_url):
+    bench = Bench(house_url, explore=True)
     bench.log.tried_responses = lambda: (
         (TriedResponse("slipped", Do.LOOK_AGAIN, helped=False),) * 30
     )
@@ -502,12 +486,12 @@ def test_commands_that_make_no_sense_are_refused(bench):
     assert bench.events(Commanded) == []
 
 
-def test_a_question_is_asked_escalates_and_notifies(url):
+def test_a_question_is_asked_escalates_and_notifies(house_url):
     policy = Policy(
         {"insertion_jammed": (Response(Do.ASK_OPERATOR),)},
         question=QuestionLimit(10.0, Do.SET_ASIDE),
     )
-    bench = Bench(url, attended=True, policy=policy)
+    bench = Bench(house_url, attended=True, policy=policy)
     state = bench.run(JAM)
     first = bench.events(Planned)[0].tasks[0]
     assert [event.do for event in bench.events(Escalated)] == [Do.SET_ASIDE]
@@ -516,9 +500,9 @@ def test_a_question_is_asked_escalates_and_notifies(url):
     bench.database.close()
 
 
-def test_an_operator_answers(url):
+def test_an_operator_answers(house_url):
     policy = Policy({"insertion_jammed": (Response(Do.ASK_OPERATOR),)})
-    bench = Bench(url, attended=True, policy=policy)
+    bench = Bench(house_url, attended=True, policy=policy)
     replies = []
 
     def answer():
@@ -535,9 +519,10 @@ def test_an_operator_answers(url):
     bench.database.close()
 
 
-def test_another_cells_task_is_left_to_it_and_taken_over_when_it_dies(bench, url):
-    database = ProductionDatabase(url)
+def test_another_cells_task_is_left_to_it_and_taken_over_when_it_dies(bench, house_url):
+    database = ProductionDatabase(house_url)
     other = TaskLeases(database, "house", "other", 60.0, owner_of(database, "other"))
+    bench.leases.lease_s = 3.0
     other.claim("W1")
     bench.inspection.connected = {("W1", "a")}
 
@@ -552,8 +537,8 @@ def test_another_cells_task_is_left_to_it_and_taken_over_when_it_dies(bench, url
     database.close()
 
 
-def test_a_task_that_another_cell_has_taken_over_is_stopped(bench, url):
-    database = ProductionDatabase(url)
+def test_a_task_that_another_cell_has_taken_over_is_stopped(bench, house_url):
+    database = ProductionDatabase(house_url)
     other = TaskLeases(database, "house", "other", 600.0, owner_of(database, "other"))
     taken = []
 
@@ -597,8 +582,8 @@ def test_a_lease_that_cannot_be_renewed_stops_what_runs(bench, monkeypatch):
     assert state.ended.ending is Ending.COMPLETE
 
 
-def test_the_time_of_a_run_is_limited_also_after_a_restart(url):
-    bench = Bench(url, timeout_s=5.0)
+def test_the_time_of_a_run_is_limited_also_after_a_restart(house_url):
+    bench = Bench(house_url, timeout_s=5.0)
 
     def take_long():
         bench.loop.wall += 8.0
@@ -608,8 +593,8 @@ def test_the_time_of_a_run_is_limited_also_after_a_restart(url):
     bench.database.close()
 
 
-def test_nothing_is_kept_for_a_supervisor_that_was_replaced(bench, url):
-    database = ProductionDatabase(url)
+def test_nothing_is_kept_for_a_supervisor_that_was_replaced(bench, house_url):
+    database = ProductionDatabase(house_url)
 
     def replace_it():
         owner_of(database, "cell", "station")
