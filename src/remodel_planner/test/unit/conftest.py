@@ -65,7 +65,7 @@ def url(request, tmp_path):
 
 @pytest.fixture(scope="session")
 def house_file(tmp_path_factory):
-    """Return an SQLite file with the order HOUSE; to copy it is quicker than to migrate a new one."""
+    """Return an SQLite file with the order HOUSE, which is quicker to copy than to migrate."""
     file = tmp_path_factory.mktemp("house") / "production.sqlite"
     database = ProductionDatabase(f"sqlite:///{file}")
     database.add_order(HOUSE)
