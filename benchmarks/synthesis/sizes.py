@@ -20,6 +20,7 @@ from pathlib import Path
 
 from lxml import etree
 
+from flexbe_synthesizer.core.certificate import certify, write_certificate
 from flexbe_synthesizer.core.chart_writer import write_chart
 from flexbe_synthesizer.core.check import CheckedChart
 from flexbe_synthesizer.core.codec import parse_chart
@@ -88,14 +89,21 @@ def best(works: Mapping[str, Callable[[], object]], runs: int) -> dict[str, floa
 def synthesize(text: bytes, library: Library) -> str:
     """Return the behavior and the manifest that the text of a chart becomes."""
     unit = Unit(parse_chart(text, "chain.xml"), "bench")
-    return generate(check_units([unit], library)["chain.xml"])
+    checked = check_units([unit], library)["chain.xml"]
+    return generate(checked) + certificate(checked)
 
 
 def generate(checked: CheckedChart) -> str:
     """Return the texts of the behavior and of its manifest."""
     machine = compile_chart(checked, "bench")
     manifest = write_manifest(manifest_of(machine), machine.description)
-    return render_python(machine, lay_out(machine.root), {}) + manifest
+    source = render_python(machine, lay_out(machine.root), {})
+    return source + manifest
+
+
+def certificate(checked: CheckedChart) -> str:
+    """Return the text of the certificate, which each synthesis writes beside the behavior."""
+    return write_certificate(certify(checked, "bench"), "", [])
 
 
 @garbage_kept()
@@ -113,6 +121,7 @@ def measure(count: int, library: Library, schema: etree.XMLSchema) -> dict[str, 
         "parse": lambda: parse_chart(text, "chain.xml"),
         "check": lambda: check_units([Unit(chart, "bench")], library),
         "generate": lambda: generate(checked),
+        "certificate": lambda: certificate(checked),
         "whole": lambda: synthesize(text, library),
     }
     return {"bytes": len(text), **best(works, runs)}
@@ -148,7 +157,7 @@ def main(sizes: list[int]) -> None:
     """Print a row for each size."""
     library = _library()
     schema = etree.XMLSchema(etree.parse(PACKAGE / "schema" / "remodel_statechart.xsd"))
-    steps = ("floor", "parse", "check", "generate", "whole")
+    steps = ("floor", "parse", "check", "generate", "certificate", "whole")
     heads = (*(f"{step} [ms]" for step in steps), "whole/floor", "memory [B/B]")
     print(f"{'states':>7} {'kB':>6} " + " ".join(f"{head:>13}" for head in heads))  # noqa: T201
     for count in sizes:

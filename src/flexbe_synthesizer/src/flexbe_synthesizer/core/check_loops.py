@@ -17,19 +17,19 @@ def check_loops(resolved: ResolvedChart, graph: Graph) -> Iterator[Problem]:
     """
     by_id = resolved.by_id
     rest = free_graph(resolved, graph)
-    # A knot that nothing leads out of is an error, and told as one.
+    # A knot that nothing leads out of is reported as an error.
     left = {
         rest.loops[edge.source]
         for edge in rest.edges
         if rest.loops[edge.source] != rest.loops.get(edge.target)
     }
-    told: set[int] = set()
+    reported: set[int] = set()
     for name in by_id:
         loop = rest.loops.get(name)
         is_counted = by_id[name].node.attempts is not None
-        if is_counted or name not in rest.looping or loop not in left or loop in told:
+        if is_counted or name not in rest.looping or loop not in left or loop in reported:
             continue
-        told.add(loop)
+        reported.add(loop)
         path = shortest_path(name, name, rest.leaving) or ()
         message = (
             f"nothing bounds the loop {path_text(path)}: while it fails, it goes on for ever. "
