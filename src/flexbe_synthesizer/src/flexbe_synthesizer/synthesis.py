@@ -13,8 +13,8 @@ from pathlib import Path
 from types import MappingProxyType
 
 from flexbe_synthesizer.core.certificate import certify, write_certificate
+from flexbe_synthesizer.core.chart_reader import read_chart
 from flexbe_synthesizer.core.check import CheckedChart, check_chart
-from flexbe_synthesizer.core.codec import read_chart
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, manifest_of
 from flexbe_synthesizer.core.layout import lay_out
 from flexbe_synthesizer.core.library import Library
