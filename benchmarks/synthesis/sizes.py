@@ -103,7 +103,7 @@ def generate(checked: CheckedChart) -> str:
 
 def certificate(checked: CheckedChart) -> str:
     """Return the text of the certificate, which each synthesis writes beside the behavior."""
-    return write_certificate(certify(checked, "bench"), "", [])
+    return write_certificate(certify(checked, "bench"), "", "", [])
 
 
 @garbage_kept()
