@@ -6,8 +6,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from synthesizer_support.strategies import WILD_NAMES, charts
 
+from flexbe_synthesizer.core.chart_reader import parse_chart, read_chart
 from flexbe_synthesizer.core.chart_rewriter import RewriteError, rewrite_chart
-from flexbe_synthesizer.core.codec import parse_chart, read_chart, write_chart
+from flexbe_synthesizer.core.chart_writer import write_chart
 from flexbe_synthesizer.core.model import Chart, Outcome, State
 
 MIXED = charts(WILD_NAMES.map(str.strip).filter(bool))

@@ -4,9 +4,9 @@ import re
 
 import pytest
 
+from flexbe_synthesizer.core.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart_writer import write_chart
 from flexbe_synthesizer.core.check import check_chart
-from flexbe_synthesizer.core.codec import parse_chart
 from flexbe_synthesizer.core.compile import compile_chart
 from flexbe_synthesizer.core.fold import fold
 from flexbe_synthesizer.core.layout import lay_out

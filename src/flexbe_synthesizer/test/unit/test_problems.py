@@ -7,7 +7,7 @@ import dataclasses
 
 import pytest
 
-from flexbe_synthesizer.core.codec import parse_chart
+from flexbe_synthesizer.core.chart_reader import parse_chart
 from flexbe_synthesizer.core.compile import Unit, check_units
 from flexbe_synthesizer.core.problem import Code, Severity, errors_in
 from flexbe_synthesizer.core.signature import Unreadable

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from flexbe_synthesizer.core.codec import parse_chart, write_chart
+from flexbe_synthesizer.core.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart_writer import write_chart
 from flexbe_synthesizer.core.model import Connection, ContainerKind, ErrorRoute, Input, When
 from remodel_console.core import chart_edit
 from remodel_console.core.concurrency_edit import kind_at, with_condition, with_kind

@@ -6,6 +6,7 @@ All of it follows from the chart, and from what its states and nested behaviors 
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
@@ -28,6 +29,7 @@ from flexbe_synthesizer.core.written import outcome_effects
 
 UNBOUNDED = "unbounded"
 _ANY, _OTHER = "any", "other"  # codes: of an outcome without routes, and those without a route
+_CHART = re.compile(r"^chart: (.*)$", re.MULTILINE)
 _MOST_NESTED = 40  # behaviors inside each other whose times are added up
 _HEAD = """\
 # What the behavior can do at most, as proved from its chart. Written with it; do not edit.
@@ -278,19 +280,31 @@ def _assumed(resolved: ResolvedChart) -> Iterator[str]:
                 yield f"{declaration.package}/{declaration.name}"
 
 
+def read_chart_place(text: str) -> str | None:
+    """Return the `chart` of `write_certificate`; None if the certificate states none."""
+    found = _CHART.search(text)
+    try:
+        place = json.loads(found[1]) if found else None
+    except ValueError:
+        return None
+    return place if isinstance(place, str) else None
+
+
 def write_certificate(
-    certificate: Certificate, code_sha256: str, manual_code: Iterable[str] = ()
+    certificate: Certificate, chart: str, code_sha256: str, manual_code: Iterable[str] = ()
 ) -> str:
     """Return the certificate as YAML, bound to the text of the behavior's file.
 
     Args:
         certificate: what to write.
+        chart: path of the chart's file, relative to the folder of the behavior's package.
         code_sha256: of the behavior's file.
         manual_code: names of the manual sections in it that are not empty.
     """
     head = {
         "behavior": certificate.behavior,
         "package": certificate.package,
+        "chart": chart,
         "code_sha256": code_sha256,
         "manual_code": sorted(manual_code),
         "longest_s": _shown(certificate.longest_s),

@@ -12,8 +12,8 @@ from collections.abc import Mapping, Sequence
 from xml.etree.ElementTree import Element
 
 from flexbe_synthesizer.core.chart_parts import Part, chart_part
+from flexbe_synthesizer.core.chart_reader import read_chart
 from flexbe_synthesizer.core.chart_writer import escaped, write_chart
-from flexbe_synthesizer.core.codec import read_chart
 from flexbe_synthesizer.core.description_edit import description_edit
 from flexbe_synthesizer.core.error_routes import parse_routes, respelled
 from flexbe_synthesizer.core.model import Chart

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from flexbe_synthesizer.core import names
-from flexbe_synthesizer.core.expand import added_labels
+from flexbe_synthesizer.core.expanded_labels import added_labels
 from flexbe_synthesizer.core.model import AnyNode, Chart, Container, Element, Input, Output, State
 from flexbe_synthesizer.core.problem import Code, Problem
 from flexbe_synthesizer.core.resolve import ResolvedChart, label
