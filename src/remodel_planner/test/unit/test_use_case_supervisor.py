@@ -210,6 +210,32 @@ def test_a_new_supervisor_resumes_where_the_old_one_died(bench):
     assert state.interruptions == 1
 
 
+def test_a_skip_during_a_resume_is_answered_when_nothing_moves(bench):
+    class KilledError(Exception):
+        pass
+
+    with pytest.raises(KilledError):
+        bench.run("finished", KilledError())
+    second = bench.events(Planned)[0].tasks[1]
+    bench.take_up()
+    bench.abilities.stalled = ("PickCable",)
+    replies = []
+
+    def skip():
+        if not bench.events(Interrupted):
+            bench.loop.arrivals.append(skip)
+            return
+        replies.append(bench.command(Command.SKIP, second))
+        bench.loop.arrivals.append(lambda: heard.append(list(replies[0])))
+        bench.loop.arrivals.append(lambda: setattr(bench.abilities, "stalled", ()))
+
+    heard = []
+    bench.loop.arrivals.append(skip)
+    bench.run()
+    assert heard == [[]], "the server of the last supervisor still moved"
+    assert replies == [[(True, "")]]
+
+
 def test_a_shutdown_leaves_no_event_and_the_next_start_resumes(bench):
     def leave():
         bench.loop.leaving = True

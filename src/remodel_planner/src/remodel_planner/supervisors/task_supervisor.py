@@ -79,8 +79,13 @@ class TaskSupervisor:
 
     @property
     def is_still(self) -> bool:
-        """Whether nothing moves, for all that is known: at first, and after a loss, nothing is."""
-        return self._gate.is_still and not self._settling
+        """Whether nothing moves, and that is known."""
+        return self._gate.is_still and not self.is_settling
+
+    @property
+    def is_settling(self) -> bool:
+        """Whether it is not known what moves: at first, and after a loss, until all of it rests."""
+        return self._settling
 
     @property
     def unrested(self) -> tuple[str, ...]:

@@ -227,7 +227,10 @@ class UseCaseSupervisor:
         ended, after a stop of any kind when what ran is cancelled and at rest. If something does
         not rest in time, the reply names it, and nothing else begins before it rests.
         """
-        is_under_way = bool(event.task) and event.task == getattr(self._step, "task", "")
+        # At first, and after a loss, it is not known which task is under way.
+        is_under_way = bool(event.task) and (
+            event.task == getattr(self._step, "task", "") or self.tasks.is_settling
+        )
         try:
             require_sense(event, self.state)
             self._record.append_now(event)
