@@ -30,6 +30,11 @@ def test_a_value_that_is_taken_is_added_changed_and_removed():
     )
 
 
+def test_the_default_of_a_string_is_its_text():
+    assert with_input(ERRAND, 1, "code", "string", "5").inputs[1] == Input("code", "string", "5")
+    assert with_input(ERRAND, 1, "code", "string", "'5'").inputs[1].default == "5"
+
+
 def test_connections_follow_the_name_of_a_value():
     chart = with_input(ERRAND, 0, "words", "string", "")
     assert chart.connections == (Connection("Errand", "words", "Greet", "data"),)

@@ -33,7 +33,7 @@ from flexbe_synthesizer.core.grammar import (
     WHEN,
     Shape,
 )
-from flexbe_synthesizer.core.literal import parse_literal
+from flexbe_synthesizer.core.literal import as_declared, parse_literal
 from flexbe_synthesizer.core.model import (
     AnyNode,
     Autonomy,
@@ -210,9 +210,9 @@ class _ChartReader:
 
     def _input(self, element: Element, shape: Shape) -> Input:
         given, extensions = self._elements.leaf(element, shape)
-        default = parse_literal(extensions.get("default", "null"))
-        source = (self._tree, element)
-        return Input(given.get("name", ""), given.get("type") or None, default, source=source)
+        kind = given.get("type") or None
+        default = as_declared(extensions.get("default", "null"), kind)
+        return Input(given.get("name", ""), kind, default, source=(self._tree, element))
 
     def _output(self, element: Element) -> Output:
         given, _extensions = self._elements.leaf(element, PORT)

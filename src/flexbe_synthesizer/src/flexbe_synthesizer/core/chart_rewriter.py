@@ -91,9 +91,11 @@ class _Rewriting:
         self._edits.fill(markup, new.tag)
 
     def _compare_attributes(self, old: Part, new: Part, markup: Markup) -> None:
+        is_retyped = old.attributes.get("type") != new.attributes.get("type")
         for name, value in new.attributes.items():
             span = markup.attributes.get(name)
-            if old.attributes.get(name) == value:
+            is_read_otherwise = is_retyped and name == "ext:default"
+            if old.attributes.get(name) == value and not is_read_otherwise:
                 continue
             if span is None:
                 self._edits.add_attribute(markup, name, value)

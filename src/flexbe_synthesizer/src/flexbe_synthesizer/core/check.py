@@ -19,6 +19,7 @@ from flexbe_synthesizer.core.check_use import check_use
 from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.lookup import resolve_chart
 from flexbe_synthesizer.core.model import Chart, State
+from flexbe_synthesizer.core.names import is_topic_parameter
 from flexbe_synthesizer.core.nested import NestedBehaviors
 from flexbe_synthesizer.core.problem import Problem, ProblemList
 from flexbe_synthesizer.core.resolve import ResolvedChart, ResolvedNode, scopes
@@ -109,5 +110,10 @@ def _likeness(entry: ResolvedNode) -> object:
     if not use.is_like_others:
         return None
     events = tuple([transition.event for transition in node.transitions])
-    given = tuple([(param.name, type(param.value)) for param in node.params])
-    return use, node.topic is None, events, given
+    given = tuple(
+        [
+            (param.name, param.text if is_topic_parameter(param.name) else type(param.value))
+            for param in node.params
+        ]
+    )
+    return use, node.topic, events, given

@@ -45,6 +45,11 @@ def is_behavior_name(text: str) -> bool:
     return len(text) <= LONGEST_BEHAVIOR and stem[:1].isalpha()
 
 
+def is_topic_parameter(name: str) -> bool:
+    """Return whether the value of a parameter is the name of a topic: `topic`, or `..._topic`."""
+    return name == "topic" or name.endswith("_topic")
+
+
 def is_topic(text: str) -> bool:
     """Return whether a text is the name of a ROS topic or action, relative, global or private."""
     return bool(_TOPIC.match(text))
