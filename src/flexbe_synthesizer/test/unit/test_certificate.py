@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from flexbe_synthesizer.core.certificate import certify, read_chart_place, write_certificate
 from flexbe_synthesizer.core.check import check_chart
-from flexbe_synthesizer.core.graph import chart_graph
 from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.model import Chart, Outcome, State, Transition
 from flexbe_synthesizer.core.problem import Code, errors_in
@@ -97,7 +96,7 @@ def test_no_run_visits_a_state_more_often_than_its_bound_and_most_bounds_are_rea
     @settings(max_examples=150, deadline=None, derandomize=True)
     def compare(drawn):
         resolved = check_chart(drawn, LIBRARY, {}).resolved
-        bounds = most_visits(resolved, chart_graph(resolved), 1)
+        bounds = most_visits(resolved, 1)
         for name, most in reached_visits(drawn).items():
             bound = bounds[name]
             assert bound is None or (most is not None and most <= bound), (name, bound, most)

@@ -34,12 +34,9 @@ from flexbe_synthesizer.core.machine import (
     Value,
 )
 from flexbe_synthesizer.core.model import ContainerKind
+from flexbe_synthesizer.core.names import ERROR_CODE, EXHAUSTED, FAILED, TIMED_OUT
 from flexbe_synthesizer.core.predicates import PREDICATES, choose_by_code
 from flexbe_synthesizer.core.resolve import (
-    ERROR_CODE,
-    EXHAUSTED,
-    FAILED,
-    TIMED_OUT,
     ResolvedChart,
     ResolvedNode,
     Support,

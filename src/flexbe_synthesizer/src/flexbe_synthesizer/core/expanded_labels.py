@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from flexbe_synthesizer.core.model import Chart, Container
-from flexbe_synthesizer.core.resolve import EXHAUSTED, FAILED, ResolvedNode
+from flexbe_synthesizer.core.names import EXHAUSTED, FAILED
+from flexbe_synthesizer.core.resolve import ResolvedNode
 
 OTHER = "other"  # outcome of a chooser for the codes that no route names
 RUN, TIMER = "run", "timer"  # what a container for a timeout holds

@@ -19,6 +19,10 @@ BEHAVIOR_RULE = (
 )
 TOPIC_RULE = "a-z, A-Z, 0-9, '_' and single '/' between them, starting with a letter, '/' or '~'"
 PREEMPTED = "preempted"  # FlexBE adds this outcome to every state and container itself
+EXHAUSTED = "exhausted"  # the event that ext:attempts adds
+TIMED_OUT = "timed_out"  # the event that ext:timeout_s adds
+FAILED = "failed"  # the event that ext:on_error parts by code
+ERROR_CODE = "error_code"  # the output that holds the code
 _NAME = re.compile(r"[^\W\d_](?:[\w.-]| (?=[\w.-]))*\Z")
 _TOPIC = re.compile(r"(?:~/?|/)?[A-Za-z]\w*(?:/\w+)*\Z", re.ASCII)
 _CODE_WORD = re.compile(r"(?:^|\s)(?:def|class)(?:\s|$)")  # the FlexBE App splits code at these

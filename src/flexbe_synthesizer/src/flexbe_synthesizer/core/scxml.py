@@ -25,7 +25,7 @@ from flexbe_synthesizer.core.model import (
     ErrorRoute,
     walk_nodes,
 )
-from flexbe_synthesizer.core.resolve import EXHAUSTED, FAILED, TIMED_OUT
+from flexbe_synthesizer.core.names import EXHAUSTED, FAILED, TIMED_OUT
 
 NAMESPACE = "http://www.w3.org/2005/07/scxml"
 

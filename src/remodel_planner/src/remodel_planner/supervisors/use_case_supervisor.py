@@ -25,6 +25,7 @@ from remodel_planner.core.supervision.events import (
     Planned,
     RunEnded,
     Settled,
+    StopReported,
     TaskBegun,
     TaskElsewhere,
     TaskEnded,
@@ -143,7 +144,7 @@ class UseCaseSupervisor:
         self._disowned = disowned
         self._gate = Gate()
         self.tasks = TaskSupervisor(
-            loop, peers.engine, peers.abilities, self._gate, owner, disowned
+            loop, peers.engine, peers.abilities, self._gate, self._report_stop, owner, disowned
         )
         self._lease = LeaseKeeper(loop, work.leases, self._close_or_open)
         self._replies = PendingReplies(loop.wall_s)
@@ -393,6 +394,16 @@ class UseCaseSupervisor:
         else:
             self._record.append(Interrupted(self.tasks.halted))
 
+    def _report_stop(self, operation: Operation) -> None:
+        """Keep what an operation of an earlier behavior ended with: a person is to answer first."""
+        self._record.catch_up()
+        task = self.state.tasks.get(self.state.current)
+        if task is None:
+            because = f"{operation.ability} ended with error {operation.error_code}: "
+            self._record.append_now(Blocked(f"{because}{operation.text}; a person is needed"))
+        elif operation not in (*task.operations, task.stopped_by):
+            self._record.append_now(StopReported(task.name, operation))
+
     def _settle(self, name: str) -> None:
         if not self._has(name):
             return
@@ -512,6 +523,7 @@ class UseCaseSupervisor:
             or protective
             or state.stop
             or self._lease.lost
+            or (task.halt if task else "")
             or (f"{by} skipped the task" if by else "")
             or overdue
         )
