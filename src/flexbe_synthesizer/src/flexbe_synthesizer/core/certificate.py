@@ -13,6 +13,7 @@ from typing import TypeAlias
 from flexbe_synthesizer.core.check import CheckedChart
 from flexbe_synthesizer.core.error_routes import format_codes
 from flexbe_synthesizer.core.graph import Graph
+from flexbe_synthesizer.core.model import ErrorRoute
 from flexbe_synthesizer.core.names import FAILED
 from flexbe_synthesizer.core.nested import NestedBehaviors
 from flexbe_synthesizer.core.quick import quick
@@ -111,7 +112,7 @@ def _bounds(
 ) -> Iterator[StateBound]:
     """Yield the bounds of all nodes of a chart or container that is entered so often."""
     for entry, visits, visit_s in times.visits(resolved, entries):
-        path = f"{above}{entry.node.id}"
+        path = above + entry.node.id
         yield StateBound(path, visits, visit_s, _product(visits, visit_s))
         if entry.body is not None:
             yield from _bounds(entry.body, f"{path}/", visits, times)
@@ -216,7 +217,7 @@ class _ErrorEnds:
         graph = resolved.graph
         ends = _ends(graph, leading)
         for name, entry in resolved.by_id.items():
-            path = f"{above}{name}"
+            path = above + name
             for event, codes, target in _coded(entry, graph):
                 yield ErrorEnd(path, event, codes, target, self._listed(ends.get(target, 0)))
             if entry.body is not None:
@@ -249,22 +250,26 @@ def _ends(graph: Graph, leading: Mapping[str, int]) -> Mapping[str, int]:
 
 def _coded(entry: ResolvedNode, graph: Graph) -> Iterator[tuple[str, str, str]]:
     """Yield event, codes and target of each way in which a node is left with an error code."""
-    if not entry.use.coded_events:
-        return
-    routes: dict[str, list[str]] = {}
-    for route in entry.node.on_error:
-        routes.setdefault(route.target, []).append(format_codes(route.first, route.last))
     # In a concurrency container a node has no transitions, and its conditions are the edges.
     leads = entry.node.transitions or graph.leaving.get(entry.node.id, ())
     targets = {lead.event: lead.target for lead in leads}
     for event in entry.use.coded_events:
         if event not in targets:
             continue
-        if event == FAILED and routes:
-            yield from ((event, ", ".join(codes), target) for target, codes in routes.items())
+        if event == FAILED and entry.node.on_error:
+            yield from _routed(entry.node.on_error)
             yield event, _OTHER, targets[event]
         else:
             yield event, _ANY, targets[event]
+
+
+def _routed(routes: Iterable[ErrorRoute]) -> Iterator[tuple[str, str, str]]:
+    """Yield event, codes and target of each target of error routes."""
+    by_target: dict[str, list[str]] = {}
+    for route in routes:
+        by_target.setdefault(route.target, []).append(format_codes(route.first, route.last))
+    for target, codes in by_target.items():
+        yield FAILED, ", ".join(codes), target
 
 
 def _assumed(resolved: ResolvedChart) -> Iterator[str]:

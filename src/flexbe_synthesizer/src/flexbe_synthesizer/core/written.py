@@ -34,7 +34,7 @@ class Values:
         """Sort the outputs by home and by state."""
         flow, self.graph = resolved.flow, resolved.graph
         self._by_id = resolved.by_id
-        known = flow.read() | {port.name for port in resolved.chart.outputs}
+        known = flow.read | {port.name for port in resolved.chart.outputs}
         self.writers: dict[str, list[str]] = {}
         self._bits: dict[str, int] = {}
         self._own: dict[str, int] = {}
