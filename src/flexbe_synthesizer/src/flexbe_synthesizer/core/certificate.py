@@ -342,7 +342,7 @@ def _number(bound: float | None) -> str:
 
 
 def _names(names: Iterable[str]) -> str:
-    return _yaml(sorted(names))
+    return f"[{', '.join(map(_yaml, sorted(names)))}]"
 
 
 def _rows(name: str, rows: Sequence[str]) -> list[str]:
