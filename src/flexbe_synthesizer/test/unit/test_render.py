@@ -130,9 +130,9 @@ def test_nothing_overlaps_on_the_canvas(chart, machine):
     for path, container in containers.items():
         if not isinstance(container, Container):
             continue
-        boxes = [
-            (*layout.children[f"{path}/{c.label}"], width_of(c)) for c in container.children
-        ] + [(*point, 80) for point in layout.outcomes[path].values()]
+        boxes = [(*layout.children[path][c.label], width_of(c)) for c in container.children] + [
+            (*point, 80) for point in layout.outcomes[path].values()
+        ]
         for index, (x, y, width) in enumerate(boxes):
             assert x >= 0 <= y
             for other_x, other_y, other_width in boxes[:index]:

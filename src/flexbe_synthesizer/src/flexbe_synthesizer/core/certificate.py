@@ -9,10 +9,12 @@ import json
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from flexbe_synthesizer.core.check import CheckedChart
 from flexbe_synthesizer.core.error_routes import format_codes
 from flexbe_synthesizer.core.graph import Graph
+from flexbe_synthesizer.core.model import ErrorRoute
 from flexbe_synthesizer.core.names import FAILED
 from flexbe_synthesizer.core.nested import NestedBehaviors
 from flexbe_synthesizer.core.quick import quick
@@ -111,13 +113,14 @@ def _bounds(
     resolved: ResolvedChart, above: str, entries: Bound, times: _Times
 ) -> Iterator[StateBound]:
     """Yield the bounds of all nodes of a chart or container that is entered so often."""
-    visits = times.visits(resolved, entries)
-    for name, entry in resolved.by_id.items():
-        visit_s = times.visit(entry)
-        longest = _product(visits[name], visit_s)
-        yield StateBound(f"{above}{name}", visits[name], visit_s, longest)
+    for entry, visits, visit_s in times.visits(resolved, entries):
+        path = above + entry.node.id
+        yield StateBound(path, visits, visit_s, _product(visits, visit_s))
         if entry.body is not None:
-            yield from _bounds(entry.body, f"{above}{name}/", visits[name], times)
+            yield from _bounds(entry.body, f"{path}/", visits, times)
+
+
+_Visits: TypeAlias = tuple[ResolvedNode, Bound, Seconds]  # a node, how often it runs, how long
 
 
 class _Times:
@@ -128,13 +131,15 @@ class _Times:
         self._depth = depth
         self._known: dict[str, Seconds] = {}
         self._longest: dict[ResolvedChart, Seconds] = {}
-        self._visits: dict[tuple[ResolvedChart, Bound], Mapping[str, Bound]] = {}
+        self._visits: dict[tuple[ResolvedChart, Bound], Sequence[_Visits]] = {}
 
-    def visits(self, resolved: ResolvedChart, entries: Bound) -> Mapping[str, Bound]:
-        """Return how often each node of a chart or container runs that is entered so often."""
+    def visits(self, resolved: ResolvedChart, entries: Bound) -> Sequence[_Visits]:
+        """Return the visits to the nodes of a chart or container that is entered so often."""
         key = (resolved, entries)
         if key not in self._visits:
-            self._visits[key] = most_visits(resolved, entries)
+            most = most_visits(resolved, entries)
+            by_id = resolved.by_id.items()
+            self._visits[key] = [(entry, most[name], self._visit(entry)) for name, entry in by_id]
         return self._visits[key]
 
     def longest(self, resolved: ResolvedChart) -> Seconds:
@@ -144,18 +149,15 @@ class _Times:
         return self._longest[resolved]
 
     def _sum(self, resolved: ResolvedChart) -> Seconds:
-        if resolved.is_concurrent:
-            every = [self.visit(entry) for entry in resolved.by_id.values()]
-            return None if None in every else max((s for s in every if s is not None), default=0.0)
-        total = 0.0
-        for name, visits in self.visits(resolved, 1).items():
-            longest = _product(visits, self.visit(resolved.by_id[name]))
-            if longest is None:
+        longest = 0.0
+        for _entry, visits, visit_s in self.visits(resolved, 1):
+            seconds = _product(visits, visit_s)
+            if seconds is None:
                 return None
-            total += longest
-        return total
+            longest = max(longest, seconds) if resolved.is_concurrent else longest + seconds
+        return longest
 
-    def visit(self, entry: ResolvedNode) -> Seconds:
+    def _visit(self, entry: ResolvedNode) -> Seconds:
         """Return how long one visit to a node takes."""
         inside = self._inside(entry)
         if not entry.use.is_timed:
@@ -217,8 +219,8 @@ class _ErrorEnds:
         graph = resolved.graph
         ends = _ends(graph, leading)
         for name, entry in resolved.by_id.items():
-            path = f"{above}{name}"
-            for event, codes, target in _coded(entry, graph) if entry.use.coded_events else ():
+            path = above + name
+            for event, codes, target in _coded(entry, graph):
                 yield ErrorEnd(path, event, codes, target, self._listed(ends.get(target, 0)))
             if entry.body is not None:
                 inner: dict[str, int] = {}
@@ -250,20 +252,26 @@ def _ends(graph: Graph, leading: Mapping[str, int]) -> Mapping[str, int]:
 
 def _coded(entry: ResolvedNode, graph: Graph) -> Iterator[tuple[str, str, str]]:
     """Yield event, codes and target of each way in which a node is left with an error code."""
-    routes: dict[str, list[str]] = {}
-    for route in entry.node.on_error:
-        routes.setdefault(route.target, []).append(format_codes(route.first, route.last))
     # In a concurrency container a node has no transitions, and its conditions are the edges.
     leads = entry.node.transitions or graph.leaving.get(entry.node.id, ())
     targets = {lead.event: lead.target for lead in leads}
     for event in entry.use.coded_events:
         if event not in targets:
             continue
-        if event == FAILED and routes:
-            yield from ((event, ", ".join(codes), target) for target, codes in routes.items())
+        if event == FAILED and entry.node.on_error:
+            yield from _routed(entry.node.on_error)
             yield event, _OTHER, targets[event]
         else:
             yield event, _ANY, targets[event]
+
+
+def _routed(routes: Iterable[ErrorRoute]) -> Iterator[tuple[str, str, str]]:
+    """Yield event, codes and target of each target of error routes."""
+    by_target: dict[str, list[str]] = {}
+    for route in routes:
+        by_target.setdefault(route.target, []).append(format_codes(route.first, route.last))
+    for target, codes in by_target.items():
+        yield FAILED, ", ".join(codes), target
 
 
 def _assumed(resolved: ResolvedChart) -> Iterator[str]:
@@ -348,7 +356,7 @@ def _number(bound: float | None) -> str:
 
 
 def _names(names: Iterable[str]) -> str:
-    return _yaml(sorted(names))
+    return f"[{', '.join(map(_yaml, sorted(names)))}]"
 
 
 def _rows(name: str, rows: Sequence[str]) -> list[str]:

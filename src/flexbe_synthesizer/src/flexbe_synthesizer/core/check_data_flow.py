@@ -15,7 +15,7 @@ from flexbe_synthesizer.core.graph import Edge, path_text, shortest_path
 from flexbe_synthesizer.core.model import Connection
 from flexbe_synthesizer.core.problem import Code, Problem
 from flexbe_synthesizer.core.resolve import ResolvedChart, ResolvedNode, label
-from flexbe_synthesizer.core.written import LastWriters, Values
+from flexbe_synthesizer.core.written import Values
 
 _MOST_PATHS = 50  # problems of a chart that are told with their path; each is a search
 _MOST_WRITERS = 12  # named in a message
@@ -32,19 +32,22 @@ def check_data_flow(resolved: ResolvedChart) -> Iterator[Problem]:
     values = resolved.values
     given = {port.name for port in resolved.chart.inputs}
     written = values.written_before
-    last_writers = LastWriters(values)
     paths_left = _MOST_PATHS
     for node, homes in flow.inputs.items():
         if node not in written:
             continue
         for name, home in homes.items():
             connection = flow.wiring.into_state.get((node, name))
-            read = _Read(resolved.by_id[node], name, home, connection)
             if home not in given and not values.has(written[node], home):
+                read = _Read(resolved.by_id[node], name, home, connection)
                 yield _missing(read, values, paths_left > 0)
                 paths_left -= 1
-            elif connection is not None and connection.output_state_id in resolved.by_id:
-                other = last_writers.besides(_expected(read, connection, flow), home, node)
+            elif connection is not None and len(values.writers.get(home, ())) > 1:
+                if connection.output_state_id not in resolved.by_id:
+                    continue
+                read = _Read(resolved.by_id[node], name, home, connection)
+                expected = _expected(read, connection, flow)
+                other = values.last_writers.besides(expected, home, node)
                 if other is not None:
                     yield _overwritten(read, connection, other, values, paths_left > 0)
                     paths_left -= 1

@@ -117,6 +117,8 @@ def check_paths(resolved: ResolvedChart) -> Iterator[Problem]:
 
     The App joins the parts of a path with '_'. Two ids in one place are told as duplicates.
     """
+    if not any(isinstance(node, Container) for node in resolved.chart.nodes):
+        return
     first: dict[str, tuple[str, AnyNode]] = {}
     for path, node in _paths(resolved.chart, ""):
         joined = path.replace("/", "_")

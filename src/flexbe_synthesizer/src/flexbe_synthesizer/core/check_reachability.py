@@ -55,16 +55,13 @@ def _spent(graph: Graph, resolved: ResolvedChart) -> frozenset[str]:
     is in is entered again.
     """
     if resolved.is_repeated:
-        return frozenset(n for n in graph.ids if resolved.by_id[n].node.attempts is not None)
-
-    def comes_back(name: str) -> bool:
-        lasting = (edge for edge in graph.leaving.get(name, ()) if not edge.is_exhausted)
-        return any(graph.loops.get(edge.target) == graph.loops[name] for edge in lasting)
-
+        return frozenset(graph.counted)
+    loops = graph.loops
     return frozenset(
         name
-        for name in graph.looping
-        if resolved.by_id[name].node.attempts is not None and comes_back(name)
+        for name in graph.counted
+        for edge in graph.leaving.get(name, ())
+        if not edge.is_exhausted and loops.get(edge.target) == loops[name]
     )
 
 

@@ -15,7 +15,7 @@ def check_use(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
     yield from _check_abilities(resolved)
     if any(entry.use.signature is None for entry in resolved.nodes):
         return  # who reads what is not known
-    read = {*flow.read(), *(output.name for output in resolved.chart.outputs)}
+    read = {*flow.read, *(output.name for output in resolved.chart.outputs)}
     yield from _check_inputs(resolved, {*read, *flow.wiring.passed_through})
     yield from _check_outputs(resolved, flow, read)
     yield from _check_shadows(resolved, flow)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from flexbe_synthesizer.core import names
@@ -37,9 +38,10 @@ class DataFlow:
     defaulted: frozenset[tuple[str, str]]
     wiring: Wiring
 
-    def read(self) -> set[str]:
+    @cached_property
+    def read(self) -> frozenset[str]:
         """Return the homes that some input reads."""
-        return set().union(*(homes.values() for homes in self.inputs.values()))
+        return frozenset().union(*(homes.values() for homes in self.inputs.values()))
 
 
 class Wiring:

@@ -82,7 +82,7 @@ def _count_keys(resolved: ResolvedChart) -> Mapping[str, str]:
     taken: set[str] = set()
     for scope in scopes(resolved):
         flow = scope.flow
-        taken |= flow.read().union(*(homes.values() for homes in flow.outputs.values()))
+        taken |= flow.read.union(*(homes.values() for homes in flow.outputs.values()))
         taken |= {port.name for port in scope.chart.inputs}
         taken |= {port.name for port in scope.chart.outputs}
     counts = {}
@@ -293,6 +293,8 @@ def _own_outcomes(entry: ResolvedNode) -> tuple[str, ...]:
 def _arguments(entry: ResolvedNode) -> tuple[Pair, ...]:
     """Return what is given to a class; what takes Python source has the name of a predicate."""
     given = given_values(entry).items()
+    if not given:
+        return ()
     taking_source = entry.use.taking_source
     if not taking_source:
         return tuple([Pair(name, value) for name, value in given])

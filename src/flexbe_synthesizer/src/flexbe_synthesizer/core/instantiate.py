@@ -103,7 +103,8 @@ def _entry(path: str, child: Child, layout: Layout) -> Instantiation:
         state_class, parameters = content.alias, content.arguments
     else:
         behavior_class, parameters = content.behavior.name, content.parameters
-    x, y = layout.children[path]
+    above, _, label = path.rpartition("/")
+    x, y = layout.children[above][label]
     return Instantiation(
         state_path=path,
         state_class=state_class,

@@ -22,61 +22,57 @@ Point = tuple[int, int]
 
 @dataclass(frozen=True)
 class Layout:
-    """Positions [pixels]: of each child by its path, of each container's outcomes by its path."""
+    """Positions [pixels] of the children and of the outcomes of each container, by its path."""
 
-    children: Mapping[str, Point]
+    children: Mapping[str, Mapping[str, Point]]
     outcomes: Mapping[str, Mapping[str, Point]]
 
 
 def lay_out(root: Container) -> Layout:
     """Return positions for everything in a root container."""
-    children: dict[str, Point] = {}
+    children: dict[str, Mapping[str, Point]] = {}
     outcomes: dict[str, Mapping[str, Point]] = {}
     waiting = [("", root)]
     while waiting:
         path, container = waiting.pop()
-        placed, outcomes[path] = _place(container)
+        children[path], outcomes[path] = _place(container)
         for child in container.children:
-            own_path = f"{path}/{child.label}"
-            children[own_path] = placed[child.label]
             if isinstance(child.content, Container):
-                waiting.append((own_path, child.content))
+                waiting.append((f"{path}/{child.label}", child.content))
     return Layout(children, outcomes)
 
 
 def _place(container: Container) -> tuple[Mapping[str, Point], Mapping[str, Point]]:
     """Return the positions of a container's children and of its outcomes."""
-    by_label = {child.label: child for child in container.children}
     placed: dict[str, Point] = {}
     x = ORIGIN[0]
     for column in _columns(container):
         width = 0
-        for row, label in enumerate(column):
-            placed[label] = (x, ORIGIN[1] + row * _ROW)
-            width = max(width, _width(by_label[label]))
+        for row, child in enumerate(column):
+            placed[child.label] = (x, ORIGIN[1] + row * _ROW)
+            width = max(width, _width(child))
         x += width
     ends = {name: (x, ORIGIN[1] + row * _ROW) for row, name in enumerate(container.outcomes)}
     return placed, ends
 
 
-def _columns(container: Container) -> list[list[str]]:
-    """Return the labels by distance from the initial child, each column in its order."""
-    unseen = {child.label: child.exits for child in container.children}
+def _columns(container: Container) -> list[list[Child]]:
+    """Return the children by distance from the initial one, each column in its order."""
     if container.conditions:
-        return [list(unseen)]  # concurrent children have no order
+        return [list(container.children)]  # concurrent children have no order
+    unseen = {child.label: child for child in container.children}
     columns = []
-    column = [(container.children[0].label, container.children[0].exits)]
-    del unseen[container.children[0].label]
+    column = [unseen.pop(container.children[0].label)]
     while column:
-        columns.append([label for label, _exits in column])
+        columns.append(column)
         # In the order of those that lead there, which keeps the lines short and few crossing.
         column = [
-            (target, unseen.pop(target))
-            for _label, exits in column
-            for _outcome, target, _autonomy in exits
+            unseen.pop(target)
+            for child in column
+            for _outcome, target, _autonomy in child.exits
             if target in unseen
         ]
-    return [*columns, list(unseen)] if unseen else columns
+    return [*columns, list(unseen.values())] if unseen else columns
 
 
 def _width(child: Child) -> int:

@@ -227,7 +227,8 @@ class _Writer:
 
     def container(self, path: str, container: Container) -> Mapping[str, str]:
         """Return what the template shows of a container."""
-        children = [self._child(f"{path}/{c.label}", c) for c in _in_order(container.children)]
+        points = self._layout.children[path]
+        children = [self._child(path, c, points[c.label]) for c in _in_order(container.children)]
         return {
             "variable": self._variables[path],
             "outcomes": _outcome_positions(container, self._layout.outcomes[path]),
@@ -235,7 +236,7 @@ class _Writer:
             "children": _BETWEEN.join(children),
         }
 
-    def _child(self, path: str, child: Child) -> str:
+    def _child(self, above: str, child: Child, point: Point) -> str:
         """Return the comment with a child's place, and the call that adds it to its container."""
         quoted, content = self._quoted, child.content
         default = "Autonomy.Off" if isinstance(content, StateUse) else "Autonomy.Inherit"
@@ -246,20 +247,22 @@ class _Writer:
         ]
         homes = [f"{quoted[key]}: {quoted[home]}" for key, home in child.remapping]
         remapping = f",{_CONTINUED}remapping={{{', '.join(homes)}}}" if homes else ""
-        x, y = self._layout.children[path]
+        x, y = point
         return (
             f"# x:{x} y:{y}{_LINE}OperatableStateMachine.add({quoted[child.label]},{_CONTINUED}"
-            f"{self._content(path, content)},{_CONTINUED}transitions={{{', '.join(targets)}}},"
+            f"{self._content(above, child)},{_CONTINUED}transitions={{{', '.join(targets)}}},"
             f"{_CONTINUED}autonomy={{{', '.join(levels)}}}{remapping})"
         )
 
-    def _content(self, path: str, content: StateUse | BehaviorUse | Container) -> str:
+    def _content(self, above: str, child: Child) -> str:
         """Return the expression for what a child is."""
+        content = child.content
         if isinstance(content, StateUse):
             if not content.arguments:
                 return f"{content.alias}()"
             given = [f"{name}={python_value(value)}" for name, value in content.arguments]
             return f"{content.alias}({', '.join(given)})"
+        path = f"{above}/{child.label}"
         if isinstance(content, Container):
             return self._variables[path]
         parts = [content.behavior.class_name, quote(path.lstrip("/"))]

@@ -76,6 +76,8 @@ def _reaching(graph: Graph) -> Mapping[str, int]:
         for edge in free.leaving.get(name, ()):
             old = reaching.get(edge.target)
             if old is not None and reaching[name] & ~old:
-                reaching[edge.target] = old | reaching[name]
+                reaching[edge.target] = (
+                    old | reaching[name] if old else reaching[name]
+                )  # a large one
                 steps.look_at(edge.target)
     return reaching

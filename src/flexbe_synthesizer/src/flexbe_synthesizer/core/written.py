@@ -34,7 +34,7 @@ class Values:
         """Sort the outputs by home and by state."""
         flow, self.graph = resolved.flow, resolved.graph
         self._by_id = resolved.by_id
-        known = flow.read() | {port.name for port in resolved.chart.outputs}
+        known = flow.read | {port.name for port in resolved.chart.outputs}
         self.writers: dict[str, list[str]] = {}
         self._bits: dict[str, int] = {}
         self._own: dict[str, int] = {}
@@ -111,6 +111,11 @@ class Values:
         return silent
 
     @cached_property
+    def last_writers(self) -> LastWriters:
+        """Return which states can have written a home last."""
+        return LastWriters(self)
+
+    @cached_property
     def written_before(self) -> Mapping[str, int]:
         """Return, for each state and outcome that can be reached, the homes written by then.
 
@@ -152,14 +157,15 @@ class Values:
         """
         among = reduce(or_, (self._bits[home] for home in homes), 0)
         before: dict[str, int] = {self.graph.initial: 0}
-        steps = Steps(self.graph)
-        for name in steps:
+        waiting = [self.graph.initial]
+        while waiting:
+            name = waiting.pop()
             for edge in self.graph.leaving.get(name, ()):
+                arriving = before[name] | self.touched_on(edge) & among
                 old = before.get(edge.target)
-                touched = self.touched_on(edge) & among
-                before[edge.target] = new = (old or 0) | before[name] | touched
-                if new != old:
-                    steps.look_at(edge.target)
+                if old is None or arriving & ~old:
+                    before[edge.target] = arriving | (old or 0)
+                    waiting.append(edge.target)
         return before
 
     def _written_on_way_round(self, name: str) -> int:
@@ -195,15 +201,15 @@ class LastWriters:
                 self._all[home] = self._all.get(home, 0) | self._bits[node, home]
 
     def besides(self, expected: Collection[str], home: str, reader: str) -> str | None:
-        """Return a state other than those expected that can have written the home that is read."""
-        writers = self._values.writers.get(home, ())
-        if len(writers) < 2:
-            return None
+        """Return a state other than those expected that can have written the home that is read.
+
+        The home is one that several states write.
+        """
         before = self._before.get(reader, 0)
-        return next(
-            (node for node in writers if node not in expected and before & self._bits[node, home]),
-            None,
-        )
+        for node in self._values.writers[home]:
+            if node not in expected and before & self._bits[node, home]:
+                return node
+        return None
 
     @cached_property
     def _before(self) -> Mapping[str, int]:
