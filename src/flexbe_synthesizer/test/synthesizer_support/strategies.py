@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from hypothesis import strategies as st
 
-from flexbe_synthesizer.core.model import (
+from flexbe_synthesizer.core.chart.model import (
     AnyNode,
     Autonomy,
     Behavior,

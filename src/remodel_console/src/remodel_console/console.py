@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.chart.model import Chart
 from remodel_console.core.access import Door
 from remodel_console.core.drawing import opened
 from remodel_console.core.record import Record, Summary

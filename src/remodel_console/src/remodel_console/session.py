@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import PurePath
 
-from flexbe_synthesizer.core.instantiate import Instantiation
-from flexbe_synthesizer.core.model import Chart, Container
+from flexbe_synthesizer.core.chart.model import Chart, Container
+from flexbe_synthesizer.core.export.instantiate import Instantiation
 from remodel_console.core.commands import Command, Verb, help_lines
 from remodel_console.core.draft import Draft, new_draft
 from remodel_console.core.editing import (

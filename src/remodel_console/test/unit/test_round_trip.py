@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from flexbe_synthesizer.core.chart_reader import parse_chart, read_chart
-from flexbe_synthesizer.core.model import (
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart, read_chart
+from flexbe_synthesizer.core.chart.model import (
     Behavior,
     Container,
     ContainerKind,

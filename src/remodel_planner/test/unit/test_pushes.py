@@ -10,7 +10,7 @@ import pytest
 import yaml
 from house import HOUSE
 
-from flexbe_synthesizer.core.model import Behavior, Container
+from flexbe_synthesizer.core.chart.model import Behavior, Container
 from remodel_planner.core.cell_order import cell_order
 from remodel_planner.core.learning.experience import Experience
 from remodel_planner.core.panel_layout import PanelRules, lay_out

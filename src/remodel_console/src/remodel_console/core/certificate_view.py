@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from html import escape
 
-from flexbe_synthesizer.core.certificate import Certificate, ErrorEnd
-from flexbe_synthesizer.core.signature import Effect
+from flexbe_synthesizer.core.export.certificate import Certificate, ErrorEnd
+from flexbe_synthesizer.core.library.signature import Effect
 
 _UNBOUNDED = "unbounded"
 _NO_LIMIT = "Nothing limits the time of a run: some state that it can visit has no time limit."

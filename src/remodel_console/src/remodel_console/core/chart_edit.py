@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from flexbe_synthesizer.core import names
-from flexbe_synthesizer.core.error_routes import ROUTES_RULE, parse_routes
-from flexbe_synthesizer.core.literal import parse_literal
-from flexbe_synthesizer.core.model import (
+from flexbe_synthesizer.core.chart import names
+from flexbe_synthesizer.core.chart.error_routes import ROUTES_RULE, parse_routes
+from flexbe_synthesizer.core.chart.literal import parse_literal
+from flexbe_synthesizer.core.chart.model import (
     AnyNode,
     Chart,
     Connection,

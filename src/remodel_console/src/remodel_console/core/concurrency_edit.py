@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from flexbe_synthesizer.core.model import Chart, Condition, Container, ContainerKind, When
+from flexbe_synthesizer.core.chart.model import Chart, Condition, Container, ContainerKind, When
 from remodel_console.core.chart_edit import node_at
 from remodel_console.core.editing import Path
 

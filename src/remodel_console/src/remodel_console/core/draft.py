@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from flexbe_synthesizer.core.chart_reader import read_chart
-from flexbe_synthesizer.core.chart_rewriter import RewriteError, rewrite_chart
-from flexbe_synthesizer.core.chart_writer import write_chart
-from flexbe_synthesizer.core.model import Chart
-from flexbe_synthesizer.core.problem import ChartError, errors_in
-from flexbe_synthesizer.core.xml_reader import decoded, encoded
+from flexbe_synthesizer.core.chart.chart_reader import read_chart
+from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from flexbe_synthesizer.core.chart.model import Chart
+from flexbe_synthesizer.core.chart.problem import ChartError, errors_in
+from flexbe_synthesizer.core.chart.xml_reader import decoded, encoded
+from flexbe_synthesizer.core.rewrite.chart_rewriter import RewriteError, rewrite_chart
 from remodel_console.errors import CommandError
 
 

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from html import escape, unescape
 
-from flexbe_synthesizer.core.model import AnyNode, Behavior, Chart, Container, walk_nodes
+from flexbe_synthesizer.core.chart.model import AnyNode, Behavior, Chart, Container, walk_nodes
 
 # Colours of flexbe_synthesizer's drawings, and the variables of console.css in their place.
 _COLOURS = {

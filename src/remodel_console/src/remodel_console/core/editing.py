@@ -9,8 +9,8 @@ import posixpath
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
-from flexbe_synthesizer.core import names
-from flexbe_synthesizer.core.model import (
+from flexbe_synthesizer.core.chart import names
+from flexbe_synthesizer.core.chart.model import (
     AnyNode,
     Behavior,
     Chart,

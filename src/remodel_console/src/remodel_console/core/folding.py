@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from flexbe_synthesizer.core.model import AnyNode, Chart, Container, State, walk_nodes
+from flexbe_synthesizer.core.chart.model import AnyNode, Chart, Container, State, walk_nodes
 from remodel_console.core.editing import Path
 
 _MOST_OPEN = 40  # states and containers that are readable in one drawing

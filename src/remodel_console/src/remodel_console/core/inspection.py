@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-from flexbe_synthesizer.core.certificate import Certificate, certify
-from flexbe_synthesizer.core.check import CheckedChart
-from flexbe_synthesizer.core.model import AnyNode, Chart
-from flexbe_synthesizer.core.problem import Problem, errors_in
-from flexbe_synthesizer.core.resolve import ResolvedChart, Use
+from flexbe_synthesizer.core.chart.model import AnyNode, Chart
+from flexbe_synthesizer.core.chart.problem import Problem, errors_in
+from flexbe_synthesizer.core.check.check import CheckedChart
+from flexbe_synthesizer.core.export.certificate import Certificate, certify
+from flexbe_synthesizer.core.library.resolve import ResolvedChart, Use
 
 
 @dataclass(frozen=True)

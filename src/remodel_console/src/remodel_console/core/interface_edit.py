@@ -6,10 +6,10 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TypeVar
 
-from flexbe_synthesizer.core import names
-from flexbe_synthesizer.core.literal import as_declared
-from flexbe_synthesizer.core.model import Chart, Connection, Input, Output
-from flexbe_synthesizer.core.signature import is_type
+from flexbe_synthesizer.core.chart import names
+from flexbe_synthesizer.core.chart.literal import as_declared
+from flexbe_synthesizer.core.chart.model import Chart, Connection, Input, Output
+from flexbe_synthesizer.core.library.signature import is_type
 from remodel_console.errors import CommandError
 
 Port = TypeVar("Port", Input, Output)

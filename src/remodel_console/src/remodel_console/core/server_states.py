@@ -6,11 +6,13 @@ import ast
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
-from flexbe_synthesizer.core.fold import fold
-from flexbe_synthesizer.core.instantiate import WRITER, Instantiation
-from flexbe_synthesizer.core.library import Library
-from flexbe_synthesizer.core.literal import freeze
-from flexbe_synthesizer.core.machine import (
+from flexbe_synthesizer.core.chart.literal import freeze
+from flexbe_synthesizer.core.chart.model import Autonomy, Chart
+from flexbe_synthesizer.core.export.instantiate import WRITER, Instantiation
+from flexbe_synthesizer.core.library.library import Library
+from flexbe_synthesizer.core.library.signature import BehaviorClass, StateClass
+from flexbe_synthesizer.core.machine.fold import fold
+from flexbe_synthesizer.core.machine.machine import (
     BehaviorUse,
     Child,
     Condition,
@@ -23,8 +25,6 @@ from flexbe_synthesizer.core.machine import (
     StateUse,
     Value,
 )
-from flexbe_synthesizer.core.model import Autonomy, Chart
-from flexbe_synthesizer.core.signature import BehaviorClass, StateClass
 from remodel_console.errors import CommandError
 
 _KINDS = {

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from flexbe_synthesizer.core.names import behavior_file
+from flexbe_synthesizer.core.chart.names import behavior_file
 from flexbe_synthesizer.edge.chart_files import chart_names, confined_to, read_chart_file
 from flexbe_synthesizer.errors import ChartFileError
 from remodel_console.core.draft import Draft

@@ -16,7 +16,7 @@ from flexbe_msgs.msg import (
     SynthesisRequest,
 )
 
-from flexbe_synthesizer.core.instantiate import Instantiation
+from flexbe_synthesizer.core.export.instantiate import Instantiation
 from remodel_console.core.synthesis_request import ServerRequest
 from remodel_console.errors import CommandError
 

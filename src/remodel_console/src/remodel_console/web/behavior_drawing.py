@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from nicegui import run, ui
 
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.chart.model import Chart
 from remodel_console.console import Console
 from remodel_console.core.drawing import drawn_path, drawn_paths
 from remodel_console.core.editing import Path

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from nicegui import ui
 
-from flexbe_synthesizer.core.model import Chart, Container, ContainerKind
+from flexbe_synthesizer.core.chart.model import Chart, Container, ContainerKind
 from remodel_console.core.concurrency_edit import KIND_WORDS, with_condition, with_kind
 from remodel_console.core.editing import Path
 

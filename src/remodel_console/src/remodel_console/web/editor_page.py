@@ -8,7 +8,7 @@ from functools import partial
 
 from nicegui import background_tasks, run, ui
 
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.chart.model import Chart
 from remodel_console.core import chart_edit
 from remodel_console.core.answer import DONE
 from remodel_console.core.editing import Path, change_at, container_at, node_paths

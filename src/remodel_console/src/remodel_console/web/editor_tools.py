@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from nicegui import background_tasks, run, ui
 
-from flexbe_synthesizer.core.model import Chart
-from flexbe_synthesizer.core.names import behavior_file, is_behavior_name, is_name
+from flexbe_synthesizer.core.chart.model import Chart
+from flexbe_synthesizer.core.chart.names import behavior_file, is_behavior_name, is_name
 from remodel_console.core import chart_edit
 from remodel_console.core.answer import DONE
 from remodel_console.core.commands import Command, Verb

@@ -7,8 +7,8 @@ from functools import partial
 
 from nicegui import ui
 
-from flexbe_synthesizer.core.literal import format_literal
-from flexbe_synthesizer.core.model import Chart, Input
+from flexbe_synthesizer.core.chart.literal import format_literal
+from flexbe_synthesizer.core.chart.model import Chart, Input
 from remodel_console.core.editing import Path
 from remodel_console.core.interface_edit import with_input, with_output
 

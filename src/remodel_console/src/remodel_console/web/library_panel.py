@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from nicegui import ui
 
-from flexbe_synthesizer.core.model import AnyNode, Behavior, State
-from flexbe_synthesizer.core.signature import StateClass
+from flexbe_synthesizer.core.chart.model import AnyNode, Behavior, State
+from flexbe_synthesizer.core.library.signature import StateClass
 from remodel_console.core import chart_edit
 from remodel_console.core.editing import container_at
 

@@ -7,7 +7,7 @@ from pathlib import PurePath
 
 from nicegui import ui
 
-from flexbe_synthesizer.core.problem import Problem, Severity
+from flexbe_synthesizer.core.chart.problem import Problem, Severity
 from remodel_console.core.inspection import Inspection
 
 Reveal = Callable[[int], None]

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from nicegui import ui
 
-from flexbe_synthesizer.core.error_routes import FAILED_EVENT, format_routes
-from flexbe_synthesizer.core.model import AnyNode, Chart, Container, ContainerKind
+from flexbe_synthesizer.core.chart.error_routes import FAILED_EVENT, format_routes
+from flexbe_synthesizer.core.chart.model import AnyNode, Chart, Container, ContainerKind
 from remodel_console.core import chart_edit
 from remodel_console.core.concurrency_edit import kind_at
 from remodel_console.core.editing import Path

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from nicegui import background_tasks, ui
 
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.chart.model import Chart
 from remodel_console.core.answer import DONE
 from remodel_console.core.order import Hold, Order, Pause, Release, Repeat, Resume, Switch
 from remodel_console.core.run_view import Phase, RunView

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from nicegui import ui
 
-from flexbe_synthesizer.core.literal import Literal, format_literal
+from flexbe_synthesizer.core.chart.literal import Literal, format_literal
 from remodel_console.core.order import LEVELS, UNATTENDED, Pairs, Start
 from remodel_console.edge.catalogue import Installed
 
