@@ -47,8 +47,7 @@ FOLDERS_WITH_CYCLE = {
     "flexbe_core",  # FlexBE's import paths: its states publish, its proxies wait as states do
     "flexbe_core.core",
     "flexbe_core.engine",
-    "flexbe_synthesizer.core.library",
-    "remodel_console.web",
+    "flexbe_synthesizer.core.library",  # `resolve` keeps what is computed from it
     "remodel_planner.core",
 }
 LARGE_FOLDERS = {

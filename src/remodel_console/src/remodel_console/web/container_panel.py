@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 from nicegui import ui
 
 from flexbe_synthesizer.core.chart.model import Chart, Container, ContainerKind
 from remodel_console.core.concurrency_edit import KIND_WORDS, with_condition, with_kind
 from remodel_console.core.editing import Path
-
-if TYPE_CHECKING:
-    from remodel_console.web.editor_page import EditorPage
+from remodel_console.web.editing_page import EditingPage
 
 
 class ContainerPanel:
     """Shows what can be set of a container, and sets it."""
 
-    def __init__(self, page: EditorPage) -> None:
+    def __init__(self, page: EditingPage) -> None:
         """Remember for the page which containers use synthesis."""
         self._page = page
         self._uses_synthesis: set[Path] = set()

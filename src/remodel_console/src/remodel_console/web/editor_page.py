@@ -8,22 +8,19 @@ from functools import partial
 
 from nicegui import background_tasks, run, ui
 
-from flexbe_synthesizer.core.chart.model import Chart
 from remodel_console.core import chart_edit
-from remodel_console.core.answer import DONE
-from remodel_console.core.editing import Path, change_at, container_at, node_paths
+from remodel_console.core.editing import Path, node_paths
 from remodel_console.core.folding import folded
-from remodel_console.core.inspection import Inspection
 from remodel_console.core.world import World
 from remodel_console.edge.inspect_chart import inspect_text
 from remodel_console.edge.picture import picture
 from remodel_console.errors import CommandError
 from remodel_console.web.canvas import Canvas
 from remodel_console.web.certificate_panel import CertificatePanel
+from remodel_console.web.editing_page import EditingPage
 from remodel_console.web.editor_tools import EditorTools
 from remodel_console.web.library_panel import LibraryPanel
-from remodel_console.web.page import Page
-from remodel_console.web.problem_list import ProblemList, show_refusal
+from remodel_console.web.problem_list import ProblemList
 from remodel_console.web.properties_panel import PropertiesPanel
 from remodel_console.web.xml_pane import XmlPane
 
@@ -33,7 +30,7 @@ _OWN_SAVE = """<script>document.addEventListener("keydown", (event) => {
 });</script>"""
 
 
-class EditorPage(Page):
+class EditorPage(EditingPage):
     """The page of the chart that is edited; all pages and /flexbe/uicommand share it."""
 
     KEYS = (
@@ -47,10 +44,7 @@ class EditorPage(Page):
     def build(self) -> None:
         """Build the tools, the library, the drawing, and the panel beside it."""
         ui.add_head_html(_OWN_SAVE)
-        self.chart: Chart | None = None
-        self.inspection = Inspection()
-        self.inspected: Chart | None = None
-        self.selected: Path = ()
+        super().build()
         self._open_path: Path = ()
         with ui.element("div").classes("editor"):
             self._tools = EditorTools(self)
@@ -108,30 +102,6 @@ class EditorPage(Page):
                 if asyncio.iscoroutine(made):
                     background_tasks.create(made)
 
-    # What panels use
-
-    @property
-    def scope_path(self) -> Path:
-        """Return the container that new things go into: the selected one, or that around."""
-        node = chart_edit.node_at(self.chart, self.selected) if self.chart else None
-        return self.selected if hasattr(node, "body") else self.selected[:-1]
-
-    def scope_of(self, path: Path) -> Chart:
-        """Return the chart or container that a node is in."""
-        if self.chart is None:
-            raise CommandError("no behavior is open")
-        return container_at(self.chart, path[:-1])
-
-    async def change(self, what: str, path: Path, change: Callable[[Chart], Chart]) -> bool:
-        """Change the container at a path; tell whether it could be."""
-        session = self.console.session
-
-        def deed() -> None:
-            session.change(lambda chart: change_at(chart, path, change))
-
-        self.xml.is_typing = False
-        return (await self.give(f"edit: {what}", deed)).state == DONE
-
     def select(self, path: Path) -> None:
         """Select a node, or nothing."""
         self.selected = path
@@ -140,30 +110,6 @@ class EditorPage(Page):
             background_tasks.create(self._draw(True))
         self._canvas.select("/".join(path))
         self._properties.show()
-
-    async def delete(self) -> None:
-        """Delete what is selected."""
-        if not self.selected:
-            return
-        path, (*_, node_id) = self.selected[:-1], self.selected
-        what = f"delete '{'/'.join(self.selected)}'"
-        if await self.change(what, path, lambda scope: chart_edit.without_node(scope, node_id)):
-            self.select(())
-
-    async def synthesize(self, path: Path, initial: str, goal: str) -> None:
-        """Fill a container with the chart of a file, or show what is wrong with that."""
-        session = self.console.session
-        self.xml.is_typing = False
-        answer = await run.io_bound(
-            self.console.desk.give,
-            self.actor,
-            f"synthesize {'/'.join(path)} i: {initial or 'start'} g: {goal}",
-            lambda: session.synthesize(path[:-1], path[-1], initial, goal),
-        )
-        if answer.state == DONE:
-            ui.notify(f"'{path[-1]}' is filled from {goal}", type="positive")
-        else:
-            self._show_refusal(goal, answer.words)
 
     # The chart, shown
 
@@ -215,11 +161,6 @@ class EditorPage(Page):
     def _reveal(self, line: int) -> None:
         self._tabs.value = "XML"
         self.xml.reveal(line)
-
-    def _show_refusal(self, goal: str, words: str) -> None:
-        text = self.console.workspace.text_of(goal)
-        with self.dialog() as dialog:
-            show_refusal(goal, text, words, dialog.close)
 
     async def _take_typed(self, text: str) -> None:
         """Take in the text that was typed: the chart if it has the form of one, else its errors."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING
 
 from nicegui import background_tasks, run, ui
 
@@ -15,9 +14,7 @@ from remodel_console.core.answer import DONE
 from remodel_console.core.commands import Command, Verb
 from remodel_console.core.editing import container_at
 from remodel_console.errors import CommandError
-
-if TYPE_CHECKING:
-    from remodel_console.web.editor_page import EditorPage
+from remodel_console.web.editing_page import EditingPage
 
 _LOG = logging.getLogger(__name__)
 
@@ -25,7 +22,7 @@ _LOG = logging.getLogger(__name__)
 class EditorTools:
     """A row of buttons."""
 
-    def __init__(self, page: EditorPage) -> None:
+    def __init__(self, page: EditingPage) -> None:
         """Build the row."""
         self._page = page
         with ui.row().classes("tools"):

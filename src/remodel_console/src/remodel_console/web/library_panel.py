@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING
 
 from nicegui import ui
 
@@ -12,15 +11,13 @@ from flexbe_synthesizer.core.chart.model import AnyNode, Behavior, State
 from flexbe_synthesizer.core.library.signature import StateClass
 from remodel_console.core import chart_edit
 from remodel_console.core.editing import container_at
-
-if TYPE_CHECKING:
-    from remodel_console.web.editor_page import EditorPage
+from remodel_console.web.editing_page import EditingPage
 
 
 class LibraryPanel:
     """Lists what is installed; a click tells what it does and offers to add it."""
 
-    def __init__(self, page: EditorPage) -> None:
+    def __init__(self, page: EditingPage) -> None:
         """Build the panel."""
         self._page = page
         self._known: object = None

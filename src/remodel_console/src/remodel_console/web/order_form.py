@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Awaitable
+from typing import Protocol
 
 from nicegui import run, ui
 
 from remodel_console.core.use_case import Phase, UseCase
 from remodel_console.errors import CommandError
+from remodel_console.web.page import Page
 
-if TYPE_CHECKING:
-    from remodel_console.web.overview_page import OverviewPage
+
+class StartOrder(Protocol):
+    """Asks the supervisor to start an order."""
+
+    def __call__(self, order: str, tasks: int, *, again: bool) -> Awaitable[object]:
+        """Start it: at most so many tasks (0: all), `again` also those that are done."""
 
 
 class OrderForm:
     """Shows how the last run ended, and starts another."""
 
-    def __init__(self, page: OverviewPage) -> None:
+    def __init__(self, page: Page, start: StartOrder) -> None:
         """Build the form."""
         self._page = page
+        self._start_order = start
         with ui.element("div").classes("ending") as self._ending:
             self._words = ui.label()
             self._link = ui.link("Replay it")
@@ -64,4 +71,4 @@ class OrderForm:
             ui.notify("Choose the order, or type its name.", type="warning")
             return
         tasks = int(self._tasks.value or 0)
-        await self._page.start(order, tasks, again=bool(self._again.value))
+        await self._start_order(order, tasks, again=bool(self._again.value))

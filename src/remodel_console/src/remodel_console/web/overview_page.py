@@ -110,7 +110,7 @@ class OverviewPage(Page):
         if not isinstance(self._head, wanted):
             self._head_area.clear()
             with self._head_area:
-                self._head = self._new_head() if now.is_under_way else OrderForm(self)
+                self._head = self._new_head() if now.is_under_way else OrderForm(self, self.start)
         if isinstance(self._head, RunHead):
             self._head.show(now, self._pending)
         else:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING
 
 from nicegui import ui
 
@@ -14,10 +13,8 @@ from remodel_console.core import chart_edit
 from remodel_console.core.concurrency_edit import kind_at
 from remodel_console.core.editing import Path
 from remodel_console.web.container_panel import ContainerPanel
+from remodel_console.web.editing_page import EditingPage
 from remodel_console.web.interface_panel import InterfacePanel
-
-if TYPE_CHECKING:
-    from remodel_console.web.editor_page import EditorPage
 
 _BY_NAME = "by its name"  # an input without a connection gets the value of its name
 _NOWHERE = "nowhere yet"
@@ -26,7 +23,7 @@ _NOWHERE = "nowhere yet"
 class PropertiesPanel:
     """Shows what can be set, and sets it."""
 
-    def __init__(self, page: EditorPage) -> None:
+    def __init__(self, page: EditingPage) -> None:
         """Build an empty panel."""
         self._page = page
         self._area = ui.element("div").classes("properties")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Awaitable, Callable
 from functools import partial
-from typing import TYPE_CHECKING
 
 from nicegui import run, ui
 
@@ -24,11 +24,8 @@ from remodel_console.core.order import (
 from remodel_console.core.run_view import Asked, Phase, RunView
 from remodel_console.core.run_words import count_words, path_words
 from remodel_console.errors import CommandError
-from remodel_console.web.page import table
+from remodel_console.web.page import Page, table
 from remodel_console.web.start_form import StartForm
-
-if TYPE_CHECKING:
-    from remodel_console.web.runtime_page import RuntimePage
 
 _ATTACHED_LEVELS = {level: word for level, word in LEVELS.items() if level != UNATTENDED}
 _FIRST_LEVEL = 1  # low, as in the FlexBE App
@@ -41,9 +38,10 @@ class RunPanel:
     that no click on it is lost.
     """
 
-    def __init__(self, page: RuntimePage) -> None:
-        """Build a panel without a run."""
+    def __init__(self, page: Page, order: Callable[[Order], Awaitable[object]]) -> None:
+        """Build a panel without a run; `order` gives the engine an order."""
         self._page = page
+        self._order = order
         self._shown: object = None
         self._outcomes: ui.element | None = None
         self._outcomes_of = ""
@@ -90,7 +88,7 @@ class RunPanel:
         if view.ending:
             style = "ending bad" if view.is_ending_bad else "ending"
             ui.label(f"The last run {view.ending}.").classes(style)
-        StartForm(self._page)
+        StartForm(self._page, self._order)
 
     def _show_running(self, view: RunView, running: str, loaded: str, newer: Switch | None) -> None:
         if view.asked is not None:
@@ -115,7 +113,7 @@ class RunPanel:
             ui.label(f"Leave '{label}' with '{confirmation.outcome}'?").classes("question")
             self._page.button(
                 f"Confirm '{confirmation.outcome}'",
-                partial(self._page.order, confirmation),
+                partial(self._order, confirmation),
                 icon="check",
             ).classes("confirm").props("autofocus")
 
@@ -155,7 +153,7 @@ class RunPanel:
             _ATTACHED_LEVELS,
             value=view.level,
             label="Autonomy: what is done unasked",
-            on_change=lambda event: self._page.order(SetAutonomy(int(event.value))),
+            on_change=lambda event: self._order(SetAutonomy(int(event.value))),
         )
         level.props("outlined dense").classes("wide").set_enabled(self._page.is_operator)
         with ui.row().classes("controls"):
@@ -180,7 +178,7 @@ class RunPanel:
         self._levels.clear()
         with self._levels:
             for path in self._page.console.live.world.run.holdable():
-                ui.menu_item(path_words(path), partial(self._page.order, Hold(path)))
+                ui.menu_item(path_words(path), partial(self._order, Hold(path)))
 
     def _show_outcomes(self, view: RunView) -> None:
         """Show the outcomes of the active state."""
@@ -198,7 +196,7 @@ class RunPanel:
                     self._control(outcome, forced, None)
 
     def _control(self, text: str, order: Order, icon: str | None) -> None:
-        self._page.button(text, partial(self._page.order, order), icon=icon, look="quiet")
+        self._page.button(text, partial(self._order, order), icon=icon, look="quiet")
 
     def _build_userdata(self) -> ui.expansion:
         with ui.expansion("Userdata").classes("wide") as userdata:
@@ -223,7 +221,7 @@ class RunPanel:
         self._page.ask(
             "Stop the behavior? Its goals are cancelled.",
             "Stop",
-            partial(self._page.order, Preempt()),
+            partial(self._order, Preempt()),
         )
 
 

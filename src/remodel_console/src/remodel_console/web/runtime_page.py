@@ -5,7 +5,6 @@ from __future__ import annotations
 from nicegui import background_tasks, ui
 
 from flexbe_synthesizer.core.chart.model import Chart
-from remodel_console.core.answer import DONE
 from remodel_console.core.order import Hold, Order, Pause, Release, Repeat, Resume, Switch
 from remodel_console.core.run_view import Phase, RunView
 from remodel_console.core.run_words import state_words
@@ -48,7 +47,7 @@ class RuntimePage(Page):
                     "Choose a behavior on the right; its state machine is drawn here.",
                     _ROOM,
                 )
-            self._panel = RunPanel(self)
+            self._panel = RunPanel(self, self.order)
             with ui.element("section").classes("log-area"):
                 self._log = LogPane()
 
@@ -116,9 +115,3 @@ class RuntimePage(Page):
     async def order(self, order: Order) -> None:
         """Give the engine an order."""
         await self.give(str(order), lambda: self.console.steering.order(order))
-
-    async def start(self, order: Order) -> bool:
-        """Start a behavior; tell whether the engine was asked."""
-        return (
-            await self.give(str(order), lambda: self.console.steering.order(order))
-        ).state == DONE

@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Awaitable, Callable
 
 from nicegui import ui
 
 from flexbe_synthesizer.core.chart.literal import Literal, format_literal
 from remodel_console.core.order import LEVELS, UNATTENDED, Pairs, Start
 from remodel_console.edge.catalogue import Installed
-
-if TYPE_CHECKING:
-    from remodel_console.web.runtime_page import RuntimePage
+from remodel_console.web.page import Page
 
 
 class StartForm:
     """Shows what the loaded behavior takes, and starts it."""
 
-    def __init__(self, page: RuntimePage) -> None:
+    def __init__(self, page: Page, start: Callable[[Start], Awaitable[object]]) -> None:
         """Build the form."""
         self._page = page
+        self._start_behavior = start
         self._known = {one.name: one for one in page.console.catalogue.behaviors()}
         chart = page.console.session.chart
         loaded = chart.name if chart and chart.name in self._known else None
@@ -59,7 +58,7 @@ class StartForm:
         self._installed = installed
 
     async def _start(self) -> None:
-        await self._page.start(
+        await self._start_behavior(
             Start(
                 name=self._installed.name,
                 behavior_id=self._installed.behavior_id,
