@@ -53,8 +53,6 @@ FOLDERS_WITH_CYCLE = {
 LARGE_FOLDERS = {
     "flexbe_core.core",
     "flexbe_core.engine",
-    "remodel_console.core",
-    "remodel_console.web",
     "remodel_planner.commands",
     "remodel_planner.core",
     "remodel_planner.core.imports",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from flexbe_synthesizer.core.chart.model import Chart
 from flexbe_synthesizer.core.chart.problem import errors_in
-from remodel_console.core.inspection import Inspection, uses_by_path
+from remodel_console.core.editor.inspection import Inspection, uses_by_path
 from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import CommandError
 

@@ -32,7 +32,7 @@ from flexbe_synthesizer.edge.output_package import (
 from flexbe_synthesizer.edge.regular_file import read_regular_text
 from flexbe_synthesizer.errors import ChartFileError, OutputError, SynthesisError
 from flexbe_synthesizer.synthesis import CheckedFiles, check_files, write_behaviors
-from remodel_console.core.draft import Draft, new_draft, read_draft
+from remodel_console.core.editor.draft import Draft, new_draft, read_draft
 from remodel_console.edge.chart_folders import ChartFolders
 from remodel_console.errors import CommandError
 
