@@ -111,9 +111,9 @@ class PlaceConnectorSM(Behavior):
 
             # x:730 y:140
             OperatableStateMachine.add('LocateGearboxComponent_error',
-                                        DecisionState(outcomes=['failed_3_5', 'failed_7_10', 'failed_102_103', 'failed_400_403', 'failed_405', 'other'], conditions=lambda code: 'failed_3_5' if code in range(3, 6) else 'failed_7_10' if code in range(7, 11) else 'failed_102_103' if code in range(102, 104) else 'failed_400_403' if code in range(400, 404) else 'failed_405' if code in range(405, 406) else 'other'),
-                                        transitions={'failed_3_5': 'failed', 'failed_7_10': 'failed', 'failed_102_103': 'failed', 'failed_400_403': 'failed', 'failed_405': 'failed', 'other': 'LocateGearboxComponent_attempts'},
-                                        autonomy={'failed_3_5': Autonomy.Off, 'failed_7_10': Autonomy.Off, 'failed_102_103': Autonomy.Off, 'failed_400_403': Autonomy.Off, 'failed_405': Autonomy.Off, 'other': Autonomy.Off},
+                                        DecisionState(outcomes=['failed_3_5', 'failed_7_10', 'failed_102_103', 'failed_306_307', 'failed_400_403', 'failed_405', 'other'], conditions=lambda code: 'failed_3_5' if code in range(3, 6) else 'failed_7_10' if code in range(7, 11) else 'failed_102_103' if code in range(102, 104) else 'failed_306_307' if code in range(306, 308) else 'failed_400_403' if code in range(400, 404) else 'failed_405' if code in range(405, 406) else 'other'),
+                                        transitions={'failed_3_5': 'failed', 'failed_7_10': 'failed', 'failed_102_103': 'failed', 'failed_306_307': 'failed', 'failed_400_403': 'failed', 'failed_405': 'failed', 'other': 'LocateGearboxComponent_attempts'},
+                                        autonomy={'failed_3_5': Autonomy.Off, 'failed_7_10': Autonomy.Off, 'failed_102_103': Autonomy.Off, 'failed_306_307': Autonomy.Off, 'failed_400_403': Autonomy.Off, 'failed_405': Autonomy.Off, 'other': Autonomy.Off},
                                         remapping={'input_value': 'error_code'})
 
             # x:1330 y:140
