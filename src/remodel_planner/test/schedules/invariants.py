@@ -86,7 +86,8 @@ class Invariants:
         self, station: Station, process: Process, run: int, event: Event, after: RunState
     ) -> None:
         """Check an event that was kept."""
-        self.simulation.note(process.name, "run {}: {}", run, _short(event))
+        if self.simulation.tracing:
+            self.simulation.note(process.name, "run {}: {}", run, _short(event))
         if process.noticed_leaving and not isinstance(event, Commanded | Answered):
             self.simulation.violated(f"a shutdown left the event {event}")
         if isinstance(event, Answered | Escalated | RunEnded):
