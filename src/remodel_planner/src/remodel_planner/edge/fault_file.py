@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
-
-import yaml
-from rospkg import RosPack
 
 from remodel_planner.core.recovery.fault import Do, Fault, FaultTable, Level, Severity
 from remodel_planner.core.recovery.policy import response_from
+from remodel_planner.errors import PlannerError
+from remodel_states.edge.exported_tables import read_faults as read_fault_tables
+from remodel_states.errors import TableError
 
 
 def read_faults() -> FaultTable:
-    """Return the table of faults of remodel_msgs, whose tests hold it whole."""
-    config = Path(RosPack().get_path("remodel_msgs")) / "config"
-    codes = {row["name"]: row["code"] for row in _load(config / "error_codes.yaml")}
-    return FaultTable([_fault(row, codes) for row in _load(config / "faults.yaml")])
+    """Return the faults of all packages.
+
+    Raises:
+        PlannerError: if a table cannot be read.
+    """
+    try:
+        tables = read_fault_tables()
+    except TableError as error:
+        raise PlannerError(str(error)) from error
+    return FaultTable([_fault(row, tables.numbers) for row in tables.faults.values()])
 
 
 def _fault(row: Mapping[str, Any], codes: Mapping[str, int]) -> Fault:
@@ -32,7 +37,3 @@ def _fault(row: Mapping[str, Any], codes: Mapping[str, int]) -> Fault:
         tuple(response_from(response) for response in row["responses"]),
         row.get("unattended") == Do.STOP.value,
     )
-
-
-def _load(file: Path) -> Any:  # noqa: ANN401 - YAML
-    return yaml.safe_load(file.read_text(encoding="utf-8"))
