@@ -17,7 +17,7 @@ from ability_list import with_ability_list  # noqa: E402
 from fault_page import fault_page  # noqa: E402
 
 from remodel_states.core.fault_tables import CONTRACT, FaultTables  # noqa: E402
-from remodel_states.core.state_source import module_name, state_source  # noqa: E402
+from remodel_states.core.state_source import state_modules  # noqa: E402
 from remodel_states.edge.table_files import abilities_in, faults_from  # noqa: E402
 from remodel_states.errors import TableError  # noqa: E402
 
@@ -56,11 +56,7 @@ def generated() -> Mapping[Path, str]:
     tables = faults_from({CONTRACT: MSGS / "config/faults.yaml"}, MSGS)
     abilities = abilities_in(CONTRACT, MSGS / "config/abilities.yaml", MSGS, tables.codes, MSGS)
     return {
-        **{
-            STATES / f"{module_name(a.name)}.py": state_source(a)
-            for a in abilities.values()
-            if a.state
-        },
+        **{STATES / name: text for name, text in state_modules(abilities.values()).items()},
         README: with_ability_list(README.read_text(encoding="utf-8"), abilities.values()),
         MSGS / "msg/ErrorCode.msg": error_code_message(tables),
         SRC / "remodel_sim/src/remodel_sim/core/codes.py": codes_module(tables),

@@ -1,4 +1,4 @@
-"""The state of DetectCable, written by `generate` from config/abilities.yaml."""
+"""The state of DetectCable, generated from config/abilities.yaml: change that."""
 
 from remodel_msgs.msg import DetectCableAction, DetectCableGoal
 

@@ -1,4 +1,4 @@
-"""The state of DiscardCable, written by `generate` from config/abilities.yaml."""
+"""The state of DiscardCable, generated from config/abilities.yaml: change that."""
 
 from remodel_msgs.msg import DiscardCableAction, DiscardCableGoal
 

@@ -1,4 +1,4 @@
-"""The state of ExtractCable, written by `generate` from config/abilities.yaml."""
+"""The state of ExtractCable, generated from config/abilities.yaml: change that."""
 
 from remodel_msgs.msg import ExtractCableAction, ExtractCableGoal
 

@@ -1,4 +1,4 @@
-"""The state of FixCable, written by `generate` from config/abilities.yaml."""
+"""The state of FixCable, generated from config/abilities.yaml: change that."""
 
 from remodel_msgs.msg import FixCableAction, FixCableGoal
 

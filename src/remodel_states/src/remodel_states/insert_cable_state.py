@@ -1,4 +1,4 @@
-"""The state of InsertCable, written by `generate` from config/abilities.yaml."""
+"""The state of InsertCable, generated from config/abilities.yaml: change that."""
 
 from remodel_msgs.msg import InsertCableAction, InsertCableGoal
 

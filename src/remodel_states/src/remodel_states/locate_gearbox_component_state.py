@@ -1,4 +1,4 @@
-"""The state of LocateGearboxComponent, written by `generate` from config/abilities.yaml."""
+"""The state of LocateGearboxComponent, generated from config/abilities.yaml: change that."""
 
 from remodel_msgs.msg import LocateGearboxComponentAction, LocateGearboxComponentGoal
 

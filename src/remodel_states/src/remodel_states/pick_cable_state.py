@@ -1,4 +1,4 @@
-"""The state of PickCable, written by `generate` from config/abilities.yaml."""
+"""The state of PickCable, generated from config/abilities.yaml: change that."""
 
 from remodel_msgs.msg import PickCableAction, PickCableGoal
 

@@ -1,4 +1,4 @@
-"""The state of PlaceCable, written by `generate` from config/abilities.yaml."""
+"""The state of PlaceCable, generated from config/abilities.yaml: change that."""
 
 from remodel_msgs.msg import PlaceCableAction, PlaceCableGoal
 

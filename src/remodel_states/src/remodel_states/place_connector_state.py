@@ -1,4 +1,4 @@
-"""The state of PlaceConnector, written by `generate` from config/abilities.yaml."""
+"""The state of PlaceConnector, generated from config/abilities.yaml: change that."""
 
 from remodel_msgs.msg import PlaceConnectorAction, PlaceConnectorGoal
 

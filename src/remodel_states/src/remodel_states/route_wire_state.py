@@ -1,4 +1,4 @@
-"""The state of RouteWire, written by `generate` from config/abilities.yaml."""
+"""The state of RouteWire, generated from config/abilities.yaml: change that."""
 
 from remodel_msgs.msg import RouteWireAction, RouteWireGoal
 

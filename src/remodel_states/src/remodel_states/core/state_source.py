@@ -7,7 +7,7 @@ App's grammar, and all arguments of the constructor are on the line of its `def`
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from remodel_states.core.ability_tables import (
     PLAIN_TYPES,
@@ -19,7 +19,7 @@ from remodel_states.core.ability_tables import (
 )
 
 _WIDTH = 100
-_BY = "written by `generate` from config/abilities.yaml"
+_BY = "generated from config/abilities.yaml: change that"
 
 _ERRORS = """\
     #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
@@ -42,7 +42,17 @@ _ENDS = '''
 
 def module_name(ability: str) -> str:
     """Return the name of the module of an ability's state, such as "insert_cable_state"."""
-    return re.sub(r"(?<!^)(?=[A-Z])", "_", ability).lower() + "_state"
+    return f"{snake_case(ability)}_state"
+
+
+def snake_case(name: str) -> str:
+    """Return a name such as "InsertCable" in lower case with underscores."""
+    return re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
+
+
+def state_modules(abilities: Iterable[Ability]) -> dict[str, str]:
+    """Return the modules of the abilities that have a state: name of the file -> source."""
+    return {f"{module_name(each.name)}.py": state_source(each) for each in abilities if each.state}
 
 
 def state_source(ability: Ability) -> str:

@@ -52,6 +52,22 @@ def read_abilities() -> dict[str, Ability]:
     return found
 
 
+def read_abilities_of(folder: Path) -> tuple[str, dict[str, Ability]]:
+    """Return the name and the abilities of a package, which may be missing on the ROS package path.
+
+    Raises:
+        TableError: if it exports no table of abilities, a table cannot be read, or it does not fit
+            the actions.
+    """
+    name = (ElementTree.parse(folder / "package.xml").findtext("name") or "").strip()
+    folders = {**exporting_packages(), name: folder}
+    files = _exported(folders, "abilities")
+    if name not in files:
+        raise TableError(str(folder / "package.xml"), ["it exports no table of abilities"])
+    codes = faults_from(_exported(folders, "faults"), folders[CONTRACT]).codes
+    return name, abilities_in(name, files[name], folder, codes, folders[CONTRACT])
+
+
 def exporting_packages() -> dict[str, Path]:
     """Return the folders of the packages that export tables, that of the contract first.
 
