@@ -53,8 +53,9 @@ class Code(IntEnum):
 
 def generated() -> Mapping[Path, str]:
     """Return the generated files with their texts."""
-    tables = faults_from({CONTRACT: MSGS / "config/faults.yaml"}, MSGS)
-    abilities = abilities_in(CONTRACT, MSGS / "config/abilities.yaml", MSGS, tables.codes, MSGS)
+    table = MSGS / "config/abilities.yaml"
+    tables = faults_from({CONTRACT: [MSGS / "config/faults.yaml", table]}, MSGS)
+    abilities = abilities_in(CONTRACT, table, MSGS, tables.codes, MSGS)
     return {
         **{STATES / name: text for name, text in state_modules(abilities.values()).items()},
         README: with_ability_list(README.read_text(encoding="utf-8"), abilities.values()),

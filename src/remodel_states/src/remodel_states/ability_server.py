@@ -19,7 +19,7 @@ What it does with a goal (first row that holds):
     `check` raises an AbilityError                 rejected   its code
     `perform` returns                              succeeded
     `perform` raises an AbilityError               aborted    its code
-    cancelled (`report` and `wait` raise it)       preempted  PREEMPTED
+    cancelled (`wait` and `check` raise it)        preempted  PREEMPTED
     its timeout has passed (they raise it too)     aborted    TIMEOUT
     any other exception                            aborted    INTERNAL, or rejected if in `check`
 
@@ -102,7 +102,7 @@ class AbilityServer:
         """
 
     def perform(self, running: RunningGoal) -> Done:
-        """Do a goal, in a thread of its own; call `report`, `wait` or `check` of it every 0.2 s.
+        """Do a goal, in a thread of its own; call `wait` or `check` of it every 0.2 s at least.
 
         Raises:
             AbilityError: if the ability fails.

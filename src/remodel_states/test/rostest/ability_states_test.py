@@ -29,6 +29,8 @@ from flexbe_core import Logger
 from flexbe_core.core import UserData
 from flexbe_core.proxy import ProxyActionClient
 from remodel_states import record_keeping
+from remodel_states.core.ability_tables import POSE as POSE_TYPE
+from remodel_states.core.ability_tables import POSES as POSES_TYPE
 from remodel_states.core.state_source import module_name
 from remodel_states.count_attempts_state import CountAttemptsState
 from remodel_states.edge.exported_tables import read_abilities
@@ -36,16 +38,17 @@ from remodel_states.place_pin_state import SLOW, PlacePinState
 from remodel_states.testing import Answer, FakeAbility
 
 POSE = [0.1, 0.2, 0.3, 1.5]
-REQUIRED = {"connector_id": "P1", "target": POSE, "path": [POSE, POSE]}
+EXAMPLES = {POSE_TYPE: POSE, POSES_TYPE: [POSE, POSE], "string": "P1", "float64": 1.0}
 
 
 def states():
     """Return ability -> (state's class, required parameters, outcome of success)."""
     found = {"PlacePin": (PlacePinState, {}, "PlacePin finished normally")}
     for name, row in read_abilities().items():
-        if row.state:
+        if row.state and row.package == "remodel_msgs":
             module = import_module(f"remodel_states.{module_name(name)}")
-            given = {p.name: REQUIRED[p.name] for p in row.state.parameters if p.is_required}
+            required = [p for p in row.state.parameters if p.is_required]
+            given = {p.name: EXAMPLES[p.field.type] for p in required}
             found[name] = (getattr(module, f"{name}State"), given, row.state.outcome)
     return found
 
@@ -56,9 +59,10 @@ STATES = states()
 def userdata():
     """Return userdata with every input that an ability state may read."""
     data = UserData()
-    for key in ("cable_id", "cable_end", "component_id", "terminal_id", "placepin_id"):
-        data[key] = key
-    data["socket_pose"] = PoseStamped()
+    data["placepin_id"] = "placepin_id"
+    for row in read_abilities().values():
+        for field in row.state.inputs if row.state else ():
+            data[field.name] = PoseStamped() if field.type == POSE_TYPE else field.name
     return data
 
 

@@ -118,7 +118,7 @@ def test_a_table_of_another_form_is_reported(tmp_path):
 
 
 def test_each_fault_is_caused_by_an_ability_that_reports_its_code():
-    tables = faults_from({"remodel_msgs": MSGS / "config/faults.yaml"}, MSGS)
+    tables = faults_from({"remodel_msgs": [MSGS / "config/faults.yaml"]}, MSGS)
     file = MSGS / "config/abilities.yaml"
     rows = abilities_in("remodel_msgs", file, MSGS, tables.codes, MSGS)
     for fault in tables.faults.values():

@@ -22,7 +22,7 @@ next:
   build the workspace, source it, then run: rostest {package} {module}.test
   write your ability into these five files, then run: rosrun remodel_states generate_states {folder}
     action/{ability}.action
-    config/abilities.yaml (and error codes of its own in config/faults.yaml)
+    config/abilities.yaml
     src/{package}/{module}_server.py
     test/rostest/{module}_test.py
     charts/{module}.xml

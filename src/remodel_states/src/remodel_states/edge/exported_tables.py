@@ -30,8 +30,7 @@ def read_faults() -> FaultTables:
     Raises:
         TableError: if a table cannot be read, or two contradict each other.
     """
-    folders = exporting_packages()
-    return faults_from(_exported(folders, "faults"), folders[CONTRACT])
+    return _faults_of(exporting_packages())
 
 
 def read_abilities() -> dict[str, Ability]:
@@ -41,7 +40,8 @@ def read_abilities() -> dict[str, Ability]:
         TableError: if a table cannot be read or does not fit its actions, or two packages have an
             ability of one name.
     """
-    folders, codes = exporting_packages(), read_faults().codes
+    folders = exporting_packages()
+    codes = _faults_of(folders).codes
     found: dict[str, Ability] = {}
     for package, file in _exported(folders, "abilities").items():
         abilities = abilities_in(package, file, folders[package], codes, folders[CONTRACT])
@@ -64,7 +64,7 @@ def read_abilities_of(folder: Path) -> tuple[str, dict[str, Ability]]:
     files = _exported(folders, "abilities")
     if name not in files:
         raise TableError(str(folder / "package.xml"), ["it exports no table of abilities"])
-    codes = faults_from(_exported(folders, "faults"), folders[CONTRACT]).codes
+    codes = _faults_of(folders).codes
     return name, abilities_in(name, files[name], folder, codes, folders[CONTRACT])
 
 
@@ -81,6 +81,12 @@ def exporting_packages() -> dict[str, Path]:
         paths = ":".join(rospkg.get_ros_paths())
         raise TableError(CONTRACT, [f"not on the ROS package path ({paths}); source its workspace"])
     return {CONTRACT: found.pop(CONTRACT), **found}
+
+
+def _faults_of(folders: Mapping[str, Path]) -> FaultTables:
+    exported = [_exported(folders, table) for table in ("faults", "abilities")]
+    files = {name: [own[name] for own in exported if name in own] for name in folders}
+    return faults_from(files, folders[CONTRACT])
 
 
 def _exported(folders: Mapping[str, Path], table: str) -> dict[str, Path]:
