@@ -10,10 +10,10 @@ from functools import cache
 from pathlib import Path
 from typing import TextIO
 
-from flexbe_synthesizer.core.draw import chart_to_dot
-from flexbe_synthesizer.core.expand import chart_steps
-from flexbe_synthesizer.core.model import Chart
-from flexbe_synthesizer.core.problem import errors_in
+from flexbe_synthesizer.core.chart.model import Chart
+from flexbe_synthesizer.core.chart.problem import errors_in
+from flexbe_synthesizer.core.export.draw import chart_to_dot
+from flexbe_synthesizer.core.machine.expanded_labels import chart_steps
 from flexbe_synthesizer.edge.atomic_write import write_all
 from flexbe_synthesizer.edge.graphviz import FORMATS, render_dot
 from flexbe_synthesizer.edge.inventory import read_inventory
@@ -143,7 +143,7 @@ def _export(chart: Chart, options: argparse.Namespace) -> tuple[Path, ...]:
 def _scxml(chart: Chart) -> str:
     """Return a chart as SCXML."""
     # Here, since lxml is a seventh of the start of a program that seldom needs it.
-    from flexbe_synthesizer.core.scxml import ScxmlError, chart_to_scxml
+    from flexbe_synthesizer.core.export.scxml import ScxmlError, chart_to_scxml
 
     try:
         return chart_to_scxml(chart)

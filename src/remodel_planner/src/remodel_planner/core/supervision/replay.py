@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.chart.model import Chart
 from remodel_planner.core.supervision.attempts import INTERRUPTED, Attempt
 from remodel_planner.core.supervision.events import (
     Answered,
@@ -29,6 +29,7 @@ from remodel_planner.core.supervision.events import (
     RunBegun,
     RunEnded,
     Settled,
+    StopReported,
     TaskBegun,
     TaskElsewhere,
     TaskEnded,
@@ -54,7 +55,15 @@ from remodel_planner.core.supervision.step import (
 from remodel_planner.core.trace import trace
 
 # What may happen at any time, whatever comes next.
-_ANY_TIME = (Interrupted, Commanded, Blocked, TaskElsewhere, TaskReturned, PanelLoaded)
+_ANY_TIME = (
+    Interrupted,
+    StopReported,
+    Commanded,
+    Blocked,
+    TaskElsewhere,
+    TaskReturned,
+    PanelLoaded,
+)
 
 
 @dataclass(frozen=True)

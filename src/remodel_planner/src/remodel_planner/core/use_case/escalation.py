@@ -5,7 +5,14 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from dataclasses import replace
 
-from flexbe_synthesizer.core.model import AnyNode, Chart, Connection, ErrorRoute, State, Transition
+from flexbe_synthesizer.core.chart.model import (
+    AnyNode,
+    Chart,
+    Connection,
+    ErrorRoute,
+    State,
+    Transition,
+)
 from remodel_planner.core.use_case.task_chart import marked
 
 _FAILED, _REFUSED = "failed", "command_error"
