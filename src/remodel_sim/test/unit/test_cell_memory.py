@@ -18,7 +18,7 @@ from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.job import Job
 from remodel_states.edge.exported_tables import read_abilities
-from remodel_states.running_goal import RunningGoal
+from remodel_states.serving.running_goal import RunningGoal
 
 OTHER = panel(name="other")
 

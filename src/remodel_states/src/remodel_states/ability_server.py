@@ -46,10 +46,10 @@ from remodel_states.core.ability_error import AbilityError
 from remodel_states.core.ability_tables import Ability
 from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.errors import TableError
-from remodel_states.invalid_goal import why_invalid
-from remodel_states.ownership import owner_of
-from remodel_states.robot import Robot
-from remodel_states.running_goal import RunningGoal
+from remodel_states.serving.invalid_goal import why_invalid
+from remodel_states.serving.ownership import owner_of
+from remodel_states.serving.robot import Robot
+from remodel_states.serving.running_goal import RunningGoal
 
 
 @dataclass(frozen=True)

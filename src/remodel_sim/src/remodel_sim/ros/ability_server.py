@@ -17,7 +17,7 @@ from remodel_sim.ros.job import Job
 from remodel_sim.ros.owner import Owner
 from remodel_states.ability_server import AbilityServer
 from remodel_states.core.ability_tables import Ability
-from remodel_states.running_goal import RunningGoal
+from remodel_states.serving.running_goal import RunningGoal
 
 MAX_TIMEOUT_S = 3600.0
 # The fields of goals that name a robot.

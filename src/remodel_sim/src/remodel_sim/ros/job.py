@@ -16,7 +16,7 @@ from remodel_sim.core.errors import MemoryFileError
 from remodel_sim.core.goals import Goal
 from remodel_sim.ros.conversions import result_fields
 from remodel_states.core.ability_error import AbilityError
-from remodel_states.running_goal import RunningGoal
+from remodel_states.serving.running_goal import RunningGoal
 
 
 class Job:

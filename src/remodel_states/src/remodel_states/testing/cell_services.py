@@ -13,7 +13,7 @@ from sensor_msgs.msg import Image
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from remodel_states.core.ability_error import AbilityError
-from remodel_states.ownership import admitted
+from remodel_states.serving.ownership import admitted
 from remodel_states.testing.cell_ability import Site
 from remodel_states.testing.course import Course
 from remodel_states.testing.fault_table import FaultTable

@@ -9,7 +9,7 @@ from random import Random
 
 from remodel_msgs.msg import ErrorCode
 
-from remodel_states.running_goal import RunningGoal, StoppedError
+from remodel_states.serving.running_goal import RunningGoal, StoppedError
 
 # [s] Wall time between two feedbacks.
 _FEEDBACK_S = 0.2

@@ -17,7 +17,7 @@ from remodel_states.ability_server import AbilityServer
 from remodel_states.core.ability_error import AbilityError
 from remodel_states.core.ability_tables import Ability
 from remodel_states.edge.exported_tables import read_abilities
-from remodel_states.running_goal import RunningGoal
+from remodel_states.serving.running_goal import RunningGoal
 
 
 @dataclass(frozen=True)

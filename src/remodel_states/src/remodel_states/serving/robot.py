@@ -7,7 +7,7 @@ import threading
 from remodel_msgs.msg import ErrorCode
 
 from remodel_states.core.ability_error import AbilityError
-from remodel_states.ownership import admitted
+from remodel_states.serving.ownership import admitted
 
 
 class Robot:
@@ -24,7 +24,7 @@ class Robot:
         """Begin a goal.
 
         Args:
-            owner: token of the supervisor that sent it (`ownership.owner_of`); 0 is not checked.
+            owner: token of the supervisor that sent it (`owner_of`); 0 is not checked.
 
         Raises:
             AbilityError: BUSY while it does another goal, STALE_OWNER after a newer supervisor.
