@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
+from remodel_states.serving.ownership import admitted
 from remodel_states.testing.faults import Faults, when_fed, when_mended
 from remodel_states.testing.ledger import Deed, Entry
-from remodel_states.testing.ownership import admitted
 from remodel_states.testing.world import Panel, World
 from schedules.simulation import Simulation
 
@@ -58,7 +58,7 @@ class Site:
     ledger: list[Entry] = field(default_factory=list)
 
     def admit(self, cell: str, owner: int) -> None:
-        """Check a token, and remember it; WorldError if it is stale."""
+        """Check a token, and remember it; AbilityError if it is stale."""
         self.owners = admitted(self.owners, cell, owner)
 
     def begin(self, motion: Motion) -> None:
