@@ -160,7 +160,7 @@ class Schedules:
                     f"run {run}, event {number} does not replay: {frame.differs}: {frame.event}"
                 )
         for attempt in attempts_of(events):
-            difference = path_difference(attempt, self._charts.of[attempt.chart], {})
+            difference = path_difference(attempt, self._charts.of[attempt.chart], {}, {})
             if difference:
                 simulation.violated(f"run {run}: {attempt.execution.behavior}: {difference}")
 

@@ -10,6 +10,7 @@ import pytest
 import yaml
 from house import HOUSE
 
+from flexbe_synthesizer.core.error_routes import codes_of_routes
 from flexbe_synthesizer.core.model import Behavior, Container
 from remodel_planner.core.cell_order import cell_order
 from remodel_planner.core.learning.experience import Experience
@@ -21,7 +22,7 @@ from remodel_planner.core.recovery.policy import Policy
 from remodel_planner.core.supervision.events import Decided, Part
 from remodel_planner.core.use_case.work_order import order_from
 from remodel_planner.edge.catalogue_file import read_catalogue
-from remodel_planner.edge.fault_file import read_faults
+from remodel_planner.edge.fault_file import read_error_names, read_faults
 from remodel_planner.edge.nested_charts import nested_charts
 from remodel_planner.edge.use_case_files import find_use_case
 from remodel_planner.edge.work_planner import WorkPlanner
@@ -29,6 +30,7 @@ from remodel_planner.edge.work_planner import WorkPlanner
 PACKAGE = Path(__file__).parents[2]
 FAULTS = read_faults()
 NESTED = nested_charts()
+ERROR_NAMES = read_error_names()
 JAMMED, MISALIGNED, NO_CONTACT, SLIPPED, NOT_SEATED, PULLED_OUT, FORCE = (
     301, 300, 302, 303, 304, 305, 308,
 )  # fmt: skip
@@ -69,8 +71,11 @@ class Walk:
         self.visited.append((path, node))
         if node.type != self.failing:
             return next(target for event, target in targets.items() if event not in NO_SUCCESS)
-        routed = [r.target for r in node.on_error if r.first <= self.code <= r.last]
-        return routed[0] if routed else targets["failed"]
+        routed = codes_of_routes(node.on_error, ERROR_NAMES)
+        taken = (
+            r.target for r, codes in zip(node.on_error, routed, strict=True) if self.code in codes
+        )
+        return next(taken, targets["failed"])
 
     def count(self, ability):
         return sum(node.type == f"{ability}State" for _, node in self.visited)
@@ -85,14 +90,7 @@ def planner(request):
         text = (PACKAGE / "examples" / f"{request.param}.yaml").read_text()
         order = order_from(yaml.safe_load(text))
     use_case = find_use_case(order.use_case)
-    made = WorkPlanner(
-        order,
-        use_case,
-        Experience(use_case),
-        0.0,
-        escalated=FAULTS.codes_above_behaviors,
-        undone=FAULTS.codes_to_undo,
-    )
+    made = WorkPlanner(order, use_case, Experience(use_case), 0.0)
     made.plan([task.name for task in order.tasks])
     return made
 

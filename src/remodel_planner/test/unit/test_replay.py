@@ -29,9 +29,9 @@ def attempt(*path):
     ],
 )
 def test_states_without_a_record_do_not_differ(path):
-    assert path_difference(attempt(*path), Chart("Place Wire W1", ""), {}) == ""
+    assert path_difference(attempt(*path), Chart("Place Wire W1", ""), {}, {}) == ""
 
 
 @pytest.mark.parametrize("path", [ASKED[:1], ASKED[::-1]])
 def test_an_operation_that_was_not_entered_in_its_turn_differs(path):
-    assert "the engine entered" in path_difference(attempt(*path), Chart("", ""), {})
+    assert "the engine entered" in path_difference(attempt(*path), Chart("", ""), {}, {})

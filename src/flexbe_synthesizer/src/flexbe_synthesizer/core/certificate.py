@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from flexbe_synthesizer.core.check import CheckedChart
-from flexbe_synthesizer.core.error_routes import format_codes
+from flexbe_synthesizer.core.error_routes import codes_of_routes, format_codes, is_named
 from flexbe_synthesizer.core.graph import Graph, chart_graph
 from flexbe_synthesizer.core.nested import NestedBehaviors
 from flexbe_synthesizer.core.resolve import (
@@ -217,7 +217,7 @@ def _error_ends(
     graph = times.graph(resolved)
     ends = _ends(graph, leading)
     for name, entry in resolved.by_id.items():
-        for edge_event, codes, target in _coded(entry, graph):
+        for edge_event, codes, target in _coded(entry, graph, resolved.error_names):
             found = tuple(sorted(ends.get(target, ())))
             yield ErrorEnd(f"{above}{name}", edge_event, codes, target, found)
         if entry.body is not None:
@@ -243,14 +243,18 @@ def _ends(graph: Graph, leading: Mapping[str, frozenset[str]]) -> Mapping[str, f
     return ends
 
 
-def _coded(entry: ResolvedNode, graph: Graph) -> Iterator[tuple[str, str, str]]:
+def _coded(
+    entry: ResolvedNode, graph: Graph, error_names: Mapping[str, tuple[int, ...]]
+) -> Iterator[tuple[str, str, str]]:
     """Yield event, codes and target of each way in which a node is left with an error code."""
     signature = entry.use.signature
     if signature is None or ERROR_CODE not in entry.use.outputs:
         return
     routes: dict[str, list[str]] = {}
-    for route in entry.node.on_error:
-        routes.setdefault(route.target, []).append(format_codes(route.first, route.last))
+    on_error = entry.node.on_error
+    for route, codes in zip(on_error, codes_of_routes(on_error, error_names), strict=True):
+        shown = f"{route.codes} ({format_codes(codes)})" if is_named(route) else format_codes(codes)
+        routes.setdefault(route.target, []).append(shown)
     targets = {t.event: t.target for t in entry.node.transitions}
     for edge in graph.leaving.get(entry.node.id, ()):
         targets.setdefault(edge.event, edge.target)  # in a concurrency container

@@ -14,7 +14,7 @@ from types import MappingProxyType
 
 from flexbe_synthesizer.core import machine, names
 from flexbe_synthesizer.core.data_flow import DataFlow
-from flexbe_synthesizer.core.error_routes import route_event
+from flexbe_synthesizer.core.error_routes import codes_of_routes, route_event
 from flexbe_synthesizer.core.machine import (
     BehaviorUse,
     Child,
@@ -254,10 +254,9 @@ class _Expansion:
         """Return the state that leads a failure to where its code says."""
         routes = entry.node.on_error
         events = tuple(route_event(route) for route in routes)
-        ranges = ((r.first, r.last, event) for r, event in zip(routes, events, strict=True))
-        chooser = self._support(
-            Support.CHOOSER, outcomes=(*events, _OTHER), conditions=choose_by_code(ranges, _OTHER)
-        )
+        codes = codes_of_routes(routes, self._resolved.error_names)
+        conditions = choose_by_code(zip(events, codes, strict=True), _OTHER)
+        chooser = self._support(Support.CHOOSER, outcomes=(*events, _OTHER), conditions=conditions)
         exits = tuple(
             Exit(event, self._entry(route.target))
             for event, route in zip(events, routes, strict=True)
