@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo test behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale evaluate-abilities schedules chaos campaign clean
+.PHONY: help build demo test generate behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale evaluate-abilities schedules chaos campaign clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -28,6 +28,9 @@ test: build ## Set up, then lint, unit tests and ROS tests; ends with a count
 	@rm -rf $(RESULTS)
 	@status=0; for part in lint unit rostest; do $(MAKE) --no-print-directory $$part || status=1; done; \
 	  tools/count_tests.py $(RESULTS) || status=1; exit $$status
+
+generate: .venv/.ready ## Write what is generated from the tables of abilities, error codes and faults
+	@tools/generate.py
 
 behaviors: build ## Synthesize the charts of remodel_behaviors again
 	@$(SOURCED) rosrun flexbe_synthesizer synthesize src/remodel_behaviors/charts/*.xml

@@ -33,7 +33,6 @@ import physical
 import rospy
 import yaml
 from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal
-from rospkg import RosPack
 from sites import FakeSite, SimulatedSite, Site
 from stack import ORDER, Stack, stack
 from table import told
@@ -58,6 +57,7 @@ from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.run_log import RunLog
 from remodel_planner.edge.use_case_files import VARIABLE
 from remodel_planner.ros.action_server import ActionServer
+from remodel_states.edge.exported_tables import read_faults
 
 # How the policies are called; the first is that of the table of faults.
 TABLE, RETRY = "table", "retry three times"
@@ -157,9 +157,8 @@ class Tables:
 
     def __init__(self) -> None:
         """Read them."""
-        config = Path(RosPack().get_path("remodel_msgs")) / "config"
-        self.faults = {row["fault"]: row for row in _yaml(config / "faults.yaml")}
-        self.codes = {row["name"]: row["code"] for row in _yaml(config / "error_codes.yaml")}
+        tables = read_faults()
+        self.faults, self.codes = tables.faults, tables.numbers
         self.use_case = _yaml(use_case_folder() / "switchgear.yaml")
         stated = self.use_case["abilities"]
         self.durations_s = {name: float(row["duration_s"]) for name, row in stated.items()}

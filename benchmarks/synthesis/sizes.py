@@ -21,9 +21,9 @@ from pathlib import Path
 from lxml import etree
 
 from flexbe_synthesizer.core.certificate import certify, write_certificate
+from flexbe_synthesizer.core.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart_writer import write_chart
 from flexbe_synthesizer.core.check import CheckedChart
-from flexbe_synthesizer.core.codec import parse_chart
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, manifest_of
 from flexbe_synthesizer.core.layout import lay_out
 from flexbe_synthesizer.core.library import Library
@@ -103,7 +103,7 @@ def generate(checked: CheckedChart) -> str:
 
 def certificate(checked: CheckedChart) -> str:
     """Return the text of the certificate, which each synthesis writes beside the behavior."""
-    return write_certificate(certify(checked, "bench"), "", [])
+    return write_certificate(certify(checked, "bench"), "", "", [])
 
 
 @garbage_kept()

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TextIO
 
 from flexbe_synthesizer.core.draw import chart_to_dot
-from flexbe_synthesizer.core.expand import chart_steps
+from flexbe_synthesizer.core.expanded_labels import chart_steps
 from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.model import Chart
 from flexbe_synthesizer.core.problem import errors_in

@@ -13,21 +13,18 @@ from pathlib import Path
 from types import MappingProxyType
 
 from flexbe_synthesizer.core.certificate import certify, write_certificate
+from flexbe_synthesizer.core.chart_reader import read_chart
 from flexbe_synthesizer.core.check import CheckedChart, check_chart
-from flexbe_synthesizer.core.codec import read_chart
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, manifest_of
 from flexbe_synthesizer.core.layout import lay_out
 from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.machine import Machine
-from flexbe_synthesizer.core.manifest import read_manifest, write_manifest
-from flexbe_synthesizer.core.manual_sections import (
-    ManualSectionError,
-    read_manual_sections,
-    written_name,
-)
+from flexbe_synthesizer.core.manifest import write_manifest
+from flexbe_synthesizer.core.manual_sections import ManualSectionError, read_manual_sections
 from flexbe_synthesizer.core.problem import ChartError, Code, Problem, errors_in
 from flexbe_synthesizer.core.render_python import render_python
 from flexbe_synthesizer.edge.atomic_write import write_all
+from flexbe_synthesizer.edge.behavior_owner import chart_place, expect_own
 from flexbe_synthesizer.edge.chart_files import read_charts
 from flexbe_synthesizer.edge.chart_memory import ChartMemory
 from flexbe_synthesizer.edge.output_package import OutputPackage
@@ -133,7 +130,7 @@ def write_behaviors(
 
     Raises:
         ChartError: if a chart has errors.
-        OutputError: if a file cannot be written; then none is.
+        OutputError: if a file cannot be written, or belongs to another chart; then none is.
     """
     errors = errors_in(files.problems)
     if errors:
@@ -143,38 +140,19 @@ def write_behaviors(
         package = files.packages[path]
         machine = compile_chart(checked, package.name)
         texts.update(package.missing)
-        _expect_own(machine.name, package)
+        expect_own(machine.name, path, package)
         text = render_behavior(machine, package.code_path(machine.name))
         texts[package.code_path(machine.name)] = text
         manifest = write_manifest(manifest_of(machine), machine.description)
         texts[package.manifest_path(machine.name)] = manifest
         manual = [name for name, code in read_manual_sections(text).items() if code.strip()]
         texts[package.certificate_path(machine.name)] = write_certificate(
-            certify(checked, package.name), sha256(text.encode()).hexdigest(), manual
+            certify(checked, package.name),
+            chart_place(path, package),
+            sha256(text.encode()).hexdigest(),
+            manual,
         )
     return write_all(texts)
-
-
-def _expect_own(name: str, package: OutputPackage) -> None:
-    """Refuse to write the files of a behavior over those of another one.
-
-    Raises:
-        OutputError: if they hold another behavior, or cannot be read.
-    """
-    manifest, code = package.manifest_path(name), package.code_path(name)
-    try:
-        found = read_manifest(read_regular(manifest), str(manifest)) if manifest.exists() else None
-        there = read_regular(code).decode() if code.exists() else ""
-    except (OSError, ValueError) as error:
-        raise OutputError(f"the behavior '{name}' cannot be written: {error}") from error
-    if manifest.exists() and found is None:
-        raise OutputError(f"{manifest} is no manifest of a behavior; move it away")
-    for path, other in ((manifest, found.name if found else name), (code, written_name(there))):
-        if other is not None and other != name:
-            raise OutputError(
-                f"{path} belongs to the behavior '{other}', and '{name}' would be written over it; "
-                f"give the chart another name, or delete the files of '{other}'"
-            )
 
 
 def render_behavior(machine: Machine, path: Path) -> str:

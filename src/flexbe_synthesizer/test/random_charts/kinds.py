@@ -59,5 +59,5 @@ KINDS = {
     "WaitState": Kind(("done",), is_scripted=False),
 }
 
-# What packages/scripted_states/error_codes.yaml names, as far as the charts use it.
+# What packages/scripted_states/faults.yaml names, as far as the charts use it.
 ERROR_NAMES = {"JAMMED": frozenset({2}), "above_behavior": frozenset({2, 3, 5})}

@@ -34,6 +34,7 @@ T = TypeVar("T")
 NAMES = st.sampled_from(("A", "B b", "c_1", "d.e-f", "Grün", "done", "failed", "x", "y2"))
 TEXTS = st.text(st.characters(codec="utf-8", exclude_categories=["Cc", "Cs", "Cn", "Co"]))
 TYPES = st.none() | st.sampled_from(["int", "string", "geometry_msgs/Pose"])
+UNTYPED = st.none() | st.sampled_from(["int", "geometry_msgs/Pose"])  # any literal may stand there
 VALUES = st.recursive(
     st.none() | st.booleans() | st.integers(-9999, 9999) | st.floats(-9, 9) | st.text(),
     lambda inner: st.lists(inner) | st.dictionaries(st.text() | st.integers(0, 9), inner),
@@ -47,7 +48,8 @@ def charts(
 ) -> st.SearchStrategy[Chart]:
     """Return charts whose names are drawn from the strategies given."""
     nodes = st.recursive(_leaves(ids, types), lambda inner: _containers(ids, inner), max_leaves=5)
-    with_defaults = st.builds(Input, ids, TYPES, VALUES)
+    of_string = st.builds(Input, ids, st.just("string"), st.none() | st.text())
+    with_defaults = st.builds(Input, ids, UNTYPED, VALUES) | of_string
     return _bodies(ids, nodes, with_defaults, ids, ids, st.just(()), TEXTS)
 
 

@@ -8,9 +8,8 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flexbe_synthesizer.core.certificate import certify, write_certificate
+from flexbe_synthesizer.core.certificate import certify, read_chart_place, write_certificate
 from flexbe_synthesizer.core.check import check_chart
-from flexbe_synthesizer.core.graph import chart_graph
 from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.model import Chart, Outcome, State, Transition
 from flexbe_synthesizer.core.problem import Code, errors_in
@@ -97,7 +96,7 @@ def test_no_run_visits_a_state_more_often_than_its_bound_and_most_bounds_are_rea
     @settings(max_examples=150, deadline=None, derandomize=True)
     def compare(drawn):
         resolved = check_chart(drawn, LIBRARY, {}).resolved
-        bounds = most_visits(resolved, chart_graph(resolved), 1)
+        bounds = most_visits(resolved, 1)
         for name, most in reached_visits(drawn).items():
             bound = bounds[name]
             assert bound is None or (most is not None and most <= bound), (name, bound, most)
@@ -129,9 +128,22 @@ def certificate(check):
         checked, problems = check(text)
         assert errors_in(problems) == ()
         code = hashlib.sha256(b"code").hexdigest()
-        return yaml.safe_load(write_certificate(certify(checked, "p"), code, ["INIT"]))
+        return yaml.safe_load(
+            write_certificate(certify(checked, "p"), "charts/a.xml", code, ["INIT"])
+        )
 
     return certificate
+
+
+@pytest.mark.parametrize("place", ["charts/a.xml", '../other/"Ä" b.xml'])
+def test_the_chart_of_a_certificate_is_read_back(check, golden, place):
+    checked, _problems = check((golden / "charts" / "plain.xml").read_text())
+    assert read_chart_place(write_certificate(certify(checked, "p"), place, "")) == place
+
+
+@pytest.mark.parametrize("text", ["", "behavior: x\n", "chart: 3\n", "chart: [\n"])
+def test_a_certificate_without_a_chart_has_none(text):
+    assert read_chart_place(text) is None
 
 
 def rows(found, part):

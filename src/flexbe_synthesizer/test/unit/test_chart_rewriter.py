@@ -1,14 +1,16 @@
 """Charts changed inside their text, whatever the change; the console's tests have each edit."""
 
+import dataclasses
 import re
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from synthesizer_support.strategies import WILD_NAMES, charts
 
+from flexbe_synthesizer.core.chart_reader import parse_chart, read_chart
 from flexbe_synthesizer.core.chart_rewriter import RewriteError, rewrite_chart
-from flexbe_synthesizer.core.codec import parse_chart, read_chart, write_chart
-from flexbe_synthesizer.core.model import Chart, Outcome, State
+from flexbe_synthesizer.core.chart_writer import write_chart
+from flexbe_synthesizer.core.model import Chart, Input, Outcome, State
 
 MIXED = charts(WILD_NAMES.map(str.strip).filter(bool))
 CHART = """<statemachine name="A" initial="S">
@@ -71,3 +73,18 @@ def test_deep_nesting_of_unknown_elements_is_no_hindrance():
     chart, _problems = read_chart(deep, "")
     changed = Chart("A", "S", (Outcome("z"),), chart.nodes)
     assert rewrite_chart(deep, changed) == deep.replace('outcome name="x"', 'outcome name="z"')
+
+
+@pytest.mark.parametrize("spelled", ["5", "'5'", "&quot;5&quot;"])
+@pytest.mark.parametrize("old", ['type="string" ', 'type="int" ', ""])
+@pytest.mark.parametrize(
+    "new", [Input("i", "string", "5"), Input("i", None, "5"), Input("i", "int", 5), Input("i")]
+)
+def test_a_default_keeps_its_value_when_its_type_changes(old, spelled, new):
+    text = (
+        '<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="A" initial="S">'
+        f'<datamodel><outcome name="x"/><input name="i" {old}ext:default="{spelled}"/></datamodel>'
+        '<state id="S" type="T"/></statemachine>'
+    )
+    wanted = dataclasses.replace(parse_chart(text), inputs=(new,))
+    assert parse_chart(rewrite_chart(text, wanted)).inputs == (new,)

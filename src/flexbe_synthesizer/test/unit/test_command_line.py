@@ -261,6 +261,66 @@ def test_a_behavior_is_not_written_over_another_one(run, charts, lost):
     assert tree(package) == before
 
 
+@pytest.fixture
+def namesake(charts):
+    """Return the file of a second chart with the name `Place Connector`; the first is written."""
+    other = charts.parent / "drafts" / "mine.xml"
+    other.parent.mkdir()
+    text = (charts / "place_connector.xml").read_text()
+    other.write_text(text.replace('ext:attempts="3"', 'ext:attempts="4"'))
+    return other
+
+
+def test_a_behavior_is_not_written_over_that_of_another_chart_file(run, charts, namesake):
+    package, chart = charts.parent, charts / "place_connector.xml"
+    assert run(chart)[0] == 0
+    before = tree(package)
+    code, out, err = run(namesake)
+    assert (code, out) == (2, "")
+    assert err == (
+        f"synthesize: {namesake} and {chart} both have the name 'Place Connector', and its "
+        f"behavior in {package} is from the latter; rename one of the charts, or delete the one "
+        "that is not needed\n"
+    )
+    assert tree(package) == before
+    assert run(chart)[1] == "unchanged: every behavior is as its chart says\n"
+
+
+def test_a_behavior_is_not_written_over_that_of_a_chart_elsewhere(run, charts, namesake, tmp_path):
+    output = tmp_path / "out"
+    assert run(charts / "place_connector.xml", "--output", output)[0] == 0
+    before = tree(output)
+    code, _out, err = run(namesake, "--output", output)
+    assert code == 2
+    assert f"{namesake} and {charts / 'place_connector.xml'} both have the name" in err
+    assert tree(output) == before
+
+
+@pytest.mark.parametrize("change", ["moved", "renamed", "lost", "no chart"])
+def test_a_chart_may_take_the_place_of_one_that_is_no_more(run, charts, namesake, change):
+    chart = charts / "place_connector.xml"
+    assert run(chart)[0] == 0
+    if change == "moved":
+        chart.rename(namesake)
+    elif change == "renamed":
+        chart.write_text(chart.read_text().replace('name="Place Connector"', 'name="Pull"'))
+    elif change == "no chart":
+        chart.write_text("<notes/>")
+    else:
+        chart.unlink()
+    assert run(namesake)[0] == 0
+    assert run(namesake)[1] == "unchanged: every behavior is as its chart says\n"
+
+
+def test_a_package_that_is_copied_with_its_charts_is_independent(run, charts, tmp_path):
+    assert run(charts / "place_connector.xml")[0] == 0
+    copy = Path(shutil.copytree(charts.parent, tmp_path / "copy"))
+    assert run(copy / "charts" / "place_connector.xml")[:2] == (
+        0,
+        "unchanged: every behavior is as its chart says\n",
+    )
+
+
 def test_what_is_no_manifest_is_not_written_over(run, charts):
     manifest = charts.parent / "manifest" / "place_connector.xml"
     manifest.parent.mkdir()

@@ -3,7 +3,7 @@ import shutil
 
 import pytest
 
-from flexbe_synthesizer.core.codec import parse_chart
+from flexbe_synthesizer.core.chart_reader import parse_chart
 from flexbe_synthesizer.core.draw import chart_to_dot
 from flexbe_synthesizer.core.model import (
     Behavior,

@@ -5,7 +5,7 @@ import itertools
 import pytest
 
 from flexbe_core.engine.errors import BehaviorFailure
-from flexbe_synthesizer.core.codec import parse_chart
+from flexbe_synthesizer.core.chart_reader import parse_chart
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, manifest_of
 from flexbe_synthesizer.core.expand import expand
 from flexbe_synthesizer.core.layout import lay_out

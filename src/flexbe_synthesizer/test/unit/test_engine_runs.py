@@ -10,7 +10,7 @@ from itertools import chain, combinations
 import pytest
 from synthesizer_support.chart_run import run
 
-from flexbe_synthesizer.core.codec import parse_chart
+from flexbe_synthesizer.core.chart_reader import parse_chart
 from flexbe_synthesizer.core.compile import compile_chart
 from flexbe_synthesizer.core.instantiate import instantiate, with_presets_written
 from flexbe_synthesizer.core.layout import lay_out

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flexbe_synthesizer.core.error_names import merged, read_error_names
+from flexbe_synthesizer.core.error_names import ListedCode, error_names, read_error_table
 from flexbe_synthesizer.core.error_routes import (
     codes_of_event,
     codes_of_routes,
@@ -17,15 +17,30 @@ from flexbe_synthesizer.core.model import ErrorRoute
 from flexbe_synthesizer.core.names import is_readable_outcome
 from flexbe_synthesizer.core.problem import Code
 
-TABLE = [
-    {"code": 0, "name": "NONE", "severity": "none", "first_level": "action"},
-    {"code": 4, "name": "LOST", "severity": "serious", "first_level": "task"},
-    {"code": 9, "name": "STALE", "severity": "serious", "first_level": "use_case"},
-    {"code": 301, "name": "JAMMED", "severity": "recoverable", "first_level": "task"},
-    {"code": 302, "name": "MISSED", "severity": "recoverable", "first_level": "behavior"},
-    {"code": 7, "name": "HUNG"},
-]
-NAMES = read_error_names(TABLE)
+LOST = {"code": 4, "name": "LOST"}
+TABLE = {
+    "no_fault": [{"code": 0, "name": "NONE"}, {"code": 2, "name": "CANCELLED"}],
+    "faults": [
+        {
+            "codes": [LOST, {"code": 3, "name": "HUNG"}],
+            "severity": "serious",
+            "first_level": "task",
+        },
+        {"codes": [{"code": 9, "name": "STALE"}], "severity": "serious", "first_level": "use_case"},
+        {
+            "codes": [{"code": 301, "name": "JAMMED"}],
+            "severity": "recoverable",
+            "first_level": "task",
+        },
+        {
+            "codes": [{"code": 302, "name": "MISSED"}],
+            "severity": "recoverable",
+            "first_level": "behavior",
+        },
+        {"after": {"fault": "missed", "times": 3}, "severity": "serious", "first_level": "task"},
+    ],
+}
+NAMES = error_names(read_error_table(TABLE))
 
 CHART = """<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="Push" initial="Insert">
   <datamodel><outcome name="finished"/><outcome name="failed"/><input name="cable_id"/>
@@ -38,43 +53,49 @@ CHART = """<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="Push" in
 
 def test_a_table_gives_the_names_of_its_codes_and_classes():
     assert NAMES == {
-        "above_behavior": (4, 9, 301),
+        "above_behavior": (3, 4, 9, 301),
         "recoverable": (301, 302),
-        "serious": (4, 9),
+        "serious": (3, 4, 9),
+        "CANCELLED": (2,),
         "LOST": (4,),
+        "HUNG": (3,),
         "STALE": (9,),
         "JAMMED": (301,),
         "MISSED": (302,),
-        "HUNG": (7,),
     }
 
 
 @pytest.mark.parametrize(
     ("table", "reason"),
     [
-        ({"code": 1}, "list of rows"),
-        (["JAMMED"], "no 'name'"),
-        ([{"name": "two words", "code": 1}], "no 'name'"),
-        ([{"name": "JAMMED", "code": "301"}], "allowed: 0 to 32767"),
-        ([{"name": "JAMMED", "code": 40000}], "allowed: 0 to 32767"),
-        ([{"name": "JAMMED", "code": 1}, {"name": "JAMMED", "code": 2}], "stands twice"),
-        ([{"name": "serious", "code": 1}], "that of a class"),
+        ([], "a list of 'faults'"),
+        ({"faults": {}}, "a list of 'faults'"),
+        ({"faults": ["JAMMED"]}, "'JAMMED' is no fault"),
+        ({"faults": [{"codes": ["JAMMED"]}]}, "no 'name'"),
+        ({"faults": [{"codes": [{"name": "two words", "code": 1}]}]}, "no 'name'"),
+        ({"faults": [{"codes": [{"name": "JAMMED", "code": "301"}]}]}, "allowed: 0 to 32767"),
+        ({"faults": [{"codes": [{"name": "JAMMED", "code": 40000}]}]}, "allowed: 0 to 32767"),
     ],
 )
 def test_what_is_no_table_is_refused_with_the_reason(table, reason):
     with pytest.raises(ValueError, match=reason):
-        read_error_names(table)
+        read_error_table(table)
 
 
 def test_the_classes_of_several_tables_are_joined_and_the_first_code_of_a_name_counts():
-    other = read_error_names([{"code": 900, "name": "LOST", "severity": "serious"}])
-    both = merged((NAMES, other))
-    assert (both["serious"], both["LOST"]) == ((4, 9, 900), (4,))
+    other = {"faults": [{"codes": [{"code": 900, "name": "LOST"}], "severity": "serious"}]}
+    both = error_names((*read_error_table(TABLE), *read_error_table(other)))
+    assert (both["serious"], both["LOST"]) == ((3, 4, 9, 900), (4,))
+
+
+def test_no_code_takes_the_name_of_a_class():
+    assert error_names([ListedCode("serious", 8, "serious", "task")])["serious"] == (8,)
+    assert "serious" not in error_names([ListedCode("serious", 8)])
 
 
 def test_a_failure_takes_the_first_route_that_has_its_code():
     routes = parse_routes("JAMMED: a; serious: b; above_behavior: c; 1-8: d")
-    assert codes_of_routes(routes, NAMES) == ((301,), (4, 9), (), (1, 2, 3, 5, 6, 7, 8))
+    assert codes_of_routes(routes, NAMES) == ((301,), (3, 4, 9), (), (1, 2, 5, 6, 7, 8))
 
 
 @pytest.mark.parametrize("text", ["JAMMED: a; JAMMED: b", "two words: a", "1.5: a", "_x: a", ": a"])

@@ -1,5 +1,5 @@
-from flexbe_synthesizer.core.codec import parse_chart
-from flexbe_synthesizer.core.expand import chart_steps
+from flexbe_synthesizer.core.chart_reader import parse_chart
+from flexbe_synthesizer.core.expanded_labels import chart_steps
 from flexbe_synthesizer.core.machine import Condition, Container, Exit, Kind, walk
 from flexbe_synthesizer.core.model import Autonomy
 

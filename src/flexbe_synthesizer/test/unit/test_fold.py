@@ -4,9 +4,9 @@ import re
 
 import pytest
 
+from flexbe_synthesizer.core.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart_writer import write_chart
 from flexbe_synthesizer.core.check import check_chart
-from flexbe_synthesizer.core.codec import parse_chart
 from flexbe_synthesizer.core.compile import compile_chart
 from flexbe_synthesizer.core.fold import fold
 from flexbe_synthesizer.core.layout import lay_out
@@ -26,11 +26,18 @@ def text_of(golden, name):
     return (golden / "behaviors" / f"{name}_sm.py").read_text()
 
 
+@pytest.fixture
+def read_back(known):
+    """Return a function: text of a behavior -> its chart."""
+    return lambda text: fold(read_machine(text, "a_sm.py", known), "a_sm.py")
+
+
 @pytest.mark.parametrize("name", CHARTS)
-def test_a_golden_behavior_becomes_a_chart_that_becomes_the_behavior(name, golden, known):
+def test_a_golden_behavior_becomes_a_chart_that_becomes_the_behavior(
+    name, golden, known, read_back
+):
     text = text_of(golden, name)
-    chart = fold(read_machine(text, f"{name}_sm.py", known), f"{name}_sm.py")
-    again = parse_chart(write_chart(chart), "again.xml")
+    again = parse_chart(write_chart(read_back(text)), "again.xml")
     checked = check_chart(again, known, {})
     assert checked.problems == ()
     machine = compile_chart(checked, "golden_behaviors")
@@ -39,24 +46,25 @@ def test_a_golden_behavior_becomes_a_chart_that_becomes_the_behavior(name, golde
 
 
 @pytest.mark.parametrize("name", CHARTS)
-def test_a_behavior_that_the_app_has_saved_gives_the_same_chart(name, golden, known, known_to_app):
+def test_a_behavior_that_the_app_has_saved_gives_the_same_chart(
+    name, golden, read_back, known_to_app
+):
     text = text_of(golden, name)
     saved = saved_by_app(text, known_to_app)
     assert saved != text  # without the head that says where it comes from
-    charts = [fold(read_machine(t, f"{name}_sm.py", known), "") for t in (text, saved)]
+    charts = [read_back(text), read_back(saved)]
     # The App names a package only if another one has a class of that name too.
     unqualified = [write_chart(chart).replace('type="cell_states/', 'type="') for chart in charts]
     assert unqualified[0] == unqualified[1]
 
 
-def test_routes_in_the_spelling_of_earlier_versions_are_read(golden, known):
+def test_routes_in_the_spelling_of_earlier_versions_are_read(golden, read_back):
     text = text_of(golden, "two_arms")
     earlier = re.sub(r"failed_(\d+)_(\d+)", r"failed \1-\2", text).replace(
         "failed_305", "failed 305"
     )
     assert earlier.count("failed 100-199") > 3
-    charts = [fold(read_machine(t, "two_arms_sm.py", known), "") for t in (text, earlier)]
-    assert charts[0] == charts[1]
+    assert read_back(earlier) == read_back(text)
 
 
 INSERT = "InsertCableState(force_limit_n=20)"
@@ -100,28 +108,28 @@ INSERT = "InsertCableState(force_limit_n=20)"
         ("_sm_fix_0,", "_state_machine,", "a container that it lies in itself"),
     ],
 )
-def test_what_a_chart_cannot_say_is_told_with_its_place(old, new, reason, golden, known):
+def test_what_a_chart_cannot_say_is_told_with_its_place(old, new, reason, golden, read_back):
     text = text_of(golden, "place_connector")
     assert old in text
     with pytest.raises(InexpressibleError) as caught:
-        fold(read_machine(text.replace(old, new, 1), "a_sm.py", known), "a_sm.py")
+        read_back(text.replace(old, new, 1))
     assert reason in str(caught.value)
     assert all(line.startswith("a_sm.py:") for line in caught.value.reasons)
 
 
-def test_transitions_may_be_given_by_position(golden, known):
+def test_transitions_may_be_given_by_position(golden, read_back):
     text = text_of(golden, "place_connector")
-    chart = fold(read_machine(text, "a_sm.py", known), "a_sm.py")
+    chart = read_back(text)
     bare = re.sub(r"\b(transitions|autonomy|remapping)=(?=\{)", "", text)
     assert bare != text
-    assert fold(read_machine(bare, "a_sm.py", known), "a_sm.py") == chart
+    assert read_back(bare) == chart
 
 
-def test_userdata_of_its_own_becomes_an_input_with_a_default(golden, known):
+def test_userdata_of_its_own_becomes_an_input_with_a_default(golden, read_back):
     text = text_of(golden, "place_connector")
     given = "        _state_machine.userdata.cable_id = None\n"
     text = text.replace(given, given + "        _state_machine.userdata.reel = 'left'\n")
     text = text.replace("'cable_id': 'cable_id', 'pose'", "'cable_id': 'reel', 'pose'", 1)
-    chart = fold(read_machine(text, "a_sm.py", known), "a_sm.py")
+    chart = read_back(text)
     assert [(p.name, p.default) for p in chart.inputs][-1] == ("reel", "left")
     assert any(flow.output == "reel" and flow.input == "cable_id" for flow in chart.connections)

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from synthesizer_support.strategies import charts
 from synthesizer_support.w3c_scxml import faults
 
+from flexbe_synthesizer.core.chart_reader import read_chart
 from flexbe_synthesizer.core.chart_writer import write_chart
-from flexbe_synthesizer.core.codec import read_chart
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart
 from flexbe_synthesizer.core.layout import lay_out
 from flexbe_synthesizer.core.model import Chart as ChartModel

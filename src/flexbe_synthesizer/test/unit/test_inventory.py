@@ -82,12 +82,12 @@ def break_a_state(top):
 
 
 def change_an_error_code(top):
-    table = top / "cell_states/config/error_codes.yaml"
+    table = top / "cell_states/config/faults.yaml"
     table.write_text(table.read_text().replace("301", "302"))
 
 
 def break_the_error_codes(top):
-    (top / "cell_states/config/error_codes.yaml").write_text("- {code: [1, name: JAMMED}")
+    (top / "cell_states/config/faults.yaml").write_text("faults: [1, name: JAMMED}")
 
 
 def make_a_state_a_pipe(top):

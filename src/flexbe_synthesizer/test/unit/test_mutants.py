@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flexbe_synthesizer.core.codec import read_chart
+from flexbe_synthesizer.core.chart_reader import read_chart
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart
 from flexbe_synthesizer.core.layout import lay_out
 from flexbe_synthesizer.core.problem import errors_in

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import pytest
 from synthesizer_support.interpreter import explore
 
+from flexbe_synthesizer.core.chart_reader import parse_chart, read_chart
 from flexbe_synthesizer.core.check import check_chart
-from flexbe_synthesizer.core.codec import parse_chart, read_chart
 from flexbe_synthesizer.core.problem import Code, errors_in
 
 CHARTS = ("plain.xml", "place_connector.xml", "wire_task.xml", "two_arms.xml")

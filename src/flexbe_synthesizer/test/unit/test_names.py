@@ -3,6 +3,7 @@ import keyword
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from rosgraph.names import is_legal_name
 
 from flexbe_synthesizer.core import names
 
@@ -98,3 +99,9 @@ def test_a_topic_may_be_relative_global_or_private(topic):
 )
 def test_a_topic_that_ros_refuses_is_none(topic):
     assert not names.is_topic(topic)
+
+
+@given(st.text("a1_/~ -.ä\n"))
+@settings(max_examples=500, derandomize=True)
+def test_what_ros_refuses_is_no_topic(text):
+    assert is_legal_name(text) or not names.is_topic(text)

@@ -7,7 +7,7 @@ import dataclasses
 
 import pytest
 
-from flexbe_synthesizer.core.codec import parse_chart
+from flexbe_synthesizer.core.chart_reader import parse_chart
 from flexbe_synthesizer.core.compile import Unit, check_units
 from flexbe_synthesizer.core.problem import Code, Severity, errors_in
 from flexbe_synthesizer.core.signature import Unreadable
@@ -124,6 +124,23 @@ CASES = [
     (Code.INVALID_NAME, "at most 200 letters", ('name="Task"', f'◊name="{"T" * 201}"')),
     (Code.INVALID_NAME, "single '/' between", ('topic="locate"', '◊topic="a b!"')),
     (Code.INVALID_NAME, "single '/' between", ('topic="locate"', '◊topic="cell//locate"')),
+    (
+        Code.INVALID_NAME,
+        "'cell 1/locate' of state 'Locate' cannot name a topic; allowed: a-z,",
+        (' topic="locate"', ""),
+        (VIEW, VIEW + '<param name="topic" ◊value="cell 1/locate"/>'),
+    ),
+    (
+        Code.INVALID_NAME,
+        "'5' of state 'Locate' cannot name a topic",
+        (' topic="locate"', ""),
+        (VIEW, VIEW + '<param name="topic" ◊value="5"/>'),
+    ),
+    (
+        Code.INVALID_NAME,
+        "'led!' of state 'Locate' cannot name a topic",
+        (VIEW, VIEW + '<param name="led_topic" ◊value="led!"/>'),
+    ),
     (Code.INVALID_NAME, "'a,b' of an outcome", (FINISHED, FINISHED + '<outcome ◊name="a,b"/>')),
     (Code.INVALID_NAME, "Python identifier", (CABLE, CABLE + '<input ◊name="my key"/>')),
     (
@@ -326,8 +343,8 @@ CASES = [
     ),
     (
         Code.TYPE_CONFLICT,
-        "is 5 (int); its type is string. To give it as text, write \"'5'\".",
-        (COMPONENT, COMPONENT.replace("/>", ' ◊ext:default="5"/>')),
+        "is many (string); its type is int.",
+        (CABLE, CABLE + '<input name="spare" type="int" ◊ext:default="many"/>'),
     ),
     (
         Code.TYPE_CONFLICT,
@@ -489,3 +506,25 @@ def test_ten_mistakes_are_reported_in_one_go_each_in_its_line(check, golden):
     found = {(p.position.line, p.code.slug) for p in errors_in(check(text)[1])}
     assert len(expected) == 10
     assert found == expected
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        ('topic="a">', 'topic="b!">'),
+        ('><param name="topic" value="a"/>', '><param name="topic" value="b!"/>'),
+        ('><param name="led_topic" value="a"/>', '><param name="led_topic" value="b!"/>'),
+    ],
+)
+def test_states_that_differ_in_a_topic_alone_are_both_checked(check, first, second):
+    ends = '<transition event="located" target="{0}"/><transition event="failed" target="{0}"/>'
+    state = '<state id="{}" type="LocateComponentState" {}{}</state>'
+    text = (
+        '<statemachine name="A" initial="One"><datamodel><outcome name="x"/>'
+        '<input name="component_id"/></datamodel>'
+        + state.format("One", first, ends.format("Two"))
+        + state.format("Two", second, ends.format("x"))
+        + "</statemachine>"
+    )
+    (problem,) = errors_in(check(text)[1])
+    assert "'b!' of state 'Two' cannot name a topic" in problem.message

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flexbe_synthesizer.core.codec import parse_chart
+from flexbe_synthesizer.core.chart_reader import parse_chart
 from flexbe_synthesizer.core.compile import compile_chart, manifest_of
 from flexbe_synthesizer.core.layout import lay_out
 from flexbe_synthesizer.core.literal import freeze

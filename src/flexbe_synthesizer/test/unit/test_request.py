@@ -68,6 +68,28 @@ def test_a_chart_is_written_and_its_states_are_returned(ask, settings):
     assert ask(str(settings.chart_folders[0] / "wire_task.xml")).written == ()
 
 
+def test_a_chart_of_the_same_name_in_another_folder_is_refused(ask, settings, tmp_path):
+    (home,) = settings.chart_folders
+    other = tmp_path / "more" / "mine.xml"
+    other.parent.mkdir()
+    text = (home / "place_connector.xml").read_text()
+    other.write_text(text.replace('ext:attempts="3"', 'ext:attempts="4"'))
+    folders = (home, other.parent)
+    ask("place_connector.xml", chart_folders=folders)
+    code, told = refusal(ask, "mine.xml", chart_folders=folders)
+    assert code is ErrorCode.OUTPUT_FAILED
+    assert f"{other} and {home / 'place_connector.xml'} both have the name" in told
+    assert ask("place_connector.xml", chart_folders=folders).written == ()
+
+
+def test_a_chart_that_is_written_again_and_again_is_synthesized_each_time(ask, settings):
+    chart = settings.chart_folders[0] / "place_wire_w1.xml"
+    text = (settings.chart_folders[0] / "plain.xml").read_text()
+    for wait in ('"3"', '"4"', '"5"'):
+        chart.write_text(text.replace("plain_chart", "Place Wire W1").replace('"2"', wait))
+        assert "place_wire_w1.yaml" in {path.name for path in ask(chart.name).written}
+
+
 def test_what_is_remembered_of_a_request_never_outlives_a_change(ask, settings):
     memory = ChartMemory()
     first = ask("wire_task.xml", memory=memory)

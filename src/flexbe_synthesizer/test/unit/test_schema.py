@@ -1,4 +1,4 @@
-"""The published schemas and the codec agree, on our own charts and on generated ones."""
+"""The published schemas and the chart reader agree, on our own charts and on generated ones."""
 
 import re
 from pathlib import Path
@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from lxml import etree
 from synthesizer_support.strategies import charts
 
+from flexbe_synthesizer.core.chart_reader import parse_chart, read_chart
 from flexbe_synthesizer.core.chart_writer import write_chart
-from flexbe_synthesizer.core.codec import parse_chart, read_chart
 from flexbe_synthesizer.core.problem import errors_in
 
 ROOT = Path(__file__).parents[4]
@@ -77,7 +77,7 @@ def test_a_chart_that_is_written_is_valid_and_read_as_the_same(schema, chart):
         ('value="is_true"', 'values="is_true"'),
     ],
 )
-def test_what_the_schema_refuses_the_codec_refuses_too(schema, golden, old, new):
+def test_what_the_schema_refuses_the_chart_reader_refuses_too(schema, golden, old, new):
     text = (golden / "charts" / "two_arms.xml").read_text().partition("?>")[2]
     assert old in text
     wrong = text.replace(old, new)

@@ -92,7 +92,7 @@ def test_a_state_class_is_read_with_types_from_its_docstring():
             Parameter("names", "list"),
             Parameter("count", None, required=False, default=3),
             Parameter("flag", "bool"),
-            Parameter("other", None, required=False),
+            Parameter("other", "string", required=False),
         ),
         ("done", "not done"),
         (Port("pose", "geometry_msgs/Pose"), Port("both")),

@@ -28,7 +28,7 @@ class PlaceConnectorSM(Behavior):
     '''
     Places one end of a wire in a terminal: Figure 3 of Deliverable 5.1. A failed insertion or fixing pulls the end
     out and locates the component again, at most three times. What neither action nor behavior is to handle first
-    (remodel_msgs/config/error_codes.yaml) fails at once. A push that jams, or needs more force, is not repeated
+    (remodel_msgs/config/faults.yaml) fails at once. A push that jams, or needs more force, is not repeated
     here: the end is withdrawn, and the supervisor decides.
     '''
 

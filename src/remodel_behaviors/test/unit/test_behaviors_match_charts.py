@@ -19,9 +19,10 @@ BEHAVIORS = sorted((PACKAGE / "src" / "remodel_behaviors").glob("*_sm.py"))
 def test_regenerating_all_behaviors_changes_nothing(tmp_path):
     copy = tmp_path / "remodel_behaviors"
     shutil.copytree(PACKAGE / "src", copy / "src", ignore=shutil.ignore_patterns("*_sm.py"))
+    shutil.copytree(PACKAGE / "charts", copy / "charts")
     shutil.copy(PACKAGE / "package.xml", copy)
-    arguments = [*map(str, CHARTS), "--output", str(copy)]
-    assert main(arguments, os.environ["ROS_PACKAGE_PATH"]) == 0
+    charts = [str(copy / "charts" / chart.name) for chart in CHARTS]
+    assert main(charts, os.environ["ROS_PACKAGE_PATH"]) == 0
     for folder, pattern in (
         ("src/remodel_behaviors", "*_sm.py"),
         ("manifest", "*.xml"),

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from flexbe_synthesizer.core.codec import parse_chart, write_chart
+from flexbe_synthesizer.core.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart_writer import write_chart
 from flexbe_synthesizer.core.model import State
 from remodel_console.core import chart_edit
 from remodel_console.core.editing import change_at

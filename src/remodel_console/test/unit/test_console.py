@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from flexbe_synthesizer.core.codec import parse_chart
+from flexbe_synthesizer.core.chart_reader import parse_chart
 from flexbe_synthesizer.core.instantiate import Instantiation
 from flexbe_synthesizer.core.model import Container
 from remodel_console.core.answer import DONE, Answer, read_answer

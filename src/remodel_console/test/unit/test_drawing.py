@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from flexbe_synthesizer.core.codec import parse_chart
+from flexbe_synthesizer.core.chart_reader import parse_chart
 from flexbe_synthesizer.core.model import Chart, Container, Outcome, State, Transition
 from remodel_console.core.drawing import drawn_path, drawn_paths, opened
 from remodel_console.core.folding import folded

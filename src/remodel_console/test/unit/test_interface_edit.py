@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from flexbe_synthesizer.core.codec import parse_chart, write_chart
+from flexbe_synthesizer.core.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart_writer import write_chart
 from flexbe_synthesizer.core.model import Connection, ContainerKind, ErrorRoute, Input, When
 from remodel_console.core import chart_edit
 from remodel_console.core.concurrency_edit import kind_at, with_condition, with_kind
@@ -27,6 +28,11 @@ def test_a_value_that_is_taken_is_added_changed_and_removed():
     assert (
         parse_chart(write_chart(with_input(ERRAND, 1, "count", "int", "3"))).inputs[1].default == 3
     )
+
+
+def test_the_default_of_a_string_is_its_text():
+    assert with_input(ERRAND, 1, "code", "string", "5").inputs[1] == Input("code", "string", "5")
+    assert with_input(ERRAND, 1, "code", "string", "'5'").inputs[1].default == "5"
 
 
 def test_connections_follow_the_name_of_a_value():

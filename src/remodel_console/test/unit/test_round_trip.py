@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from flexbe_synthesizer.core.codec import parse_chart, read_chart
+from flexbe_synthesizer.core.chart_reader import parse_chart, read_chart
 from flexbe_synthesizer.core.model import (
     Behavior,
     Container,

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from flexbe_synthesizer.core.codec import parse_chart, write_chart
+from flexbe_synthesizer.core.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart_writer import write_chart
 from flexbe_synthesizer.core.model import Chart
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from flexbe_synthesizer.request import Request, Settings, fulfil

@@ -127,6 +127,20 @@ def test_a_chart_in_no_package_is_saved_where_it_lies_its_behavior_in_the_output
     assert not list(user_charts.glob("*/"))
 
 
+def test_a_chart_is_not_saved_over_the_behavior_of_another_chart_of_its_name(
+    package, user_charts, give
+):
+    file = user_charts / "mine.xml"
+    file.write_text(CHART.format(name="Example Behavior", target="finished"))
+    first = package / "charts" / "example_behavior.xml"
+    code = package / "src" / "remodel_behaviors" / "example_behavior_sm.py"
+    give("load Example Behavior")
+    before = code.read_bytes()
+    with pytest.raises(CommandError, match=f"{file} and {first} both have the name"):
+        give("save")
+    assert code.read_bytes() == before
+
+
 def test_without_an_output_package_saving_says_what_to_do(user_charts):
     (user_charts / "lost.xml").write_text(CHART.format(name="Lost", target="finished"))
     session = Session(Workspace(str(SRC / "flexbe" / "flexbe_states"), lambda: (user_charts,)))

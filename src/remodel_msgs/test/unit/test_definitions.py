@@ -4,7 +4,6 @@ import re
 from pathlib import Path
 
 import pytest
-import yaml
 
 PACKAGE = Path(__file__).parents[2]
 FILES = sorted([*PACKAGE.glob("action/*"), *PACKAGE.glob("msg/*"), *PACKAGE.glob("srv/*")])
@@ -62,24 +61,6 @@ def test_every_ability_keeps_the_common_contract(file):
 
 def test_place_pin_is_the_deliverables_field_for_field():
     assert parts(PACKAGE / "action" / "PlacePin.action") == [PLACE_PIN, RESULT, FEEDBACK]
-
-
-def test_the_table_of_error_codes_and_the_constants_are_one():
-    constants = {
-        match[1]: int(match[2])
-        for match in re.finditer(
-            r"^int16 (\w+)=(\d+)$", (PACKAGE / "msg/ErrorCode.msg").read_text(), re.MULTILINE
-        )
-    }
-    table = yaml.safe_load((PACKAGE / "config/error_codes.yaml").read_text())
-    assert {row["name"]: row["code"] for row in table} == constants
-    assert len({row["code"] for row in table}) == len(table)
-    for row in table:
-        assert row["severity"] in {"none", "recoverable", "serious"}
-        assert row["first_level"] in {"action", "behavior", "task", "use_case"}
-        assert row["meaning"]
-        assert row["remedy"]
-        assert 0 <= row["code"] < 500
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)

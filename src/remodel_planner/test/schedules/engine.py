@@ -81,7 +81,7 @@ class Engine(Node):
         self._servers = servers
         self._up = up
         self._run: _Run | None = None
-        self._clients: dict[int, Client] = {}
+        self._arrivals: dict[Callable[..., None], float] = {}
 
     @property
     def is_running(self) -> bool:
@@ -260,7 +260,10 @@ class Engine(Node):
         self._send(run.client.on_end, run.number, end)
 
     def _send(self, call: Callable[..., None], *args: object) -> None:
-        self.simulation.after(self.simulation.latency_s(), call, *args)
+        """Publish; the messages of a topic arrive in the order in which they were sent."""
+        arrives_s = self.simulation.now_s + self.simulation.latency_s()
+        self._arrivals[call] = max(arrives_s, self._arrivals.get(call, 0.0))
+        self.simulation.at(self._arrivals[call], call, *args)
 
 
 _GONE = Result(False, ErrorCode.SERVER_LOST, "the server went away", refused=True)

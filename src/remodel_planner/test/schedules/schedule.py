@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from sqlalchemy import select
 
-from flexbe_synthesizer.core import codec
+from flexbe_synthesizer.core.chart_writer import write_chart
 from flexbe_synthesizer.core.model import Chart
 from remodel_planner.core.supervision.attempts import attempts_of
 from remodel_planner.core.supervision.events import Event
@@ -61,7 +61,7 @@ class _Charts:
         """Return a chart's text."""
         known = self._texts.get(id(chart))
         if known is None:
-            known = self._texts[id(chart)] = chart, codec.write_chart(chart)
+            known = self._texts[id(chart)] = chart, write_chart(chart)
             self.of[known[1]] = chart
         return known[1]
 

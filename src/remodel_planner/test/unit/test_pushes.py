@@ -182,7 +182,7 @@ def test_an_arm_that_was_stopped_by_something_does_not_go_there_again(planner, a
 
 
 @pytest.mark.parametrize(
-    ("possible", "lasting"), [(ATTENDED, Do.ASK_OPERATOR), (UNATTENDED, Do.SET_ASIDE)]
+    ("possible", "lasting"), [(ATTENDED, Do.ASK_OPERATOR), (UNATTENDED, Do.STOP)]
 )
 def test_while_an_end_is_stuck_no_new_wire_is_fed(possible, lasting):
     stuck = Failure("W1", FAULTS.of(306), 306, "ExtractCable", "/Extract a", "stuck", 1.0)

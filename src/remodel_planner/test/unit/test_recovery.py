@@ -1,5 +1,7 @@
 """Failures are told apart, answered in order, and never for ever."""
 
+import json
+import os
 from dataclasses import replace
 
 import hypothesis.strategies as st
@@ -11,7 +13,7 @@ from remodel_planner.core.recovery.failure import Failure, Spent
 from remodel_planner.core.recovery.fault import Change, Do, Response
 from remodel_planner.core.recovery.policy import Limits, Policy, policy_from
 from remodel_planner.edge.fault_file import read_faults
-from remodel_planner.errors import UseCaseError
+from remodel_planner.errors import PlannerError, UseCaseError
 
 FAULTS = read_faults()
 LITTLE = Spent(task_attempts=1, task_s=10.0, run_failures=1, run_s=100.0)
@@ -46,6 +48,31 @@ def test_a_row_of_misses_is_a_misjudged_tip():
     assert FAULTS.diagnose([300]).name == "insertion_misaligned"
     assert FAULTS.diagnose([300, 302]).name == "tip_misjudged"
     assert FAULTS.diagnose([300, 301, 302]).name == "insertion_misaligned"
+
+
+def test_an_overlays_table_is_read_and_a_faulty_one_reported(tmp_path, monkeypatch):
+    package = tmp_path / "crimping"
+    package.mkdir()
+    (package / "package.xml").write_text(
+        "<package><name>crimping</name><export>"
+        '<remodel_states faults="${prefix}/faults.yaml"/></export></package>'
+    )
+    monkeypatch.setenv("ROS_PACKAGE_PATH", f"{tmp_path}:{os.environ['ROS_PACKAGE_PATH']}")
+    row = {
+        "fault": "ferrule_missing",
+        "family": "grasping",
+        "codes": [{"code": 1000, "name": "FERRULE_MISSING", "meaning": "-", "remedy": "-"}],
+        "severity": "recoverable",
+        "symptoms": "The jaw closes on nothing.",
+        "first_level": "task",
+        "responses": [{"do": "ask_operator", "because": "Only a person can feed ferrules."}],
+        "cause": {"interface": {"ability": "CrimpFerrule", "code": "FERRULE_MISSING"}},
+    }
+    (package / "faults.yaml").write_text(json.dumps({"faults": [row]}))
+    assert read_faults().of(1000).responses == (Response(Do.ASK_OPERATOR),)
+    (package / "faults.yaml").write_text(json.dumps({"faults": [{**row, "family": "other"}]}))
+    with pytest.raises(PlannerError, match=r"crimping/faults\.yaml: 1 problems:\n.*family"):
+        read_faults()
 
 
 def test_what_no_fault_knows_is_none():

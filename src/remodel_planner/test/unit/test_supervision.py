@@ -31,6 +31,7 @@ from remodel_planner.core.supervision.events import (
     RunBegun,
     RunEnded,
     Settled,
+    StopReported,
     TaskBegun,
     TaskElsewhere,
     TaskEnded,
@@ -39,7 +40,12 @@ from remodel_planner.core.supervision.events import (
 from remodel_planner.core.supervision.fold import state_after
 from remodel_planner.core.supervision.judge import judged
 from remodel_planner.core.supervision.question import question_about
-from remodel_planner.core.supervision.state import INTERRUPTION_LIMIT, STUCK_HAND_LIMIT, Stage
+from remodel_planner.core.supervision.state import (
+    INTERRUPTION_LIMIT,
+    PERSON_FIRST,
+    STUCK_HAND_LIMIT,
+    Stage,
+)
 from remodel_planner.core.supervision.step import (
     Ask,
     Decide,
@@ -555,6 +561,89 @@ def test_a_skip_does_not_pass_over_a_motion_fault(run):
     run.add(Commanded(Command.SKIP, "W1", "ann"))
     run.end("W1", "failed", MOTION_FAULT)
     assert run.decide("W1").do is Do.ASK_OPERATOR
+
+
+@pytest.mark.parametrize("code", sorted(PERSON_FIRST))
+@pytest.mark.parametrize("part", list(Part))
+def test_an_interruption_does_not_pass_over_what_a_person_is_to_answer_first(run, part, code):
+    run.begin("W1")
+    if part is not Part.WHOLE:
+        run.add(Interrupted("killed"))
+        run.begin("W1", part)
+    run.add(OperationEnded("W1", operation(code)))
+    assert run.add(Interrupted("killed")) == Decide("W1")
+    assert run.decide("W1").do is Do.ASK_OPERATOR
+    run.ask("W1")
+    assert run.next == Wait("question 1 is to be answered")
+    assert run.add(Answered(1, Answer.FIXED, "ann")) == Execute("W1", Part.CLEAR)
+
+
+def stop_reported():
+    return StopReported("W1", operation(MOTION_FAULT))
+
+
+@pytest.mark.parametrize("ended", [Interrupted("stopped"), TaskEnded("W1", "finished", 2.0, True)])
+@pytest.mark.parametrize("part", list(Part))
+def test_a_stop_that_is_reported_late_ends_the_behavior_and_a_person_is_asked(run, part, ended):
+    run.begin("W1")
+    run.add(Interrupted("killed"))
+    run.begin("W1", part)
+    run.add(stop_reported())
+    assert "a person is to answer" in run.state.tasks["W1"].halt
+    assert run.add(ended) == Decide("W1")
+    assert run.decide("W1").do is Do.ASK_OPERATOR
+    run.ask("W1")
+    assert run.add(Answered(1, Answer.FIXED, "ann")) == Execute("W1", Part.CLEAR)
+    assert not run.state.tasks["W1"].halt
+
+
+def test_a_stop_that_is_reported_late_is_asked_about_whatever_was_to_come_next(run):
+    run.begin("W1")
+    run.add(Interrupted("killed"))
+    for _ in range(2):
+        run.clear("W1") if run.next == Execute("W1", Part.CLEAR) else None
+        assert run.next in (Settle("W1"), Wait("question 1 is to be answered"))
+        assert run.add(stop_reported()) == Decide("W1")
+        assert run.decide("W1").do is Do.ASK_OPERATOR
+        run.ask("W1")
+    assert run.add(Answered(2, Answer.FIXED, "ann")) == Execute("W1", Part.CLEAR)
+
+
+def test_without_an_operator_a_stop_that_is_reported_late_ends_the_run(run):
+    run.possible = POSSIBLE - {Do.ASK_OPERATOR}
+    run.begin("W1")
+    run.add(Interrupted("killed"), stop_reported())
+    assert run.decide("W1").do is Do.STOP
+    assert isinstance(run.next, End)
+
+
+@pytest.mark.parametrize("late", [False, True])
+def test_a_run_whose_task_another_cell_has_taken_ends_if_a_person_is_needed_at_the_arm(run, late):
+    run.begin("W1")
+    run.add(stop_reported() if late else OperationEnded("W1", operation(MOTION_FAULT)))
+    run.add(TaskElsewhere("W1", "other", AsLeft.RUNNING))
+    assert isinstance(run.next, End)
+    assert "a person is needed" in run.next.because
+
+
+@pytest.mark.parametrize("code", sorted(PERSON_FIRST))
+def test_no_use_case_has_anything_move_before_a_person_has_answered(run, code):
+    fault = FAULTS.of(code).name
+    run.policy = Policy({fault: (Response(Do.LOOK_AGAIN), Response(Do.SET_ASIDE))})
+    run.begin("W1")
+    run.end("W1", "failed", code)
+    assert run.decide("W1").do is Do.ASK_OPERATOR
+
+
+def test_a_person_is_asked_first_where_the_table_asks_one_at_once():
+    asked = {
+        code
+        for name in FAULTS.names
+        for code in FAULTS[name].codes
+        if FAULTS[name].responses[0].do is Do.ASK_OPERATOR
+    }
+    assert asked == PERSON_FIRST
+    assert all(FAULTS.of(code).stops_unattended for code in PERSON_FIRST)
 
 
 def test_what_cannot_go_on_ends(run):

@@ -9,8 +9,9 @@ import yaml
 from house import HOUSE
 from lxml import etree
 
+from flexbe_synthesizer.core.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart_writer import write_chart
 from flexbe_synthesizer.core.check import check_chart
-from flexbe_synthesizer.core.codec import parse_chart, write_chart
 from flexbe_synthesizer.core.compile import compile_chart
 from flexbe_synthesizer.core.error_routes import codes_of_routes
 from flexbe_synthesizer.core.layout import lay_out as lay_out_machine

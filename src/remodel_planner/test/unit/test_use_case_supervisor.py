@@ -23,6 +23,7 @@ from remodel_planner.core.supervision.events import (
     Part,
     Planned,
     Settled,
+    StopReported,
     TaskBegun,
     TaskElsewhere,
     TaskEnded,
@@ -35,7 +36,15 @@ from remodel_planner.edge.task_leases import TaskLeases
 from remodel_planner.errors import LeavingError, LostError, OwnerError, RefusedError
 from remodel_planner.supervisors.ports import BehaviorEnd, End, UnseenError
 
-JAM, LOST, SLIPPED, MISSING, MOTION_FAULT = 301, 4, 303, 103, 307
+JAM, LOST, SLIPPED, MISSING = 301, 4, 303, 103
+STALE_OWNER, SEVERAL_SERVERS, STUCK, MOTION_FAULT = 9, 10, 306, 307
+
+
+@pytest.fixture
+def attended_bench(house_url):
+    bench = Bench(house_url, attended=True)
+    yield bench
+    bench.database.close()
 
 
 def test_an_order_is_done_task_by_task(bench):
@@ -108,7 +117,7 @@ def test_a_server_that_stays_away_is_left_to_the_policy(bench):
     assert bench.run(LOST).ended.ending is Ending.COMPLETE
 
 
-@pytest.mark.parametrize("code", [LOST, MOTION_FAULT])
+@pytest.mark.parametrize("code", [LOST, STALE_OWNER, SEVERAL_SERVERS, STUCK, MOTION_FAULT])
 def test_nothing_of_a_behavior_begins_after_it_has_lost_a_server_or_run_into_something(bench, code):
     permits = []
 
@@ -195,9 +204,6 @@ def test_a_run_stops_when_what_was_lost_does_not_answer_again(bench):
 
 
 def test_a_new_supervisor_resumes_where_the_old_one_died(bench):
-    class KilledError(Exception):
-        pass
-
     with pytest.raises(KilledError):
         bench.run("finished", KilledError())
     first, second = bench.events(Planned)[0].tasks
@@ -208,6 +214,32 @@ def test_a_new_supervisor_resumes_where_the_old_one_died(bench):
     assert bench.ran == [first, second, f"{second} Clear"], "it was done, as the inspection shows"
     assert [event.left for event in bench.events(Settled)] == [0]
     assert state.interruptions == 1
+
+
+def test_a_skip_during_a_resume_is_answered_when_nothing_moves(bench):
+    class KilledError(Exception):
+        pass
+
+    with pytest.raises(KilledError):
+        bench.run("finished", KilledError())
+    second = bench.events(Planned)[0].tasks[1]
+    bench.take_up()
+    bench.abilities.stalled = ("PickCable",)
+    replies = []
+
+    def skip():
+        if not bench.events(Interrupted):
+            bench.loop.arrivals.append(skip)
+            return
+        replies.append(bench.command(Command.SKIP, second))
+        bench.loop.arrivals.append(lambda: heard.append(list(replies[0])))
+        bench.loop.arrivals.append(lambda: setattr(bench.abilities, "stalled", ()))
+
+    heard = []
+    bench.loop.arrivals.append(skip)
+    bench.run()
+    assert heard == [[]], "the server of the last supervisor still moved"
+    assert replies == [[(True, "")]]
 
 
 def test_a_shutdown_leaves_no_event_and_the_next_start_resumes(bench):
@@ -312,6 +344,114 @@ def test_a_record_of_a_behavior_that_was_stopped_is_dropped(bench):
     assert answers == [stopped, stopped, (True, "")]
     second = bench.events(Planned)[0].tasks[1]
     assert [event.task for event in bench.events(OperationEnded)] == [second]
+
+
+class KilledError(Exception):
+    """The supervisor's process is killed."""
+
+
+def stopped_at(owner, code):
+    """Return an operation that an owner of the cell has granted, with its error code."""
+    path = "/Connect a/InsertCable"
+    goal = f"{owner}:Place Wire W1{path}#1"
+    return Operation(path, "InsertCable", "failed", code, "stopped", 2.0, 1.0, goal)
+
+
+def killed_before_it_kept_a_record(bench):
+    """Kill the supervisor during a behavior, have another one take over; return its token."""
+    with pytest.raises(KilledError):
+        bench.run(KilledError())
+    return bench.take_over()
+
+
+@pytest.mark.parametrize("code", [STUCK, MOTION_FAULT, SEVERAL_SERVERS])
+@pytest.mark.parametrize("while_it_moves", [False, True])
+def test_a_stop_whose_record_a_killed_supervisor_did_not_keep_is_asked_about(
+    attended_bench, code, while_it_moves
+):
+    bench = attended_bench
+    stop = stopped_at(killed_before_it_kept_a_record(bench), code)
+    first = bench.events(Planned)[0].tasks[0]
+    moved, sent = [], []
+
+    def send():
+        sent.append(bench.supervisor.tasks.keep_record(f"Place Wire {first}", stop))
+
+    def empty():
+        """Empty the hand: the state asks after the record was sent."""
+        send()
+        moved.append(bench.engine.operate(bench.engine.ran[-1], 0, "/Lay down"))
+
+    def answer():
+        question = bench.supervisor.state.question
+        assert question is not None, "a person is asked"
+        assert "stopped" in question.text
+        event = Answered(question.number, Answer.FIXED, "ann")
+        bench.supervisor.answer(event, lambda *reply: sent.append(reply))
+
+    if while_it_moves:
+        bench.engine.clearings = [empty]
+    else:
+        bench.loop.arrivals += [lambda: None] * 3 + [send, send]
+    bench.loop.every(10.0, lambda: bench.supervisor.state.question and answer())
+    state = bench.run()
+    assert [event.operation for event in bench.events(StopReported)] == [stop]
+    assert [event.do for event in bench.events(Decided)] == [Do.ASK_OPERATOR]
+    cleared = [name for name in bench.ran if name.endswith("Clear")]
+    assert len(cleared) == (2 if while_it_moves else 1), "the hand is emptied after the answer"
+    assert moved == ([Permit.REFUSED] if while_it_moves else [])
+    assert sent[0] == (True, "")
+    assert state.ended.ending is Ending.COMPLETE
+    assert not [frame.differs for frame in replayed(bench.events(object)) if frame.differs]
+
+
+def test_an_unattended_run_ends_at_a_stop_that_is_reported_late(bench):
+    stop = stopped_at(killed_before_it_kept_a_record(bench), MOTION_FAULT)
+    bench.loop.arrivals.append(lambda: bench.supervisor.tasks.keep_record("W1", stop))
+    state = bench.run()
+    assert state.ended.ending is Ending.STOPPED
+    assert len(bench.ran) == 1, "nothing moves after it"
+
+
+def test_the_refused_goal_of_an_earlier_owner_is_no_stop(bench):
+    refused = stopped_at(killed_before_it_kept_a_record(bench), STALE_OWNER)
+    bench.loop.arrivals.append(lambda: bench.supervisor.tasks.keep_record("W1", refused))
+    assert bench.run().ended.ending is Ending.COMPLETE
+    assert not bench.events(StopReported)
+
+
+def test_a_stop_between_two_tasks_ends_the_run(bench):
+    stop = stopped_at(bench.owner + 1, MOTION_FAULT)
+    plan = bench.work.planner.plan
+
+    def plan_while_it_is_reported(*args):
+        bench.supervisor.tasks.keep_record("Place Wire W1", stop)
+        return plan(*args)
+
+    object.__setattr__(bench.work.planner, "plan", plan_while_it_is_reported)
+    state = bench.run()
+    assert state.ended.ending is Ending.STOPPED
+    assert "a person is needed" in state.ended.because
+    assert bench.ran == []
+
+
+def test_a_stop_that_is_not_kept_is_sent_again(bench):
+    stop = stopped_at(killed_before_it_kept_a_record(bench), MOTION_FAULT)
+    append, answers = bench.log.append, []
+
+    def fail(*_):
+        raise LostError("the database does not answer")
+
+    def send():
+        bench.log.append = fail
+        answers.append(bench.supervisor.tasks.keep_record("W1", stop))
+        bench.log.append = append
+        answers.append(bench.supervisor.tasks.keep_record("W1", stop))
+
+    bench.loop.arrivals.append(send)
+    assert bench.run().ended.ending is Ending.STOPPED
+    assert answers == [(False, "the database does not answer"), (True, "")]
+    assert len(bench.events(StopReported)) == 1
 
 
 def test_a_running_task_that_is_skipped_leaves_an_empty_hand(bench):

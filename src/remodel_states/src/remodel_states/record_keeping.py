@@ -7,8 +7,9 @@ of type remodel_msgs/BeginOperation is `begin_operation` in the same namespace. 
 parameter nobody is asked.
 
 A thread of its own asks, over one connection to each service, and tries each request again until
-it is settled or withdrawn; the state only polls. No request delays another: while one state is
-held, the record of another is kept.
+it is settled; the state only polls. While one state is held, the record of another is kept. But
+nothing asks to begin before the record of a state that was left is kept: it may report that a
+person is needed before anything moves again.
 """
 
 from __future__ import annotations
@@ -33,9 +34,6 @@ RECORDER_PARAMETER = "remodel/recorder"
 
 # [s] Wall time between two attempts of a request.
 _RETRY_S = 0.25
-
-# Attempts after a state has been left: enough to connect again, and nobody waits for them.
-_LAST_ATTEMPTS = 4
 
 # [s] Wall time between two warnings that nothing moves.
 WARN_EVERY_S = 30.0
@@ -69,7 +67,6 @@ class Request:
         self.trouble = ""
         self.is_settled = False
         self.due_s = 0.0
-        self.last_attempts = _LAST_ATTEMPTS
         self.is_withdrawn = False
         self._warned_s = time.monotonic()
 
@@ -196,7 +193,7 @@ class RecordKeeper:
         return keeping
 
     def withdraw(self, request: Request) -> None:
-        """Wait no longer: a record that is not kept is sent a few times more."""
+        """Wait no longer; a record that is not kept is sent until it is."""
         request.is_withdrawn = True
         self._queue.put(request)
 
@@ -215,8 +212,9 @@ class RecordKeeper:
             if arrived is not None:
                 waiting = [request for request in waiting if request is not arrived]
                 waiting += _to_do(arrived)
-            now = time.monotonic()
-            waiting = [r for r in waiting if r.due_s > now or not self._is_done(r)]
+            waiting.sort(key=lambda request: isinstance(request, Permit))
+            now, left = time.monotonic(), waiting
+            waiting = [r for r in left if r.due_s > now or not self._is_done(r, left)]
 
     def _next(self, waiting: list[Request]) -> Request | None:
         """Return a request that arrived; None when the next attempt is due."""
@@ -227,13 +225,14 @@ class RecordKeeper:
         except queue.Empty:
             return None
 
-    def _is_done(self, request: Request) -> bool:
-        """Attempt a request; return whether there is nothing more to do for it."""
-        request.last_attempts -= request.is_withdrawn
-        if not request.is_settled:
+    def _is_done(self, request: Request, waiting: list[Request]) -> bool:
+        """Attempt a request, if its turn has come; return whether it is settled."""
+        if isinstance(request, Permit) and any(_is_of_left_state(other) for other in waiting):
+            request.trouble = "the record of a state that was left is not kept yet"
+        elif not request.is_settled:
             self._attempt(request)
         request.due_s = time.monotonic() + _RETRY_S
-        return request.is_settled or request.last_attempts <= 0
+        return request.is_settled
 
     def _attempt(self, request: Request) -> None:
         try:
@@ -255,6 +254,11 @@ class RecordKeeper:
         if not response.success:
             request.trouble = response.message or "it gave no reason"
         return bool(response.success)
+
+
+def _is_of_left_state(request: Request) -> bool:
+    """Return whether a request is to keep the record of a state that was left, and is not done."""
+    return isinstance(request, Keeping) and request.is_withdrawn and not request.is_settled
 
 
 def _to_do(request: Request) -> list[Request]:

@@ -562,6 +562,26 @@ class AbilityStatesTest(unittest.TestCase):
             self.assertTrue(wait_until(lambda: len(recorder.came) > came))
             self.assertEqual({record.outcome for record in recorder.came}, {"routed"})
 
+    def test_no_state_asks_before_the_record_of_one_that_was_left_is_kept(self):
+        self.fakes["RouteWire"].script(Answer(ErrorCode.MOTION_FAULT))
+        self.fakes["PlaceCable"].script(Answer())
+        with self.recorder() as recorder:
+            recorder.says = KeepRecordResponse(False, "not now")
+            recorder.may_answer.set()
+            left, data = self.state("RouteWire"), userdata()
+            self.assertTrue(wait_until(lambda: left.execute(data) or recorder.came))
+            left.on_exit(data)
+            came, asked = len(recorder.came), len(recorder.asked)
+            following = self.state("PlaceCable")
+            # It is sent until it is kept, however often.
+            self.assertTrue(
+                wait_until(lambda: following.execute(data) or len(recorder.came) > came + 6)
+            )
+            self.assertEqual(len(recorder.asked), asked)
+            recorder.says = KeepRecordResponse(True, "")
+            self.assertEqual(run(following, data), "placed")
+            self.assertEqual(recorder.came[-2].error_code, ErrorCode.MOTION_FAULT)
+
     def test_attempts_are_counted_up_to_the_bound(self):
         state = CountAttemptsState(attempts=2)
         data = UserData()

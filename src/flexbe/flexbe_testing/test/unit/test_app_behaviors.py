@@ -164,19 +164,19 @@ MANIFEST = """\
 """
 
 
-def state(name, parameters, outcomes, reads, writes):
+def state(name, outcomes, parameters="", reads=(), writes=(), package="my_states"):
     text = STATE.format(
-        name=name, parameters=parameters, outcomes=outcomes, reads=reads, writes=writes
+        name=name, parameters=parameters, outcomes=outcomes, reads=[*reads], writes=[*writes]
     )
-    return read_state(text, f"my_states.{name.lower().replace('state', '_state')}")
+    return read_state(text, f"{package}.{name.lower().replace('state', '_state')}")
 
 
 @pytest.fixture(scope="module")
 def known():
     states = [
-        state("SeeState", ", camera, hint=''", ["seen", "unseen"], ["part"], ["pose"]),
-        state("MoveState", ", speed=1", ["done"], ["pose"], []),
-        state("AskState", ", answers", "answers", [], []),
+        state("SeeState", ["seen", "unseen"], ", camera, hint=''", ["part"], ["pose"]),
+        state("MoveState", ["done"], ", speed=1", ["pose"]),
+        state("AskState", "answers", ", answers"),
     ]
     return Known(states, [define_behavior(CLEAN_UP, "my_behaviors.clean_up_sm")])
 
@@ -273,12 +273,7 @@ def test_what_the_app_loses_or_refuses_is_reported(old, new, complaint, known):
 
 
 def test_a_class_name_of_two_packages_is_told_apart_by_the_package():
-    here = read_state(
-        STATE.format(name="A", parameters="", outcomes=["x"], reads=[], writes=[]), "a.m"
-    )
-    there = read_state(
-        STATE.format(name="A", parameters="", outcomes=["y"], reads=[], writes=[]), "b.m"
-    )
+    here, there = state("A", ["x"], package="a"), state("A", ["y"], package="b")
     both = Known([here, there])
     assert both.state("b__A", []) is there
     assert both.state("A", ["y"]) is there
@@ -307,10 +302,7 @@ def test_what_is_wrong_with_a_manifest_is_reported(old, new, complaint, known):
 
 
 def test_what_the_user_has_filled_in_for_a_computed_list_is_kept(known):
-    computed = read_state(
-        STATE.format(name="AskState", parameters="", outcomes="list('ab')", reads=[], writes=[]),
-        "my_states.ask_state",
-    )
+    computed = state("AskState", "list('ab')")
     others = [s for s in known.states if s.class_name != "AskState"]
     with_computed = Known([*others, computed], known.behaviors)
     text = BEHAVIOR.replace("AskState(answers=['again', 'clean_up'])", "AskState()")
@@ -334,10 +326,7 @@ def test_other_spellings_are_read_as_the_same_and_saved_in_the_apps_own(known):
 
 
 def test_states_of_one_name_are_imported_under_the_names_of_their_packages(known):
-    other = read_state(
-        STATE.format(name="MoveState", parameters="", outcomes=["moved"], reads=[], writes=[]),
-        "other_states.move_state",
-    )
+    other = state("MoveState", ["moved"], package="other_states")
     both = Known([*known.states, other], known.behaviors)
     assert judge(BEHAVIOR, both) == []
     saved = saved_by_app(BEHAVIOR, both)

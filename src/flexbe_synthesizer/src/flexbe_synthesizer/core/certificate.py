@@ -6,28 +6,24 @@ All of it follows from the chart, and from what its states and nested behaviors 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from flexbe_synthesizer.core.check import CheckedChart
 from flexbe_synthesizer.core.error_routes import codes_of_routes, format_codes, is_named
-from flexbe_synthesizer.core.graph import Graph, chart_graph
+from flexbe_synthesizer.core.graph import Graph
+from flexbe_synthesizer.core.names import FAILED
 from flexbe_synthesizer.core.nested import NestedBehaviors
-from flexbe_synthesizer.core.resolve import (
-    ERROR_CODE,
-    FAILED,
-    ResolvedChart,
-    ResolvedNode,
-    Support,
-    arguments,
-    scopes,
-)
+from flexbe_synthesizer.core.quick import quick
+from flexbe_synthesizer.core.resolve import ResolvedChart, ResolvedNode, scopes
 from flexbe_synthesizer.core.signature import BehaviorClass, Effect, StateClass
 from flexbe_synthesizer.core.visits import Bound, most_visits
 from flexbe_synthesizer.core.written import outcome_effects
 
 UNBOUNDED = "unbounded"
 _ANY, _OTHER = "any", "other"  # codes: of an outcome without routes, and those without a route
+_CHART = re.compile(r"^chart: (.*)$", re.MULTILINE)
 _MOST_NESTED = 40  # behaviors inside each other whose times are added up
 _HEAD = """\
 # What the behavior can do at most, as proved from its chart. Written with it; do not edit.
@@ -36,7 +32,8 @@ _HEAD = """\
 Seconds = float | None  # None: nothing bounds it
 
 
-@dataclass(frozen=True)
+@quick
+@dataclass(frozen=True, slots=True)
 class StateBound:
     """How often a state, behavior or container runs at most, and how long.
 
@@ -53,7 +50,8 @@ class StateBound:
     longest_s: Seconds
 
 
-@dataclass(frozen=True)
+@quick
+@dataclass(frozen=True, slots=True)
 class ErrorEnd:
     """Where a state leads when it ends with an error code in a range.
 
@@ -95,17 +93,15 @@ def certify(checked: CheckedChart, package: str) -> Certificate:
     """Return the certificate of a chart without errors."""
     resolved = checked.resolved
     times = _Times(checked.nested)
-    outcomes = {outcome.name: frozenset({outcome.name}) for outcome in resolved.chart.outcomes}
+    outcomes = [outcome.name for outcome in resolved.chart.outcomes]
+    effects = {effect.outcome: effect for effect in outcome_effects(resolved)}
     nothing: frozenset[str] = frozenset()
-    effects = {
-        effect.outcome: effect for effect in outcome_effects(resolved, times.graph(resolved))
-    }
     return Certificate(
         resolved.chart.name,
         package,
         times.longest(resolved),
         tuple(_bounds(resolved, "", 1, times)),
-        tuple(_error_ends(resolved, "", outcomes, times)),
+        tuple(_ErrorEnds(outcomes).of_chart(resolved)),
         tuple(effects.get(name, Effect(name, nothing, nothing)) for name in outcomes),
         tuple(sorted(set(_assumed(resolved)))),
     )
@@ -132,20 +128,13 @@ class _Times:
         self._depth = depth
         self._known: dict[str, Seconds] = {}
         self._longest: dict[ResolvedChart, Seconds] = {}
-        self._graphs: dict[ResolvedChart, Graph] = {}
         self._visits: dict[tuple[ResolvedChart, Bound], Mapping[str, Bound]] = {}
-
-    def graph(self, resolved: ResolvedChart) -> Graph:
-        """Return the graph of a chart or container."""
-        if resolved not in self._graphs:
-            self._graphs[resolved] = chart_graph(resolved)
-        return self._graphs[resolved]
 
     def visits(self, resolved: ResolvedChart, entries: Bound) -> Mapping[str, Bound]:
         """Return how often each node of a chart or container runs that is entered so often."""
         key = (resolved, entries)
         if key not in self._visits:
-            self._visits[key] = most_visits(resolved, self.graph(resolved), entries)
+            self._visits[key] = most_visits(resolved, entries)
         return self._visits[key]
 
     def longest(self, resolved: ResolvedChart) -> Seconds:
@@ -169,8 +158,10 @@ class _Times:
     def visit(self, entry: ResolvedNode) -> Seconds:
         """Return how long one visit to a node takes."""
         inside = self._inside(entry)
-        limit = entry.node.timeout_s if entry.use.is_timed else None
-        return min((s for s in (inside, limit) if s is not None), default=None)
+        if not entry.use.is_timed:
+            return inside
+        limit = entry.node.timeout_s
+        return limit if inside is None or limit is None else min(inside, limit)
 
     def _inside(self, entry: ResolvedNode) -> Seconds:
         declaration = entry.use.declaration
@@ -178,13 +169,12 @@ class _Times:
             return self.longest(entry.body)
         if isinstance(declaration, BehaviorClass):
             return self._behavior(declaration)
-        if declaration is None:
+        limit = entry.use.time_limit
+        if limit is None:
             return None
-        timer = Support.TIMER
-        is_timer = (declaration.package, declaration.name) == (timer.package, timer.class_name)
-        wanted = "wait_time" if is_timer else "timeout_s"
-        default = next((p.default for p in declaration.parameters if p.name == wanted), None)
-        value = arguments(entry.node, entry.use.is_timed).get(wanted, default)
+        if entry.node.timeout_s is not None and not entry.use.is_timed:
+            return entry.node.timeout_s
+        value = next((p.value for p in entry.node.params if p.name == limit.name), limit.default)
         is_number = isinstance(value, int | float) and not isinstance(value, bool)
         return float(value) if is_number and isinstance(value, int | float) else None
 
@@ -203,42 +193,60 @@ def _product(visits: Bound, seconds: Seconds) -> Seconds:
     return None if visits is None or seconds is None else visits * seconds
 
 
-def _error_ends(
-    resolved: ResolvedChart, above: str, leading: Mapping[str, frozenset[str]], times: _Times
-) -> Iterator[ErrorEnd]:
-    """Yield where error codes end.
+class _ErrorEnds:
+    """Where error codes end; a set of outcomes of the behavior is one integer, a bit for each."""
 
-    Args:
-        resolved: the chart, or the content of a container.
-        above: path of the container, with a slash at its end.
-        leading: the outcomes of the behavior that each outcome of the container leads to.
-        times: which knows the graphs.
-    """
-    graph = times.graph(resolved)
-    ends = _ends(graph, leading)
-    for name, entry in resolved.by_id.items():
-        for edge_event, codes, target in _coded(entry, graph, resolved.error_names):
-            found = tuple(sorted(ends.get(target, ())))
-            yield ErrorEnd(f"{above}{name}", edge_event, codes, target, found)
-        if entry.body is not None:
-            inner: dict[str, frozenset[str]] = {}
-            for edge in graph.leaving.get(name, ()):
-                inner[edge.event] = inner.get(edge.event, frozenset()) | ends.get(
-                    edge.target, frozenset()
-                )
-            yield from _error_ends(entry.body, f"{above}{name}/", inner, times)
+    def __init__(self, outcomes: Sequence[str]) -> None:
+        self._bits = {name: 1 << index for index, name in enumerate(outcomes)}
+        self._names: dict[int, tuple[str, ...]] = {}
+
+    def of_chart(self, resolved: ResolvedChart) -> Iterator[ErrorEnd]:
+        """Yield the ends of all error codes of a chart."""
+        return self._inside(resolved, "", self._bits)
+
+    def _inside(
+        self, resolved: ResolvedChart, above: str, leading: Mapping[str, int]
+    ) -> Iterator[ErrorEnd]:
+        """Yield the ends of the error codes of a chart, or of the content of a container.
+
+        Args:
+            resolved: the chart, or the content of a container.
+            above: path of the container, with a slash at its end.
+            leading: the outcomes of the behavior that each outcome of the container leads to.
+        """
+        graph = resolved.graph
+        ends = _ends(graph, leading)
+        for name, entry in resolved.by_id.items():
+            path = f"{above}{name}"
+            names = resolved.error_names
+            for event, codes, target in (
+                _coded(entry, graph, names) if entry.use.coded_events else ()
+            ):
+                yield ErrorEnd(path, event, codes, target, self._listed(ends.get(target, 0)))
+            if entry.body is not None:
+                inner: dict[str, int] = {}
+                for edge in graph.leaving.get(name, ()):
+                    inner[edge.event] = inner.get(edge.event, 0) | ends.get(edge.target, 0)
+                yield from self._inside(entry.body, f"{path}/", inner)
+
+    def _listed(self, ends: int) -> tuple[str, ...]:
+        """Return the names of some outcomes."""
+        if ends not in self._names:
+            self._names[ends] = tuple(sorted(n for n, bit in self._bits.items() if bit & ends))
+        return self._names[ends]
 
 
-def _ends(graph: Graph, leading: Mapping[str, frozenset[str]]) -> Mapping[str, frozenset[str]]:
+def _ends(graph: Graph, leading: Mapping[str, int]) -> Mapping[str, int]:
     """Return the outcomes of the behavior that can be reached from each state."""
     ends = dict(leading)
     waiting = list(leading)
     while waiting:
         target = waiting.pop()
+        found = ends[target]
         for edge in graph.entering.get(target, ()):
-            old = ends.get(edge.source, frozenset())
-            if not ends[target] <= old:
-                ends[edge.source] = old | ends[target]
+            old = ends.get(edge.source, 0)
+            if found & ~old:
+                ends[edge.source] = old | found
                 waiting.append(edge.source)
     return ends
 
@@ -247,20 +255,16 @@ def _coded(
     entry: ResolvedNode, graph: Graph, error_names: Mapping[str, tuple[int, ...]]
 ) -> Iterator[tuple[str, str, str]]:
     """Yield event, codes and target of each way in which a node is left with an error code."""
-    signature = entry.use.signature
-    if signature is None or ERROR_CODE not in entry.use.outputs:
-        return
     routes: dict[str, list[str]] = {}
     on_error = entry.node.on_error
     for route, codes in zip(on_error, codes_of_routes(on_error, error_names), strict=True):
         shown = f"{route.codes} ({format_codes(codes)})" if is_named(route) else format_codes(codes)
         routes.setdefault(route.target, []).append(shown)
-    targets = {t.event: t.target for t in entry.node.transitions}
-    for edge in graph.leaving.get(entry.node.id, ()):
-        targets.setdefault(edge.event, edge.target)  # in a concurrency container
-    for event in signature.outcomes or ():
-        effect = signature.effect(event)
-        if (effect is not None and ERROR_CODE not in effect.possible) or event not in targets:
+    # In a concurrency container a node has no transitions, and its conditions are the edges.
+    leads = entry.node.transitions or graph.leaving.get(entry.node.id, ())
+    targets = {lead.event: lead.target for lead in leads}
+    for event in entry.use.coded_events:
+        if event not in targets:
             continue
         if event == FAILED and routes:
             yield from ((event, ", ".join(codes), target) for target, codes in routes.items())
@@ -282,64 +286,78 @@ def _assumed(resolved: ResolvedChart) -> Iterator[str]:
                 yield f"{declaration.package}/{declaration.name}"
 
 
+def read_chart_place(text: str) -> str | None:
+    """Return the `chart` of `write_certificate`; None if the certificate states none."""
+    found = _CHART.search(text)
+    try:
+        place = json.loads(found[1]) if found else None
+    except ValueError:
+        return None
+    return place if isinstance(place, str) else None
+
+
 def write_certificate(
-    certificate: Certificate, code_sha256: str, manual_code: Iterable[str] = ()
+    certificate: Certificate, chart: str, code_sha256: str, manual_code: Iterable[str] = ()
 ) -> str:
     """Return the certificate as YAML, bound to the text of the behavior's file.
 
     Args:
         certificate: what to write.
+        chart: path of the chart's file, relative to the folder of the behavior's package.
         code_sha256: of the behavior's file.
         manual_code: names of the manual sections in it that are not empty.
     """
-    head = {
-        "behavior": certificate.behavior,
-        "package": certificate.package,
-        "code_sha256": code_sha256,
-        "manual_code": sorted(manual_code),
-        "longest_s": _shown(certificate.longest_s),
-    }
-    states = (
-        {
-            "path": bound.path,
-            "visits": _shown(bound.visits),
-            "visit_s": _shown(bound.visit_s),
-            "longest_s": _shown(bound.longest_s),
-        }
-        for bound in certificate.states
-    )
-    errors = (
-        {"path": e.path, "event": e.event, "codes": e.codes, "next": e.next, "ends": list(e.ends)}
+    text = _Texts()
+    errors = [
+        f"{{path: {text[e.path]}, event: {text[e.event]}, codes: {text[e.codes]}, "
+        f"next: {text[e.next]}, ends: {text[e.ends]}}}"
         for e in certificate.errors
-    )
-    outcomes = (
-        {
-            "outcome": effect.outcome,
-            "always": sorted(effect.certain),
-            "sometimes": sorted(effect.possible - effect.certain),
-        }
-        for effect in certificate.effects
-    )
-    lines = [f"{key}: {_yaml(value)}" for key, value in head.items()]
-    lines += [*_rows("states", states), *_rows("errors", errors), *_rows("outcomes", outcomes)]
-    lines.append(f"assumed: {_yaml(list(certificate.assumed))}")
+    ]
+    states = [
+        f"{{path: {text[s.path]}, visits: {_number(s.visits)}, visit_s: {_number(s.visit_s)}, "
+        f"longest_s: {_number(s.longest_s)}}}"
+        for s in certificate.states
+    ]
+    outcomes = [
+        f"{{outcome: {text[e.outcome]}, always: {_names(e.certain)}, "
+        f"sometimes: {_names(e.possible - e.certain)}}}"
+        for e in certificate.effects
+    ]
+    lines = [
+        f"behavior: {_yaml(certificate.behavior)}",
+        f"package: {_yaml(certificate.package)}",
+        f"chart: {_yaml(chart)}",
+        f"code_sha256: {_yaml(code_sha256)}",
+        f"manual_code: {_names(manual_code)}",
+        f"longest_s: {_number(certificate.longest_s)}",
+        *_rows("states", states),
+        *_rows("errors", errors),
+        *_rows("outcomes", outcomes),
+        f"assumed: {_names(certificate.assumed)}",
+    ]
     return _HEAD + "\n".join(lines) + "\n"
 
 
-def _shown(bound: float | None) -> float | str:
-    return UNBOUNDED if bound is None else bound
+# YAML holds JSON.
+_yaml = json.JSONEncoder(ensure_ascii=False).encode
 
 
-def _rows(name: str, rows: Iterable[Mapping[str, object]]) -> Iterator[str]:
-    """Yield a list of mappings, one a line."""
-    listed = [
-        "- {" + ", ".join(f"{key}: {_yaml(value)}" for key, value in row.items()) + "}"
-        for row in rows
-    ]
-    yield f"{name}:" if listed else f"{name}: []"
-    yield from listed
+class _Texts(dict[str | tuple[str, ...], str]):
+    """Texts, and lists of texts, as YAML; each is written once, since many rows have the same."""
+
+    def __missing__(self, value: str | tuple[str, ...]) -> str:
+        self[value] = written = _yaml(value)
+        return written
 
 
-def _yaml(value: object) -> str:
-    """Return a value as YAML, of which JSON is a part."""
-    return json.dumps(value, ensure_ascii=False)
+def _number(bound: float | None) -> str:
+    return f'"{UNBOUNDED}"' if bound is None else repr(bound)
+
+
+def _names(names: Iterable[str]) -> str:
+    return _yaml(sorted(names))
+
+
+def _rows(name: str, rows: Sequence[str]) -> list[str]:
+    """Return the lines of a list of mappings, one a line."""
+    return [f"{name}:", *(f"- {row}" for row in rows)] if rows else [f"{name}: []"]

@@ -62,7 +62,7 @@ def _body(chart: Chart) -> Iterator[Part]:
     for port in chart.inputs:
         part = _port("input", port)
         if port.default is not None:
-            part.attributes["ext:default"] = format_literal(port.default)
+            part.attributes["ext:default"] = format_literal(port.default, port.type)
         model.children.append(part)
     model.children += (_port("output", port) for port in chart.outputs)
     yield model

@@ -12,8 +12,8 @@ from collections.abc import Mapping, Sequence
 from xml.etree.ElementTree import Element
 
 from flexbe_synthesizer.core.chart_parts import Part, chart_part
+from flexbe_synthesizer.core.chart_reader import read_chart
 from flexbe_synthesizer.core.chart_writer import escaped, write_chart
-from flexbe_synthesizer.core.codec import read_chart
 from flexbe_synthesizer.core.description_edit import description_edit
 from flexbe_synthesizer.core.error_routes import parse_routes, respelled
 from flexbe_synthesizer.core.model import Chart
@@ -91,9 +91,11 @@ class _Rewriting:
         self._edits.fill(markup, new.tag)
 
     def _compare_attributes(self, old: Part, new: Part, markup: Markup) -> None:
+        is_retyped = old.attributes.get("type") != new.attributes.get("type")
         for name, value in new.attributes.items():
             span = markup.attributes.get(name)
-            if old.attributes.get(name) == value:
+            is_read_otherwise = is_retyped and name == "ext:default"
+            if old.attributes.get(name) == value and not is_read_otherwise:
                 continue
             if span is None:
                 self._edits.add_attribute(markup, name, value)

@@ -16,10 +16,10 @@ from flexbe_synthesizer.core.check_parameters import check_defaults, check_param
 from flexbe_synthesizer.core.check_reachability import check_reachability
 from flexbe_synthesizer.core.check_transitions import check_events, check_transitions
 from flexbe_synthesizer.core.check_use import check_use
-from flexbe_synthesizer.core.graph import chart_graph
 from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.lookup import resolve_chart
 from flexbe_synthesizer.core.model import Chart, State
+from flexbe_synthesizer.core.names import is_topic_parameter
 from flexbe_synthesizer.core.nested import NestedBehaviors
 from flexbe_synthesizer.core.problem import Problem, ProblemList
 from flexbe_synthesizer.core.resolve import ResolvedChart, ResolvedNode, scopes
@@ -67,7 +67,7 @@ def _checks(scope: ResolvedChart, expect_time: Callable[[], None]) -> Iterator[I
     """Yield the checks of a chart or container, without what is inside containers in it."""
     if not scope.nodes:
         return  # told as a missing element
-    flow, graph = scope.flow, chart_graph(scope)
+    flow, graph = scope.flow, scope.graph
     yield check_names(scope)
     yield _check_nodes(scope, expect_time)
     yield check_defaults(scope)
@@ -77,7 +77,7 @@ def _checks(scope: ResolvedChart, expect_time: Callable[[], None]) -> Iterator[I
     yield check_reachability(scope, graph)
     yield check_loops(scope, graph)
     yield check_connections(scope, flow)
-    yield check_data_flow(scope, flow, graph)
+    yield check_data_flow(scope)
     yield check_homes(scope, flow)
     yield check_use(scope, flow)
 
@@ -110,5 +110,10 @@ def _likeness(entry: ResolvedNode) -> object:
     if not use.is_like_others:
         return None
     events = tuple([transition.event for transition in node.transitions])
-    given = tuple([(param.name, type(param.value)) for param in node.params])
-    return use, node.topic is None, events, given
+    given = tuple(
+        [
+            (param.name, param.text if is_topic_parameter(param.name) else type(param.value))
+            for param in node.params
+        ]
+    )
+    return use, node.topic, events, given

@@ -11,7 +11,7 @@ from itertools import islice
 from typing import NamedTuple
 
 from flexbe_synthesizer.core.data_flow import DataFlow
-from flexbe_synthesizer.core.graph import Edge, Graph, path_text, shortest_path
+from flexbe_synthesizer.core.graph import Edge, path_text, shortest_path
 from flexbe_synthesizer.core.model import Connection
 from flexbe_synthesizer.core.problem import Code, Problem
 from flexbe_synthesizer.core.resolve import ResolvedChart, ResolvedNode, label
@@ -21,16 +21,17 @@ _MOST_PATHS = 50  # problems of a chart that are told with their path; each is a
 _MOST_WRITERS = 12  # named in a message
 
 
-def check_data_flow(resolved: ResolvedChart, flow: DataFlow, graph: Graph) -> Iterator[Problem]:
+def check_data_flow(resolved: ResolvedChart) -> Iterator[Problem]:
     """Yield a problem for each read of a value that may be missing or another state's."""
+    flow = resolved.flow
     if resolved.is_concurrent:
         yield from _check_simultaneous(resolved, flow)
         return
-    if graph.initial not in resolved.by_id:
+    if resolved.graph.initial not in resolved.by_id:
         return
-    values = Values(resolved, flow, graph)
+    values = resolved.values
     given = {port.name for port in resolved.chart.inputs}
-    written = values.written_before()
+    written = values.written_before
     last_writers = LastWriters(values)
     paths_left = _MOST_PATHS
     for node, homes in flow.inputs.items():

@@ -7,14 +7,9 @@ from collections.abc import Iterator, Mapping
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.error_routes import codes_of_routes, is_named
 from flexbe_synthesizer.core.model import AnyNode, Container, ContainerKind, walk_nodes
+from flexbe_synthesizer.core.names import ERROR_CODE, FAILED
 from flexbe_synthesizer.core.problem import Code, Problem
-from flexbe_synthesizer.core.resolve import (
-    ERROR_CODE,
-    FAILED,
-    ResolvedChart,
-    ResolvedNode,
-    label,
-)
+from flexbe_synthesizer.core.resolve import ResolvedChart, ResolvedNode, label
 
 
 def check_extensions(entry: ResolvedNode, resolved: ResolvedChart) -> Iterator[Problem]:

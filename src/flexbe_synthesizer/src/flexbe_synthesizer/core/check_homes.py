@@ -11,8 +11,9 @@ from collections.abc import Iterator
 
 from flexbe_synthesizer.core.data_flow import DataFlow
 from flexbe_synthesizer.core.model import State
+from flexbe_synthesizer.core.names import ERROR_CODE
 from flexbe_synthesizer.core.problem import Code, Problem
-from flexbe_synthesizer.core.resolve import ERROR_CODE, ResolvedChart, label
+from flexbe_synthesizer.core.resolve import ResolvedChart, label
 
 
 def check_homes(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:

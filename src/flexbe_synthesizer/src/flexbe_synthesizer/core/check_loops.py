@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from flexbe_synthesizer.core.graph import Graph, path_text, shortest_path
+from flexbe_synthesizer.core.names import EXHAUSTED
 from flexbe_synthesizer.core.problem import Code, Problem
-from flexbe_synthesizer.core.resolve import EXHAUSTED, ResolvedChart
-from flexbe_synthesizer.core.visits import free_graph
+from flexbe_synthesizer.core.resolve import ResolvedChart
 
 
 def check_loops(resolved: ResolvedChart, graph: Graph) -> Iterator[Problem]:
@@ -16,7 +16,7 @@ def check_loops(resolved: ResolvedChart, graph: Graph) -> Iterator[Problem]:
     A state whose attempts are spent still leads on, with `exhausted`.
     """
     by_id = resolved.by_id
-    rest = free_graph(resolved, graph)
+    rest = graph.free
     # A knot that nothing leads out of is reported as an error.
     left = {
         rest.loops[edge.source]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from flexbe_synthesizer.core import names
-from flexbe_synthesizer.core.expand import added_labels
+from flexbe_synthesizer.core.expanded_labels import added_labels
 from flexbe_synthesizer.core.model import AnyNode, Chart, Container, Element, Input, Output, State
 from flexbe_synthesizer.core.problem import Code, Problem
 from flexbe_synthesizer.core.resolve import ResolvedChart, label
@@ -30,7 +30,6 @@ def check_names(resolved: ResolvedChart) -> Iterator[Problem]:
                 message += "not start with '_'."
                 yield Problem(port.position("name"), Code.INVALID_NAME, message)
     yield from _check_ids(resolved)
-    yield from _check_topics(resolved)
 
 
 def check_node_names(node: AnyNode) -> Iterator[Problem]:
@@ -38,15 +37,6 @@ def check_node_names(node: AnyNode) -> Iterator[Problem]:
     yield from _check_ports(label(node), node.inputs)
     yield from _check_ports(label(node), node.outputs)
     yield from _check_params(node)
-
-
-def _check_topics(resolved: ResolvedChart) -> Iterator[Problem]:
-    """Yield a problem for each name of a topic that ROS does not allow."""
-    for node in resolved.chart.nodes:
-        if isinstance(node, State) and node.topic and not names.is_topic(node.topic):
-            message = f"'{names.shortened(node.topic)}' of {label(node)} cannot name a topic; "
-            message += f"allowed: {names.TOPIC_RULE}."
-            yield Problem(node.position("topic"), Code.INVALID_NAME, message)
 
 
 def _check_name(of: str, element: Element, name: str, attribute: str) -> Iterator[Problem]:

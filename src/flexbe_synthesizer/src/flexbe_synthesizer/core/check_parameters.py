@@ -24,7 +24,7 @@ def check_defaults(resolved: ResolvedChart) -> Iterator[Problem]:
     for port in resolved.chart.inputs:
         if not fits(type_of(port.default), port.type):
             message = f"the default of input '{port.name}' is {_shown(port.default)}; its type is "
-            message += f"{port.type}.{_as_text(port.default, port.type)}"
+            message += f"{port.type}."
             yield Problem(port.position("default"), Code.TYPE_CONFLICT, message)
 
 
@@ -54,8 +54,14 @@ def _check_values(entry: ResolvedNode, signature: Signature) -> Iterator[Problem
                 yield _source_problem(parameter.name, signature, position)
         elif parameter is not None and not fits(type_of(value), parameter.type):
             message = f"parameter '{name}' of {signature.title} is {parameter.type}; found "
-            message += f"{_shown(value)}.{_as_text(value, parameter.type)}"
+            message += f"{_shown(value)}."
             yield Problem(_position(entry.node, name, "value"), Code.PARAMETER_TYPE, message)
+        elif (
+            isinstance(value, str) and names.is_topic_parameter(name) and not names.is_topic(value)
+        ):
+            message = f"'{names.shortened(value)}' of {label(entry.node)} cannot name a topic; "
+            message += f"allowed: {names.TOPIC_RULE}. Rename it, such as 'cell/done'."
+            yield Problem(_position(entry.node, name, "value"), Code.INVALID_NAME, message)
     yield from _check_name_lists(entry, signature)
     if isinstance(entry.node, Behavior):
         yield from _check_dictionaries(entry.node)
@@ -144,13 +150,6 @@ def _position(node: Node, parameter: str, attribute: str = "name") -> Position:
     if isinstance(node, State) and parameter in ("topic", "timeout_s"):
         return node.position(parameter)
     return node.position()
-
-
-def _as_text(value: Literal, wanted: str | None) -> str:
-    """Return how to write a value that is to be a string, for the end of a message."""
-    return (
-        f" To give it as text, write \"'{format_literal(value)}'\"." if wanted == "string" else ""
-    )
 
 
 def _shown(value: Literal) -> str:

@@ -6,8 +6,9 @@ from collections.abc import Collection, Iterator
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.graph import Graph, reachable
+from flexbe_synthesizer.core.names import EXHAUSTED
 from flexbe_synthesizer.core.problem import Code, Problem
-from flexbe_synthesizer.core.resolve import EXHAUSTED, ResolvedChart, label
+from flexbe_synthesizer.core.resolve import ResolvedChart, label
 
 _MOST_LISTED = 50  # dead ends that are told with all that they lead to
 _MORE = "states that do not end either"

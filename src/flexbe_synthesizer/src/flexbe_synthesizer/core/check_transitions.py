@@ -6,14 +6,9 @@ from collections.abc import Collection, Iterator
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.model import Transition
+from flexbe_synthesizer.core.names import EXHAUSTED, TIMED_OUT
 from flexbe_synthesizer.core.problem import Code, Problem
-from flexbe_synthesizer.core.resolve import (
-    EXHAUSTED,
-    TIMED_OUT,
-    ResolvedChart,
-    ResolvedNode,
-    label,
-)
+from flexbe_synthesizer.core.resolve import ResolvedChart, ResolvedNode, label
 
 _ADDED_BY = {EXHAUSTED: "attempts", TIMED_OUT: "timeout_s"}
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
 
 from flexbe_synthesizer.core.error_routes import LARGEST_CODE, is_error_name
 
@@ -12,27 +13,62 @@ CLASSES = (ABOVE_BEHAVIOR, RECOVERABLE, SERIOUS)
 _LEVELS_ABOVE = ("task", "use_case")
 
 
-def read_error_names(table: object) -> Mapping[str, tuple[int, ...]]:
-    """Return the codes of each name and of each class of a table of error codes.
+class ListedCode(NamedTuple):
+    """A row of a table of error codes.
+
+    Attributes:
+        name: of the code.
+        code: its number, from 0 (no error).
+        severity: of its fault, "recoverable" or "serious"; None of a code that reports no fault.
+        first_level: who handles it first, "action", "behavior", "task" or "use_case"; None as well.
+    """
+
+    name: str
+    code: int
+    severity: str | None = None
+    first_level: str | None = None
+
+
+def error_names(listed: Iterable[ListedCode]) -> Mapping[str, tuple[int, ...]]:
+    """Return the codes, ascending, of each class and of each name, classes first.
+
+    The code 0 is no error and has no name. Of two codes of one name the first counts.
+    """
+    classes: dict[str, set[int]] = {name: set() for name in CLASSES}
+    names: dict[str, tuple[int, ...]] = {}
+    for row in listed:
+        if row.code == 0:
+            continue
+        names.setdefault(row.name, (row.code,))
+        if row.first_level in _LEVELS_ABOVE:
+            classes[ABOVE_BEHAVIOR].add(row.code)
+        if row.severity in (RECOVERABLE, SERIOUS):
+            classes[row.severity].add(row.code)
+    found = {name: tuple(sorted(codes)) for name, codes in classes.items() if codes}
+    return {**found, **{name: code for name, code in names.items() if name not in CLASSES}}
+
+
+def read_error_table(table: object) -> tuple[ListedCode, ...]:
+    """Return the codes of a table of faults.
 
     Args:
-        table: rows with `name` and `code`, and if they say so `severity` ("recoverable" or
-            "serious") and `first_level` (who handles it first: "action", "behavior", "task" or
-            "use_case"). The code 0 is no error and gets no name.
+        table: parsed, in the form of remodel_msgs/config/faults.schema.json; only what names need
+            is read and checked.
 
     Raises:
         ValueError: if it is no such table.
     """
-    if not isinstance(table, Sequence) or isinstance(table, str):
-        raise ValueError("a table of error codes is a list of rows with 'name' and 'code'")
-    found: dict[str, tuple[int, ...]] = {}
-    for row in table:
-        name, code = _checked(row)
-        if name in found or name in CLASSES:
-            raise ValueError(f"the name {name!r} stands twice, or is that of a class")
-        if code > 0:
-            found[name] = (code,)
-    return merged((found, _classes(table)))
+    if not isinstance(table, Mapping) or not isinstance(table.get("faults"), list):
+        raise ValueError("a table of error codes has a list of 'faults'")
+    found = [ListedCode(*_checked(row)) for row in table.get("no_fault") or ()]
+    for fault in table["faults"]:
+        if not isinstance(fault, Mapping):
+            raise ValueError(f"{fault!r} is no fault with 'codes'")
+        for row in fault.get("codes") or ():
+            found.append(
+                ListedCode(*_checked(row), fault.get("severity"), fault.get("first_level"))
+            )
+    return tuple(found)
 
 
 def _checked(row: object) -> tuple[str, int]:
@@ -44,29 +80,3 @@ def _checked(row: object) -> tuple[str, int]:
     if not isinstance(code, int) or not 0 <= code <= LARGEST_CODE:
         raise ValueError(f"'code' of {name} is {code!r}; allowed: 0 to {LARGEST_CODE}")
     return name, code
-
-
-def _classes(table: Iterable[Mapping[str, object]]) -> Mapping[str, tuple[int, ...]]:
-    found: dict[str, list[int]] = {name: [] for name in CLASSES}
-    for row in table:
-        code = row["code"]
-        if not isinstance(code, int) or code == 0:
-            continue
-        if row.get("first_level") in _LEVELS_ABOVE:
-            found[ABOVE_BEHAVIOR].append(code)
-        if row.get("severity") in (RECOVERABLE, SERIOUS):
-            found[str(row["severity"])].append(code)
-    return {name: tuple(codes) for name, codes in found.items() if codes}
-
-
-def merged(tables: Iterable[Mapping[str, tuple[int, ...]]]) -> Mapping[str, tuple[int, ...]]:
-    """Return several tables as one: a class has the codes of all, a code those of the first."""
-    found: dict[str, tuple[int, ...]] = {}
-    for table in tables:
-        for name, codes in table.items():
-            if name in CLASSES:
-                found[name] = tuple(sorted({*found.get(name, ()), *codes}))
-            else:
-                found.setdefault(name, codes)
-    classes = {name: found.pop(name) for name in CLASSES if name in found}
-    return {**classes, **found}

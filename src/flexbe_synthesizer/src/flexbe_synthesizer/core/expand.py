@@ -9,12 +9,19 @@ state `X_error` behind the outcome `failed` of X.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 
 from flexbe_synthesizer.core import machine, names
 from flexbe_synthesizer.core.data_flow import DataFlow
 from flexbe_synthesizer.core.error_routes import codes_of_routes, route_event
+from flexbe_synthesizer.core.expanded_labels import (
+    OTHER,
+    RUN,
+    TIMER,
+    chooser_label,
+    counter_label,
+)
 from flexbe_synthesizer.core.machine import (
     BehaviorUse,
     Child,
@@ -26,13 +33,10 @@ from flexbe_synthesizer.core.machine import (
     StateUse,
     Value,
 )
-from flexbe_synthesizer.core.model import Chart, Container, ContainerKind
+from flexbe_synthesizer.core.model import ContainerKind
+from flexbe_synthesizer.core.names import ERROR_CODE, EXHAUSTED, FAILED, TIMED_OUT
 from flexbe_synthesizer.core.predicates import PREDICATES, choose_by_code
 from flexbe_synthesizer.core.resolve import (
-    ERROR_CODE,
-    EXHAUSTED,
-    FAILED,
-    TIMED_OUT,
     ResolvedChart,
     ResolvedNode,
     Support,
@@ -46,82 +50,8 @@ _KINDS = {
     ContainerKind.CONCURRENCY: Kind.CONCURRENCY,
     ContainerKind.PRIORITY: Kind.PRIORITY,
 }
-_OTHER = "other"  # outcome of a chooser for the codes that no route names
-_RUN, _TIMER = "run", "timer"
 _COUNTED = "counted"
 _NONE: Mapping[str, str] = MappingProxyType({})
-
-
-def counter_label(node_id: str) -> str:
-    """Return the label of the state that counts the attempts of another."""
-    return f"{node_id}_attempts"
-
-
-def chooser_label(node_id: str) -> str:
-    """Return the label of the state that parts the failures of another by code."""
-    return f"{node_id}_error"
-
-
-def added_labels(entry: ResolvedNode) -> Iterator[str]:
-    """Yield the labels that the expansion of a node takes from the chart's ids.
-
-    The FlexBE App joins the parts of a path with `_`, so what lies inside a container takes one.
-    """
-    if entry.node.attempts is not None:
-        yield counter_label(entry.node.id)
-    if entry.node.on_error:
-        yield chooser_label(entry.node.id)
-    if entry.use.is_timed:
-        yield f"{entry.node.id}_{_RUN}"
-        yield f"{entry.node.id}_{_TIMER}"
-
-
-def chart_steps(chart: Chart, taken: Iterable[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
-    """Return what an engine reports, as steps of the chart.
-
-    Args:
-        chart: the chart of the behavior that ran.
-        taken: (path of the state, outcome), such as `("/Locate_attempts", "counted")`, in order.
-
-    Returns:
-        (id, event) of each node of the chart that was left; the id of one inside containers has
-        theirs before it, `Place/Insert`.
-    """
-    names_by_path = _StepNames(chart)
-    steps = []
-    for path, outcome in taken:
-        if path in names_by_path.counters and outcome == EXHAUSTED:
-            steps.append((names_by_path.counters[path], outcome))
-        elif path in names_by_path.choosers:
-            event = FAILED if outcome == _OTHER else outcome
-            steps.append((names_by_path.choosers[path], event))
-        elif path in names_by_path.nodes and (path, outcome) not in names_by_path.parted:
-            steps.append((names_by_path.nodes[path], outcome))
-    return tuple(steps)
-
-
-class _StepNames:
-    """What the states of an expanded chart are in the chart, by path."""
-
-    def __init__(self, chart: Chart) -> None:
-        self.nodes: dict[str, str] = {}
-        self.counters: dict[str, str] = {}
-        self.choosers: dict[str, str] = {}
-        self.parted: set[tuple[str, str]] = set()  # steps that a chooser tells of more closely
-        self._add(chart, "", "")
-
-    def _add(self, chart: Chart, above: str, prefix: str) -> None:
-        for node in chart.nodes:
-            path, name = f"{above}/{node.id}", f"{prefix}{node.id}"
-            self.nodes |= {path: name, f"{path}/{_RUN}": name}
-            if node.attempts is not None:
-                self.counters[f"{above}/{counter_label(node.id)}"] = name
-            if node.on_error:
-                self.choosers[f"{above}/{chooser_label(node.id)}"] = name
-                self.parted |= {(path, FAILED), (f"{path}/{_RUN}", FAILED)}
-            if isinstance(node, Container):
-                inside = path if node.timeout_s is None else f"{path}/{_RUN}"
-                self._add(node.body, inside, f"{name}/")
 
 
 def expand(resolved: ResolvedChart, package: str) -> Machine:
@@ -255,8 +185,8 @@ class _Expansion:
         routes = entry.node.on_error
         events = tuple(route_event(route) for route in routes)
         codes = codes_of_routes(routes, self._resolved.error_names)
-        conditions = choose_by_code(zip(events, codes, strict=True), _OTHER)
-        chooser = self._support(Support.CHOOSER, outcomes=(*events, _OTHER), conditions=conditions)
+        conditions = choose_by_code(zip(events, codes, strict=True), OTHER)
+        chooser = self._support(Support.CHOOSER, outcomes=(*events, OTHER), conditions=conditions)
         exits = tuple(
             Exit(event, self._entry(route.target))
             for event, route in zip(events, routes, strict=True)
@@ -265,7 +195,7 @@ class _Expansion:
         return Child(
             chooser_label(entry.node.id),
             chooser,
-            (*exits, otherwise._replace(outcome=_OTHER)),
+            (*exits, otherwise._replace(outcome=OTHER)),
             (("input_value", code),),
         )
 
@@ -275,8 +205,8 @@ class _Expansion:
         The autonomy of a transition stands at the child, where the engine keeps to it.
         """
         remapping = self._remapping(entry)
-        conditions = [Condition(e.outcome, ((_RUN, e.outcome),)) for e in own]
-        conditions.append(Condition(TIMED_OUT, ((_TIMER, "done"),)))
+        conditions = [Condition(e.outcome, ((RUN, e.outcome),)) for e in own]
+        conditions.append(Condition(TIMED_OUT, ((TIMER, "done"),)))
         inputs, outputs = entry.use.inputs, entry.use.outputs
         passed = self._passed_counts(entry)
         keys = tuple((key, key) for key, _home in remapping)
@@ -288,12 +218,12 @@ class _Expansion:
             (*outputs, *passed),
             (
                 Child(
-                    _RUN,
+                    RUN,
                     self._content(entry),
                     tuple(Exit(e.outcome, e.outcome, e.autonomy) for e in own),
                     keys,
                 ),
-                Child(_TIMER, timer, (Exit("done", TIMED_OUT, timed_out.autonomy),)),
+                Child(TIMER, timer, (Exit("done", TIMED_OUT, timed_out.autonomy),)),
             ),
             conditions=tuple(conditions),
         )

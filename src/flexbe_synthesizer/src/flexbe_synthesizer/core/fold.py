@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from flexbe_synthesizer.core.error_routes import FAILED_EVENT, codes_of_event
-from flexbe_synthesizer.core.expand import chooser_label, counter_label
+from flexbe_synthesizer.core.expanded_labels import chooser_label, counter_label
 from flexbe_synthesizer.core.machine import (
     BehaviorUse,
     Child,

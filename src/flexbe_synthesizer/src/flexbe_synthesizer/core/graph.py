@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.model import AnyNode, Chart, Condition
-from flexbe_synthesizer.core.resolve import EXHAUSTED, FAILED, ResolvedChart
+from flexbe_synthesizer.core.names import EXHAUSTED, FAILED
+
+if TYPE_CHECKING:
+    from flexbe_synthesizer.core.resolve import ResolvedChart
 
 _STEPS_SHOWN = 10  # of a path, at its beginning and at its end
 
@@ -34,11 +37,16 @@ class Edge(NamedTuple):
 
 @dataclass(frozen=True)
 class Graph:
-    """States and behaviors by id, and the edges from each; targets may be outcomes."""
+    """States and behaviors by id, and the edges from each; targets may be outcomes.
+
+    Attributes:
+        counted: the states with `ext:attempts`.
+    """
 
     initial: str
     ids: tuple[str, ...]
     leaving: Mapping[str, Sequence[Edge]]
+    counted: Collection[str] = ()
 
     @property
     def edges(self) -> Iterator[Edge]:
@@ -61,6 +69,11 @@ class Graph:
     def order(self) -> tuple[str, ...]:
         """Return the states so that each stands before all that only it leads to."""
         return self._search[0]
+
+    @cached_property
+    def rank(self) -> Mapping[str, int]:
+        """Return the place of each state in the order."""
+        return {name: index for index, name in enumerate(self.order)}
 
     @property
     def reached(self) -> frozenset[str]:
@@ -125,6 +138,14 @@ class Graph:
                     break
         return frozenset(found)
 
+    @cached_property
+    def free(self) -> Graph:
+        """Return the graph without what states with `ext:attempts` lead to when they run."""
+        leaving = dict(self.leaving)
+        for name in self.counted:
+            leaving[name] = [e for e in leaving.get(name, ()) if e.event == EXHAUSTED]
+        return Graph(self.initial, self.ids, leaving)
+
 
 def chart_graph(resolved: ResolvedChart) -> Graph:
     """Return the graph of a chart, or of the content of a container.
@@ -135,19 +156,20 @@ def chart_graph(resolved: ResolvedChart) -> Graph:
     """
     chart, ids = resolved.chart, tuple(resolved.by_id)
     leaving: dict[str, list[Edge]] = {}
+    counted = [name for name, entry in resolved.by_id.items() if entry.node.attempts is not None]
     if resolved.is_concurrent:
         for condition in chart.conditions:
             for edge in condition_edges(condition, resolved):
                 leaving.setdefault(edge.source, []).append(edge)
-        return Graph("", ids, leaving)
+        return Graph("", ids, leaving, counted)
 
     known = set(resolved.targets)
     for source, entry in resolved.by_id.items():
         node, added = entry.node, entry.use.added_events
-        counted = node.attempts is not None and not entry.use.has_own(EXHAUSTED)
-        counted = counted and not resolved.is_repeated
+        is_last = node.attempts is not None and not entry.use.has_own(EXHAUSTED)
+        is_last = is_last and not resolved.is_repeated
         edges = [
-            Edge(source, event, target, event not in added, counted and event == EXHAUSTED)
+            Edge(source, event, target, event not in added, is_last and event == EXHAUSTED)
             for event, target in _leads(node)
         ]
         if edges:
@@ -159,7 +181,8 @@ def chart_graph(resolved: ResolvedChart) -> Graph:
     initial = chart.initial
     if initial not in resolved.by_id:
         initial = names.misspelt(initial, resolved.ids) or initial
-    return Graph(initial, tuple(sorted(ids, key=lambda name: name != initial)), leaving)
+    ordered = tuple(sorted(ids, key=lambda name: name != initial))
+    return Graph(initial, ordered, leaving, counted)
 
 
 def _mended(edge: Edge, resolved: ResolvedChart) -> Edge:

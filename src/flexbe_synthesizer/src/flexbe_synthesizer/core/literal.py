@@ -102,10 +102,10 @@ def freeze(value: object, depth: int = 0) -> Literal:
     )
 
 
-def format_literal(value: Literal) -> str:
-    """Return the text that `parse_literal` reads as this value."""
+def format_literal(value: Literal, wanted: str | None = None) -> str:
+    """Return the text that `as_declared` reads as this value."""
     if isinstance(value, str):
-        is_plain = value.isprintable() and value != "" and parse_literal(value) == value
+        is_plain = value.isprintable() and value != "" and as_declared(value, wanted) == value
         return value if is_plain or value == "" else json.dumps(value)
     if all(isinstance(key, str) for key in _keys_within(value)):
         return json.dumps(value)

@@ -20,11 +20,9 @@ from flexbe_synthesizer.core.model import (
     Output,
     State,
 )
-from flexbe_synthesizer.core.names import PREEMPTED
+from flexbe_synthesizer.core.names import EXHAUSTED, PREEMPTED, TIMED_OUT
 from flexbe_synthesizer.core.problem import Code, Problem
 from flexbe_synthesizer.core.resolve import (
-    EXHAUSTED,
-    TIMED_OUT,
     ResolvedChart,
     ResolvedNode,
     Support,

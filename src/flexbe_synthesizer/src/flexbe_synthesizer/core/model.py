@@ -1,7 +1,7 @@
 """A state chart as values: what chapter 6 of Deliverable 5.1 can say, and our extensions of it.
 
-Charts come from `codec.parse_chart` or are built in code; in code, `source` stays out. Two charts
-are equal if they say the same, wherever they stand.
+Charts come from `chart_reader.parse_chart` or are built in code; in code, `source` stays out. Two
+charts are equal if they say the same, wherever they stand.
 """
 
 from __future__ import annotations

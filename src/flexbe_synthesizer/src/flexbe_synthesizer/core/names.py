@@ -19,6 +19,10 @@ BEHAVIOR_RULE = (
 )
 TOPIC_RULE = "a-z, A-Z, 0-9, '_' and single '/' between them, starting with a letter, '/' or '~'"
 PREEMPTED = "preempted"  # FlexBE adds this outcome to every state and container itself
+EXHAUSTED = "exhausted"  # the event that ext:attempts adds
+TIMED_OUT = "timed_out"  # the event that ext:timeout_s adds
+FAILED = "failed"  # the event that ext:on_error parts by code
+ERROR_CODE = "error_code"  # the output that holds the code
 _NAME = re.compile(r"[^\W\d_](?:[\w.-]| (?=[\w.-]))*\Z")
 _TOPIC = re.compile(r"(?:~/?|/)?[A-Za-z]\w*(?:/\w+)*\Z", re.ASCII)
 _CODE_WORD = re.compile(r"(?:^|\s)(?:def|class)(?:\s|$)")  # the FlexBE App splits code at these
@@ -39,6 +43,11 @@ def is_behavior_name(text: str) -> bool:
     """Return whether files and a class can have the name of a chart."""
     stem = behavior_class(text).removesuffix("SM")
     return len(text) <= LONGEST_BEHAVIOR and stem[:1].isalpha()
+
+
+def is_topic_parameter(name: str) -> bool:
+    """Return whether the value of a parameter is the name of a topic: `topic`, or `..._topic`."""
+    return name == "topic" or name.endswith("_topic")
 
 
 def is_topic(text: str) -> bool:

@@ -10,6 +10,7 @@ from functools import cached_property
 
 from flexbe_synthesizer.core import names
 from flexbe_synthesizer.core.data_flow import DataFlow, bind_data
+from flexbe_synthesizer.core.graph import Graph, chart_graph
 from flexbe_synthesizer.core.literal import Literal, as_declared
 from flexbe_synthesizer.core.model import (
     AnyNode,
@@ -19,18 +20,16 @@ from flexbe_synthesizer.core.model import (
     Node,
     State,
 )
+from flexbe_synthesizer.core.names import ERROR_CODE
 from flexbe_synthesizer.core.quick import quick
 from flexbe_synthesizer.core.signature import (
     BehaviorClass,
+    Parameter,
     Port,
     Signature,
     StateClass,
 )
-
-EXHAUSTED = "exhausted"
-TIMED_OUT = "timed_out"
-FAILED = "failed"  # the event that ext:on_error parts by code
-ERROR_CODE = "error_code"  # the output that holds the code
+from flexbe_synthesizer.core.written import Values
 
 
 class Support(Enum):
@@ -93,6 +92,26 @@ class Use:
         offered = self.signature.parameters if self.signature else ()
         return frozenset(parameter.name for parameter in offered if parameter.takes_source)
 
+    @cached_property
+    def time_limit(self) -> Parameter | None:
+        """Return the parameter that limits a visit [s] to a state, None if its class has none."""
+        declaration = self.declaration
+        if not isinstance(declaration, StateClass):
+            return None
+        timer = Support.TIMER
+        is_timer = (declaration.package, declaration.name) == (timer.package, timer.class_name)
+        wanted = "wait_time" if is_timer else "timeout_s"
+        return next((p for p in declaration.parameters if p.name == wanted), None)
+
+    @cached_property
+    def coded_events(self) -> tuple[str, ...]:
+        """Return the outcomes of its class that may write an error code."""
+        if self.signature is None or ERROR_CODE not in self.outputs:
+            return ()
+        effects = {effect.outcome: effect.possible for effect in self.signature.effects}
+        outcomes = self.signature.outcomes or ()
+        return tuple(o for o in outcomes if o not in effects or ERROR_CODE in effects[o])
+
     def has_own(self, event: str) -> bool:
         """Tell whether the event is an outcome of its class."""
         return self.signature is not None and event in (self.signature.outcomes or ())
@@ -135,6 +154,16 @@ class ResolvedChart:
     def flow(self) -> DataFlow:
         """Return where each value of the chart lives."""
         return bind_data(self)
+
+    @cached_property
+    def graph(self) -> Graph:
+        """Return what leads where."""
+        return chart_graph(self)
+
+    @cached_property
+    def values(self) -> Values:
+        """Return who writes which value, and when it is written."""
+        return Values(self)
 
     @cached_property
     def ids(self) -> names.Vocabulary:

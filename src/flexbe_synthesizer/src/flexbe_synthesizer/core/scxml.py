@@ -26,7 +26,7 @@ from flexbe_synthesizer.core.model import (
     ContainerKind,
     walk_nodes,
 )
-from flexbe_synthesizer.core.resolve import EXHAUSTED, FAILED, TIMED_OUT
+from flexbe_synthesizer.core.names import EXHAUSTED, FAILED, TIMED_OUT
 
 ErrorNames = Mapping[str, tuple[int, ...]]
 NAMESPACE = "http://www.w3.org/2005/07/scxml"

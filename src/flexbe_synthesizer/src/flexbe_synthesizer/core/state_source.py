@@ -3,8 +3,9 @@
 A file counts if a class in it has the base list `(EventState)`. Its constructor calls
 `super().__init__` with `outcomes`, `input_keys`, `output_keys` (and `io_keys`), each a list of
 strings or the name of a constructor argument. The docstring gives the types, one mark a line:
-`-- name type text` argument, `># name type text` input, `#> name type text` output. An outcome,
-`<= name text`, writes all outputs, unless its text holds `[writes key, key]` or `[writes nothing]`.
+`-- name type text` argument, `># name type text` input, `#> name type text` output. An argument
+without a type is a string if its default is one. An outcome, `<= name text`, writes all outputs,
+unless its text holds `[writes key, key]` or `[writes nothing]`.
 """
 
 from __future__ import annotations
@@ -140,7 +141,14 @@ def _parameters(
     for argument, default in zip([*positional, *given.kwonlyargs], defaults, strict=True):
         annotation = documented_type(ast.unparse(argument.annotation or ast.Constant("")))
         kind = documented.get(("--", argument.arg)) or annotation
+        if ("--", argument.arg) not in documented and argument.annotation is None:
+            kind = "string" if _is_text(default) else None
         yield Parameter(argument.arg, kind, default is None, _number(default))
+
+
+def _is_text(node: ast.expr | None) -> bool:
+    """Return whether a default is a string."""
+    return isinstance(node, ast.Constant) and isinstance(node.value, str)
 
 
 def _number(node: ast.expr | None) -> float | None:

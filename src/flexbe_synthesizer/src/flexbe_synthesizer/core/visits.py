@@ -7,41 +7,46 @@ it. The bound may be larger than what a run can reach, never smaller.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
-from flexbe_synthesizer.core.graph import Edge, Graph
-from flexbe_synthesizer.core.resolve import EXHAUSTED, ResolvedChart
+from flexbe_synthesizer.core.graph import Graph
+from flexbe_synthesizer.core.names import EXHAUSTED
+from flexbe_synthesizer.core.resolve import ResolvedChart
 from flexbe_synthesizer.core.written import Steps
 
 Bound = int | None  # None: nothing bounds it
 
 
-def most_visits(resolved: ResolvedChart, graph: Graph, entries: Bound) -> Mapping[str, Bound]:
+def most_visits(resolved: ResolvedChart, entries: Bound) -> Mapping[str, Bound]:
     """Return how often each state of a chart or container runs at most; `entries`: how often it."""
     if resolved.is_concurrent:
         return dict.fromkeys(resolved.by_id, entries)
-    attempts = {
-        name: entry.node.attempts
-        for name, entry in resolved.by_id.items()
-        if entry.node.attempts is not None
-    }
-    free = free_graph(resolved, graph)
-    starts = [graph.initial, *attempts]  # of the stretches, by bit
-    weights = [entries, *(_least(attempts[n], graph, n, entries) for n in attempts)]
+    graph = resolved.graph
+    looping, unbounded = graph.looping, graph.free.looping.difference(graph.counted)
+    attempts = {name: resolved.by_id[name].node.attempts for name in graph.counted}
+    for name in attempts.keys() - looping:
+        attempts[name] = _lesser(attempts[name], entries)
+    weights = [entries, *attempts.values()]  # of the stretches, by bit
     totals: dict[int, Bound] = {0: 0}
     visits: dict[str, Bound] = {}
-    for name, mask in _reaching(starts, free, graph, attempts).items():
+    for name, mask in _reaching(graph).items():
         if mask not in totals:
             totals[mask] = _total(weights, mask)
-        most = totals[mask]
-        if mask and name in free.looping and name not in attempts:
-            most = None
-        limits = (most, attempts.get(name), None if name in graph.looping else entries)
-        visits[name] = min((limit for limit in limits if limit is not None), default=None)
+        most = None if mask and name in unbounded else totals[mask]
+        if name not in looping:
+            most = _lesser(most, entries)
+        visits[name] = _lesser(most, attempts[name]) if name in attempts else most
     return visits
 
 
-def _total(weights: list[Bound], mask: int) -> Bound:
+def _lesser(one: Bound, other: Bound) -> Bound:
+    """Return the closer of two bounds."""
+    if one is None or other is None:
+        return other if one is None else one
+    return min(one, other)
+
+
+def _total(weights: Sequence[Bound], mask: int) -> Bound:
     """Return the sum of the weights of a set of stretches."""
     total = 0
     while mask:
@@ -53,29 +58,16 @@ def _total(weights: list[Bound], mask: int) -> Bound:
     return total
 
 
-def free_graph(resolved: ResolvedChart, graph: Graph) -> Graph:
-    """Return the graph without what states with `ext:attempts` lead to when they run."""
+def _reaching(graph: Graph) -> Mapping[str, int]:
+    """Return the stretches that can come to each state, as a set with one bit per stretch.
 
-    def is_free(edge: Edge) -> bool:
-        return edge.event == EXHAUSTED or resolved.by_id[edge.source].node.attempts is None
-
-    leaving = {name: list(filter(is_free, edges)) for name, edges in graph.leaving.items()}
-    return Graph(graph.initial, graph.ids, leaving)
-
-
-def _least(attempts: int, graph: Graph, name: str, entries: Bound) -> int:
-    """Return how often a state with attempts runs at most."""
-    return attempts if entries is None or name in graph.looping else min(attempts, entries)
-
-
-def _reaching(
-    starts: list[str], free: Graph, graph: Graph, attempts: Mapping[str, int]
-) -> Mapping[str, int]:
-    """Return the stretches that can come to each state, as a set with one bit per stretch."""
+    The first begins with the chart or container, each other one where a counted state leads.
+    """
+    free = graph.free
     reaching = dict.fromkeys(graph.ids, 0)
     steps = Steps(free)
     reaching[graph.initial] = 1
-    for index, name in enumerate(starts[1:], start=1):
+    for index, name in enumerate(graph.counted, start=1):
         for edge in graph.leaving.get(name, ()):
             if edge.event != EXHAUSTED and edge.target in reaching:
                 reaching[edge.target] |= 1 << index

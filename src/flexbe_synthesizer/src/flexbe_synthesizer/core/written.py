@@ -9,16 +9,19 @@ of a loop through the state bring, and with what the state itself has written on
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property, reduce
 from heapq import heappop, heappush
 from operator import and_, or_
+from typing import TYPE_CHECKING
 
-from flexbe_synthesizer.core.data_flow import DataFlow
-from flexbe_synthesizer.core.graph import Edge, Graph, chart_graph, condition_edges
+from flexbe_synthesizer.core.graph import Edge, Graph, condition_edges
 from flexbe_synthesizer.core.model import State
-from flexbe_synthesizer.core.resolve import EXHAUSTED, ResolvedChart
+from flexbe_synthesizer.core.names import EXHAUSTED
 from flexbe_synthesizer.core.signature import Effect
+
+if TYPE_CHECKING:
+    from flexbe_synthesizer.core.resolve import ResolvedChart
 
 
 class Values:
@@ -27,9 +30,9 @@ class Values:
     Only homes that are outputs, or that somebody reads, are told apart.
     """
 
-    def __init__(self, resolved: ResolvedChart, flow: DataFlow, graph: Graph) -> None:
+    def __init__(self, resolved: ResolvedChart) -> None:
         """Sort the outputs by home and by state."""
-        self.graph = graph
+        flow, self.graph = resolved.flow, resolved.graph
         self._by_id = resolved.by_id
         known = flow.read() | {port.name for port in resolved.chart.outputs}
         self.writers: dict[str, list[str]] = {}
@@ -107,6 +110,7 @@ class Values:
             silent[node] = tuple(e for e in edges if not self.has(self.written_on(e), home))
         return silent
 
+    @cached_property
     def written_before(self) -> Mapping[str, int]:
         """Return, for each state and outcome that can be reached, the homes written by then.
 
@@ -140,14 +144,20 @@ class Values:
                     steps.look_at(target)
         return before
 
-    def touched_before(self) -> Mapping[str, int]:
-        """Return, for each state and outcome that can be reached, what may be written by then."""
+    def touched_before(self, homes: Iterable[str]) -> Mapping[str, int]:
+        """Return, for each state and outcome that can be reached, what may be written by then.
+
+        Args:
+            homes: the only ones that are told apart.
+        """
+        among = reduce(or_, (self._bits[home] for home in homes), 0)
         before: dict[str, int] = {self.graph.initial: 0}
         steps = Steps(self.graph)
         for name in steps:
             for edge in self.graph.leaving.get(name, ()):
                 old = before.get(edge.target)
-                before[edge.target] = new = (old or 0) | before[name] | self.touched_on(edge)
+                touched = self.touched_on(edge) & among
+                before[edge.target] = new = (old or 0) | before[name] | touched
                 if new != old:
                     steps.look_at(edge.target)
         return before
@@ -229,7 +239,7 @@ class Steps:
     def __init__(self, graph: Graph) -> None:
         """Begin with the initial state."""
         self._order = graph.order
-        self._rank = {name: index for index, name in enumerate(graph.order)}
+        self._rank = graph.rank
         self._waiting: list[int] = []
         self._is_waiting: set[str] = set()
         self.look_at(graph.initial)
@@ -255,7 +265,7 @@ def _narrow(homes: dict[str, int], name: str, arriving: int) -> bool:
     return new != old
 
 
-def outcome_effects(resolved: ResolvedChart, graph: Graph | None = None) -> tuple[Effect, ...]:
+def outcome_effects(resolved: ResolvedChart) -> tuple[Effect, ...]:
     """Return what each outcome of a chart, or of the content of a container, writes.
 
     An outcome that nothing leads to never happens, so that nothing is left out with it.
@@ -264,14 +274,14 @@ def outcome_effects(resolved: ResolvedChart, graph: Graph | None = None) -> tupl
     outputs = frozenset(port.name for port in chart.outputs if port.name)
     if not outputs:
         return ()
-    values = Values(resolved, resolved.flow, graph or chart_graph(resolved))
+    values = resolved.values
+    known = outputs & values.writers.keys()
     if resolved.is_concurrent:
         certain = _written_by_conditions(resolved, values)
         everything = reduce(or_, map(values.touched_in, resolved.by_id), 0)
         possible: Mapping[str, int] = dict.fromkeys(certain, everything)
     else:
-        certain, possible = values.written_before(), values.touched_before()
-    known = outputs & values.writers.keys()
+        certain, possible = values.written_before, values.touched_before(known)
     return tuple(
         Effect(
             name,

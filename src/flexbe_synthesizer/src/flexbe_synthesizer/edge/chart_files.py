@@ -9,7 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TypeAlias
 
-from flexbe_synthesizer.core.codec import read_chart, read_chart_name
+from flexbe_synthesizer.core.chart_reader import read_chart, read_chart_name
 from flexbe_synthesizer.core.model import Chart, walk_nodes
 from flexbe_synthesizer.core.problem import Code, Problem
 from flexbe_synthesizer.core.resolve import included_path

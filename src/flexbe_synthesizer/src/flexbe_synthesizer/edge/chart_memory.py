@@ -7,8 +7,8 @@ from collections import OrderedDict, deque
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
+from flexbe_synthesizer.core.chart_reader import read_chart
 from flexbe_synthesizer.core.check import CheckedChart, check_chart
-from flexbe_synthesizer.core.codec import read_chart
 from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.model import Behavior, Chart, walk_nodes
 from flexbe_synthesizer.core.nested import NestedBehaviors
@@ -75,7 +75,7 @@ class ChartMemory:
     def read(
         self, text: bytes, path: str, expect_time: Callable[[], None] = lambda: None
     ) -> tuple[Chart | None, tuple[Problem, ...]]:
-        """Return what `codec.read_chart` does."""
+        """Return what `chart_reader.read_chart` does."""
         known = self._known.get(path)
         if known is None or known.text != text:
             known = _Known(text, *read_chart(text, path, expect_time))

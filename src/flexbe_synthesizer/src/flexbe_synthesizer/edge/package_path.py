@@ -20,7 +20,7 @@ from xml.etree import ElementTree
 import yaml
 
 from flexbe_synthesizer.core.behavior_source import read_behavior_class
-from flexbe_synthesizer.core.error_names import merged, read_error_names
+from flexbe_synthesizer.core.error_names import ListedCode, error_names, read_error_table
 from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.manifest import Manifest, read_manifest
 from flexbe_synthesizer.core.signature import BehaviorClass, StateClass, Unreadable
@@ -47,14 +47,14 @@ class Package:
         folder: of its package.xml.
         has_states: it exports `<flexbe_states/>`.
         has_behaviors: it exports `<flexbe_behaviors/>`.
-        error_codes: the file of `<remodel_error_codes file="..."/>`, relative to the folder.
+        faults: the file of `<remodel_states faults="..."/>`, a table of faults and error codes.
     """
 
     name: str
     folder: Path
     has_states: bool = False
     has_behaviors: bool = False
-    error_codes: str | None = None
+    faults: Path | None = None
 
     @property
     def module_folder(self) -> Path:
@@ -82,8 +82,10 @@ def read_package(folder: Path) -> Package:
     if not name:
         raise ValueError(f"{folder / 'package.xml'} names no package")
     exports = {child.tag: child for export in root.iter("export") for child in export}
-    codes = exports["remodel_error_codes"].get("file") if "remodel_error_codes" in exports else None
-    return Package(name, folder, "flexbe_states" in exports, "flexbe_behaviors" in exports, codes)
+    tables = exports.get("remodel_states")
+    path = None if tables is None else tables.get("faults")
+    faults = Path(path.replace("${prefix}", str(folder))) if path else None
+    return Package(name, folder, "flexbe_states" in exports, "flexbe_behaviors" in exports, faults)
 
 
 def find_packages(
@@ -138,14 +140,13 @@ def read_library(
     warnings: list[str] = []
     states = tuple(_read_states((p for p in packages if p.has_states), warnings, seen))
     behaviors = tuple(_read_behaviors((p for p in packages if p.has_behaviors), warnings, seen))
-    error_names = merged(_read_error_tables(packages, warnings, seen))
     folders = {package.name: package.module_folder for package in packages if package.has_behaviors}
     library = Library(
         states=tuple(s for s in states if isinstance(s, StateClass)),
         behaviors=tuple(b for b in behaviors if isinstance(b, BehaviorClass)),
         unreadable_states=tuple(s for s in states if isinstance(s, Unreadable)),
         unreadable_behaviors=tuple(b for b in behaviors if isinstance(b, Unreadable)),
-        error_names=error_names,
+        error_names=error_names(_read_error_codes(packages, warnings, seen)),
         text_of=BehaviorFiles(folders),
     )
     return library, tuple(warnings)
@@ -225,25 +226,22 @@ def _read_state(
     return read_state_class(text, package, module) if may_hold_one else None
 
 
-def _read_error_tables(
+def _read_error_codes(
     packages: Iterable[Package], warnings: list[str], seen: Stamps
-) -> Iterator[Mapping[str, tuple[int, ...]]]:
-    """Yield the names of error codes of each package that exports some."""
-    for package in packages:
-        if package.error_codes is None:
-            continue
-        path = package.folder / package.error_codes
+) -> Iterator[ListedCode]:
+    """Yield the error codes of each package that exports some."""
+    for path in (package.faults for package in packages if package.faults is not None):
         try:
-            yield _read(_read_error_table, path, seen)
+            yield from _read(_read_faults, path, seen)
         except (OSError, ValueError) as error:
             warnings.append(f"{path} cannot be read: {error}; its error codes are left out")
 
 
 @lru_cache(maxsize=_REMEMBERED)
-def _read_error_table(path: Path, _version: Stamp | None) -> Mapping[str, tuple[int, ...]]:
-    """Return the names of error codes that a version of a file has."""
+def _read_faults(path: Path, _version: Stamp | None) -> tuple[ListedCode, ...]:
+    """Return the error codes that a version of a file has."""
     try:
-        return read_error_names(yaml.safe_load(read_regular_text(path)))
+        return read_error_table(yaml.safe_load(read_regular_text(path)))
     except yaml.YAMLError as error:
         raise ValueError(str(error)) from error
 

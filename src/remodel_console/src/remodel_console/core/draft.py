@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from flexbe_synthesizer.core.chart_reader import read_chart
 from flexbe_synthesizer.core.chart_rewriter import RewriteError, rewrite_chart
-from flexbe_synthesizer.core.codec import read_chart, write_chart
+from flexbe_synthesizer.core.chart_writer import write_chart
 from flexbe_synthesizer.core.model import Chart
 from flexbe_synthesizer.core.problem import ChartError, errors_in
 from flexbe_synthesizer.core.xml_reader import decoded, encoded

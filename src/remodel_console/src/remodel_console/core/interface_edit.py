@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TypeVar
 
 from flexbe_synthesizer.core import names
-from flexbe_synthesizer.core.literal import parse_literal
+from flexbe_synthesizer.core.literal import as_declared
 from flexbe_synthesizer.core.model import Chart, Connection, Input, Output
 from flexbe_synthesizer.core.signature import is_type
 from remodel_console.errors import CommandError
@@ -28,7 +28,7 @@ def with_input(scope: Chart, place: int, name: str, kind: str, default: str) -> 
     Raises:
         CommandError: if the name or the type cannot be used.
     """
-    value = parse_literal(default) if default else None
+    value = as_declared(default, kind) if default else None
     port = Input(name, kind or None, value) if name else None
     flows = _followed(scope, _ends_of_input, scope.inputs[place : place + 1], port)
     return replace(scope, inputs=_put(scope.inputs, place, port), connections=flows)

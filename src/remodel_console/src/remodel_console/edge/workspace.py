@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from flexbe_synthesizer.core import names
-from flexbe_synthesizer.core.codec import read_chart, write_chart
+from flexbe_synthesizer.core.chart_reader import read_chart
+from flexbe_synthesizer.core.chart_writer import write_chart
 from flexbe_synthesizer.core.fold import fold
 from flexbe_synthesizer.core.library import Library
 from flexbe_synthesizer.core.machine_reader import read_machine

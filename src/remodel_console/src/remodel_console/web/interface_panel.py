@@ -57,7 +57,7 @@ class InterfacePanel:
         hints = ["name", "any type"]
         if has_default:
             default = port.default if isinstance(port, Input) else None
-            values.append("" if default is None else format_literal(default))
+            values.append("" if default is None else format_literal(default, values[1]))
             hints.append("must be given")
         with ui.element("div").classes("ports") as row:
             fields = [ui.input(value=v, placeholder=h) for v, h in zip(values, hints, strict=True)]

@@ -16,6 +16,7 @@ from remodel_planner.core.supervision.events import (
     Asked,
     Event,
     OperationEnded,
+    StopReported,
     TaskBegun,
 )
 
@@ -84,7 +85,7 @@ def product_entries(
         match event:
             case TaskBegun():
                 begun[event.task] = event
-            case OperationEnded():
+            case OperationEnded() | StopReported():
                 behavior = begun.get(event.task)
                 wire = wires.get(event.task)
                 yield _of_operation(who, event.task, behavior, wire, event.operation)

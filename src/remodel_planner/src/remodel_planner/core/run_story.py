@@ -24,6 +24,7 @@ from remodel_planner.core.supervision.events import (
     Planned,
     RunEnded,
     Settled,
+    StopReported,
     TaskBegun,
     TaskElsewhere,
     TaskEnded,
@@ -115,6 +116,12 @@ def _(event: Settled) -> Iterator[str]:
     seen = f"end {' and end '.join(event.connected)} connected" if event.connected else "no end in"
     left = f"{_count(event.left, 'step')} left" if event.left else "it is done"
     yield f"{event.task}: inspected: {seen}; {left}"
+
+
+@_line.register
+def _(event: StopReported) -> Iterator[str]:
+    operation = event.operation
+    yield f"{event.task}: {operation.state_path} had ended: {failure_line(operation)}"
 
 
 @_line.register

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from flexbe_synthesizer.core.codec import write_chart
+from flexbe_synthesizer.core.chart_writer import write_chart
 from flexbe_synthesizer.core.model import Chart
 from remodel_planner.edge.text_file import write_text
 from remodel_planner.errors import InstanceError

@@ -3,31 +3,47 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
-import yaml
-from rospkg import RosPack
-
-from flexbe_synthesizer.core import error_names
+from flexbe_synthesizer.core.error_names import ListedCode, error_names
 from remodel_planner.core.recovery.fault import Do, Fault, FaultTable
 from remodel_planner.core.recovery.policy import response_from
+from remodel_planner.errors import PlannerError
+from remodel_states.core.fault_tables import FaultTables
+from remodel_states.edge.exported_tables import read_faults as read_fault_tables
+from remodel_states.errors import TableError
 
 
 def read_faults() -> FaultTable:
-    """Return the table of faults of remodel_msgs, whose tests hold it whole."""
-    config = _config()
-    codes = {row["name"]: row["code"] for row in _load(config / "error_codes.yaml")}
-    return FaultTable([_fault(row, codes) for row in _load(config / "faults.yaml")])
+    """Return the faults of all packages.
+
+    Raises:
+        PlannerError: if a table cannot be read.
+    """
+    tables = _tables()
+    return FaultTable([_fault(row, tables.numbers) for row in tables.faults.values()])
 
 
 def read_error_names() -> Mapping[str, tuple[int, ...]]:
-    """Return the error codes of remodel_msgs by the names that charts use: codes and classes."""
-    return error_names.read_error_names(_load(_config() / "error_codes.yaml"))
+    """Return the error codes of all packages by the names that charts use: codes and classes.
+
+    Raises:
+        PlannerError: if a table cannot be read.
+    """
+    tables = _tables()
+    return error_names(
+        ListedCode(name, tables.numbers[name], row["severity"], row["first_level"])
+        for row in tables.faults.values()
+        if "after" not in row
+        for name in row["codes"]
+    )
 
 
-def _config() -> Path:
-    return Path(RosPack().get_path("remodel_msgs")) / "config"
+def _tables() -> FaultTables:
+    try:
+        return read_fault_tables()
+    except TableError as error:
+        raise PlannerError(str(error)) from error
 
 
 def _fault(row: Mapping[str, Any], codes: Mapping[str, int]) -> Fault:
@@ -39,7 +55,3 @@ def _fault(row: Mapping[str, Any], codes: Mapping[str, int]) -> Fault:
         tuple(response_from(response) for response in row["responses"]),
         row.get("unattended") == Do.STOP.value,
     )
-
-
-def _load(file: Path) -> Any:  # noqa: ANN401 - YAML
-    return yaml.safe_load(file.read_text(encoding="utf-8"))

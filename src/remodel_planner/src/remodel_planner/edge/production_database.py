@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import json
 import os
+import sqlite3
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -37,6 +39,9 @@ from remodel_planner.errors import OrderError, RecordLostError
 
 # [s] that a program waits for another one's transaction; an import takes one second.
 _WAIT_S = 30
+
+# [s] between two tries to change the mode of a new database.
+_LOOK_S = 0.02
 
 
 class ProductionDatabase:
@@ -207,9 +212,27 @@ def _prepare_sqlite(connection: object, _record: object) -> None:
     """Set what SQLite forgets with each connection; the driver is not to begin transactions."""
     connection.isolation_level = None  # type: ignore[attr-defined]
     cursor = connection.cursor()  # type: ignore[attr-defined]
-    for setting in ("foreign_keys=ON", f"busy_timeout={_WAIT_S * 1000}", "journal_mode=WAL"):
+    for setting in ("foreign_keys=ON", f"busy_timeout={_WAIT_S * 1000}"):
         cursor.execute(f"PRAGMA {setting}")
+    _write_ahead(cursor)
     cursor.close()
+
+
+def _write_ahead(cursor: sqlite3.Cursor) -> None:
+    """Have SQLite write ahead. A new database changes its mode once, with nobody else in it.
+
+    SQLite does not wait for the others then, whatever busy_timeout says, so this does.
+    """
+    late_s = time.monotonic() + _WAIT_S
+    while True:
+        try:
+            cursor.execute("PRAGMA journal_mode=WAL")
+        except sqlite3.OperationalError as error:
+            if "locked" not in str(error) or time.monotonic() > late_s:
+                raise
+            time.sleep(_LOOK_S)
+        else:
+            return
 
 
 def _begin_sqlite(connection: Connection) -> None:

@@ -31,6 +31,7 @@ from remodel_planner.core.supervision.events import (
     RunBegun,
     RunEnded,
     Settled,
+    StopReported,
     TaskBegun,
     TaskElsewhere,
     TaskEnded,
@@ -98,6 +99,10 @@ class _Writer:
         self.now_s = event.operation.ended_s
         self.behavior += self._operation(event.task, event.operation)
         return []
+
+    @_of.register
+    def _(self, event: StopReported) -> Iterable[RunEntry]:
+        return self._operation(event.task, event.operation)
 
     @_of.register
     def _(self, event: TaskEnded) -> Iterable[RunEntry]:

@@ -8,7 +8,13 @@ from collections.abc import Callable
 from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.gate import FEEDER, Gate, Permit
 from remodel_planner.core.supervision.goal_owner import owner_of
-from remodel_planner.core.supervision.state import FINISHED, MOTION_STOPPED, PREEMPTED, SERVER_GONE
+from remodel_planner.core.supervision.state import (
+    FINISHED,
+    PERSON_FIRST,
+    PREEMPTED,
+    SERVER_GONE,
+    STALE_OWNER,
+)
 from remodel_planner.errors import LostError, PlannerError
 from remodel_planner.supervisors.ports import (
     Abilities,
@@ -45,6 +51,7 @@ class TaskSupervisor:
         engine: Engine,
         abilities: Abilities,
         gate: Gate,
+        report_stop: Keep,
         owner: int = 0,
         disowned: Callable[[], str] = lambda: "",
     ) -> None:
@@ -55,12 +62,15 @@ class TaskSupervisor:
             engine: that runs behaviors.
             abilities: that the cell has.
             gate: that all operations pass.
+            report_stop: keeps an operation of a behavior that was given up, after which a person
+                is to answer first; raises PlannerError if it cannot.
             owner: token by which this supervisor owns the cell.
             disowned: returns why it does not own the cell any more; empty if it does.
         """
         self.behavior = ""
         self.halted = ""
         self._owner = owner
+        self._report_stop = report_stop
         self._disowned = disowned
         self._has_started = False
         self._loop = loop
@@ -79,8 +89,13 @@ class TaskSupervisor:
 
     @property
     def is_still(self) -> bool:
-        """Whether nothing moves, for all that is known: at first, and after a loss, nothing is."""
-        return self._gate.is_still and not self._settling
+        """Whether nothing moves, and that is known."""
+        return self._gate.is_still and not self.is_settling
+
+    @property
+    def is_settling(self) -> bool:
+        """Whether it is not known what moves: at first, and after a loss, until all of it rests."""
+        return self._settling
 
     @property
     def unrested(self) -> tuple[str, ...]:
@@ -208,12 +223,13 @@ class TaskSupervisor:
 
         A record of a behavior that was, or is about to be, stopped is accepted and dropped: what
         that behavior has done is inspected, nothing more of it is granted, and its state would
-        send the record again to the next behavior of the same name.
+        send the record again to the next behavior of the same name. Only if a person is to answer
+        before anything moves, that is kept.
         """
         if self._settling or self._is_of_another_owner(operation):
-            return True, "of a behavior that was stopped; it is not kept"
+            return self._keep_stop(operation, "of a behavior that was stopped; it is not kept")
         if self._keep is None or behavior != self.behavior:
-            return True, "of no task; it is not kept"
+            return self._keep_stop(operation, "of no task; it is not kept")
         if operation.goal_id not in self._goals:
             try:
                 self._keep(operation)
@@ -223,8 +239,10 @@ class TaskSupervisor:
             self._kept[operation.state_path] += 1
         if operation.error_code in SERVER_GONE:
             self._why_over = f"the server of {operation.ability} is lost"
-        elif operation.error_code in MOTION_STOPPED:
-            self._why_over = f"{operation.ability} ended with a motion fault; a person is needed"
+        elif operation.error_code in PERSON_FIRST:
+            self._why_over = (
+                f"{operation.ability} ended with error {operation.error_code}; a person is needed"
+            )
         if operation.error_code in SERVER_GONE or not operation.outcome:
             # A goal that was given up is cancelled; the server has not reported its end.
             self._unended[operation.state_path] = operation.ability, self._loop.wall_s()
@@ -239,6 +257,19 @@ class TaskSupervisor:
             if not is_connected or self._abilities.answers(ability, since_s):
                 del self._unended[path]
                 self._gate.end(path)
+
+    def _keep_stop(self, operation: Operation, otherwise: str) -> tuple[bool, str]:
+        """Keep what a person is to answer first; return whether the state may go on, and why not.
+
+        That a server refuses the goal of an earlier owner of the cell is as it should be.
+        """
+        if operation.error_code not in PERSON_FIRST - {STALE_OWNER}:
+            return True, otherwise
+        try:
+            self._report_stop(operation)
+        except PlannerError as error:
+            return False, str(error)
+        return True, ""
 
     def _is_of_another_owner(self, operation: Operation) -> bool:
         """Return whether a supervisor before this one granted an operation."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 
-from flexbe_synthesizer.core.codec import write_chart
+from flexbe_synthesizer.core.chart_writer import write_chart
 from flexbe_synthesizer.core.model import Chart
 from remodel_planner.core.planning.problem import End as WireEnd
 from remodel_planner.core.run import Operation
@@ -25,6 +25,7 @@ from remodel_planner.core.supervision.events import (
     Planned,
     RunEnded,
     Settled,
+    StopReported,
     TaskBegun,
     TaskElsewhere,
     TaskEnded,
@@ -143,7 +144,7 @@ class UseCaseSupervisor:
         self._disowned = disowned
         self._gate = Gate()
         self.tasks = TaskSupervisor(
-            loop, peers.engine, peers.abilities, self._gate, owner, disowned
+            loop, peers.engine, peers.abilities, self._gate, self._report_stop, owner, disowned
         )
         self._lease = LeaseKeeper(loop, work.leases, self._close_or_open)
         self._replies = PendingReplies(loop.wall_s)
@@ -227,7 +228,10 @@ class UseCaseSupervisor:
         ended, after a stop of any kind when what ran is cancelled and at rest. If something does
         not rest in time, the reply names it, and nothing else begins before it rests.
         """
-        is_under_way = bool(event.task) and event.task == getattr(self._step, "task", "")
+        # At first, and after a loss, it is not known which task is under way.
+        is_under_way = bool(event.task) and (
+            event.task == getattr(self._step, "task", "") or self.tasks.is_settling
+        )
         try:
             require_sense(event, self.state)
             self._record.append_now(event)
@@ -390,6 +394,16 @@ class UseCaseSupervisor:
         else:
             self._record.append(Interrupted(self.tasks.halted))
 
+    def _report_stop(self, operation: Operation) -> None:
+        """Keep what an operation of an earlier behavior ended with: a person is to answer first."""
+        self._record.catch_up()
+        task = self.state.tasks.get(self.state.current)
+        if task is None:
+            because = f"{operation.ability} ended with error {operation.error_code}: "
+            self._record.append_now(Blocked(f"{because}{operation.text}; a person is needed"))
+        elif operation not in (*task.operations, task.stopped_by):
+            self._record.append_now(StopReported(task.name, operation))
+
     def _settle(self, name: str) -> None:
         if not self._has(name):
             return
@@ -509,6 +523,7 @@ class UseCaseSupervisor:
             or protective
             or state.stop
             or self._lease.lost
+            or (task.halt if task else "")
             or (f"{by} skipped the task" if by else "")
             or overdue
         )

@@ -1,10 +1,10 @@
-"""The error codes of all abilities, as in remodel_msgs/ErrorCode (a test holds the two equal)."""
+"""The error codes of all abilities, written by `make generate` from the table of remodel_msgs."""
 
 from enum import IntEnum
 
 
 class Code(IntEnum):
-    """Why an ability failed; meaning and remedy of each: remodel_msgs/config/error_codes.yaml."""
+    """Why an ability failed; meaning and remedy of each: docs/reference/faults.md."""
 
     NONE = 0
     TIMEOUT = 1

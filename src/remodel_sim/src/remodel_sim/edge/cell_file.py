@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import numpy as np
 import rospkg
 import yaml
@@ -26,6 +24,7 @@ from remodel_sim.core.cell_design import (
 from remodel_sim.core.errors import CellFileError
 from remodel_sim.core.feeding import Feeder
 from remodel_sim.core.panel import Clip, Duct
+from remodel_states.core.schema_problems import schema_problems
 
 
 def read_cell(cell: str = "one_panda") -> CellDesign:
@@ -46,7 +45,7 @@ def read_cell(cell: str = "one_panda") -> CellDesign:
         parsed = yaml.safe_load(file.read_text())
     except (OSError, yaml.YAMLError) as error:
         raise CellFileError(str(file), (str(error),)) from error
-    problems = tuple(_find_problems(parsed, json.loads((folder / "cell.schema.json").read_text())))
+    problems = tuple(schema_problems(parsed, json.loads((folder / "cell.schema.json").read_text())))
     if problems:
         raise CellFileError(str(file), problems)
     design = _design(parsed)
@@ -54,49 +53,6 @@ def read_cell(cell: str = "one_panda") -> CellDesign:
     if problems:
         raise CellFileError(str(file), problems)
     return design
-
-
-def _find_problems(parsed: object, schema: dict[str, Any]) -> Iterator[str]:
-    errors = jsonschema.Draft7Validator(schema).iter_errors(parsed)
-    for error in sorted(errors, key=lambda error: [str(part) for part in error.absolute_path]):
-        place = error.json_path.removeprefix("$").lstrip(".") or "the file"
-        yield f"{place}: {_explain(error)}"
-    yield from _not_finite(parsed, "")
-
-
-def _explain(error: jsonschema.ValidationError) -> str:
-    """Say what was found and what is allowed."""
-    found, rule = error.instance, error.validator_value
-    if error.validator == "required":
-        missing = ", ".join(name for name in rule if name not in found)
-        return f"found {', '.join(found) or 'nothing'}; missing: {missing}"
-    if error.validator == "additionalProperties":
-        allowed = error.schema["properties"]
-        unknown = ", ".join(str(name) for name in found if name not in allowed)
-        return f"found {unknown}; allowed: {', '.join(allowed)}"
-    allowed = {
-        "type": f"a value of type {rule}",
-        "enum": ", ".join(str(value) for value in rule) if isinstance(rule, list) else "",
-        "minimum": f"{rule} or more",
-        "maximum": f"{rule} or less",
-        "exclusiveMinimum": f"more than {rule}",
-        "minItems": f"{rule} entries or more",
-        "maxItems": f"{rule} entries or fewer",
-        "pattern": f"text that matches {rule}",
-    }
-    return f"found {found!r}; allowed: {allowed[error.validator]}"
-
-
-def _not_finite(value: object, place: str) -> Iterator[str]:
-    """Yield the numbers that the schema lets pass and that are none."""
-    if isinstance(value, float) and not math.isfinite(value):
-        yield f"{place}: found {value}; allowed: a finite number"
-    elif isinstance(value, dict):
-        for key, item in value.items():
-            yield from _not_finite(item, f"{place}.{key}".lstrip("."))
-    elif isinstance(value, list):
-        for i, item in enumerate(value):
-            yield from _not_finite(item, f"{place}[{i}]")
 
 
 def _design(parsed: dict[str, Any]) -> CellDesign:

@@ -102,7 +102,7 @@ def knows_its_codes(codes: Collection[int]) -> Rule:
             yield Fault(
                 "unknown-code",
                 f"error code {result.message.error_code}; codes are those of "
-                "remodel_msgs/config/error_codes.yaml",
+                "remodel_msgs/config/faults.yaml, and of the packages that export a table",
             )
 
     return rule

@@ -1,13 +1,10 @@
-"""The tables of remodel_msgs, as the fake cell reads them."""
+"""The table of faults, as the fake cell reads it."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
-import yaml
-from rospkg import RosPack
-
+from remodel_states.edge.exported_tables import read_faults
 from remodel_states.testing.faults import Cure, Fault, fault_from
 
 
@@ -15,10 +12,9 @@ class FaultTable:
     """What can go wrong, by name."""
 
     def __init__(self) -> None:
-        """Read remodel_msgs/config."""
-        config = Path(RosPack().get_path("remodel_msgs")) / "config"
-        self._rows = {row["fault"]: row for row in _read(config / "faults.yaml")}
-        self._codes = {row["name"]: row["code"] for row in _read(config / "error_codes.yaml")}
+        """Read the tables of all packages."""
+        tables = read_faults()
+        self._rows, self._codes = tables.faults, tables.numbers
 
     def fault(self, name: str, cure: str = "", **given: Any) -> Fault:  # noqa: ANN401
         """Return a fault to be caused.
@@ -38,7 +34,3 @@ class FaultTable:
             raise ValueError(f"no cure {cure!r} of {name}; there are: {', '.join(cures)}")
         chosen = {"cure": Cure(cure)} if cure else {}
         return fault_from(self._rows[name], self._codes, **chosen, **given)
-
-
-def _read(path: Path) -> list[dict[str, Any]]:
-    return yaml.safe_load(path.read_text(encoding="utf-8"))

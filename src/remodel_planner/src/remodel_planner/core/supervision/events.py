@@ -173,6 +173,21 @@ class OperationEnded:
 
 
 @dataclass(frozen=True)
+class StopReported:
+    """An operation of a behavior that was given up turned out to have ended with a fault.
+
+    A person is to answer before anything moves again, but the behavior was stopped, or its
+    supervisor killed, before the record of the operation was kept.
+
+    Attributes:
+        task: under way now.
+    """
+
+    task: str
+    operation: Operation
+
+
+@dataclass(frozen=True)
 class TaskEnded:
     """The behavior of the task under way ended by itself.
 
@@ -334,6 +349,7 @@ Event = (
     | FeedRefused
     | TaskBegun
     | OperationEnded
+    | StopReported
     | TaskEnded
     | Interrupted
     | Settled

@@ -29,6 +29,7 @@ from remodel_planner.core.supervision.events import (
     RunBegun,
     RunEnded,
     Settled,
+    StopReported,
     TaskBegun,
     TaskElsewhere,
     TaskEnded,
@@ -37,8 +38,8 @@ from remodel_planner.core.supervision.events import (
 from remodel_planner.core.supervision.state import (
     FINISHED,
     INTERRUPTION_LIMIT,
-    MOTION_STOPPED,
     NOTHING_TO_LAY_DOWN,
+    PERSON_FIRST,
     PREEMPTED,
     SERVER_TROUBLE,
     STUCK_HAND_LIMIT,
@@ -139,6 +140,7 @@ def _(event: TaskBegun, state: RunState) -> RunState:
         attempts=event.attempt,
         outcome="",
         operations=(),
+        stopped_by=None,
         began_s=event.at_s,
     )
     return _under_way(state, task)
@@ -155,12 +157,25 @@ def _(event: OperationEnded, state: RunState) -> RunState:
 
 
 @_applied.register
+def _(event: StopReported, state: RunState) -> RunState:
+    task = replace(state.tasks[event.task], stopped_by=event.operation)
+    if task.stage is Stage.RUNNING:
+        return state.with_task(task)  # its behavior is stopped first
+    task = replace(task, hand_in_doubt=True, unseen="")
+    return _for_a_person(replace(state, question=None), task)
+
+
+@_applied.register
 def _(event: TaskEnded, state: RunState) -> RunState:
     task = state.tasks[event.task]
     took_s = max(0.0, event.at_s - task.began_s)
     task = replace(task, outcome=event.outcome, cell_s=task.cell_s + took_s)
     task = replace(task, hand_in_doubt=_may_hold_something(task))
     state = replace(state, cell_s=state.cell_s + took_s)
+    if task.stopped_by:
+        return _for_a_person(state, replace(task, hand_in_doubt=True))
+    if task.needs_person:
+        return _failed(state, task)
     if task.part is Part.CLEAR and not task.hand_in_doubt:
         return _with_empty_hand(state, replace(task, stuck_hand=0))
     if task.part is Part.DISCARD and event.outcome == FINISHED:
@@ -181,6 +196,8 @@ def _(event: Interrupted, state: RunState) -> RunState:
         return state
     task = state.tasks[state.current]
     task = replace(task, interruptions=task.interruptions + 1, hand_in_doubt=True)
+    if task.stopped_by or task.needs_person:
+        return _for_a_person(state, task)
     if task.interruptions > INTERRUPTION_LIMIT:
         task = replace(task, stage=Stage.FAILED, codes=(*task.codes, _LOST))
         return state.with_task(task, failures=state.failures + 1)
@@ -194,7 +211,7 @@ def _(event: Settled, state: RunState) -> RunState:
     if not event.left and not event.unseen:
         return _leave(state, replace(task, stage=Stage.DONE, then=None))
     state = _under_way(state, task)
-    if task.then is not None and event.code not in MOTION_STOPPED:
+    if task.then is not None and event.code not in PERSON_FIRST:
         return _do(task.then, state, task, "what is done was inspected")
     if event.unseen:
         return state.with_task(replace(task, stage=Stage.FAILED, codes=(*task.codes, event.code)))
@@ -217,7 +234,7 @@ def _(event: Asked, state: RunState) -> RunState:
 def _(event: Answered, state: RunState) -> RunState:
     if state.question is None:
         return state
-    task = replace(state.tasks[state.question.task], stuck_hand=0)
+    task = replace(state.tasks[state.question.task], stuck_hand=0, stopped_by=None)
     state = replace(state, question=None)
     because = f"{event.by} answered {event.choice.value} to question {event.number}"
     if event.choice is Answer.MARK_DONE:
@@ -230,7 +247,8 @@ def _(event: Escalated, state: RunState) -> RunState:
     if state.question is None or state.question.number != event.number:
         return state
     because = f"nobody answered question {event.number} in time"
-    return _act(event.do, replace(state, question=None), state.tasks[event.task], because)
+    task = replace(state.tasks[event.task], stopped_by=None)
+    return _act(event.do, replace(state, question=None), task, because)
 
 
 @_applied.register
@@ -281,7 +299,11 @@ def _then_of_skipped(state: RunState, task: TaskProgress) -> Do | None:
 
 @_applied.register
 def _(event: TaskElsewhere, state: RunState) -> RunState:
-    return _leave(state, replace(state.tasks[event.task], stage=_AS_LEFT[event.as_left]))
+    task = state.tasks[event.task]
+    stop = state.stop
+    if task.stopped_by or (task.stage is Stage.RUNNING and task.needs_person):
+        stop = stop or f"another cell has {task.name}; a person is needed at the arm of this one"
+    return _leave(state, replace(task, stage=_AS_LEFT[event.as_left], stopped_by=None), stop=stop)
 
 
 @_applied.register
@@ -327,9 +349,9 @@ def _may_hold_something(task: TaskProgress) -> bool:
         return True
     if not task.operations:
         return task.part is Part.CLEAR and task.outcome != FINISHED
-    last = task.operations[-1]
-    if any(operation.error_code in MOTION_STOPPED for operation in task.operations):
+    if task.needs_person:
         return True  # it was not allowed to lay down what it held
+    last = task.operations[-1]
     if last.error_code in NOTHING_TO_LAY_DOWN or not last.error_code:
         return False
     in_trouble = last.error_code in SERVER_TROUBLE or last.error_code == _OTHER_CABLE_HELD
@@ -345,11 +367,21 @@ def _failed(state: RunState, task: TaskProgress) -> RunState:
         stop = f"somebody stopped the behavior of task {task.name}"
     if task.part is Part.CLEAR:
         task = replace(task, stuck_hand=task.stuck_hand + 1)
-        if task.stuck_hand <= STUCK_HAND_LIMIT and code not in MOTION_STOPPED:
+        if task.stuck_hand <= STUCK_HAND_LIMIT and code not in PERSON_FIRST:
             return state.with_task(replace(task, stage=Stage.READY), stop=stop)
     undiscarded = task.undiscarded or task.part is Part.DISCARD
     task = replace(task, stage=Stage.FAILED, codes=(*task.codes, code), undiscarded=undiscarded)
     return state.with_task(task, failures=state.failures + 1, stop=stop)
+
+
+def _for_a_person(state: RunState, task: TaskProgress) -> RunState:
+    """Return the state in which a person is to be asked, whatever was to follow."""
+    late = (task.stopped_by,) if task.stopped_by else ()
+    task = replace(task, operations=(*task.operations, *late), failures=task.failures + len(late))
+    cause = cause_of(task.operations)
+    code = cause.error_code if cause else UNTOLD
+    task = replace(task, stage=Stage.FAILED, codes=(*task.codes, code))
+    return state.with_task(task, failures=state.failures + 1)
 
 
 def _act(do: Do, state: RunState, task: TaskProgress, because: str) -> RunState:

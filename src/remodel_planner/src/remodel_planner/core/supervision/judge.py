@@ -12,7 +12,7 @@ from remodel_planner.core.recovery.policy import Policy
 from remodel_planner.core.run import Operation, step_of
 from remodel_planner.core.supervision.events import Decided
 from remodel_planner.core.supervision.state import (
-    MOTION_STOPPED,
+    PERSON_FIRST,
     STUCK_HAND_LIMIT,
     UNTOLD,
     RunState,
@@ -93,10 +93,12 @@ def judged(
     earlier = [(decision.fault, decision.do) for decision in task.decisions]
     decision = decide(failure, earlier, spent, policy, possible, unpromising)
     do, because, by = decision.do, decision.because, POLICY
-    if task.stuck_hand > STUCK_HAND_LIMIT:
+    if failure.code in PERSON_FIRST and do is not Do.STOP:
+        do = Do.ASK_OPERATOR if Do.ASK_OPERATOR in possible else Do.STOP
+    elif task.stuck_hand > STUCK_HAND_LIMIT:
         do = Do.ASK_OPERATOR if Do.ASK_OPERATOR in possible else Do.STOP
         because = f"the hand could not be emptied in {task.stuck_hand} attempts"
-    elif name in state.skipped and failure.code not in MOTION_STOPPED:
+    elif name in state.skipped:
         do, by = Do.SET_ASIDE, state.skipped[name]
         because = f"{by} skipped it"
     return Decided(

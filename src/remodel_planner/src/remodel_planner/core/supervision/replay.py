@@ -29,6 +29,7 @@ from remodel_planner.core.supervision.events import (
     RunBegun,
     RunEnded,
     Settled,
+    StopReported,
     TaskBegun,
     TaskElsewhere,
     TaskEnded,
@@ -54,7 +55,15 @@ from remodel_planner.core.supervision.step import (
 from remodel_planner.core.trace import trace
 
 # What may happen at any time, whatever comes next.
-_ANY_TIME = (Interrupted, Commanded, Blocked, TaskElsewhere, TaskReturned, PanelLoaded)
+_ANY_TIME = (
+    Interrupted,
+    StopReported,
+    Commanded,
+    Blocked,
+    TaskElsewhere,
+    TaskReturned,
+    PanelLoaded,
+)
 
 
 @dataclass(frozen=True)

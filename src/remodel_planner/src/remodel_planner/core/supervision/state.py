@@ -22,9 +22,11 @@ SERVER_TROUBLE = frozenset({1, 4, 5, 6, 7, 8})
 # more: the server may complete its goal when it wakes up.
 SERVER_GONE = frozenset({4, 7})
 
-# remodel_msgs/ErrorCode: MOTION_FAULT. Nobody knows what the arm has touched: nothing moves again,
-# not even to lay down what is held, before a person has confirmed.
-MOTION_STOPPED = frozenset({307})
+# remodel_msgs/ErrorCode: STALE_OWNER, SEVERAL_SERVERS, EXTRACTION_STUCK, MOTION_FAULT. The table of
+# faults has a person asked at once: nothing moves again, not even to lay down what is held, before
+# that person has answered.
+STALE_OWNER = 9
+PERSON_FIRST = frozenset({STALE_OWNER, 10, 306, 307})
 
 # remodel_msgs/ErrorCode: NOTHING_HELD and WIRE_NOT_FED, of a hand that has nothing to lay down;
 # INTERNAL, of a task that failed though no ability reported an error.
@@ -76,6 +78,8 @@ class TaskProgress:
             lost a server, or did not lay down what it held.
         stuck_hand: how often in a row the hand could not be emptied.
         undiscarded: whether the piece could not be discarded.
+        stopped_by: operation of an earlier behavior that was reported late, and about which a
+            person is to answer before anything moves; None if there is none.
         operations: of the behavior that was begun last.
         failures: operations of all attempts that failed.
         then: what is done when the hand is empty, the ends are inspected, and the piece is
@@ -98,6 +102,7 @@ class TaskProgress:
     hand_in_doubt: bool = False
     stuck_hand: int = 0
     undiscarded: bool = False
+    stopped_by: Operation | None = None
     outcome: str = ""
     operations: tuple[Operation, ...] = ()
     failures: int = 0
@@ -106,6 +111,17 @@ class TaskProgress:
     decisions: tuple[Decided, ...] = ()
     began_s: float = 0.0
     cell_s: float = 0.0
+
+    @property
+    def needs_person(self) -> bool:
+        """Whether an operation of the last behavior ended so that a person is to answer first."""
+        return any(each.error_code in PERSON_FIRST for each in self.operations)
+
+    @property
+    def halt(self) -> str:
+        """Why nothing may move before a person has answered; empty without `stopped_by`."""
+        by = self.stopped_by
+        return f"{by.ability} ended with error {by.error_code}; a person is to answer" if by else ""
 
     @property
     def first_pass(self) -> bool:
@@ -174,9 +190,12 @@ def cause_of(operations: Sequence[Operation]) -> Operation | None:
     """Return the operation that a behavior failed with: the last that failed; None if none did.
 
     A behavior that gives up empties the hand last. That the hand is empty by then, or that a cell
-    which was restarted does not know the wire, is not the cause.
+    which was restarted does not know the wire, is not the cause. What a person is to answer first
+    is always the cause.
     """
     failed = [operation for operation in operations if operation.error_code]
+    if first := [operation for operation in failed if operation.error_code in PERSON_FIRST]:
+        return first[-1]
     gave_up = failed[1:] and failed[-1] is operations[-1]
     if gave_up and failed[-1].error_code in NOTHING_TO_LAY_DOWN:
         failed.pop()

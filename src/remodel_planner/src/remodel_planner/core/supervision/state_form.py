@@ -18,7 +18,7 @@ from remodel_planner.core.supervision.events import Asked, Decided, RunEnded
 from remodel_planner.core.supervision.state import RunState, Stage, TaskProgress
 
 # To be increased when the fold gives other values to the same fields.
-_FOLD = 3
+_FOLD = 4
 _PARTS = (RunState, TaskProgress, Operation, Decided, Asked, RunEnded)
 _FORM, _STATE, _TASKS = "form", "state", "tasks"
 

@@ -13,7 +13,7 @@ import hashlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from flexbe_synthesizer.core.codec import write_chart
+from flexbe_synthesizer.core.chart_writer import write_chart
 from flexbe_synthesizer.core.literal import Literal
 from flexbe_synthesizer.core.model import (
     Behavior,

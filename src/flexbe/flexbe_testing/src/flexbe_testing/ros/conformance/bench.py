@@ -166,6 +166,11 @@ class Bench:
         self.request(selection)
         self.status(BEStatus.STARTED, [])
 
+    def start_at(self, path: str, module: str, level: int = UNSUPERVISED) -> None:
+        """Start a behavior, and expect that it enters its first state."""
+        self.start(module, level)
+        self.at(path)
+
     def send(self, topic: str, message: Message) -> None:
         """Send a command."""
         self._sent.append(topic)
@@ -174,6 +179,11 @@ class Bench:
     def gate(self, label: str, word: str) -> None:
         """Have the gate with this label return an outcome; none if the word is empty."""
         self.wire.send(f"conformance/{label.lower()}", String(word))
+
+    def pass_gate(self, path: str) -> None:
+        """Have the gate at a path return `done`, and expect that this supervised state is left."""
+        self.gate(path.rpartition("/")[2], "done")
+        self.left(path, "done", 0)
 
     def preempt(self) -> None:
         """Stop the running behavior, and expect that it ends."""

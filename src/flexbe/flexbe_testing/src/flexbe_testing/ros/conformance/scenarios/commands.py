@@ -11,11 +11,17 @@ from flexbe_testing.ros.conformance.bench import Bench
 from flexbe_testing.ros.conformance.scenarios.modules import CHAIN, NEST
 
 
+def _pause(bench: Bench) -> None:
+    """Pause a behavior in the state `First`."""
+    bench.send(topics.PAUSE, Bool(True))
+    bench.feedback("pause")
+    bench.event("pause /First")
+
+
 @scenario("A preempt of a supervised behavior is acknowledged, and ends it with `preempted`", "3.2")
 def preempt_supervised(bench: Bench) -> None:
     """on_stop is called for all states."""
-    bench.start(NEST, 3)
-    bench.at("/Box/Inner/Leaf")
+    bench.start_at("/Box/Inner/Leaf", NEST, 3)
     bench.preempt()
     paths = ("/Box/Inner/Leaf", "/Box/Inner/Tail", "/Box/Last", "/After")
     bench.in_any_order(*(f"stop {path}" for path in paths))
@@ -25,8 +31,7 @@ def preempt_supervised(bench: Bench) -> None:
 def preempt_unsupervised(bench: Bench) -> None:
     """The silence is judged at the end of the scenario."""
     bench.require_unwatched()
-    bench.start(CHAIN)
-    bench.at("/First")
+    bench.start_at("/First", CHAIN)
     bench.preempt()
     bench.silent(topics.FEEDBACK, "the behavior was unsupervised")
 
@@ -36,8 +41,7 @@ def preempt_while_idle(bench: Bench) -> None:
     """Leave the engine time to receive it."""
     bench.wire.send_if_heard(topics.PREEMPT, Empty(), bench.quiet_s)
     bench.silent(topics.STATUS, "nothing was running")
-    bench.start(CHAIN)
-    bench.at("/First")
+    bench.start_at("/First", CHAIN)
     bench.stays("no preempt was sent to this behavior")
     bench.gate("First", "other")
     bench.finished("failed")
@@ -46,11 +50,8 @@ def preempt_while_idle(bench: Bench) -> None:
 @scenario("A paused state is not executed; resumed, it goes on; both are acknowledged", "2.2")
 def pause_and_resume(bench: Bench) -> None:
     """on_pause and on_resume are called."""
-    bench.start(CHAIN, 3)
-    bench.at("/First")
-    bench.send(topics.PAUSE, Bool(True))
-    bench.feedback("pause")
-    bench.event("pause /First")
+    bench.start_at("/First", CHAIN, 3)
+    _pause(bench)
     bench.gate("First", "done")
     bench.stays("it is paused")
     bench.send(topics.PAUSE, Bool(False))
@@ -64,11 +65,8 @@ def pause_and_resume(bench: Bench) -> None:
 @scenario("A preempt ends a paused behavior", "2.2")
 def preempt_while_paused(bench: Bench) -> None:
     """The feedback is published as well."""
-    bench.start(CHAIN, 3)
-    bench.at("/First")
-    bench.send(topics.PAUSE, Bool(True))
-    bench.feedback("pause")
-    bench.event("pause /First")
+    bench.start_at("/First", CHAIN, 3)
+    _pause(bench)
     bench.preempt()
 
 
@@ -77,8 +75,7 @@ def preempt_while_paused(bench: Bench) -> None:
 )
 def repeat(bench: Bench) -> None:
     """No outcome is published for it."""
-    bench.start(CHAIN, 3)
-    bench.at("/First")
+    bench.start_at("/First", CHAIN, 3)
     bench.send(topics.REPEAT, Empty())
     bench.feedback("repeat")
     bench.events("exit /First", "enter /First")
@@ -91,16 +88,11 @@ def repeat(bench: Bench) -> None:
 @scenario("Commands of one behavior do not act on the next", "2.2")
 def commands_end_with_the_run(bench: Bench) -> None:
     """Pause a behavior, stop it, and run the next."""
-    bench.start(CHAIN, 3)
-    bench.at("/First")
-    bench.send(topics.PAUSE, Bool(True))
-    bench.feedback("pause")
+    bench.start_at("/First", CHAIN, 3)
+    _pause(bench)
     bench.preempt()
-    bench.start(CHAIN, 3)
-    bench.at("/First")
-    bench.gate("First", "done")
-    bench.left("/First", "done", 0)
+    bench.start_at("/First", CHAIN, 3)
+    bench.pass_gate("/First")
     bench.at("/Second")
-    bench.gate("Second", "done")
-    bench.left("/Second", "done", 0)
+    bench.pass_gate("/Second")
     bench.status(BEStatus.FINISHED, ["finished"])

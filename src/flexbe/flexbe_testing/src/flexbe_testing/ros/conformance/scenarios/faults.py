@@ -30,8 +30,7 @@ def raising_state_is_held(bench: Bench) -> None:
 )
 def undeclared_outcome_is_held(bench: Bench) -> None:
     """The state may be left and entered again, but no transition is taken."""
-    bench.start(CHAIN, 3)
-    bench.at("/First")
+    bench.start_at("/First", CHAIN, 3)
     bench.gate("First", "undeclared")
     bench.never("enter /Second", "the outcome is not declared")
     if not bench.wire.tape.is_running:

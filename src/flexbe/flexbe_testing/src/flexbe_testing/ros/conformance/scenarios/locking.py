@@ -24,8 +24,7 @@ def _unlock(bench: Bench, path: str, *answer: str) -> None:
 @scenario("A locked state keeps its outcome until it is unlocked", "2.2")
 def lock_a_state(bench: Bench) -> None:
     """By its path."""
-    bench.start(CHAIN, 3)
-    bench.at("/First")
+    bench.start_at("/First", CHAIN, 3)
     _lock(bench, "/First")
     bench.gate("First", "done")
     bench.stays("it is locked")
@@ -38,8 +37,7 @@ def lock_a_state(bench: Bench) -> None:
 @scenario("An empty path locks and unlocks the active state, and the answer names it", "2.2")
 def lock_the_active_state(bench: Bench) -> None:
     """In a nested container."""
-    bench.start(NEST, 3)
-    bench.at("/Box/Inner/Leaf")
+    bench.start_at("/Box/Inner/Leaf", NEST, 3)
     leaf = "/Box/Inner/Leaf"
     _lock(bench, "", leaf, leaf)
     bench.gate("Leaf", "done")
@@ -53,12 +51,10 @@ def lock_the_active_state(bench: Bench) -> None:
 @scenario("A locked container is not left, while states in it change", "2.4")
 def lock_a_container(bench: Bench) -> None:
     """Lock the outer of two."""
-    bench.start(NEST, 3)
-    bench.at("/Box/Inner/Leaf")
+    bench.start_at("/Box/Inner/Leaf", NEST, 3)
     _lock(bench, "/Box")
-    for label, follower in (("Inner/Leaf", "Inner/Tail"), ("Inner/Tail", "Last")):
-        bench.gate(label.rpartition("/")[2], "done")
-        bench.left(f"/Box/{label}", "done", 0)
+    for path, follower in (("Inner/Leaf", "Inner/Tail"), ("Inner/Tail", "Last")):
+        bench.pass_gate(f"/Box/{path}")
         bench.at(f"/Box/{follower}")
     bench.gate("Last", "done")
     bench.stays("its container is locked")
@@ -71,8 +67,7 @@ def lock_a_container(bench: Bench) -> None:
 @scenario("A forced transition of a locked state waits for the unlock", "2.2")
 def forced_transition_while_locked(bench: Bench) -> None:
     """It is acknowledged at once."""
-    bench.start(CHAIN, 3)
-    bench.at("/First")
+    bench.start_at("/First", CHAIN, 3)
     _lock(bench, "/First")
     bench.send(topics.TRANSITION, OutcomeRequest(0, "First"))
     bench.feedback("transition", "First", "First")
@@ -86,11 +81,9 @@ def forced_transition_while_locked(bench: Bench) -> None:
 @scenario("A lock for a path that is not active is acknowledged with an empty second text", "2.2")
 def lock_elsewhere(bench: Bench) -> None:
     """The active state stays free."""
-    bench.start(CHAIN, 3)
-    bench.at("/First")
+    bench.start_at("/First", CHAIN, 3)
     _lock(bench, "/Nowhere", "/Nowhere", "")
-    bench.gate("First", "done")
-    bench.left("/First", "done", 0)
+    bench.pass_gate("/First")
     bench.at("/Second")
     bench.preempt()
 
@@ -101,8 +94,7 @@ def lock_elsewhere(bench: Bench) -> None:
 )
 def unlock_nothing(bench: Bench) -> None:
     """The operator console reads that as success."""
-    bench.start(CHAIN, 3)
-    bench.at("/First")
+    bench.start_at("/First", CHAIN, 3)
     _unlock(bench, "", "", "")
     bench.preempt()
 
@@ -110,8 +102,7 @@ def unlock_nothing(bench: Bench) -> None:
 @scenario("A preempt ends a behavior whose state is locked", "2.2")
 def preempt_while_locked(bench: Bench) -> None:
     """Also one that holds an outcome back."""
-    bench.start(CHAIN, 3)
-    bench.at("/First")
+    bench.start_at("/First", CHAIN, 3)
     _lock(bench, "/First")
     bench.gate("First", "done")
     bench.stays("it is locked")

@@ -81,8 +81,7 @@ def outcomes_lead_a_mirror(bench: Bench) -> None:
 @scenario("A sync is acknowledged, and publishes checksums of behavior and active path", "3.2")
 def sync(bench: Bench) -> None:
     """In a nested container."""
-    bench.start(NEST, 3)
-    bench.at("/Box/Inner/Leaf")
+    bench.start_at("/Box/Inner/Leaf", NEST, 3)
     bench.send(topics.SYNC, Empty())
     bench.feedback("sync")
     _synchronized(bench, "/Box/Inner/Leaf")
@@ -94,8 +93,7 @@ def sync(bench: Bench) -> None:
 )
 def attach(bench: Bench) -> None:
     """Join an unsupervised behavior at level 1."""
-    bench.start(CHAIN)
-    bench.at("/First")
+    bench.start_at("/First", CHAIN)
     bench.send(topics.ATTACH, UInt8(1))
     bench.feedback("attach", _NAME)
     _synchronized(bench, "/First")
@@ -113,8 +111,7 @@ def attach(bench: Bench) -> None:
 @scenario("A request for the structure makes an unsupervised behavior publish its outcomes", "3.2")
 def structure_request_supervises(bench: Bench) -> None:
     """Its level stays 255: nothing is asked for."""
-    bench.start(CHAIN)
-    bench.at("/First")
+    bench.start_at("/First", CHAIN)
     _structure(bench)
     bench.gate("First", "other")
     bench.left("/First", "other", 1)
@@ -143,8 +140,7 @@ def mirror_publishes_paths(bench: Bench) -> None:
         )
     bench.start(CHAIN, 3)
     bench.find(topics.UPDATE, {"data": "/First"})
-    bench.gate("First", "done")
-    bench.left("/First", "done", 0)
+    bench.pass_gate("/First")
     bench.expect(topics.UPDATE, {"data": "/Second"})
     bench.preempt()
     bench.expect(topics.UPDATE, {"data": ""})
@@ -153,8 +149,7 @@ def mirror_publishes_paths(bench: Bench) -> None:
 @scenario("A lock by the path of a container above the active state finds it", "2.2")
 def paths_are_of_labels(bench: Bench) -> None:
     """Paths hold labels, without the behavior's name."""
-    bench.start(NEST, 3)
-    bench.at("/Box/Inner/Leaf")
+    bench.start_at("/Box/Inner/Leaf", NEST, 3)
     bench.send(topics.LOCK, String("/Conformance Nest/Box"))
     bench.feedback("lock", "/Conformance Nest/Box", "")
     bench.send(topics.LOCK, String("/Box/Inner"))

@@ -21,8 +21,7 @@ _RUNS = 5
 def runs_to_the_end(bench: Bench) -> None:
     """Run to one outcome, then to the other."""
     for word, outcome in (("done", "finished"), ("other", "failed")):
-        bench.start(CHAIN)
-        bench.at("/First")
+        bench.start_at("/First", CHAIN)
         bench.gate("First", word)
         if word == "done":
             bench.at("/Second")
@@ -53,8 +52,7 @@ def order_of_events(bench: Bench) -> None:
 def next_behavior_at_once(bench: Bench) -> None:
     """Start right after the status."""
     for _ in range(_RUNS):
-        bench.start(CHAIN)
-        bench.at("/First")
+        bench.start_at("/First", CHAIN)
         bench.gate("First", "other")
         bench.finished("failed")
 

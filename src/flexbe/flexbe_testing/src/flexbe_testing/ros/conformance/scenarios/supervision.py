@@ -35,8 +35,7 @@ def _set_level(bench: Bench, level: int) -> None:
 def unsupervised_is_silent(bench: Bench) -> None:
     """Leave a state with an outcome that needs Full."""
     bench.require_unwatched()
-    bench.start(CHAIN)
-    bench.at("/First")
+    bench.start_at("/First", CHAIN)
     bench.gate("First", "other")
     bench.finished("failed")
     bench.silent(topics.OUTCOME, "the behavior was unsupervised")
@@ -47,18 +46,16 @@ def unsupervised_is_silent(bench: Bench) -> None:
 def transition_below_level(bench: Bench) -> None:
     """Low and Off at level 3."""
     bench.start(CHAIN, 3)
-    for label in ("First", "Second"):
-        bench.at(f"/{label}")
-        bench.gate(label, "done")
-        bench.left(f"/{label}", "done", 0)
+    for path in ("/First", "/Second"):
+        bench.at(path)
+        bench.pass_gate(path)
     bench.finished()
 
 
 @scenario("A transition at the level is asked for once, and the state stays active", "2.2")
 def transition_at_level_asks(bench: Bench) -> None:
     """Low at level 1; the operator then allows it."""
-    bench.start(CHAIN, 1)
-    bench.at("/First")
+    bench.start_at("/First", CHAIN, 1)
     bench.gate("First", "done")
     _requested(bench, "/First", 0)
     bench.stays("its transition needs the operator")
@@ -71,8 +68,7 @@ def transition_at_level_asks(bench: Bench) -> None:
 @scenario("Level 0 blocks even transitions that need Off", "2.4")
 def level_0_blocks_off(bench: Bench) -> None:
     """Get to the state by force."""
-    bench.start(CHAIN, 0)
-    bench.at("/First")
+    bench.start_at("/First", CHAIN, 0)
     _force(bench, "First", 0)
     bench.left("/First", "done", 0)
     bench.at("/Second")
@@ -85,10 +81,8 @@ def level_0_blocks_off(bench: Bench) -> None:
 @scenario("A raised level takes the transition that was asked for; a lowered one asks", "3.2")
 def level_is_changed(bench: Bench) -> None:
     """Raise from 2 to 3, then lower to 0."""
-    bench.start(CHAIN, 2)
-    bench.at("/First")
-    bench.gate("First", "done")
-    bench.left("/First", "done", 0)
+    bench.start_at("/First", CHAIN, 2)
+    bench.pass_gate("/First")
     bench.at("/Second")
     bench.gate("Second", "other")
     _requested(bench, "/Second", 1)
@@ -104,8 +98,7 @@ def level_is_changed(bench: Bench) -> None:
 @scenario("A state that no longer returns the outcome withdraws its request with 255", "2.2")
 def request_is_withdrawn(bench: Bench) -> None:
     """Close the gate again."""
-    bench.start(CHAIN, 1)
-    bench.at("/First")
+    bench.start_at("/First", CHAIN, 1)
     bench.gate("First", "done")
     _requested(bench, "/First", 0)
     bench.gate("First", "")
@@ -116,8 +109,7 @@ def request_is_withdrawn(bench: Bench) -> None:
 @scenario("A state that returns another outcome asks for that one", "2.2")
 def request_is_changed(bench: Bench) -> None:
     """From Low to Full at level 1."""
-    bench.start(CHAIN, 1)
-    bench.at("/First")
+    bench.start_at("/First", CHAIN, 1)
     bench.gate("First", "done")
     _requested(bench, "/First", 0)
     bench.gate("First", "other")
@@ -128,8 +120,7 @@ def request_is_changed(bench: Bench) -> None:
 @scenario("A forced transition is taken at any level, whatever the state returns", "2.2")
 def forced_transition(bench: Bench) -> None:
     """Force an outcome that needs Full at level 0."""
-    bench.start(CHAIN, 0)
-    bench.at("/First")
+    bench.start_at("/First", CHAIN, 0)
     _force(bench, "First", 1)
     bench.event("exit /First")
     bench.left("/First", "other", 1)
@@ -139,8 +130,7 @@ def forced_transition(bench: Bench) -> None:
 @scenario("A forced transition for another label is acknowledged with both, and dropped", "2.2")
 def forced_transition_elsewhere(bench: Bench) -> None:
     """Name the other state, then the path instead of the label."""
-    bench.start(CHAIN, 3)
-    bench.at("/First")
+    bench.start_at("/First", CHAIN, 3)
     for target in ("Second", "/First"):
         bench.send(topics.TRANSITION, OutcomeRequest(0, target))
         bench.feedback("transition", target, "First")
@@ -151,12 +141,10 @@ def forced_transition_elsewhere(bench: Bench) -> None:
 @scenario("A forced outcome that the state does not have is dropped; the state stays active", "2.2")
 def forced_outcome_unknown(bench: Bench) -> None:
     """Send an index beyond the outcomes."""
-    bench.start(CHAIN, 3)
-    bench.at("/First")
+    bench.start_at("/First", CHAIN, 3)
     _force(bench, "First", 9)
     bench.stays("it has no such outcome")
-    bench.gate("First", "done")
-    bench.left("/First", "done", 0)
+    bench.pass_gate("/First")
     bench.preempt()
 
 
@@ -167,8 +155,7 @@ def breakpoint(bench: Bench) -> None:
     rospy.set_param(_BREAKPOINTS, ["/First"])
     try:
         bench.next_beat()
-        bench.start(CHAIN, 3)
-        bench.at("/First")
+        bench.start_at("/First", CHAIN, 3)
         bench.gate("First", "done")
         _requested(bench, "/First", 0)
         _force(bench, "First", 0)

@@ -15,10 +15,8 @@ from flexbe_testing.ros.conformance.scenarios.modules import CHAIN, NEST
 @scenario("A request for the running behavior switches: its active state goes on, locked", "3.2")
 def switch_keeps_the_state(bench: Bench) -> None:
     """Unlock it at the end, as an operator does."""
-    bench.start(CHAIN, 3)
-    bench.at("/First")
-    bench.gate("First", "done")
-    bench.left("/First", "done", 0)
+    bench.start_at("/First", CHAIN, 3)
+    bench.pass_gate("/First")
     bench.at("/Second")
     bench.request(bench.selection(CHAIN, 3))
     for phase in ("received", "start", "prepared"):
@@ -35,11 +33,9 @@ def switch_keeps_the_state(bench: Bench) -> None:
 
 def _goes_on(bench: Bench) -> None:
     """Expect that the refused request has changed nothing."""
-    bench.gate("First", "done")
-    bench.left("/First", "done", 0)
+    bench.pass_gate("/First")
     bench.at("/Second")
-    bench.gate("Second", "done")
-    bench.left("/Second", "done", 0)
+    bench.pass_gate("/Second")
     bench.finished()
 
 
@@ -48,8 +44,7 @@ def _goes_on(bench: Bench) -> None:
 )
 def switch_to_another_is_refused(bench: Bench) -> None:
     """Stock FlexBE 1.4.1 ends it with SWITCHING, its known defect 2."""
-    bench.start(CHAIN, 3)
-    bench.at("/First")
+    bench.start_at("/First", CHAIN, 3)
     other = bench.selection(NEST, 3)
     bench.request(other)
     bench.feedback("switch", "received")
@@ -65,8 +60,7 @@ def switch_to_another_is_refused(bench: Bench) -> None:
 )
 def switch_to_unknown_is_refused(bench: Bench) -> None:
     """An id that no package path has."""
-    bench.start(CHAIN, 3)
-    bench.at("/First")
+    bench.start_at("/First", CHAIN, 3)
     unknown = bench.selection(CHAIN, 3)
     unknown.behavior_id = checksum("no_such_package.no_such_module")
     unknown.behavior_checksum = 1

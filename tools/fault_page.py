@@ -1,20 +1,15 @@
-#!/usr/bin/env python3
-"""Write docs/reference/faults.md from the tables of remodel_msgs."""
+"""The text of docs/reference/faults.md."""
 
-from pathlib import Path
+from collections.abc import Mapping
+from typing import Any
 
-import yaml
-
-ROOT = Path(__file__).parents[1]
-CONFIG = ROOT / "src" / "remodel_msgs" / "config"
-DOCUMENT = ROOT / "docs" / "reference" / "faults.md"
+from remodel_states.core.fault_tables import FaultTables
 
 HEAD = """\
 # Faults
 
 What can go wrong with wires, cables and hoses, how it shows, and what is done about it.
-Written by `tools/draw_faults.py` from [faults.yaml](../../src/remodel_msgs/config/faults.yaml)
-and [error_codes.yaml](../../src/remodel_msgs/config/error_codes.yaml): change those.
+Written by `make generate`; change [faults.yaml](../../src/remodel_msgs/config/faults.yaml).
 
 Responses are tried in the order given, each as often as stated; the last one is lasting. Before a
 task goes on with the same part, the supervisor inspects both ends of the wire. A use case may
@@ -34,24 +29,23 @@ respond otherwise ([use cases](../use-cases.md#when-a-task-fails)).
 """
 
 
-def drawn() -> str:
-    """Return the document."""
-    faults = yaml.safe_load((CONFIG / "faults.yaml").read_text())
-    codes = {row["name"]: row for row in yaml.safe_load((CONFIG / "error_codes.yaml").read_text())}
+def fault_page(tables: FaultTables) -> str:
+    """Return the page."""
+    faults = tables.faults.values()
     parts = [HEAD]
     for family in dict.fromkeys(fault["family"] for fault in faults):
         parts.append(f"\n## {family.capitalize()}\n")
-        parts += [_fault(fault, codes) for fault in faults if fault["family"] == family]
+        parts += [_fault(fault, tables) for fault in faults if fault["family"] == family]
     parts.append("\n## Error codes\n\n| code | name | meaning | what to do |\n|---|---|---|---|\n")
     parts += [
-        f"| {row['code']} | {row['name']} | {row['meaning']} | {row['remedy']} |\n"
-        for row in codes.values()
+        f"| {code.number} | {code.name} | {code.meaning} | {code.remedy} |\n"
+        for code in tables.codes.values()
     ]
     return "".join(parts)
 
 
-def _fault(fault: dict, codes: dict) -> str:
-    shown = ", ".join(f"{codes[name]['code']} {name}" for name in fault["codes"])
+def _fault(fault: Mapping[str, Any], tables: FaultTables) -> str:
+    shown = ", ".join(f"{tables.codes[name].number} {name}" for name in fault["codes"])
     if "after" in fault:
         shown += f", {fault['after']['times']} times in a row"
     level = fault["first_level"].replace("_", " ")
@@ -67,7 +61,7 @@ def _fault(fault: dict, codes: dict) -> str:
     return head + "".join(f"| {do} | {because} |\n" for do, because in rows)
 
 
-def _response(response: dict) -> str:
+def _response(response: Mapping[str, Any]) -> str:
     text = response["do"].replace("_", " ")
     if "change" in response:
         text += " " + ", ".join(
@@ -75,7 +69,3 @@ def _response(response: dict) -> str:
             for name, step in response["change"].items()
         )
     return text + (f" (x {response['times']})" if "times" in response else "")
-
-
-if __name__ == "__main__":
-    DOCUMENT.write_text(drawn())

@@ -4,7 +4,8 @@ import pytest
 from hypothesis import given, settings
 from synthesizer_support.strategies import WILD_NAMES, charts
 
-from flexbe_synthesizer.core.codec import parse_chart, write_chart
+from flexbe_synthesizer.core.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart_writer import write_chart
 from flexbe_synthesizer.core.model import Chart, Input, Outcome, Param, State, Transition
 from flexbe_synthesizer.core.problem import ChartError
 from flexbe_synthesizer.core.xml_tree import XmlTree
@@ -105,3 +106,41 @@ def test_a_text_without_the_form_of_a_chart_raises_all_its_problems():
     lines = str(caught.value).splitlines()
     assert len(lines) == 5
     assert all(line.startswith("c.xml:1:") for line in lines)
+
+
+INPUT = '<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="A" initial="S"><datamodel>'
+INPUT += (
+    '<outcome name="x"/><input name="i" {}/></datamodel><state id="S" type="T"/></statemachine>'
+)
+
+
+@pytest.mark.parametrize(
+    ("spelled", "value"),
+    [
+        ("5", "5"),
+        ("true", "true"),
+        ("1.50", "1.50"),
+        ("[1]", "[1]"),
+        ("'5'", "5"),
+        ("&quot;5&quot;", "5"),
+        ("null", None),
+        ("'null'", "null"),
+        ("W1", "W1"),
+        ("", ""),
+    ],
+)
+def test_the_default_of_a_string_is_its_text(spelled, value):
+    (port,) = parse_chart(INPUT.format(f'type="string" ext:default="{spelled}"')).inputs
+    assert port.default == value
+
+
+def test_the_default_of_a_string_is_written_without_quotes_that_it_does_not_need():
+    chart = parse_chart(INPUT.format('type="string" ext:default="\'5\'"'))
+    assert 'type="string" ext:default="5"' in write_chart(chart)
+    chart = parse_chart(INPUT.format("ext:default=\"'5'\""))
+    assert 'name="i" ext:default="&quot;5&quot;"' in write_chart(chart)
+
+
+def test_the_default_of_a_key_without_a_type_is_a_literal():
+    (port,) = parse_chart(INPUT.format('ext:default="5"')).inputs
+    assert port.default == 5

@@ -7,15 +7,20 @@ attribute that is missing reads as the empty string, which the checks pass over.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from sys import intern
-from types import MappingProxyType
-from typing import NamedTuple, TypeAlias, TypeVar
+from typing import TypeAlias, TypeVar
 from xml.etree.ElementTree import Element
 
 from flexbe_synthesizer.core import names
-from flexbe_synthesizer.core.chart_writer import write_chart
+from flexbe_synthesizer.core.element_reader import (
+    ElementReader,
+    Fields,
+    TooManyErrorsError,
+    shown,
+    split_name,
+)
 from flexbe_synthesizer.core.error_routes import ROUTES_RULE, parse_routes
 from flexbe_synthesizer.core.grammar import (
     CONDITION,
@@ -27,9 +32,8 @@ from flexbe_synthesizer.core.grammar import (
     TRANSITION,
     WHEN,
     Shape,
-    homes,
 )
-from flexbe_synthesizer.core.literal import parse_literal
+from flexbe_synthesizer.core.literal import as_declared, parse_literal
 from flexbe_synthesizer.core.model import (
     AnyNode,
     Autonomy,
@@ -53,24 +57,17 @@ from flexbe_synthesizer.core.problem import (
     Code,
     Position,
     Problem,
-    ProblemList,
     errors_in,
 )
 from flexbe_synthesizer.core.xml_reader import as_utf8, read_root
 from flexbe_synthesizer.core.xml_tree import XmlTree
 
-__all__ = ["EXTENSION", "parse_chart", "read_chart", "read_chart_name", "write_chart"]
-
-_SCHEMA_INSTANCE = "http://www.w3.org/2001/XMLSchema-instance"  # an editor's pointer to a schema
 DEEPEST = 16  # containers inside each other; who needs more has lost the overview of the chart
-_MOST_UNKNOWN = 20  # attributes of one element that are reported one by one
-_MAY_BE_EMPTY = ("value",)
 _NODES = {"state": "state", "behavior": "behavior"} | {
     f"{{{EXTENSION}}}{kind}": f"ext:{kind}" for kind in ("container", "concurrency", "priority")
 }
 _PARAM, _CONNECTION = NODE["param"], STATEMACHINE.children["connection"]
 _LEVELS = f"one of {names.quoted(level.value for level in Autonomy)}"
-_NO_EXTENSIONS: Mapping[str, str] = MappingProxyType({})
 _Limits: TypeAlias = "tuple[int | None, float | None, tuple[ErrorRoute, ...]]"
 _UNLIMITED: _Limits = (None, None, ())
 _Value = TypeVar("_Value")
@@ -102,13 +99,14 @@ def read_chart(
         tree = XmlTree(source, file)
     except ChartError as error:
         return None, error.problems
-    reader = _ChartReader(tree, file, expect_time)
+    elements = ElementReader(tree, expect_time)
     try:
         for problem in tree.problems:
-            reader.take(problem)
-        return reader.read(), tuple(reader.problems)
-    except _TooManyErrorsError:
-        return None, tuple(reader.problems)
+            elements.take(problem)
+        chart = _ChartReader(elements, tree, file, expect_time).read()
+    except TooManyErrorsError:
+        chart = None
+    return chart, tuple(elements.problems)
 
 
 def read_chart_name(source: bytes) -> str | None:
@@ -120,61 +118,45 @@ def read_chart_name(source: bytes) -> str | None:
     return attributes.get("name") if tag == "statemachine" else None
 
 
-def _shown(element: Element) -> str:
-    """Return the element's tag as a message shows it."""
-    namespace, name = _parted(element.tag)
-    return f"<{_tag(element)}>" if not namespace else f"<{name}> in namespace '{namespace}'"
-
-
-class _TooManyErrorsError(Exception):
-    """No more of a chart is to be read."""
-
-
 class _ChartReader:
-    """Turns elements into a chart and collects what does not fit the grammar."""
+    """Turns elements into a chart."""
 
-    def __init__(self, tree: XmlTree, file: str, expect_time: Callable[[], None]) -> None:
+    def __init__(
+        self, elements: ElementReader, tree: XmlTree, file: str, expect_time: Callable[[], None]
+    ) -> None:
+        self._elements = elements
         self._tree = tree
         self._file = file
         self._depth = 0
         self._expect_time = expect_time
-        self.problems = ProblemList(expect_time)
-
-    def report(self, position: Position, code: Code, message: str) -> None:
-        self.take(Problem(position, code, message))
-
-    def take(self, problem: Problem) -> None:
-        self.problems.take(problem)
-        if self.problems.is_full:
-            raise _TooManyErrorsError
 
     def read(self) -> Chart | None:
         """Return the chart, None if the document is none."""
         root = self._tree.root
         if root.tag == "statemachine":
             return self.chart(root)
-        message = f"found {_shown(root)}; a chart's outermost element is <statemachine>."
-        self.report(self._tree.place(root), Code.UNKNOWN_ELEMENT, message)
+        message = f"found {shown(root)}; a chart's outermost element is <statemachine>."
+        self._elements.report(self._tree.place(root), Code.UNKNOWN_ELEMENT, message)
         return None
 
     def chart(self, root: Element) -> Chart:
         """Return the chart of the outermost element."""
-        fields = self._fields(root, STATEMACHINE)
+        fields = self._elements.fields(root, STATEMACHINE)
         source = (self._tree, root)
         chart = self._body(root, fields, STATEMACHINE, fields.text("name"), source)
         return replace(chart, description=self._tree.description, file=self._file)
 
     def _body(
-        self, element: Element, fields: _Fields, shape: Shape, name: str, source: Source
+        self, element: Element, fields: Fields, shape: Shape, name: str, source: Source
     ) -> Chart:
         """Return what a chart or a container holds."""
         models = fields.children("datamodel")
         inner = _nodes(element)
         self._expect_parts(element, fields, inner)
         data_shape = shape.children["datamodel"]
-        data = [self._fields(model, data_shape) for model in models]
+        data = [self._elements.fields(model, data_shape) for model in models]
         wrappers = {
-            wrapper: self._fields(wrapper, data_shape.children["outcomes"])
+            wrapper: self._elements.fields(wrapper, data_shape.children["outcomes"])
             for model in data
             for wrapper in model.children("outcomes")
         }
@@ -202,7 +184,7 @@ class _ChartReader:
             source=source,
         )
 
-    def _expect_parts(self, element: Element, fields: _Fields, nodes: Sequence[object]) -> None:
+    def _expect_parts(self, element: Element, fields: Fields, nodes: Sequence[object]) -> None:
         """Report a chart or container that lacks a datamodel, an outcome or a state."""
         models = fields.children("datamodel")
         what = "a chart" if element.tag == "statemachine" else "a container"
@@ -211,29 +193,29 @@ class _ChartReader:
             for other in others:
                 message = f"a second <{other.tag}>; put what is in it into the one of line "
                 message += f"{self._tree.place(first).line}."
-                self.report(self._tree.place(other), Code.DUPLICATE_ELEMENT, message)
+                self._elements.report(self._tree.place(other), Code.DUPLICATE_ELEMENT, message)
         if not models:
             message = f"no <datamodel>; {what} needs one, with its outcomes."
-            self.report(self._tree.place(element), Code.MISSING_ELEMENT, message)
+            self._elements.report(self._tree.place(element), Code.MISSING_ELEMENT, message)
         elif not any(_has_outcome(model) for model in models):
             message = f'no <outcome name="..."/>; {what} ends in at least one.'
-            self.report(self._tree.place(models[0]), Code.MISSING_ELEMENT, message)
+            self._elements.report(self._tree.place(models[0]), Code.MISSING_ELEMENT, message)
         if not nodes:
             message = f"neither a <state> nor a <behavior>; {what} needs at least one."
-            self.report(self._tree.place(element), Code.MISSING_ELEMENT, message)
+            self._elements.report(self._tree.place(element), Code.MISSING_ELEMENT, message)
 
     def _outcome(self, element: Element) -> Outcome:
-        given, _extensions = self._leaf(element, OUTCOME)
+        given, _extensions = self._elements.leaf(element, OUTCOME)
         return Outcome(given.get("name", ""), source=(self._tree, element))
 
     def _input(self, element: Element, shape: Shape) -> Input:
-        given, extensions = self._leaf(element, shape)
-        default = parse_literal(extensions.get("default", "null"))
-        source = (self._tree, element)
-        return Input(given.get("name", ""), given.get("type") or None, default, source=source)
+        given, extensions = self._elements.leaf(element, shape)
+        kind = given.get("type") or None
+        default = as_declared(extensions.get("default", "null"), kind)
+        return Input(given.get("name", ""), kind, default, source=(self._tree, element))
 
     def _output(self, element: Element) -> Output:
-        given, _extensions = self._leaf(element, PORT)
+        given, _extensions = self._elements.leaf(element, PORT)
         source = (self._tree, element)
         return Output(given.get("name", ""), given.get("type") or None, source=source)
 
@@ -249,7 +231,7 @@ class _ChartReader:
                     text,
                     source=(tree, element),
                 )
-                for element, given, _extensions in self._leaves(elements, _PARAM)
+                for element, given, _extensions in self._elements.leaves(elements, _PARAM)
             ]
         )
 
@@ -263,7 +245,7 @@ class _ChartReader:
                     self._autonomy(element, extensions) if extensions else None,
                     source=(tree, element),
                 )
-                for element, given, extensions in self._leaves(elements, TRANSITION)
+                for element, given, extensions in self._elements.leaves(elements, TRANSITION)
             ]
         )
 
@@ -281,33 +263,33 @@ class _ChartReader:
                     intern(given.get("input", "")),
                     source=(tree, element),
                 )
-                for element, given, _extensions in self._leaves(elements, _CONNECTION)
+                for element, given, _extensions in self._elements.leaves(elements, _CONNECTION)
             ]
         )
 
     def _condition(self, element: Element) -> Condition:
-        fields = self._fields(element, CONDITION)
+        fields = self._elements.fields(element, CONDITION)
         all_of = tuple(map(self._when, fields.children("ext:when")))
         if not all_of:
             message = "no <ext:when>; a condition needs at least one state and its event."
-            self.report(self._tree.place(element), Code.MISSING_ELEMENT, message)
+            self._elements.report(self._tree.place(element), Code.MISSING_ELEMENT, message)
         return Condition(fields.text("outcome"), all_of, source=(self._tree, element))
 
     def _when(self, element: Element) -> When:
-        given, _extensions = self._leaf(element, WHEN)
+        given, _extensions = self._elements.leaf(element, WHEN)
         source = (self._tree, element)
         return When(given.get("state", ""), given.get("event", ""), source=source)
 
     def _node(self, element: Element, shape: Shape) -> AnyNode:
         self._expect_time()
-        fields = self._fields(element, shape)
+        fields = self._elements.fields(element, shape)
         limits = self._limits(element, fields.extensions) if fields.extensions else _UNLIMITED
         parts = fields.parts
         transitions = self._transitions(parts.get("transition", ()))
         node_id, source = intern(fields.text("id")), (self._tree, element)
         if element.tag not in ("state", "behavior"):
             body = self._container_body(element, fields, shape)
-            tag = _parted(element.tag)[1]
+            tag = split_name(element.tag)[1]
             return Container(
                 node_id, tag, transitions, (), (), (), *limits, body=body, source=source
             )
@@ -337,12 +319,12 @@ class _ChartReader:
         )
         return attempts, timeout_s, on_error or no_routes
 
-    def _container_body(self, element: Element, fields: _Fields, shape: Shape) -> Chart:
+    def _container_body(self, element: Element, fields: Fields, shape: Shape) -> Chart:
         """Return what a container holds; nothing of one that lies too deep."""
         if self._depth == DEEPEST:
             message = f"more than {DEEPEST} containers inside each other; make an inner one a "
             message += "chart of its own, and name its file in a <behavior>."
-            self.report(self._tree.place(element), Code.NESTED_TOO_DEEPLY, message)
+            self._elements.report(self._tree.place(element), Code.NESTED_TOO_DEEPLY, message)
 
         source = (_IdForName(self._tree), element)
         self._depth += 1
@@ -370,134 +352,8 @@ class _ChartReader:
             return convert(text)
         except ValueError:
             message = f"{name}='{text}' is not allowed; give {allowed}."
-            self.report(self._tree.place(element, name), Code.INVALID_VALUE, message)
+            self._elements.report(self._tree.place(element, name), Code.INVALID_VALUE, message)
             return instead
-
-    def _leaf(self, element: Element, shape: Shape) -> tuple[Mapping[str, str], Mapping[str, str]]:
-        """Return the attributes of an element without children, and those of the extension."""
-        ((_element, given, extensions),) = self._leaves((element,), shape)
-        return given, extensions
-
-    def _leaves(
-        self, elements: Sequence[Element], shape: Shape
-    ) -> Iterator[tuple[Element, Mapping[str, str], Mapping[str, str]]]:
-        """Yield elements without children, their attributes, and those of the extension.
-
-        Most have all that they need and nothing else, and are let through at once. The element
-        keeps its place only: fresh memory is a good part of the time that reading takes.
-        """
-        required, count = shape.required, len(shape.required)
-        for element in elements:
-            given: Mapping[str, str] = element.attrib
-            if (
-                len(given) == count
-                and all(map(given.get, required))
-                and not len(element)
-                and not self._tree.has_text
-            ):
-                element.clear()
-                yield element, given, _NO_EXTENSIONS
-            else:
-                fields = self._fields(element, shape)
-                yield element, fields.plain, fields.extensions
-
-    def _fields(self, element: Element, shape: Shape) -> _Fields:
-        """Return the element's parts, and report those that its shape does not have."""
-        plain: Mapping[str, str] = element.attrib
-        extensions = _NO_EXTENSIONS
-        if not shape.is_all(plain):
-            plain, extensions = self._sorted_attributes(element, shape)
-        if self._tree.has_text and (place := self._tree.text_place(element)) is not None:
-            message = f"text inside <{_tag(element)}>; a chart holds elements and comments only."
-            self.report(place, Code.UNEXPECTED_TEXT, message)
-        parts: dict[str, list[Element]] = {}
-        for child in element:
-            tag = child.tag
-            if tag not in parts:
-                tag = tag if tag in shape.children else _tag(child)
-            if tag in parts:
-                parts[tag].append(child)
-            elif tag in shape.children:
-                parts[tag] = [child]
-            else:
-                self._report_child(child, element, shape)
-        return _Fields(plain, extensions, parts)
-
-    def _sorted_attributes(
-        self, element: Element, shape: Shape
-    ) -> tuple[dict[str, str], dict[str, str]]:
-        """Return the attributes without namespace and those of the extension."""
-        plain: dict[str, str] = {}
-        extensions: dict[str, str] = {}
-        unknown: list[tuple[str, str]] = []
-        for spelled, value in element.attrib.items():
-            namespace, name = _parted(spelled)
-            if not namespace and name in shape.attributes:
-                plain[name] = value
-                if value == "" and name not in _MAY_BE_EMPTY:
-                    message = f"{name} of <{_tag(element)}> is empty; give it a value."
-                    self.report(self._tree.place(element, name), Code.MISSING_ATTRIBUTE, message)
-            elif namespace == EXTENSION and name in shape.extensions:
-                extensions[name] = value
-            elif namespace != _SCHEMA_INSTANCE:
-                unknown.append((namespace, name))
-        self._report_attributes(element, unknown, shape)
-        for name in shape.required:
-            if name not in plain:
-                message = f"<{_tag(element)}> has no attribute {name}; it needs " + ", ".join(
-                    shape.required
-                )
-                self.report(self._tree.place(element), Code.MISSING_ATTRIBUTE, message + ".")
-        return plain, extensions
-
-    def _report_attributes(
-        self, element: Element, unknown: Sequence[tuple[str, str]], shape: Shape
-    ) -> None:
-        """Report the attributes that the shape does not have; of very many only the first."""
-        for namespace, name in unknown[:_MOST_UNKNOWN]:
-            if namespace == EXTENSION:
-                self._report_extension(element, name, shape)
-            else:
-                self._report_attribute(element, name, shape)
-        more = len(unknown) - _MOST_UNKNOWN
-        if more > 0:
-            message = f"<{_tag(element)}> has {more} more attributes that are unknown; delete them."
-            self.report(self._tree.place(element), Code.UNKNOWN_ATTRIBUTE, message)
-
-    def _report_extension(self, element: Element, found: str, shape: Shape) -> None:
-        has = ", ".join(f"ext:{name}" for name in shape.extensions) or "none"
-        message = f"ext:{found} is no extension of <{_tag(element)}>; it has: {has}."
-        self.report(self._tree.place(element, found), Code.UNKNOWN_EXTENSION, message)
-
-    def _report_attribute(self, element: Element, found: str, shape: Shape) -> None:
-        if found in shape.extensions:
-            hint = f'it is an extension: write ext:{found}, with xmlns:ext="{EXTENSION}" on top.'
-        else:
-            hint = names.allowed(found, shape.attributes)
-        message = f"<{_tag(element)}> has no attribute '{found}'; {hint}"
-        self.report(self._tree.place(element, found), Code.UNKNOWN_ATTRIBUTE, message)
-
-    def _report_child(self, child: Element, element: Element, shape: Shape) -> None:
-        """Report a child element that the shape does not have."""
-        tag = _tag(child)
-        namespace, name = _parted(child.tag)
-        position = self._tree.place(child)
-        places = homes(tag)
-        if places:
-            message = f"<{tag}> does not belong in <{_tag(element)}>, but in "
-            message += " or ".join(f"<{home}>" for home in places) + "."
-            self.report(position, Code.MISPLACED_ELEMENT, message)
-        elif namespace == EXTENSION:
-            hint = names.allowed(tag, (name for name in shape.children if name.startswith("ext:")))
-            message = f"the extension has no element <{tag}> in <{_tag(element)}>; {hint}"
-            self.report(position, Code.UNKNOWN_EXTENSION, message)
-        elif namespace:
-            message = f"{_shown(child)}; the elements of a chart have no namespace: drop the xmlns."
-            self.report(position, Code.UNKNOWN_ELEMENT, message)
-        else:
-            hint = names.allowed(name, shape.children)
-            message = f"<{name}> in <{_tag(element)}> is unknown; {hint}"
-            self.report(position, Code.UNKNOWN_ELEMENT, message)
 
 
 class _IdForName:
@@ -508,35 +364,6 @@ class _IdForName:
 
     def place(self, element: Element, attribute: str) -> Position:
         return self._tree.place(element, "id" if attribute == "name" else attribute)
-
-
-class _Fields(NamedTuple):
-    """The parts of one element: its attributes, those of the extension, its children by tag."""
-
-    plain: Mapping[str, str]
-    extensions: Mapping[str, str]
-    parts: Mapping[str, list[Element]]
-
-    def text(self, name: str) -> str:
-        return self.plain.get(name, "")
-
-    def children(self, tag: str) -> Sequence[Element]:
-        return self.parts.get(tag, ())
-
-
-def _parted(spelled: str) -> tuple[str, str]:
-    """Return namespace and name of `{namespace}name`."""
-    namespace, _, name = spelled.rpartition("}")
-    return namespace[1:], name
-
-
-def _tag(element: Element) -> str:
-    """Return the element's name as the grammar spells it; one of another namespace has none."""
-    tag: str = element.tag
-    if tag[0] != "{":
-        return tag
-    namespace, name = _parted(tag)
-    return f"ext:{name}" if namespace == EXTENSION else f"{{}}{name}"
 
 
 def _nodes(element: Element) -> list[tuple[str, Element]]:
