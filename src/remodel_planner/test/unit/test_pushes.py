@@ -26,14 +26,15 @@ from remodel_planner.edge.fault_file import read_error_names, read_faults
 from remodel_planner.edge.nested_charts import nested_charts
 from remodel_planner.edge.use_case_files import find_use_case
 from remodel_planner.edge.work_planner import WorkPlanner
+from remodel_states.core.codes import Code
 
 PACKAGE = Path(__file__).parents[2]
 FAULTS = read_faults()
 NESTED = nested_charts()
 ERROR_NAMES = read_error_names()
-JAMMED, MISALIGNED, NO_CONTACT, SLIPPED, NOT_SEATED, PULLED_OUT, FORCE = (
-    301, 300, 302, 303, 304, 305, 308,
-)  # fmt: skip
+JAMMED, MISALIGNED = Code.INSERTION_JAMMED, Code.INSERTION_MISALIGNED
+NO_CONTACT, SLIPPED = Code.INSERTION_NO_CONTACT, Code.SLIPPED_IN_GRIP
+NOT_SEATED, PULLED_OUT, FORCE = Code.NOT_SEATED, Code.PULLED_OUT, Code.INSUFFICIENT_FORCE
 NO_SUCCESS = {"failed", "command_error", "exhausted", "timed_out"}
 ATTENDED, UNATTENDED = set(Do), set(Do) - {Do.ASK_OPERATOR}
 ORDERS = ["house", "automotive_harness", "branched_harness", "cabinet", "dialysis_hoses"]

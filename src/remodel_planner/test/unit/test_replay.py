@@ -7,8 +7,9 @@ from remodel_planner.core.run import Execution, Operation
 from remodel_planner.core.supervision.attempts import Attempt
 from remodel_planner.core.supervision.events import Part
 from remodel_planner.core.supervision.replay import path_difference
+from remodel_states.core.codes import Code
 
-LOST = 4
+LOST = Code.SERVER_LOST
 ASKED = ("/Find wire", "/Connect a/InsertCable")
 
 

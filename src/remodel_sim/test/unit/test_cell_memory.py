@@ -8,7 +8,6 @@ from remodel_msgs.msg import FixCableGoal
 
 from remodel_sim.abilities.runner import advance
 from remodel_sim.cell import Cell
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError, MemoryFileError
 from remodel_sim.core.ownership import NO_OWNER
 from remodel_sim.core.panel import End
@@ -17,6 +16,7 @@ from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.abilities import ABILITIES
 from remodel_sim.ros.job import Job
+from remodel_states.core.codes import Code
 
 OTHER = panel(name="other")
 

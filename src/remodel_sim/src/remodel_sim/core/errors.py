@@ -1,6 +1,6 @@
 """What goes wrong in the cell."""
 
-from remodel_sim.core.codes import Code
+from remodel_states.core.codes import Code
 
 
 class CellError(Exception):

@@ -12,13 +12,13 @@ from actionlib_msgs.msg import GoalStatus
 from genpy import Message
 
 from remodel_sim.abilities.station import Station
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import Goal, require, require_number
 from remodel_sim.core.ownership import owner_of
 from remodel_sim.ros.abilities import Ability
 from remodel_sim.ros.job import Job, common_result
 from remodel_sim.ros.owner import Owner
+from remodel_states.core.codes import Code
 
 MAX_TIMEOUT_S = 3600.0
 # The fields of goals that name a robot.

@@ -20,7 +20,6 @@ from sensor_msgs.msg import CameraInfo, Image
 from remodel_sim.abilities.detect_cable import CableDetected
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.camera import View
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError, MaterialError, PanelError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.layout import WORLD_FROM_PANEL
@@ -37,6 +36,7 @@ from remodel_sim.core.panel import (
 )
 from remodel_sim.core.wire_materials import PROPERTIES, WireMaterials
 from remodel_sim.physics.truth import WireTruth
+from remodel_states.core.codes import Code
 
 WORLD = "world"
 PANEL = "panel"

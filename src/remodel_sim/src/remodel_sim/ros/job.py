@@ -12,11 +12,11 @@ from genpy import Message
 
 from remodel_sim.abilities.runner import occupy
 from remodel_sim.abilities.station import Found, Station
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError, MemoryFileError
 from remodel_sim.core.goals import Goal
 from remodel_sim.ros.abilities import Ability
 from remodel_sim.ros.conversions import observation, result_value
+from remodel_states.core.codes import Code
 
 FEEDBACK_PERIOD_S = 0.1  # of wall time
 
