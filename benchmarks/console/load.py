@@ -24,7 +24,7 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "src/remodel_console/test/ros
 from console_test import OBSERVE, ConsoleTest
 from large_chart import large_chart
 
-from flexbe_synthesizer.core.chart_writer import write_chart
+from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from remodel_console.testing.browser_test import free_port
 
 VISIT_S = 0.02

@@ -20,15 +20,9 @@ from pathlib import Path
 
 from lxml import etree
 
-from flexbe_synthesizer.core.certificate import certify, write_certificate
-from flexbe_synthesizer.core.chart_reader import parse_chart
-from flexbe_synthesizer.core.chart_writer import write_chart
-from flexbe_synthesizer.core.check import CheckedChart
-from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, manifest_of
-from flexbe_synthesizer.core.layout import lay_out
-from flexbe_synthesizer.core.library import Library
-from flexbe_synthesizer.core.manifest import write_manifest
-from flexbe_synthesizer.core.model import (
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from flexbe_synthesizer.core.chart.model import (
     Chart,
     Connection,
     Input,
@@ -38,8 +32,14 @@ from flexbe_synthesizer.core.model import (
     State,
     Transition,
 )
-from flexbe_synthesizer.core.problem import errors_in
-from flexbe_synthesizer.core.render_python import render_python
+from flexbe_synthesizer.core.chart.problem import errors_in
+from flexbe_synthesizer.core.check.check import CheckedChart
+from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, manifest_of
+from flexbe_synthesizer.core.export.certificate import certify, write_certificate
+from flexbe_synthesizer.core.export.layout import lay_out
+from flexbe_synthesizer.core.export.render_python import render_python
+from flexbe_synthesizer.core.library.library import Library
+from flexbe_synthesizer.core.library.manifest import write_manifest
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from flexbe_synthesizer.synthesis import garbage_kept
 

@@ -7,9 +7,9 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from flexbe_synthesizer.core.chart_writer import write_chart
-from flexbe_synthesizer.core.fold import fold
-from flexbe_synthesizer.core.machine_reader import InexpressibleError, read_machine
+from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from flexbe_synthesizer.core.machine.fold import fold
+from flexbe_synthesizer.core.machine.machine_reader import InexpressibleError, read_machine
 from flexbe_synthesizer.edge.atomic_write import write_all
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from flexbe_synthesizer.edge.regular_file import read_regular_text

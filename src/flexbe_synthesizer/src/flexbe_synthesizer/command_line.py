@@ -10,11 +10,11 @@ from functools import cache
 from pathlib import Path
 from typing import TextIO
 
-from flexbe_synthesizer.core.draw import chart_to_dot
-from flexbe_synthesizer.core.expanded_labels import chart_steps
-from flexbe_synthesizer.core.library import Library
-from flexbe_synthesizer.core.model import Chart
-from flexbe_synthesizer.core.problem import errors_in
+from flexbe_synthesizer.core.chart.model import Chart
+from flexbe_synthesizer.core.chart.problem import errors_in
+from flexbe_synthesizer.core.export.draw import chart_to_dot
+from flexbe_synthesizer.core.library.library import Library
+from flexbe_synthesizer.core.machine.expanded_labels import chart_steps
 from flexbe_synthesizer.edge.atomic_write import write_all
 from flexbe_synthesizer.edge.graphviz import FORMATS, render_dot
 from flexbe_synthesizer.edge.inventory import read_inventory
@@ -144,7 +144,7 @@ def _export(chart: Chart, library: Library, options: argparse.Namespace) -> tupl
 def _scxml(chart: Chart, library: Library) -> str:
     """Return a chart as SCXML."""
     # Here, since lxml is a seventh of the start of a program that seldom needs it.
-    from flexbe_synthesizer.core.scxml import ScxmlError, chart_to_scxml
+    from flexbe_synthesizer.core.export.scxml import ScxmlError, chart_to_scxml
 
     try:
         return chart_to_scxml(chart, library.error_names)

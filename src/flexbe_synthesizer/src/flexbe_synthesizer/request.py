@@ -7,21 +7,21 @@ from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
 
-from flexbe_synthesizer.core import names
-from flexbe_synthesizer.core.check import CheckedChart
+from flexbe_synthesizer.core.chart import names
+from flexbe_synthesizer.core.chart.model import Chart
+from flexbe_synthesizer.core.chart.problem import errors_in
+from flexbe_synthesizer.core.check.check import CheckedChart
 from flexbe_synthesizer.core.compile import compile_chart
-from flexbe_synthesizer.core.instantiate import (
+from flexbe_synthesizer.core.export.instantiate import (
     WRITER,
     Instantiation,
     instantiate,
     presets,
     with_presets_written,
 )
-from flexbe_synthesizer.core.layout import lay_out
-from flexbe_synthesizer.core.library import Library
-from flexbe_synthesizer.core.model import Chart
-from flexbe_synthesizer.core.problem import errors_in
-from flexbe_synthesizer.core.signature import StateClass
+from flexbe_synthesizer.core.export.layout import lay_out
+from flexbe_synthesizer.core.library.library import Library
+from flexbe_synthesizer.core.library.signature import StateClass
 from flexbe_synthesizer.edge.chart_files import confined_to, find_chart
 from flexbe_synthesizer.edge.chart_memory import ChartMemory
 from flexbe_synthesizer.edge.inventory import read_inventory

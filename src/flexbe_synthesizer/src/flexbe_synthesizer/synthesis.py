@@ -12,17 +12,17 @@ from hashlib import sha256
 from pathlib import Path
 from types import MappingProxyType
 
-from flexbe_synthesizer.core.certificate import certify, write_certificate
-from flexbe_synthesizer.core.chart_reader import read_chart
-from flexbe_synthesizer.core.check import CheckedChart, check_chart
+from flexbe_synthesizer.core.chart.chart_reader import read_chart
+from flexbe_synthesizer.core.chart.problem import ChartError, Code, Problem, errors_in
+from flexbe_synthesizer.core.check.check import CheckedChart, check_chart
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, manifest_of
-from flexbe_synthesizer.core.layout import lay_out
-from flexbe_synthesizer.core.library import Library
-from flexbe_synthesizer.core.machine import Machine
-from flexbe_synthesizer.core.manifest import write_manifest
-from flexbe_synthesizer.core.manual_sections import ManualSectionError, read_manual_sections
-from flexbe_synthesizer.core.problem import ChartError, Code, Problem, errors_in
-from flexbe_synthesizer.core.render_python import render_python
+from flexbe_synthesizer.core.export.certificate import certify, write_certificate
+from flexbe_synthesizer.core.export.layout import lay_out
+from flexbe_synthesizer.core.export.render_python import render_python
+from flexbe_synthesizer.core.library.library import Library
+from flexbe_synthesizer.core.library.manifest import write_manifest
+from flexbe_synthesizer.core.machine.machine import Machine
+from flexbe_synthesizer.core.machine.manual_sections import ManualSectionError, read_manual_sections
 from flexbe_synthesizer.edge.atomic_write import write_all
 from flexbe_synthesizer.edge.behavior_owner import chart_place, expect_own
 from flexbe_synthesizer.edge.chart_files import read_charts

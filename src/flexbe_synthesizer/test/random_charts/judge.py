@@ -10,7 +10,7 @@ from pathlib import Path
 
 from scripted_states.script import Script
 
-from flexbe_synthesizer.core.problem import Code
+from flexbe_synthesizer.core.chart.problem import Code
 from random_charts.chart_xml import CHART, Scope, read_chart
 from random_charts.engine_run import EngineRun, Synthesis
 from random_charts.explore import Fault, TooManyRunsError, explore

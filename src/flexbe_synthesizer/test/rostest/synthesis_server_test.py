@@ -15,8 +15,8 @@ from flexbe_msgs.msg import (
     SynthesisRequest,
 )
 
-from flexbe_synthesizer.core.chart_writer import write_chart
-from flexbe_synthesizer.core.model import Behavior, Chart, Input, Outcome, Transition
+from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from flexbe_synthesizer.core.chart.model import Behavior, Chart, Input, Outcome, Transition
 from flexbe_synthesizer.request import ErrorCode
 
 LIMIT = rospy.Duration(20)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from flexbe_synthesizer.core.model import AnyNode, Chart, Container
+from flexbe_synthesizer.core.chart.model import AnyNode, Chart, Container
 from synthesizer_support.interpreter import Interfaces, fulfilled_outcome, is_concurrent
 
 Chooser = Callable[[str, tuple[str, ...]], str]

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import NamedTuple
 
-from flexbe_synthesizer.core.model import AnyNode, Chart, Condition, Container
+from flexbe_synthesizer.core.chart.model import AnyNode, Chart, Condition, Container
 
 _CHART = ""  # the chart itself, among the ids of its nodes
 MOST_PLACES = 200_000  # of a chart that is explored

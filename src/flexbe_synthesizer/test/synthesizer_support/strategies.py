@@ -10,8 +10,8 @@ from typing import TypeVar
 
 from hypothesis import strategies as st
 
-from flexbe_synthesizer.core.error_routes import format_routes, parse_routes
-from flexbe_synthesizer.core.model import (
+from flexbe_synthesizer.core.chart.error_routes import format_routes, parse_routes
+from flexbe_synthesizer.core.chart.model import (
     AnyNode,
     Autonomy,
     Behavior,

@@ -14,11 +14,11 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from synthesizer_support.interpreter import Interface
 
-from flexbe_synthesizer.core.chart_reader import parse_chart, read_chart
-from flexbe_synthesizer.core.check import check_chart
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart, read_chart
+from flexbe_synthesizer.core.chart.model import Behavior, State
+from flexbe_synthesizer.core.check.check import check_chart
 from flexbe_synthesizer.core.compile import compile_chart
-from flexbe_synthesizer.core.model import Behavior, State
-from flexbe_synthesizer.core.signature import FromParameter, chart_behavior, state_signature
+from flexbe_synthesizer.core.library.signature import FromParameter, chart_behavior, state_signature
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from flexbe_testing.app.judge import judge
 from flexbe_testing.app.known import Known

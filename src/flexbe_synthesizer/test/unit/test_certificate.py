@@ -8,13 +8,13 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flexbe_synthesizer.core.certificate import certify, read_chart_place, write_certificate
-from flexbe_synthesizer.core.check import check_chart
-from flexbe_synthesizer.core.library import Library
-from flexbe_synthesizer.core.model import Chart, Outcome, State, Transition
-from flexbe_synthesizer.core.problem import Code, errors_in
-from flexbe_synthesizer.core.signature import Parameter, StateClass
-from flexbe_synthesizer.core.visits import most_visits
+from flexbe_synthesizer.core.chart.model import Chart, Outcome, State, Transition
+from flexbe_synthesizer.core.chart.problem import Code, errors_in
+from flexbe_synthesizer.core.check.check import check_chart
+from flexbe_synthesizer.core.check.visits import most_visits
+from flexbe_synthesizer.core.export.certificate import certify, read_chart_place, write_certificate
+from flexbe_synthesizer.core.library.library import Library
+from flexbe_synthesizer.core.library.signature import Parameter, StateClass
 
 LIBRARY = Library(
     states=(

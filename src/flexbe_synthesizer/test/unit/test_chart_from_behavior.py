@@ -1,5 +1,5 @@
 from flexbe_synthesizer.chart_from_behavior import FINE, INEXPRESSIBLE, USAGE, main
-from flexbe_synthesizer.core.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 
 
 def test_a_behavior_is_written_as_a_chart_to_the_screen_or_a_file(

@@ -4,11 +4,11 @@ import pytest
 from hypothesis import given, settings
 from synthesizer_support.strategies import WILD_NAMES, charts
 
-from flexbe_synthesizer.core.chart_reader import parse_chart
-from flexbe_synthesizer.core.chart_writer import write_chart
-from flexbe_synthesizer.core.model import Chart, Input, Outcome, Param, State, Transition
-from flexbe_synthesizer.core.problem import ChartError
-from flexbe_synthesizer.core.xml_tree import XmlTree
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from flexbe_synthesizer.core.chart.model import Chart, Input, Outcome, Param, State, Transition
+from flexbe_synthesizer.core.chart.problem import ChartError
+from flexbe_synthesizer.core.chart.xml_tree import XmlTree
 
 
 @given(charts(WILD_NAMES, WILD_NAMES))

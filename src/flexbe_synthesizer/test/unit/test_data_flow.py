@@ -5,9 +5,7 @@ from dataclasses import replace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flexbe_synthesizer.core.check import check_chart
-from flexbe_synthesizer.core.library import Library
-from flexbe_synthesizer.core.model import (
+from flexbe_synthesizer.core.chart.model import (
     Chart,
     Connection,
     Input,
@@ -16,9 +14,11 @@ from flexbe_synthesizer.core.model import (
     State,
     Transition,
 )
-from flexbe_synthesizer.core.problem import Code
-from flexbe_synthesizer.core.signature import Effect, Parameter, Port, StateClass
-from flexbe_synthesizer.core.written import outcome_effects
+from flexbe_synthesizer.core.chart.problem import Code
+from flexbe_synthesizer.core.check.check import check_chart
+from flexbe_synthesizer.core.library.library import Library
+from flexbe_synthesizer.core.library.signature import Effect, Parameter, Port, StateClass
+from flexbe_synthesizer.core.library.written import outcome_effects
 
 
 def state_class(name, inputs=(), outputs=(), outcomes=("a", "b")):

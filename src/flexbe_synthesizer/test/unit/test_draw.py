@@ -3,9 +3,8 @@ import shutil
 
 import pytest
 
-from flexbe_synthesizer.core.chart_reader import parse_chart
-from flexbe_synthesizer.core.draw import chart_to_dot
-from flexbe_synthesizer.core.model import (
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.model import (
     Behavior,
     Chart,
     ErrorRoute,
@@ -13,6 +12,7 @@ from flexbe_synthesizer.core.model import (
     State,
     Transition,
 )
+from flexbe_synthesizer.core.export.draw import chart_to_dot
 from flexbe_synthesizer.edge.graphviz import render_dot
 from flexbe_synthesizer.errors import DrawingError
 

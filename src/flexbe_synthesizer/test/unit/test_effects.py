@@ -5,13 +5,13 @@ import itertools
 import pytest
 
 from flexbe_core.engine.errors import BehaviorFailure
-from flexbe_synthesizer.core.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.problem import Code, errors_in
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, manifest_of
-from flexbe_synthesizer.core.expand import expand
-from flexbe_synthesizer.core.layout import lay_out
-from flexbe_synthesizer.core.manifest import write_manifest
-from flexbe_synthesizer.core.problem import Code, errors_in
-from flexbe_synthesizer.core.render_python import render_python
+from flexbe_synthesizer.core.export.layout import lay_out
+from flexbe_synthesizer.core.export.render_python import render_python
+from flexbe_synthesizer.core.library.manifest import write_manifest
+from flexbe_synthesizer.core.machine.expand import expand
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 
 EXT = 'xmlns:ext="urn:remodel:statechart:ext:1"'

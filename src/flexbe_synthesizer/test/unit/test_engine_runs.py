@@ -10,12 +10,12 @@ from itertools import chain, combinations
 import pytest
 from synthesizer_support.chart_run import run
 
-from flexbe_synthesizer.core.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.problem import errors_in
 from flexbe_synthesizer.core.compile import compile_chart
-from flexbe_synthesizer.core.instantiate import instantiate, with_presets_written
-from flexbe_synthesizer.core.layout import lay_out
-from flexbe_synthesizer.core.problem import errors_in
-from flexbe_synthesizer.core.render_python import render_python
+from flexbe_synthesizer.core.export.instantiate import instantiate, with_presets_written
+from flexbe_synthesizer.core.export.layout import lay_out
+from flexbe_synthesizer.core.export.render_python import render_python
 
 CHARTS = ("place_connector", "two_arms")
 SEEDS = 40

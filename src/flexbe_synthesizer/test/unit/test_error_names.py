@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flexbe_synthesizer.core.error_names import ListedCode, error_names, read_error_table
-from flexbe_synthesizer.core.error_routes import (
+from flexbe_synthesizer.core.chart.error_names import ListedCode, error_names, read_error_table
+from flexbe_synthesizer.core.chart.error_routes import (
     codes_of_event,
     codes_of_routes,
     format_codes,
@@ -13,9 +13,9 @@ from flexbe_synthesizer.core.error_routes import (
     parse_routes,
     route_event,
 )
-from flexbe_synthesizer.core.model import ErrorRoute
-from flexbe_synthesizer.core.names import is_readable_outcome
-from flexbe_synthesizer.core.problem import Code
+from flexbe_synthesizer.core.chart.model import ErrorRoute
+from flexbe_synthesizer.core.chart.names import is_readable_outcome
+from flexbe_synthesizer.core.chart.problem import Code
 
 LOST = {"code": 4, "name": "LOST"}
 TABLE = {

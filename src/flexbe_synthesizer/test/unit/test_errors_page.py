@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from flexbe_synthesizer.core.problem import Code, Severity
+from flexbe_synthesizer.core.chart.problem import Code, Severity
 from flexbe_synthesizer.edge.output_package import OutputPackage
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from flexbe_synthesizer.synthesis import check_files

@@ -1,7 +1,7 @@
-from flexbe_synthesizer.core.chart_reader import parse_chart
-from flexbe_synthesizer.core.expanded_labels import chart_steps
-from flexbe_synthesizer.core.machine import Condition, Container, Exit, Kind, walk
-from flexbe_synthesizer.core.model import Autonomy
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.model import Autonomy
+from flexbe_synthesizer.core.machine.expanded_labels import chart_steps
+from flexbe_synthesizer.core.machine.machine import Condition, Container, Exit, Kind, walk
 
 
 def children(machine):

@@ -4,14 +4,14 @@ import re
 
 import pytest
 
-from flexbe_synthesizer.core.chart_reader import parse_chart
-from flexbe_synthesizer.core.chart_writer import write_chart
-from flexbe_synthesizer.core.check import check_chart
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from flexbe_synthesizer.core.check.check import check_chart
 from flexbe_synthesizer.core.compile import compile_chart
-from flexbe_synthesizer.core.fold import fold
-from flexbe_synthesizer.core.layout import lay_out
-from flexbe_synthesizer.core.machine_reader import InexpressibleError, read_machine
-from flexbe_synthesizer.core.render_python import render_python
+from flexbe_synthesizer.core.export.layout import lay_out
+from flexbe_synthesizer.core.export.render_python import render_python
+from flexbe_synthesizer.core.machine.fold import fold
+from flexbe_synthesizer.core.machine.machine_reader import InexpressibleError, read_machine
 from flexbe_testing.app.judge import saved_by_app
 
 CHARTS = ("plain", "place_connector", "wire_task", "two_arms")

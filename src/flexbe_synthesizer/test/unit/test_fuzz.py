@@ -12,15 +12,15 @@ from hypothesis import strategies as st
 from synthesizer_support.strategies import charts
 from synthesizer_support.w3c_scxml import faults
 
-from flexbe_synthesizer.core.chart_reader import read_chart
-from flexbe_synthesizer.core.chart_writer import write_chart
+from flexbe_synthesizer.core.chart.chart_reader import read_chart
+from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from flexbe_synthesizer.core.chart.model import Chart as ChartModel
+from flexbe_synthesizer.core.chart.model import Connection, Input, Outcome, Param, State, Transition
+from flexbe_synthesizer.core.chart.problem import errors_in
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart
-from flexbe_synthesizer.core.layout import lay_out
-from flexbe_synthesizer.core.model import Chart as ChartModel
-from flexbe_synthesizer.core.model import Connection, Input, Outcome, Param, State, Transition
-from flexbe_synthesizer.core.problem import errors_in
-from flexbe_synthesizer.core.render_python import render_python
-from flexbe_synthesizer.core.scxml import ScxmlError, chart_to_scxml
+from flexbe_synthesizer.core.export.layout import lay_out
+from flexbe_synthesizer.core.export.render_python import render_python
+from flexbe_synthesizer.core.export.scxml import ScxmlError, chart_to_scxml
 
 LONGEST_S = 5.0
 BOUNDED = settings(max_examples=120, deadline=None, derandomize=True)

@@ -6,7 +6,7 @@ Random charts found each of these accepted, and doing something else than it say
 import pytest
 from random_charts.engine_run import Synthesis
 
-from flexbe_synthesizer.core.problem import Code
+from flexbe_synthesizer.core.chart.problem import Code
 
 HEAD = '<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="{}" initial="S"><datamodel>'
 FLOW = '<connection output_state_id="{}" output="{}" input_state_id="{}" input="{}"/>'

@@ -1,10 +1,10 @@
-from flexbe_synthesizer.core.instantiate import (
+from flexbe_synthesizer.core.export.instantiate import (
     Instantiation,
     instantiate,
     presets,
     with_presets_written,
 )
-from flexbe_synthesizer.core.layout import lay_out
+from flexbe_synthesizer.core.export.layout import lay_out
 
 
 def states(root):

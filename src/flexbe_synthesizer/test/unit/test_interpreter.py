@@ -4,7 +4,7 @@ import pytest
 from synthesizer_support.chart_run import run
 from synthesizer_support.interpreter import Interface, explore
 
-from flexbe_synthesizer.core.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 
 HEAD = """<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="A" initial="S">
   <datamodel><outcome name="o"/></datamodel>"""

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flexbe_synthesizer.core.literal import (
+from flexbe_synthesizer.core.chart.literal import (
     DEEPEST,
     format_literal,
     freeze,

@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flexbe_synthesizer.core.chart_reader import read_chart
+from flexbe_synthesizer.core.chart.chart_reader import read_chart
+from flexbe_synthesizer.core.chart.problem import errors_in
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart
-from flexbe_synthesizer.core.layout import lay_out
-from flexbe_synthesizer.core.problem import errors_in
-from flexbe_synthesizer.core.render_python import render_python
+from flexbe_synthesizer.core.export.layout import lay_out
+from flexbe_synthesizer.core.export.render_python import render_python
 
 NASTY = (
     "",

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import pytest
 from synthesizer_support.interpreter import explore
 
-from flexbe_synthesizer.core.chart_reader import parse_chart, read_chart
-from flexbe_synthesizer.core.check import check_chart
-from flexbe_synthesizer.core.problem import Code, errors_in
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart, read_chart
+from flexbe_synthesizer.core.chart.problem import Code, errors_in
+from flexbe_synthesizer.core.check.check import check_chart
 
 CHARTS = ("plain.xml", "place_connector.xml", "wire_task.xml", "two_arms.xml")
 SEED, WANTED, ROUNDS = 51, 600, 200

@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rosgraph.names import is_legal_name
 
-from flexbe_synthesizer.core import names
+from flexbe_synthesizer.core.chart import names
 
 
 @pytest.mark.parametrize("name", ["Insert", "PlacePin takes longer than normal", "a-1.b_c", "Über"])

@@ -7,10 +7,10 @@ import dataclasses
 
 import pytest
 
-from flexbe_synthesizer.core.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.problem import Code, Severity, errors_in
 from flexbe_synthesizer.core.compile import Unit, check_units
-from flexbe_synthesizer.core.problem import Code, Severity, errors_in
-from flexbe_synthesizer.core.signature import Unreadable
+from flexbe_synthesizer.core.library.signature import Unreadable
 
 GOOD = """\
 <?xml version="1.0"?>

@@ -20,7 +20,7 @@ from random_charts.judge import compare, judge, judge_seed
 from random_charts.kinds import KINDS
 from random_charts.shrink import shrink
 
-from flexbe_synthesizer.core.signature import FromParameter
+from flexbe_synthesizer.core.library.signature import FromParameter
 
 CHARTS, AT_ONCE, RUNS = 500, 100, 2
 

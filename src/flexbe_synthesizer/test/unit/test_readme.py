@@ -3,9 +3,9 @@
 import re
 from pathlib import Path
 
-from flexbe_synthesizer.core.chart_reader import parse_chart
-from flexbe_synthesizer.core.chart_writer import write_chart
-from flexbe_synthesizer.core.grammar import EXTENSION
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from flexbe_synthesizer.core.chart.grammar import EXTENSION
 from flexbe_synthesizer.request import ErrorCode
 
 README = (Path(__file__).parents[2] / "README.md").read_text()

@@ -7,15 +7,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flexbe_synthesizer.core.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.literal import freeze
+from flexbe_synthesizer.core.chart.problem import ChartError
 from flexbe_synthesizer.core.compile import compile_chart, manifest_of
-from flexbe_synthesizer.core.layout import lay_out
-from flexbe_synthesizer.core.literal import freeze
-from flexbe_synthesizer.core.machine import Container, walk
-from flexbe_synthesizer.core.manifest import write_manifest
-from flexbe_synthesizer.core.manual_sections import ManualSectionError, read_manual_sections
-from flexbe_synthesizer.core.problem import ChartError
-from flexbe_synthesizer.core.render_python import render_python
+from flexbe_synthesizer.core.export.layout import lay_out
+from flexbe_synthesizer.core.export.render_python import render_python
+from flexbe_synthesizer.core.library.manifest import write_manifest
+from flexbe_synthesizer.core.machine.machine import Container, walk
+from flexbe_synthesizer.core.machine.manual_sections import ManualSectionError, read_manual_sections
 from flexbe_testing.app.judge import saved_by_app
 
 CHARTS = ["plain.xml", "place_connector.xml", "wire_task.xml", "two_arms.xml"]
@@ -130,9 +130,9 @@ def test_nothing_overlaps_on_the_canvas(chart, machine):
     for path, container in containers.items():
         if not isinstance(container, Container):
             continue
-        boxes = [
-            (*layout.children[f"{path}/{c.label}"], width_of(c)) for c in container.children
-        ] + [(*point, 80) for point in layout.outcomes[path].values()]
+        boxes = [(*layout.children[path][c.label], width_of(c)) for c in container.children] + [
+            (*point, 80) for point in layout.outcomes[path].values()
+        ]
         for index, (x, y, width) in enumerate(boxes):
             assert x >= 0 <= y
             for other_x, other_y, other_width in boxes[:index]:

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from lxml import etree
 from synthesizer_support.strategies import charts
 
-from flexbe_synthesizer.core.chart_reader import parse_chart, read_chart
-from flexbe_synthesizer.core.chart_writer import write_chart
-from flexbe_synthesizer.core.problem import errors_in
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart, read_chart
+from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from flexbe_synthesizer.core.chart.problem import errors_in
 
 ROOT = Path(__file__).parents[4]
 PACKAGE = ROOT / "src" / "flexbe_synthesizer"

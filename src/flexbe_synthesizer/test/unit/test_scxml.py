@@ -8,8 +8,8 @@ from statemachine.io import load
 from synthesizer_support.chart_run import run
 from synthesizer_support.w3c_scxml import faults
 
-from flexbe_synthesizer.core.chart_reader import parse_chart
-from flexbe_synthesizer.core.scxml import NAMESPACE, ScxmlError, chart_to_scxml, scxml_name
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.export.scxml import NAMESPACE, ScxmlError, chart_to_scxml, scxml_name
 
 CHARTS = ("plain.xml", "place_connector.xml", "wire_task.xml", "two_arms.xml")
 RUNS, MOST_STEPS = 15, 60

@@ -4,9 +4,9 @@ import textwrap
 
 import pytest
 
-from flexbe_synthesizer.core.behavior_source import read_behavior_class
-from flexbe_synthesizer.core.manifest import Manifest, read_manifest, write_manifest
-from flexbe_synthesizer.core.signature import (
+from flexbe_synthesizer.core.library.behavior_source import read_behavior_class
+from flexbe_synthesizer.core.library.manifest import Manifest, read_manifest, write_manifest
+from flexbe_synthesizer.core.library.signature import (
     Effect,
     FromParameter,
     Parameter,
@@ -17,7 +17,7 @@ from flexbe_synthesizer.core.signature import (
     fits,
     is_type,
 )
-from flexbe_synthesizer.core.state_source import read_state_class
+from flexbe_synthesizer.core.library.state_source import read_state_class
 
 MANIFEST = Manifest("Clean", "pkg", "clean_sm", "CleanSM")
 

@@ -1,8 +1,8 @@
 import pytest
 
-from flexbe_synthesizer.core.problem import ChartError, Code
-from flexbe_synthesizer.core.xml_reader import read_xml
-from flexbe_synthesizer.core.xml_tree import XmlTree
+from flexbe_synthesizer.core.chart.problem import ChartError, Code
+from flexbe_synthesizer.core.chart.xml_reader import read_xml
+from flexbe_synthesizer.core.chart.xml_tree import XmlTree
 
 
 def problem_of(source):

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.chart.model import Chart
 from remodel_console.core.access import Door
-from remodel_console.core.drawing import opened
-from remodel_console.core.record import Record, Summary
-from remodel_console.core.use_case import Choice
+from remodel_console.core.editor.drawing import opened
+from remodel_console.core.use_case.record import Record, Summary
+from remodel_console.core.use_case.use_case import Choice
 from remodel_console.desk import Desk
 from remodel_console.edge.catalogue import Catalogue
 from remodel_console.edge.settings_file import SettingsFile

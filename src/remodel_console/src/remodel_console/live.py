@@ -7,9 +7,9 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
 
-from remodel_console.core.log_line import LogLine
-from remodel_console.core.run_view import Event, step
-from remodel_console.core.use_case import UseCase
+from remodel_console.core.run.log_line import LogLine
+from remodel_console.core.run.run_view import Event, step
+from remodel_console.core.use_case.use_case import UseCase
 from remodel_console.core.world import World
 
 _KEPT_LINES = 500  # of the log; a page that opens shows them

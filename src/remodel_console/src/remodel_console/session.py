@@ -7,11 +7,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import PurePath
 
-from flexbe_synthesizer.core.instantiate import Instantiation
-from flexbe_synthesizer.core.model import Chart, Container
+from flexbe_synthesizer.core.chart.model import Chart, Container
+from flexbe_synthesizer.core.export.instantiate import Instantiation
 from remodel_console.core.commands import Command, Verb, help_lines
-from remodel_console.core.draft import Draft, new_draft
-from remodel_console.core.editing import (
+from remodel_console.core.editor.draft import Draft, new_draft
+from remodel_console.core.editor.editing import (
     as_container,
     change_at,
     connected,
@@ -19,9 +19,9 @@ from remodel_console.core.editing import (
     read_path,
     with_container,
 )
-from remodel_console.core.server_states import chart_from_states
+from remodel_console.core.editor.server_states import chart_from_states
+from remodel_console.core.editor.synthesis_request import ServerRequest
 from remodel_console.core.settings import Settings
-from remodel_console.core.synthesis_request import ServerRequest
 from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import CommandError
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from remodel_console.core.order import Attach, Order, SetAutonomy, ShowStructure, Start, Switch
-from remodel_console.core.run_view import Event, Ordered, Phase
+from remodel_console.core.run.order import Attach, Order, SetAutonomy, ShowStructure, Start, Switch
+from remodel_console.core.run.run_view import Event, Ordered, Phase
 from remodel_console.edge.catalogue import Catalogue
 from remodel_console.errors import CommandError
 from remodel_console.live import Live

@@ -14,8 +14,8 @@ sys.path.insert(0, str(Path(__file__).parent))
 from behavior_test_case import BehaviorTestCase
 from large_chart import BOXES, STATES, large_chart
 
-from flexbe_synthesizer.core.chart_reader import parse_chart
-from flexbe_synthesizer.core.chart_writer import write_chart
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from remodel_console.testing.browser_test import LIMIT_S
 
 BROKEN = """<statemachine name="Broken" initial="A">

@@ -1,6 +1,6 @@
 """A behavior of 200 states: ten containers of twenty, one after the other, again and again."""
 
-from flexbe_synthesizer.core.model import Chart, Container, Outcome, Param, State, Transition
+from flexbe_synthesizer.core.chart.model import Chart, Container, Outcome, Param, State, Transition
 
 BOXES, STATES = 10, 20
 

@@ -1,8 +1,8 @@
 """Certificates as the editor shows them."""
 
-from flexbe_synthesizer.core.certificate import Certificate, ErrorEnd, StateBound
-from flexbe_synthesizer.core.signature import Effect
-from remodel_console.core.certificate_view import certificate_html
+from flexbe_synthesizer.core.export.certificate import Certificate, ErrorEnd, StateBound
+from flexbe_synthesizer.core.library.signature import Effect
+from remodel_console.core.editor.certificate_view import certificate_html
 
 CODE = frozenset({"error_code"})
 NOTHING = frozenset()

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from flexbe_synthesizer.core.chart_reader import parse_chart
-from flexbe_synthesizer.core.instantiate import Instantiation
-from flexbe_synthesizer.core.model import Container
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.model import Container
+from flexbe_synthesizer.core.export.instantiate import Instantiation
 from remodel_console.core.answer import DONE, Answer, read_answer
 from remodel_console.core.commands import Verb, help_lines, read_command
 from remodel_console.core.key import is_allowed

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from flexbe_synthesizer.core.chart_reader import parse_chart
-from flexbe_synthesizer.core.model import Chart, Container, Outcome, State, Transition
-from remodel_console.core.drawing import drawn_path, drawn_paths, opened
-from remodel_console.core.folding import folded
-from remodel_console.core.run_view import RunView, Told, step
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.model import Chart, Container, Outcome, State, Transition
+from remodel_console.core.editor.drawing import drawn_path, drawn_paths, opened
+from remodel_console.core.editor.folding import folded
+from remodel_console.core.run.run_view import RunView, Told, step
 from remodel_console.core.world import World, notices
 from remodel_console.edge.picture import picture
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from remodel_console.core.record import Entry, Kind, Record, value_words
+from remodel_console.core.use_case.record import Entry, Kind, Record, value_words
 
 
 def entry(position, time_s, kind, **fields):

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from flexbe_synthesizer.core.chart_reader import parse_chart, read_chart
-from flexbe_synthesizer.core.model import (
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart, read_chart
+from flexbe_synthesizer.core.chart.model import (
     Behavior,
     Container,
     ContainerKind,
@@ -21,11 +21,11 @@ from flexbe_synthesizer.core.model import (
     State,
     Transition,
 )
-from remodel_console.core import chart_edit
 from remodel_console.core.commands import read_command
-from remodel_console.core.concurrency_edit import with_condition, with_kind
-from remodel_console.core.editing import change_at, container_at, node_paths
-from remodel_console.core.interface_edit import with_input, with_output
+from remodel_console.core.editor import chart_edit
+from remodel_console.core.editor.concurrency_edit import with_condition, with_kind
+from remodel_console.core.editor.editing import change_at, container_at, node_paths
+from remodel_console.core.editor.interface_edit import with_input, with_output
 from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import CommandError
 from remodel_console.session import Session

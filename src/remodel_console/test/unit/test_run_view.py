@@ -4,7 +4,7 @@ from functools import reduce
 
 import pytest
 
-from remodel_console.core.run_view import (
+from remodel_console.core.run.run_view import (
     Acknowledged,
     Asked,
     EngineSeen,
@@ -16,7 +16,7 @@ from remodel_console.core.run_view import (
     Told,
     step,
 )
-from remodel_console.core.structure import Level, Structure
+from remodel_console.core.run.structure import Level, Structure
 
 READY, STARTED = Told(20, 0), Told(0, 7)
 TREE = Structure(

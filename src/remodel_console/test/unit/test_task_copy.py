@@ -5,8 +5,8 @@ from random import Random
 
 import pytest
 
-from remodel_console.core.task_copy import Changes, Snapshot, TaskCopy
-from remodel_console.core.use_case import Failure, Task, TaskPhase
+from remodel_console.core.use_case.task_copy import Changes, Snapshot, TaskCopy
+from remodel_console.core.use_case.use_case import Failure, Task, TaskPhase
 
 SERIES = 17
 

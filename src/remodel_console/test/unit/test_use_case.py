@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from remodel_console.core.plot import bar_plot, count_plot, line_plot
-from remodel_console.core.production import figures
-from remodel_console.core.use_case import (
+from remodel_console.core.use_case.production import figures
+from remodel_console.core.use_case.use_case import (
     SHOWN_TASKS,
     Choice,
     Failure,

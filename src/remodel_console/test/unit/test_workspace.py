@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from remodel_console.core import chart_edit
 from remodel_console.core.commands import read_command
+from remodel_console.core.editor import chart_edit
 from remodel_console.edge.chart_folders import ChartFolders
 from remodel_console.edge.inspect_chart import inspect_text
 from remodel_console.edge.workspace import Workspace

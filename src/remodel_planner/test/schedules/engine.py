@@ -10,8 +10,8 @@ from typing import Any, Protocol
 
 from remodel_msgs.msg import ErrorCode
 
-from flexbe_synthesizer.core.model import Chart
-from flexbe_synthesizer.core.model import Node as ChartNode
+from flexbe_synthesizer.core.chart.model import Chart
+from flexbe_synthesizer.core.chart.model import Node as ChartNode
 from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.gate import Permit
 from remodel_planner.supervisors.ports import BehaviorEnd, End

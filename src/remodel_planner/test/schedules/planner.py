@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
-from flexbe_synthesizer.core.model import Chart, Outcome, Param, State, Transition
+from flexbe_synthesizer.core.chart.model import Chart, Outcome, Param, State, Transition
 from remodel_planner.core.cell_order import USE_CASE, cell_order
 from remodel_planner.core.learning.experience import Experience
 from remodel_planner.core.panel_layout import PanelRules, lay_out

@@ -8,7 +8,7 @@ from typing import Any
 
 from remodel_msgs.msg import ErrorCode
 
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.chart.model import Chart
 from remodel_planner.errors import LostError, RefusedError
 from remodel_planner.supervisors.ports import BehaviorEnd, Doing, End, UnseenError
 from schedules.cell_services import CellServices

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from sqlalchemy import select
 
-from flexbe_synthesizer.core.chart_writer import write_chart
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from flexbe_synthesizer.core.chart.model import Chart
 from remodel_planner.core.supervision.attempts import attempts_of
 from remodel_planner.core.supervision.events import Event
 from remodel_planner.core.supervision.fold import state_after

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 import yaml
 
-from flexbe_synthesizer.core.chart_reader import parse_chart
-from flexbe_synthesizer.core.chart_writer import write_chart
-from flexbe_synthesizer.core.check import check_chart
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from flexbe_synthesizer.core.check.check import check_chart
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from remodel_planner.core.board.board import board_of
 from remodel_planner.core.board_order import board_order, kind_of

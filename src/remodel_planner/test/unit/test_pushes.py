@@ -10,8 +10,8 @@ import pytest
 import yaml
 from house import HOUSE
 
-from flexbe_synthesizer.core.error_routes import codes_of_routes
-from flexbe_synthesizer.core.model import Behavior, Container
+from flexbe_synthesizer.core.chart.error_routes import codes_of_routes
+from flexbe_synthesizer.core.chart.model import Behavior, Container
 from remodel_planner.core.cell_order import cell_order
 from remodel_planner.core.learning.experience import Experience
 from remodel_planner.core.panel_layout import PanelRules, lay_out

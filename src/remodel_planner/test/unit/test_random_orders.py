@@ -6,9 +6,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from flexbe_synthesizer.core.chart_reader import parse_chart
-from flexbe_synthesizer.core.chart_writer import write_chart
-from flexbe_synthesizer.core.check import check_chart
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from flexbe_synthesizer.core.check.check import check_chart
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from remodel_planner.core.planning.checker import check
 from remodel_planner.core.planning.problem import ActionKind, Arm, Terminal

@@ -2,7 +2,7 @@
 
 import pytest
 
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.chart.model import Chart
 from remodel_planner.core.run import Execution, Operation
 from remodel_planner.core.supervision.attempts import Attempt
 from remodel_planner.core.supervision.events import Part

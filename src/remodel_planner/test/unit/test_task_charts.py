@@ -9,16 +9,16 @@ import yaml
 from house import HOUSE
 from lxml import etree
 
-from flexbe_synthesizer.core.chart_reader import parse_chart
-from flexbe_synthesizer.core.chart_writer import write_chart
-from flexbe_synthesizer.core.check import check_chart
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from flexbe_synthesizer.core.chart.error_routes import codes_of_routes
+from flexbe_synthesizer.core.chart.model import ErrorRoute
+from flexbe_synthesizer.core.chart.names import behavior_file, is_name
+from flexbe_synthesizer.core.check.check import check_chart
 from flexbe_synthesizer.core.compile import compile_chart
-from flexbe_synthesizer.core.error_routes import codes_of_routes
-from flexbe_synthesizer.core.layout import lay_out as lay_out_machine
-from flexbe_synthesizer.core.model import ErrorRoute
-from flexbe_synthesizer.core.names import behavior_file, is_name
-from flexbe_synthesizer.core.render_python import render_python
-from flexbe_synthesizer.core.signature import chart_behavior
+from flexbe_synthesizer.core.export.layout import lay_out as lay_out_machine
+from flexbe_synthesizer.core.export.render_python import render_python
+from flexbe_synthesizer.core.library.signature import chart_behavior
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from flexbe_testing.app.judge import judge
 from flexbe_testing.edge.app_packages import read_packages

@@ -1,6 +1,6 @@
 """A run is followed through its chart by the records of its abilities alone."""
 
-from flexbe_synthesizer.core.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from remodel_planner.core.run import Operation
 from remodel_planner.core.trace import trace
 

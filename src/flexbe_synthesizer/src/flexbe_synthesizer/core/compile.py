@@ -6,17 +6,17 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from flexbe_synthesizer.core import names
-from flexbe_synthesizer.core.check import CheckedChart, check_chart
-from flexbe_synthesizer.core.expand import expand
-from flexbe_synthesizer.core.library import Library
-from flexbe_synthesizer.core.machine import BehaviorUse, Machine, walk
-from flexbe_synthesizer.core.manifest import Manifest
-from flexbe_synthesizer.core.model import Chart
-from flexbe_synthesizer.core.nested import NestedBehaviors
-from flexbe_synthesizer.core.problem import ChartError, Code, Problem, errors_in
-from flexbe_synthesizer.core.resolve import ResolvedNode, scopes
-from flexbe_synthesizer.core.signature import BehaviorClass, chart_behavior
+from flexbe_synthesizer.core.chart import names
+from flexbe_synthesizer.core.chart.model import Chart
+from flexbe_synthesizer.core.chart.problem import ChartError, Code, Problem, errors_in
+from flexbe_synthesizer.core.check.check import CheckedChart, check_chart
+from flexbe_synthesizer.core.check.nested import NestedBehaviors
+from flexbe_synthesizer.core.library.library import Library
+from flexbe_synthesizer.core.library.manifest import Manifest
+from flexbe_synthesizer.core.library.resolve import ResolvedNode, scopes
+from flexbe_synthesizer.core.library.signature import BehaviorClass, chart_behavior
+from flexbe_synthesizer.core.machine.expand import expand
+from flexbe_synthesizer.core.machine.machine import BehaviorUse, Machine, walk
 
 Check: TypeAlias = Callable[
     [Chart, Library, Mapping[str, BehaviorClass], NestedBehaviors], CheckedChart

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from flexbe_synthesizer.core.certificate import read_chart_place
-from flexbe_synthesizer.core.chart_reader import read_chart_name
-from flexbe_synthesizer.core.manifest import read_manifest
-from flexbe_synthesizer.core.manual_sections import written_name
+from flexbe_synthesizer.core.chart.chart_reader import read_chart_name
+from flexbe_synthesizer.core.export.certificate import read_chart_place
+from flexbe_synthesizer.core.library.manifest import read_manifest
+from flexbe_synthesizer.core.machine.manual_sections import written_name
 from flexbe_synthesizer.edge.chart_files import read_chart_file
 from flexbe_synthesizer.edge.output_package import OutputPackage
 from flexbe_synthesizer.edge.regular_file import read_regular, read_regular_text

@@ -9,10 +9,10 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TypeAlias
 
-from flexbe_synthesizer.core.chart_reader import read_chart, read_chart_name
-from flexbe_synthesizer.core.model import Chart, walk_nodes
-from flexbe_synthesizer.core.problem import Code, Problem
-from flexbe_synthesizer.core.resolve import included_path
+from flexbe_synthesizer.core.chart.chart_reader import read_chart, read_chart_name
+from flexbe_synthesizer.core.chart.model import Chart, walk_nodes
+from flexbe_synthesizer.core.chart.problem import Code, Problem
+from flexbe_synthesizer.core.library.resolve import included_path
 from flexbe_synthesizer.edge.regular_file import read_regular
 from flexbe_synthesizer.errors import ChartFileError, ChartRefusedError
 

@@ -7,14 +7,14 @@ from collections import OrderedDict, deque
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
-from flexbe_synthesizer.core.chart_reader import read_chart
-from flexbe_synthesizer.core.check import CheckedChart, check_chart
-from flexbe_synthesizer.core.library import Library
-from flexbe_synthesizer.core.model import Behavior, Chart, walk_nodes
-from flexbe_synthesizer.core.nested import NestedBehaviors
-from flexbe_synthesizer.core.problem import Problem
-from flexbe_synthesizer.core.resolve import included_path
-from flexbe_synthesizer.core.signature import BehaviorClass
+from flexbe_synthesizer.core.chart.chart_reader import read_chart
+from flexbe_synthesizer.core.chart.model import Behavior, Chart, walk_nodes
+from flexbe_synthesizer.core.chart.problem import Problem
+from flexbe_synthesizer.core.check.check import CheckedChart, check_chart
+from flexbe_synthesizer.core.check.nested import NestedBehaviors
+from flexbe_synthesizer.core.library.library import Library
+from flexbe_synthesizer.core.library.resolve import included_path
+from flexbe_synthesizer.core.library.signature import BehaviorClass
 
 _MOST_BYTES = 2**22  # of all texts that are remembered; what is made of them takes 20 times as much
 _MOST_WORLDS = 8  # libraries and charts beside a chart, as that change while somebody works

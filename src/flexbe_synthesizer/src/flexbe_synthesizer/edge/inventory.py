@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from dataclasses import dataclass
 
-from flexbe_synthesizer.core.library import Library
+from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.edge.package_path import Package, find_packages, read_library
 from flexbe_synthesizer.edge.stamps import Stamps
 

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from flexbe_synthesizer.core import names
-from flexbe_synthesizer.core.manifest import AUTHOR
+from flexbe_synthesizer.core.chart import names
+from flexbe_synthesizer.core.library.manifest import AUTHOR
 from flexbe_synthesizer.edge.package_path import read_package
 from flexbe_synthesizer.errors import OutputError
 

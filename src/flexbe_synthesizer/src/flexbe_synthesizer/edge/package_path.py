@@ -19,12 +19,12 @@ from xml.etree import ElementTree
 
 import yaml
 
-from flexbe_synthesizer.core.behavior_source import read_behavior_class
-from flexbe_synthesizer.core.error_names import ListedCode, error_names, read_error_table
-from flexbe_synthesizer.core.library import Library
-from flexbe_synthesizer.core.manifest import Manifest, read_manifest
-from flexbe_synthesizer.core.signature import BehaviorClass, StateClass, Unreadable
-from flexbe_synthesizer.core.state_source import read_state_class
+from flexbe_synthesizer.core.chart.error_names import ListedCode, error_names, read_error_table
+from flexbe_synthesizer.core.library.behavior_source import read_behavior_class
+from flexbe_synthesizer.core.library.library import Library
+from flexbe_synthesizer.core.library.manifest import Manifest, read_manifest
+from flexbe_synthesizer.core.library.signature import BehaviorClass, StateClass, Unreadable
+from flexbe_synthesizer.core.library.state_source import read_state_class
 from flexbe_synthesizer.edge.regular_file import read_regular, read_regular_text
 from flexbe_synthesizer.edge.stamps import Stamp, Stamps
 

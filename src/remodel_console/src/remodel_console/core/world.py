@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from remodel_console.core.run_view import Phase, RunView
-from remodel_console.core.use_case import UseCase
+from remodel_console.core.run.run_view import Phase, RunView
+from remodel_console.core.use_case.use_case import UseCase
 
 
 @dataclass(frozen=True)

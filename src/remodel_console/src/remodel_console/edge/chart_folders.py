@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from flexbe_synthesizer.core.names import behavior_file
+from flexbe_synthesizer.core.chart.names import behavior_file
 from flexbe_synthesizer.edge.chart_files import chart_names, confined_to, read_chart_file
 from flexbe_synthesizer.errors import ChartFileError
-from remodel_console.core.draft import Draft
+from remodel_console.core.editor.draft import Draft
 from remodel_console.errors import CommandError
 
 _READ_WITHIN_S = 10.0  # all charts of the folders; a person waits for them

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from flexbe_synthesizer.core.model import Chart
-from flexbe_synthesizer.core.problem import errors_in
-from remodel_console.core.inspection import Inspection, uses_by_path
+from flexbe_synthesizer.core.chart.model import Chart
+from flexbe_synthesizer.core.chart.problem import errors_in
+from remodel_console.core.editor.inspection import Inspection, uses_by_path
 from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import CommandError
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 from functools import lru_cache
 
-from flexbe_synthesizer.core.draw import chart_to_dot
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.chart.model import Chart
+from flexbe_synthesizer.core.export.draw import chart_to_dot
 from flexbe_synthesizer.edge.graphviz import dot_picture
 from flexbe_synthesizer.errors import DrawingError
-from remodel_console.core.drawing import page_svg
+from remodel_console.core.editor.drawing import page_svg
 from remodel_console.errors import CommandError
 
 _KEPT = 32  # drawings

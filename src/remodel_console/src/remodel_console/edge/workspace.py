@@ -6,15 +6,15 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from flexbe_synthesizer.core import names
-from flexbe_synthesizer.core.chart_reader import read_chart
-from flexbe_synthesizer.core.chart_writer import write_chart
-from flexbe_synthesizer.core.fold import fold
-from flexbe_synthesizer.core.library import Library
-from flexbe_synthesizer.core.machine_reader import read_machine
-from flexbe_synthesizer.core.model import Chart, State, walk_nodes
-from flexbe_synthesizer.core.problem import errors_in
-from flexbe_synthesizer.core.resolve import scopes
+from flexbe_synthesizer.core.chart import names
+from flexbe_synthesizer.core.chart.chart_reader import read_chart
+from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from flexbe_synthesizer.core.chart.model import Chart, State, walk_nodes
+from flexbe_synthesizer.core.chart.problem import errors_in
+from flexbe_synthesizer.core.library.library import Library
+from flexbe_synthesizer.core.library.resolve import scopes
+from flexbe_synthesizer.core.machine.fold import fold
+from flexbe_synthesizer.core.machine.machine_reader import read_machine
 from flexbe_synthesizer.edge.chart_files import (
     confined_to,
     find_chart,
@@ -32,7 +32,7 @@ from flexbe_synthesizer.edge.output_package import (
 from flexbe_synthesizer.edge.regular_file import read_regular_text
 from flexbe_synthesizer.errors import ChartFileError, OutputError, SynthesisError
 from flexbe_synthesizer.synthesis import CheckedFiles, check_files, write_behaviors
-from remodel_console.core.draft import Draft, new_draft, read_draft
+from remodel_console.core.editor.draft import Draft, new_draft, read_draft
 from remodel_console.edge.chart_folders import ChartFolders
 from remodel_console.errors import CommandError
 

@@ -20,9 +20,9 @@ from flexbe_msgs.srv import GetUserdata
 from genpy import Message
 from std_msgs.msg import Bool, Empty, Int32, String, UInt8
 
-from remodel_console.core import order as orders
-from remodel_console.core.log_line import LogLine
-from remodel_console.core.run_view import (
+from remodel_console.core.run import order as orders
+from remodel_console.core.run.log_line import LogLine
+from remodel_console.core.run.run_view import (
     Acknowledged,
     Asked,
     EngineSeen,
@@ -31,7 +31,7 @@ from remodel_console.core.run_view import (
     Left,
     Told,
 )
-from remodel_console.core.structure import Level, Structure
+from remodel_console.core.run.structure import Level, Structure
 from remodel_console.errors import CommandError
 from remodel_console.ros import topics
 

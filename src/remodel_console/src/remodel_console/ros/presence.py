@@ -11,7 +11,7 @@ import rospy
 
 from flexbe_core.ros.master import join_interruptibly
 from remodel_console.console import Console
-from remodel_console.core.run_view import Phase
+from remodel_console.core.run.run_view import Phase
 from remodel_console.desk import Journal
 from remodel_console.ros import topics
 from remodel_console.ros.camera_link import CameraLink

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from remodel_msgs import msg, srv
 
-from remodel_console.core.record import Entry, Kind, Record, Summary
+from remodel_console.core.use_case.record import Entry, Kind, Record, Summary
 from remodel_console.errors import CommandError
 from remodel_console.ros import topics
 from remodel_console.ros.call_service import call_service

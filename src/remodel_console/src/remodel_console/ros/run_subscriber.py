@@ -9,8 +9,8 @@ from collections.abc import Callable
 import rospy
 from remodel_msgs import msg, srv
 
-from remodel_console.core.task_copy import TaskCopy
-from remodel_console.core.use_case import UseCase
+from remodel_console.core.use_case.task_copy import TaskCopy
+from remodel_console.core.use_case.use_case import UseCase
 from remodel_console.errors import CommandError
 from remodel_console.ros import topics
 from remodel_console.ros.call_service import call_service

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from remodel_msgs import msg, srv
 
-from remodel_console.core.task_copy import Changes, Snapshot, TaskCopy
-from remodel_console.core.use_case import (
+from remodel_console.core.use_case.task_copy import Changes, Snapshot, TaskCopy
+from remodel_console.core.use_case.use_case import (
     Choice,
     Failure,
     Level,

@@ -10,7 +10,7 @@ import rospy
 from flexbe_msgs.msg import CommandFeedback
 
 from remodel_console.core.commands import Command, Verb
-from remodel_console.core.order import Hold, Release
+from remodel_console.core.run.order import Hold, Release
 from remodel_console.errors import CommandError
 from remodel_console.ros import topics
 from remodel_console.steering import Steering

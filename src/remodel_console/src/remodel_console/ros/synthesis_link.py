@@ -16,8 +16,8 @@ from flexbe_msgs.msg import (
     SynthesisRequest,
 )
 
-from flexbe_synthesizer.core.instantiate import Instantiation
-from remodel_console.core.synthesis_request import ServerRequest
+from flexbe_synthesizer.core.export.instantiate import Instantiation
+from remodel_console.core.editor.synthesis_request import ServerRequest
 from remodel_console.errors import CommandError
 
 _FOUND_S = 5.0  # in which a server is found; wall time, as a person waits

@@ -11,7 +11,7 @@ from actionlib_msgs.msg import GoalStatus
 from remodel_msgs import srv
 from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal
 
-from remodel_console.core.use_case import Choice, UseCase
+from remodel_console.core.use_case.use_case import Choice, UseCase
 from remodel_console.errors import CommandError
 from remodel_console.ros import topics
 from remodel_console.ros.call_service import LIMIT_S, call_service

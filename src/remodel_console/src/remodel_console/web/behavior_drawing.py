@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from nicegui import run, ui
 
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.chart.model import Chart
 from remodel_console.console import Console
-from remodel_console.core.drawing import drawn_path, drawn_paths
-from remodel_console.core.editing import Path
-from remodel_console.core.folding import folded
+from remodel_console.core.editor.drawing import drawn_path, drawn_paths
+from remodel_console.core.editor.editing import Path
+from remodel_console.core.editor.folding import folded
 from remodel_console.edge.picture import picture
 from remodel_console.errors import CommandError
 from remodel_console.web.canvas import Canvas

@@ -14,11 +14,11 @@ from remodel_console.console import Console
 from remodel_console.errors import CommandError
 from remodel_console.web.broadcast import Broadcast
 from remodel_console.web.configuration_page import ConfigurationPage
-from remodel_console.web.editor_page import EditorPage
+from remodel_console.web.editor.editor_page import EditorPage
 from remodel_console.web.guard import Guard
-from remodel_console.web.overview_page import OverviewPage
-from remodel_console.web.replay_page import ReplayPage
-from remodel_console.web.runtime_page import RuntimePage
+from remodel_console.web.overview.overview_page import OverviewPage
+from remodel_console.web.replay.replay_page import ReplayPage
+from remodel_console.web.runtime.runtime_page import RuntimePage
 
 _STATIC = Path(__file__).parent / "static"
 _HEAD = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from flexbe_synthesizer.core.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from remodel_planner.commands.database_option import add_database_option
 from remodel_planner.core.supervision.attempts import attempts_of
 from remodel_planner.core.supervision.event_form import kind_of

@@ -5,8 +5,8 @@ from __future__ import annotations
 import base64
 from pathlib import Path
 
-from flexbe_synthesizer.core.chart_reader import parse_chart
-from flexbe_synthesizer.core.draw import chart_to_dot
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.export.draw import chart_to_dot
 from flexbe_synthesizer.edge.graphviz import dot_picture
 from remodel_planner.core.production import Wire
 from remodel_planner.core.run import Operation

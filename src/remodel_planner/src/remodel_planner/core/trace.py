@@ -10,8 +10,8 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from flexbe_synthesizer.core.error_routes import FAILED_EVENT, codes_of_routes, route_event
-from flexbe_synthesizer.core.model import Behavior, Chart, Container
+from flexbe_synthesizer.core.chart.error_routes import FAILED_EVENT, codes_of_routes, route_event
+from flexbe_synthesizer.core.chart.model import Behavior, Chart, Container
 from remodel_planner.core.run import Operation
 
 

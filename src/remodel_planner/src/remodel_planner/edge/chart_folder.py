@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from flexbe_synthesizer.core.chart_writer import write_chart
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from flexbe_synthesizer.core.chart.model import Chart
 from remodel_planner.edge.text_file import write_text
 from remodel_planner.errors import InstanceError
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from flexbe_synthesizer.core.error_names import ListedCode, error_names
+from flexbe_synthesizer.core.chart.error_names import ListedCode, error_names
 from remodel_planner.core.recovery.fault import Do, Fault, FaultTable
 from remodel_planner.core.recovery.policy import response_from
 from remodel_planner.errors import PlannerError

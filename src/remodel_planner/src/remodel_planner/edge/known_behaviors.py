@@ -8,7 +8,7 @@ from pathlib import Path
 import rospkg
 from lxml import etree
 
-from flexbe_synthesizer.core.names import behavior_file
+from flexbe_synthesizer.core.chart.names import behavior_file
 
 _EXPORT = "export/flexbe_behaviors"
 _PARSER = etree.XMLParser(resolve_entities=False, no_network=True)

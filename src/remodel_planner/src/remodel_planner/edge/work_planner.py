@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.chart.model import Chart
 from flexbe_synthesizer.synthesis import garbage_kept
 from remodel_planner.core.learning.experience import Experience
 from remodel_planner.core.learning.learned_expectations import Call, numbers_from

@@ -12,7 +12,7 @@ from flexbe_msgs.msg import (
     SynthesisRequest,
 )
 
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.chart.model import Chart
 from remodel_planner.core.use_case.task_chart import content_mark
 from remodel_planner.edge.chart_folder import keep_chart
 from remodel_planner.edge.known_behaviors import describes

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol
 
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.chart.model import Chart
 from remodel_planner.core.learning.learned_responses import TriedResponse
 from remodel_planner.core.supervision.events import Event
 from remodel_planner.core.supervision.state import RunState

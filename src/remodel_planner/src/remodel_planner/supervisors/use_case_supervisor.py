@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 
-from flexbe_synthesizer.core.chart_writer import write_chart
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from flexbe_synthesizer.core.chart.model import Chart
 from remodel_planner.core.planning.problem import End as WireEnd
 from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.events import (

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.chart.model import Chart
 from remodel_planner.core.supervision.attempts import INTERRUPTED, Attempt
 from remodel_planner.core.supervision.events import (
     Answered,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from flexbe_synthesizer.core.model import (
+from flexbe_synthesizer.core.chart.model import (
     AnyNode,
     Behavior,
     Chart,

@@ -4,8 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from flexbe_synthesizer.core.error_names import ABOVE_BEHAVIOR, SERIOUS
-from flexbe_synthesizer.core.model import AnyNode, Chart, Connection, ErrorRoute, State, Transition
+from flexbe_synthesizer.core.chart.error_names import ABOVE_BEHAVIOR, SERIOUS
+from flexbe_synthesizer.core.chart.model import (
+    AnyNode,
+    Chart,
+    Connection,
+    ErrorRoute,
+    State,
+    Transition,
+)
 from remodel_planner.core.use_case.task_chart import marked
 
 _FAILED, _REFUSED = "failed", "command_error"

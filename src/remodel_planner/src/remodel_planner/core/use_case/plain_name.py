@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import re
 
-from flexbe_synthesizer.core.names import is_name
+from flexbe_synthesizer.core.chart.names import is_name
 
 _HASH_DIGITS = 6
 _NO_WORD = re.compile(r"\W+", re.ASCII)

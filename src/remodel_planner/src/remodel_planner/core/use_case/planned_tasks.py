@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from flexbe_synthesizer.core.model import Chart
+from flexbe_synthesizer.core.chart.model import Chart
 from remodel_planner.core.planning.listing import listing_of
 from remodel_planner.core.planning.modes import Mode
 from remodel_planner.core.planning.problem import Plan

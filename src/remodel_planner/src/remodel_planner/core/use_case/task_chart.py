@@ -13,9 +13,9 @@ import hashlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from flexbe_synthesizer.core.chart_writer import write_chart
-from flexbe_synthesizer.core.literal import Literal
-from flexbe_synthesizer.core.model import (
+from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from flexbe_synthesizer.core.chart.literal import Literal
+from flexbe_synthesizer.core.chart.model import (
     Behavior,
     Chart,
     Connection,

@@ -1,0 +1,1 @@
+"""The language: charts as values, and their XML, read and written."""

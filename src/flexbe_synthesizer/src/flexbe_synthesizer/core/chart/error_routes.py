@@ -1,0 +1,158 @@
+"""The map of `ext:on_error`: `INSERTION_JAMMED: Withdraw; 100-199: Look again`.
+
+A name stands for one error code, or for a class of them; the table of names comes with the library
+(`Library.error_names`). A failure takes the first route that has its code.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Collection, Iterable, Mapping, Sequence
+
+from flexbe_synthesizer.core.chart.model import ErrorRoute
+
+LARGEST_CODE = 32767
+ROUTES_RULE = (
+    "'CODE: target', 'FIRST-LAST: target' or 'NAME: target', several parted by ';', with codes "
+    f"from 1 to {LARGEST_CODE} (an int16 on the wire) and names of error codes or of classes of "
+    "them, of which each stands once"
+)
+FAILED_EVENT = "failed"
+_NUMBERS = r"([0-9]{1,5})\s*(?:-\s*([0-9]{1,5})\s*)?"
+_WORD = r"[A-Za-z][A-Za-z0-9_]*"
+_ROUTE = re.compile(rf"\s*(?:{_NUMBERS}|({_WORD})\s*):\s*(\S(?:.*\S)?)\s*\Z", re.DOTALL)
+# The second spelling is that of behaviors generated before 1.0: `failed 100-199`.
+_EVENT = re.compile(
+    rf"failed_([0-9]{{1,5}})(?:_([0-9]{{1,5}}))?|failed ([0-9]{{1,5}})(?:-([0-9]{{1,5}}))?"
+    rf"|failed_({_WORD})"
+)
+
+
+def parse_routes(text: str) -> tuple[ErrorRoute, ...]:
+    """Return the routes that a text spells, in its order.
+
+    Raises:
+        ValueError: if it does not follow ROUTES_RULE.
+    """
+    routes = tuple(map(_parse_route, text.split(";")))
+    ranges = sorted(filter(None, (_range(route.codes) for route in routes)))
+    if any(before[1] >= after[0] for before, after in itertools.pairwise(ranges)):
+        raise ValueError(text)
+    if len({route.codes for route in routes}) < len(routes):
+        raise ValueError(text)
+    return routes
+
+
+def _parse_route(text: str) -> ErrorRoute:
+    found = _ROUTE.match(text)
+    if found is None:
+        raise ValueError(text)
+    if found[3]:
+        return ErrorRoute(found[3], found[4])
+    first, last = int(found[1]), int(found[2] or found[1])
+    if not 1 <= first <= last <= LARGEST_CODE:
+        raise ValueError(text)
+    return ErrorRoute(_spelled(first, last), found[4])
+
+
+def is_error_name(text: str) -> bool:
+    """Return whether a text can name an error code, or a class of them, in a route."""
+    return re.fullmatch(_WORD, text) is not None
+
+
+def is_named(route: ErrorRoute) -> bool:
+    """Return whether a route names its codes, so that a table has to resolve them."""
+    return _range(route.codes) is None
+
+
+def _range(codes: str) -> tuple[int, int] | None:
+    """Return the first and last of codes that are spelled as numbers; None of a name."""
+    first, _, last = codes.partition("-")
+    return (int(first), int(last or first)) if first.isdecimal() else None
+
+
+def _spelled(first: int, last: int) -> str:
+    return str(first) if first == last else f"{first}-{last}"
+
+
+def codes_of_routes(
+    routes: Iterable[ErrorRoute], error_names: Mapping[str, Collection[int]]
+) -> tuple[tuple[int, ...], ...]:
+    """Return the codes that each route takes, ascending: those that no route before it has.
+
+    Args:
+        routes: in their order.
+        error_names: codes by the names of codes and classes; an unknown name has none.
+    """
+    taken: set[int] = set()
+    found = []
+    for route in routes:
+        numbers = _range(route.codes)
+        codes = range(numbers[0], numbers[1] + 1) if numbers else error_names.get(route.codes, ())
+        found.append(tuple(sorted(set(codes) - taken)))
+        taken.update(codes)
+    return tuple(found)
+
+
+def spans(codes: Iterable[int]) -> tuple[tuple[int, int], ...]:
+    """Return first and last of each row of ascending numbers without a gap."""
+    found: list[tuple[int, int]] = []
+    for code in codes:
+        if found and found[-1][1] == code - 1:
+            found[-1] = (found[-1][0], code)
+        else:
+            found.append((code, code))
+    return tuple(found)
+
+
+def format_codes(codes: Iterable[int]) -> str:
+    """Return ascending codes in numbers: `3-5, 7-10, 305`."""
+    return ", ".join(_spelled(*span) for span in spans(codes))
+
+
+def format_routes(routes: Iterable[ErrorRoute]) -> str:
+    """Return the text that `parse_routes` reads as these routes."""
+    return "; ".join(f"{route.codes}: {route.target}" for route in routes)
+
+
+def respelled(spelled: str, routes: tuple[ErrorRoute, ...]) -> str:
+    """Return the routes as text, those that a text spells already as they stand there."""
+    pieces = spelled.split(";")
+    try:
+        old = parse_routes(spelled)
+    except ValueError:
+        return format_routes(routes)
+    head = _same(old, routes)
+    tail = min(_same(old[::-1], routes[::-1]), min(len(old), len(routes)) - head)
+    middle = []
+    for index in range(head, len(routes) - tail):
+        blanks = re.match(r"\s*", pieces[index] if index < len(old) - tail else " ")
+        lead = blanks[0] if blanks and index else ""
+        middle.append(lead + format_routes(routes[index : index + 1]))
+    return ";".join((*pieces[:head], *middle, *pieces[len(pieces) - tail :]))
+
+
+def _same(one: Sequence[ErrorRoute], other: Sequence[ErrorRoute]) -> int:
+    """Return how many routes are the same at the beginning."""
+    pairs = itertools.takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False))
+    return sum(1 for _pair in pairs)
+
+
+def route_event(route: ErrorRoute) -> str:
+    """Return the name of a route among the events of its state: `failed_100_199`.
+
+    It has no blank, because the FlexBE App drops the blanks of a state's outcomes.
+    """
+    return f"{FAILED_EVENT}_{route.codes.replace('-', '_')}"
+
+
+def codes_of_event(text: str) -> str | None:
+    """Return the codes, as a route spells them, of the route event; None if it is no such name."""
+    found = _EVENT.fullmatch(text)
+    if found is None:
+        return None
+    if found[5]:
+        return found[5]
+    first, last = found[1] or found[3], found[2] or found[4]
+    return _spelled(int(first), int(last or first))

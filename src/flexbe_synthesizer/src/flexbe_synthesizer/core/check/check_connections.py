@@ -1,0 +1,291 @@
+"""Check that connections name what exists, and that every input and output is fed."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterator, Mapping, Sequence
+from functools import cached_property
+
+from flexbe_synthesizer.core.chart import names
+from flexbe_synthesizer.core.chart.model import Connection, Input, Output
+from flexbe_synthesizer.core.chart.problem import Code, Position, Problem
+from flexbe_synthesizer.core.library.data_flow import DataFlow, Wiring
+from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode, label
+from flexbe_synthesizer.core.library.signature import Port, fits
+
+
+def check_connections(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
+    """Yield the problems with the connections, and with what they leave unfed."""
+    ends = _Ends(resolved)
+    for connection in resolved.chart.connections:
+        if not ends.exist(connection):
+            yield from _check_ends(connection, resolved)
+    yield from _check_duplicates(resolved)
+    yield from _check_inputs(resolved, flow)
+    yield from _check_outputs(resolved, flow)
+
+
+class _Ends:
+    """What a connection can come from, and what it can lead to."""
+
+    def __init__(self, resolved: ResolvedChart) -> None:
+        chart = resolved.chart
+        self._givers: dict[str, Container[str]] = {
+            name: entry.use.outputs for name, entry in resolved.by_id.items()
+        }
+        self._takers: dict[str, Container[str]] = {
+            name: entry.use.inputs for name, entry in resolved.by_id.items()
+        }
+        self._givers[chart.name] = {port.name for port in chart.inputs}
+        self._takers[chart.name] = {port.name for port in chart.outputs}
+        self._chart_name = chart.name
+
+    def exist(self, connection: Connection) -> bool:
+        """Tell whether both ends are there, and not both in the chart's own data."""
+        giver, taker = connection.output_state_id, connection.input_state_id
+        return (
+            connection.output in self._givers.get(giver, ())
+            and connection.input in self._takers.get(taker, ())
+            and not giver == taker == self._chart_name
+        )
+
+
+def _check_ends(connection: Connection, resolved: ResolvedChart) -> Iterator[Problem]:
+    """Yield the problems with the two ends of a connection."""
+    chart = resolved.chart
+    giver, taker = connection.output_state_id, connection.input_state_id
+    if giver == taker == chart.name and connection.output and connection.output != connection.input:
+        message = (
+            f"FlexBE cannot copy input '{connection.output}' of {resolved.title} to its output "
+        )
+        message += f"'{connection.input}'; give both one name, or put a state between that copies."
+        yield Problem(connection.position("input"), Code.UNKNOWN_INPUT, message)
+        return
+    if giver == chart.name:
+        known = [port.name for port in chart.inputs]
+        yield from _check_end(connection, "output", f"{resolved.title} has no input", known)
+    else:
+        yield from _check_state(giver, "output_state_id", connection, resolved)
+        if (entry := resolved.by_id.get(giver)) is not None and entry.use.signature is not None:
+            outputs = tuple(entry.use.outputs)
+            yield from _check_end(connection, "output", f"'{giver}' has no output", outputs)
+    if taker == chart.name:
+        known = [port.name for port in chart.outputs]
+        yield from _check_end(connection, "input", f"{resolved.title} has no output", known)
+    else:
+        yield from _check_state(taker, "input_state_id", connection, resolved)
+        if (entry := resolved.by_id.get(taker)) is not None and entry.use.signature is not None:
+            inputs = tuple(entry.use.inputs)
+            yield from _check_end(connection, "input", f"'{taker}' has no input", inputs)
+
+
+def _check_end(
+    connection: Connection, attribute: str, lack: str, known: Sequence[str]
+) -> Iterator[Problem]:
+    """Yield a problem if the input or output that a connection names is not known."""
+    name = connection.output if attribute == "output" else connection.input
+    if name and name not in known:
+        code = Code.UNKNOWN_OUTPUT if attribute == "output" else Code.UNKNOWN_INPUT
+        message = f"{lack} '{name}'; {names.allowed(name, known)}"
+        yield Problem(connection.position(attribute), code, message)
+
+
+def _check_state(
+    name: str, attribute: str, connection: Connection, resolved: ResolvedChart
+) -> Iterator[Problem]:
+    if name and name not in resolved.by_id:
+        hint = names.allowed(name, resolved.connectable)
+        message = f"'{name}' is neither a state, a behavior nor {resolved.title}; {hint}"
+        yield Problem(connection.position(attribute), Code.UNKNOWN_STATE, message)
+
+
+def _check_duplicates(resolved: ResolvedChart) -> Iterator[Problem]:
+    """Yield a problem for each input fed twice, and each output with two homes."""
+    fed: dict[tuple[str, str], Connection] = {}
+    homes: dict[tuple[str, str], Connection] = {}
+    for connection in resolved.chart.connections:
+        taker, name = connection.input_state_id, connection.input
+        if taker and name and taker != resolved.chart.name:
+            first = fed.setdefault((taker, name), connection)
+            if first is not connection:
+                message = f"input '{name}' of '{taker}' is fed in line {first.position().line} "
+                message += "already; a value has one home. Delete one connection."
+                yield Problem(connection.position(), Code.DUPLICATE_CONNECTION, message)
+        elif name:
+            source = (connection.output_state_id, connection.output)
+            first = homes.setdefault(source, connection)
+            if first.input != name:
+                message = f"output '{source[1]}' of '{source[0]}' feeds the output "
+                message += f"'{first.input}' of {resolved.title} in line {first.position().line} "
+                message += "already, and a value has one home; delete one connection."
+                yield Problem(connection.position(), Code.CONFLICTING_OUTPUT, message)
+
+
+def _check_inputs(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
+    """Yield a problem for each input of a state that nothing feeds, or a value of another type."""
+    machine_inputs: dict[str, Input | Port] = {port.name: port for port in resolved.chart.inputs}
+    givers = _Givers(resolved)
+    for node, entry in resolved.by_id.items():
+        for name, port in entry.use.inputs.items():
+            connection = flow.wiring.into_state.get((node, name))
+            if connection is None and name not in flow.inputs[node]:
+                if (node, name) not in flow.defaulted:
+                    yield _unbound(entry, port, givers)
+                continue
+            given: Input | Port | None
+            if connection is None:
+                given = machine_inputs.get(name)
+            elif connection.output_state_id == resolved.chart.name:
+                given = machine_inputs.get(connection.output)
+            else:
+                giver = resolved.by_id.get(connection.output_state_id)
+                given = giver.use.outputs.get(connection.output) if giver else None
+            if given is None or given.type == port.type or fits(given.type or None, port.type):
+                continue
+            if connection is None or connection.output_state_id == resolved.chart.name:
+                source = f"input '{given.name}' of {resolved.title}"
+            else:
+                source = f"output '{given.name}' of '{connection.output_state_id}'"
+            place = _place(connection, entry, port)
+            yield from _check_flow(source, given, f"input '{name}' of '{node}'", port, place)
+
+
+def _place(connection: Connection | None, entry: ResolvedNode, port: Port) -> Position:
+    """Return where a flow into a state is said: in a connection, an <input>, or not at all."""
+    if connection is not None:
+        return connection.position()
+    declared = next((i for i in entry.node.inputs if i.name == port.name), None)
+    return entry.node.position() if declared is None else declared.position()
+
+
+class _Givers:
+    """The outputs that could feed an input of their name; of those with one type the first two."""
+
+    def __init__(self, resolved: ResolvedChart) -> None:
+        self._resolved = resolved
+
+    @cached_property
+    def _by_name(self) -> Mapping[str, list[tuple[str, str | None]]]:
+        found: dict[str, list[tuple[str, str | None]]] = {}
+        count: dict[tuple[str, str | None], int] = {}
+        for node, entry in self._resolved.by_id.items():
+            for name, port in entry.use.outputs.items():
+                count[name, port.type] = count.get((name, port.type), 0) + 1
+                if count[name, port.type] <= 2:
+                    found.setdefault(name, []).append((node, port.type))
+        return found
+
+    def find(self, port: Port, taker: str) -> str | None:
+        """Return the first other state with an output of the name, and of a type that fits."""
+        known = self._by_name.get(port.name, ())
+        return next((n for n, given in known if n != taker and fits(given, port.type)), None)
+
+
+def _unbound(entry: ResolvedNode, port: Port, givers: _Givers) -> Problem:
+    """Return the problem of an input that nothing feeds, with a connection that would."""
+    message = f"nothing feeds input '{port.name}' of {label(entry.node)}; "
+    source = givers.find(port, entry.node.id)
+    if source is not None:
+        message += f'add <connection output_state_id="{source}" output="{port.name}" '
+        message += f'input_state_id="{entry.node.id}" input="{port.name}"/>, or '
+    message += f'add <input name="{port.name}"/> to the <datamodel>'
+    message += ", or a <connection> from an output of another state." if source is None else "."
+    return Problem(_place(None, entry, port), Code.UNBOUND_INPUT, message)
+
+
+def _check_flow(
+    source: str,
+    given: Input | Output | Port,
+    target: str,
+    wanted: Input | Output | Port,
+    position: Position,
+) -> Iterator[Problem]:
+    """Yield a problem if the two ends of a flow have different types."""
+    if not fits(given.type or None, wanted.type or None):
+        message = f"{source} is {given.type}, {target} is {wanted.type}; connect equal types."
+        yield Problem(position, Code.TYPE_CONFLICT, message)
+
+
+def _check_outputs(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
+    """Yield a problem for each machine output that nothing feeds, or with another type."""
+    feeding: dict[str, list[tuple[str, str]]] = {port.name: [] for port in resolved.chart.outputs}
+    named: set[str] = set()
+    for node, homes in flow.outputs.items():
+        named.update(homes)
+        for name, home in homes.items():
+            if home in feeding:
+                feeding[home].append((node, name))
+    wiring = flow.wiring
+    is_known = all(entry.use.signature is not None for entry in resolved.nodes)
+    for output in resolved.chart.outputs:
+        is_fed = output.name in wiring.connected_outputs or output.name in named
+        is_fed = is_fed or bool(feeding[output.name])
+        if is_known and output.name and not is_fed:
+            message = (
+                f"nothing feeds output '{output.name}' of {resolved.title}; no state has an output "
+            )
+            message += 'of that name. Add <connection output_state_id="..." output="..." '
+            message += f'input_state_id="{resolved.chart.name}" input="{output.name}"/>.'
+            yield Problem(output.position(), Code.UNFED_OUTPUT, message)
+        yield from _check_feeds(output, feeding[output.name], resolved, wiring)
+    yield from _check_pass_through(resolved)
+    yield from _check_fed_by_name(resolved, flow)
+    for (node, name), connection in wiring.into_machine.items():
+        home = flow.outputs.get(node, {}).get(name, connection.input)
+        if home != connection.input:
+            message = f"'{name}' of '{node}' is read and written in one place, "
+            message += f"'{home}', and cannot feed output '{connection.input}' too; "
+            message += "put a state between that copies it."
+            yield Problem(connection.position(), Code.CONFLICTING_OUTPUT, message)
+
+
+def _check_fed_by_name(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
+    """Yield a problem for each value that feeds a machine output by its name and lives elsewhere.
+
+    The machine output would keep what another state has written before.
+    """
+    wiring = flow.wiring
+    by_name = {port.name for port in resolved.chart.outputs} - wiring.connected_outputs
+    for node, homes in flow.outputs.items() if by_name else ():
+        for name, home in homes.items():
+            if name not in by_name or home == name:
+                continue
+            entry = resolved.by_id[node]
+            connection = wiring.into_machine.get((node, name)) or wiring.into_state.get(
+                (node, name)
+            )
+            message = (
+                f"output '{name}' of {label(entry.node)} lives in '{home}', so that it cannot "
+            )
+            message += f"feed output '{name}' of {resolved.title}, which all outputs of its name "
+            message += "feed. Connect those that are to feed it, or rename one of the two."
+            position = (connection or entry.node).position()
+            yield Problem(position, Code.CONFLICTING_OUTPUT, message)
+
+
+def _check_feeds(
+    output: Output,
+    feeding: Sequence[tuple[str, str]],
+    resolved: ResolvedChart,
+    wiring: Wiring,
+) -> Iterator[Problem]:
+    """Yield a problem for the first state that feeds a machine output with another type."""
+    for node, name in feeding:
+        port = resolved.by_id[node].use.outputs[name]
+        if port.type == output.type or fits(port.type, output.type or None):
+            continue
+        connection = wiring.into_machine.get((node, name))
+        position = output.position() if connection is None else connection.position()
+        target = f"output '{output.name}' of {resolved.title}"
+        yield from _check_flow(f"output '{name}' of '{node}'", port, target, output, position)
+        return
+
+
+def _check_pass_through(resolved: ResolvedChart) -> Iterator[Problem]:
+    """Yield a problem if an input and an output of one name have different types."""
+    inputs = {port.name: port for port in resolved.chart.inputs}
+    for output in resolved.chart.outputs:
+        given = inputs.get(output.name)
+        source = f"input '{output.name}' of {resolved.title}"
+        target = "its output of the same name, which is the same value,"
+        if given is not None:
+            yield from _check_flow(source, given, target, output, output.position())

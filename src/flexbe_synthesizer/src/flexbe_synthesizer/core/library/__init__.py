@@ -1,0 +1,1 @@
+"""What charts name: the interfaces of states and behaviors, and charts joined with them."""

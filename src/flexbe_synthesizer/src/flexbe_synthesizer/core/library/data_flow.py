@@ -1,0 +1,177 @@
+"""Bind each input of a chart to what feeds it, and give each value its home.
+
+A home is a key of the root container's userdata. A value is named by who writes it: a machine
+input or output keeps its own name, the output `pose` of a state `Locate` that feeds no machine
+output lives in `locate_pose`. A state input is bound to the connection that names it, else to the
+machine input of the same name, else to a default of its own if it is a behavior's input. A machine
+output is fed by the connections that name it, else by all outputs of the same name. A key that a
+state both reads and writes has the home that it reads.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from flexbe_synthesizer.core.chart import names
+from flexbe_synthesizer.core.chart.model import Connection
+
+if TYPE_CHECKING:
+    from flexbe_synthesizer.core.library.resolve import ResolvedChart
+
+
+@dataclass(frozen=True)
+class DataFlow:
+    """Where every value lives.
+
+    Attributes:
+        inputs: home of each input by node and name; without those that nothing feeds.
+        outputs: home of each output by node and name.
+        defaulted: inputs of behaviors that keep the behavior's own default, as (node, name).
+        wiring: the connections that say so.
+    """
+
+    inputs: Mapping[str, Mapping[str, str]]
+    outputs: Mapping[str, Mapping[str, str]]
+    defaulted: frozenset[tuple[str, str]]
+    wiring: Wiring
+
+    @cached_property
+    def read(self) -> frozenset[str]:
+        """Return the homes that some input reads."""
+        return frozenset().union(*(homes.values() for homes in self.inputs.values()))
+
+
+class Wiring:
+    """The connections of a chart by what they feed.
+
+    The first of several counts. A misspelt input stands for the one that was meant, so that one
+    mistake is not reported a second time as an input that nothing feeds.
+    """
+
+    def __init__(self, resolved: ResolvedChart) -> None:
+        """Sort the connections."""
+        chart_name = resolved.chart.name
+        self.into_state: dict[tuple[str, str], Connection] = {}
+        self.into_machine: dict[tuple[str, str], Connection] = {}
+        self.passed_through: set[str] = set()
+        self.connected_outputs: set[str] = set()
+        for connection in resolved.chart.connections:
+            taker, name = connection.input_state_id, connection.input
+            if taker != chart_name:
+                entry = resolved.by_id.get(taker)
+                if entry is not None and name not in entry.use.inputs:
+                    name = names.misspelt(name, entry.use.inputs) or name
+                self.into_state.setdefault((taker, name), connection)
+                continue
+            self.connected_outputs.add(name)
+            if connection.output_state_id != chart_name:
+                source = (connection.output_state_id, connection.output)
+                self.into_machine.setdefault(source, connection)
+            elif connection.output == name:
+                self.passed_through.add(name)
+
+
+def bind_data(resolved: ResolvedChart) -> DataFlow:
+    """Return where each value of the chart lives."""
+    wiring = Wiring(resolved)
+    binding = _Binding(resolved, wiring)
+    inputs: dict[str, dict[str, str]] = {}
+    defaulted: list[tuple[str, str]] = []
+    for node, entry in resolved.by_id.items():
+        if entry.use.inputs:
+            inputs[node] = homes = {}
+            for name, port in entry.use.inputs.items():
+                home = binding.input_home(node, name)
+                if home is not None:
+                    homes[name] = home
+                elif port.optional:
+                    defaulted.append((node, name))
+    return DataFlow(inputs, binding.output_homes(), frozenset(defaulted), wiring)
+
+
+class _Binding:
+    """The search for homes; each is found once."""
+
+    def __init__(self, resolved: ResolvedChart, wiring: Wiring) -> None:
+        self._chart_name = resolved.chart.name
+        self._by_id = resolved.by_id
+        self._into_state = wiring.into_state
+        self._into_machine = wiring.into_machine
+        self._machine_inputs = {port.name for port in resolved.chart.inputs}
+        machine_outputs = {port.name for port in resolved.chart.outputs}
+        self._fed_by_name = machine_outputs - wiring.connected_outputs
+        self._taken = self._machine_inputs | machine_outputs
+        self._homes: dict[str, dict[str, str]] = {
+            node: {} for node, entry in resolved.by_id.items() if entry.use.outputs
+        }
+
+    def output_homes(self) -> Mapping[str, Mapping[str, str]]:
+        """Return the home of each output."""
+        for node, homes in self._homes.items():
+            use = self._by_id[node].use
+            for name in use.outputs:
+                if name in homes:
+                    continue
+                if name in use.inputs:
+                    self._output_home(node, name)
+                else:
+                    self._own_home(node, name)
+        return self._homes
+
+    def input_home(self, node: str, name: str) -> str | None:
+        """Return the home that an input reads, None if nothing feeds it."""
+        source = self._source(node, name)
+        return self._output_home(*source) if isinstance(source, tuple) else source
+
+    def _source(self, node: str, name: str) -> str | tuple[str, str] | None:
+        """Return what feeds an input: a home, the output of a state, or nothing."""
+        connection = self._into_state.get((node, name))
+        if connection is None:
+            return name if name in self._machine_inputs else None
+        giver, output = connection.output_state_id, connection.output
+        if giver == self._chart_name:
+            return output if output in self._machine_inputs else None
+        entry = self._by_id.get(giver)
+        return None if entry is None or output not in entry.use.outputs else (giver, output)
+
+    def _output_home(self, node: str, name: str) -> str:
+        """Return the home that an output writes, and give it to all keys on the way there.
+
+        States that read and write each other's keys in a circle would otherwise never find one.
+        """
+        trail: dict[tuple[str, str], None] = {}
+        home = self._homes[node].get(name)
+        while home is None:
+            if name not in self._by_id[node].use.inputs or (node, name) in trail:
+                home = self._own_home(node, name)
+                break
+            trail[node, name] = None
+            source = self._source(node, name)
+            if not isinstance(source, tuple):
+                home = source or self._new_home(node, name)
+                break
+            node, name = source
+            home = self._homes[node].get(name)
+        for key_node, key_name in trail:
+            self._homes[key_node][key_name] = home
+        return home
+
+    def _own_home(self, node: str, name: str) -> str:
+        """Return the home of an output that is not read in the same place."""
+        connection = self._into_machine.get((node, name))
+        if connection is not None:
+            home = connection.input
+        else:
+            home = name if name in self._fed_by_name else self._new_home(node, name)
+        self._homes[node][name] = home
+        return home
+
+    def _new_home(self, node: str, name: str) -> str:
+        """Return a home that nothing else lives in."""
+        wanted = f"{names.snake_case(node)}_{names.snake_case(name)}"
+        home = wanted if wanted not in self._taken else names.take_unused(wanted, self._taken)
+        self._taken.add(home)
+        return home

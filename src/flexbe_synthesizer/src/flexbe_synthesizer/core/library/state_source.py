@@ -1,0 +1,203 @@
+"""Read a state class from the text of its file, as the FlexBE App does; nothing is imported.
+
+A file counts if a class in it has the base list `(EventState)`. Its constructor calls
+`super().__init__` with `outcomes`, `input_keys`, `output_keys` (and `io_keys`), each a list of
+strings or the name of a constructor argument. The docstring gives the types, one mark a line:
+`-- name type text` argument, `># name type text` input, `#> name type text` output. An argument
+without a type is a string if its default is one. An outcome, `<= name text`, writes all outputs,
+unless its text holds `[writes key, key]` or `[writes nothing]`.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator, Mapping
+
+from flexbe_synthesizer.core.chart import names
+from flexbe_synthesizer.core.library.signature import (
+    Effect,
+    FromParameter,
+    Parameter,
+    Port,
+    StateClass,
+    Unreadable,
+    documented_type,
+)
+
+_MARK = re.compile(r"^\s*(--|>#|#>)\s+(\S+)[ \t]+(\S+)", re.MULTILINE)
+_OUTCOME = re.compile(r"^\s*<=\s+(.*?)(?=^\s*(?:--|>#|#>|<=)\s|\Z)", re.MULTILINE | re.DOTALL)
+_WRITES = re.compile(r"\[writes\s+([^\]]*)\]")
+_CANCELS = {"cancel", "cancel_goal", "cancel_all_goals"}
+
+
+class _UnreadableError(ValueError):
+    """The class is outside what can be read from text."""
+
+
+def read_state_class(text: str, package: str, module: str) -> StateClass | Unreadable | None:
+    """Return the first state class of a file, why it cannot be used, or None if it has none.
+
+    Raises:
+        SyntaxError: if the text is not Python.
+    """
+    classes = (node for node in ast.parse(text).body if isinstance(node, ast.ClassDef))
+    found = next((c for c in classes if [*map(ast.unparse, c.bases)] == ["EventState"]), None)
+    if found is None:
+        return None
+    try:
+        return _read_class(found, package, module)
+    except _UnreadableError as error:
+        return Unreadable(found.name, package, str(error))
+
+
+def _read_class(found: ast.ClassDef, package: str, module: str) -> StateClass:
+    constructor = _constructor(found)
+    docstring = ast.get_docstring(found) or ""
+    documented = {
+        (mark, name): documented_type(kind) for mark, name, kind in _MARK.findall(docstring)
+    }
+    parameters = tuple(_parameters(constructor, documented))
+    known = {parameter.name for parameter in parameters}
+    lists = {
+        keyword.arg: _name_list(keyword.arg, keyword.value, known)
+        for keyword in _super_call(constructor).keywords
+        if keyword.arg in ("outcomes", "input_keys", "output_keys", "io_keys")
+    }
+    outcomes = lists.get("outcomes", ())
+    if not outcomes:
+        raise _UnreadableError("its constructor declares no outcomes")
+    for outcome in () if isinstance(outcomes, FromParameter) else outcomes:
+        if not names.is_readable_outcome(outcome):
+            raise _UnreadableError(f"the FlexBE App cannot read its outcome {outcome!r}")
+    outputs = _ports(lists.get("output_keys", ()), lists.get("io_keys", ()), "#>", documented)
+    return StateClass(
+        name=found.name,
+        package=package,
+        module=module,
+        parameters=parameters,
+        outcomes=outcomes,
+        inputs=_ports(lists.get("input_keys", ()), lists.get("io_keys", ()), ">#", documented),
+        outputs=outputs,
+        leaves_goals=_leaves_goals(found),
+        effects=tuple(_effects(docstring, outcomes, outputs)),
+    )
+
+
+def _effects(
+    docstring: str,
+    outcomes: tuple[str, ...] | FromParameter,
+    outputs: tuple[Port, ...] | FromParameter,
+) -> Iterator[Effect]:
+    """Yield what outcomes write, as far as the docstring limits it."""
+    if isinstance(outcomes, FromParameter) or isinstance(outputs, FromParameter):
+        return
+    keys = {port.name for port in outputs}
+    for text in _OUTCOME.findall(docstring):
+        written = _WRITES.search(text)
+        if written is None:
+            continue
+        named = (o for o in outcomes if re.match(re.escape(o) + r"(\s|\Z)", text))
+        outcome = max(named, key=len, default=None)
+        if outcome is None:
+            raise _UnreadableError(
+                f"its docstring has no outcome of its own at '<= {text.strip()}'"
+            )
+        found = frozenset(filter(None, re.split(r"[,\s]+", written[1]))) - {"nothing"}
+        if not found <= keys:
+            unknown = names.quoted(sorted(found - keys))
+            raise _UnreadableError(
+                f"its docstring lets '{outcome}' write {unknown}, and its outputs are "
+                f"{names.quoted(sorted(keys))}"
+            )
+        yield Effect(outcome, found, found)
+
+
+def _leaves_goals(found: ast.ClassDef) -> bool:
+    """Tell whether a class calls `send_goal` and none of the calls that take a goal back."""
+    called = {
+        node.func.attr
+        for node in ast.walk(found)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
+    }
+    return "send_goal" in called and not called & _CANCELS
+
+
+def _constructor(found: ast.ClassDef) -> ast.FunctionDef:
+    for node in found.body:
+        if isinstance(node, ast.FunctionDef) and node.name == "__init__":
+            return node
+    raise _UnreadableError("it has no __init__ that declares its outcomes")
+
+
+def _parameters(
+    constructor: ast.FunctionDef, documented: Mapping[tuple[str, str], str | None]
+) -> Iterator[Parameter]:
+    """Yield the constructor's arguments after self."""
+    given = constructor.args
+    positional = [*given.posonlyargs, *given.args][1:]
+    first_default = len(positional) - len(given.defaults)
+    defaults = [*[None] * first_default, *given.defaults, *given.kw_defaults]
+    for argument, default in zip([*positional, *given.kwonlyargs], defaults, strict=True):
+        annotation = documented_type(ast.unparse(argument.annotation or ast.Constant("")))
+        kind = documented.get(("--", argument.arg)) or annotation
+        if ("--", argument.arg) not in documented and argument.annotation is None:
+            kind = "string" if _is_text(default) else None
+        yield Parameter(argument.arg, kind, default is None, _number(default))
+
+
+def _is_text(node: ast.expr | None) -> bool:
+    """Return whether a default is a string."""
+    return isinstance(node, ast.Constant) and isinstance(node.value, str)
+
+
+def _number(node: ast.expr | None) -> float | None:
+    """Return the number that a default is, None for any other."""
+    value = node.value if isinstance(node, ast.Constant) else None
+    return value if isinstance(value, int | float) and not isinstance(value, bool) else None
+
+
+def _super_call(constructor: ast.FunctionDef) -> ast.Call:
+    for node in ast.walk(constructor):
+        if (
+            isinstance(node, ast.Call)
+            and isinstance(node.func, ast.Attribute)
+            and node.func.attr == "__init__"
+            and isinstance(node.func.value, ast.Call)
+            and isinstance(node.func.value.func, ast.Name)
+            and node.func.value.func.id == "super"
+        ):
+            return node
+    raise _UnreadableError("its constructor does not call super().__init__(outcomes=[...])")
+
+
+def _name_list(
+    keyword: str, value: ast.expr, parameters: set[str]
+) -> tuple[str, ...] | FromParameter:
+    if isinstance(value, ast.Name) and value.id in parameters:
+        return FromParameter(value.id)
+    if isinstance(value, ast.List):
+        items = [item.value for item in value.elts if isinstance(item, ast.Constant)]
+        texts = [item for item in items if isinstance(item, str)]
+        if len(texts) == len(value.elts):
+            return tuple(dict.fromkeys(texts))
+    raise _UnreadableError(
+        f"its {keyword} are {ast.unparse(value)}; only a list of strings or a constructor argument "
+        "can be read without running it"
+    )
+
+
+def _ports(
+    keys: tuple[str, ...] | FromParameter,
+    both: tuple[str, ...] | FromParameter,
+    mark: str,
+    documented: Mapping[tuple[str, str], str | None],
+) -> tuple[Port, ...] | FromParameter:
+    """Return the keys of one direction, with those of both directions after them."""
+    if isinstance(keys, FromParameter) and not both:
+        return keys
+    if isinstance(both, FromParameter) and not keys:
+        return both
+    if isinstance(keys, FromParameter) or isinstance(both, FromParameter):
+        raise _UnreadableError("its io_keys stand beside keys taken from an argument")
+    return tuple(Port(key, documented.get((mark, key))) for key in dict.fromkeys((*keys, *both)))

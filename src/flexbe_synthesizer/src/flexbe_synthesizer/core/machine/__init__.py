@@ -1,0 +1,1 @@
+"""Plain FlexBE behaviors as values: expanded from charts, read from files, and folded back."""

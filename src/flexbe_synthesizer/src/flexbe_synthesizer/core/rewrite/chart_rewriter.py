@@ -1,0 +1,194 @@
+"""Change the text of a chart in place: what a change does not concern stays byte for byte.
+
+The chart that the text holds and the chart that is wanted are compared part by part, and each
+difference becomes an edit of the text. Comments, blanks, quotes, the order of attributes and the
+spelling of values stay as the author wrote them.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from xml.etree.ElementTree import Element
+
+from flexbe_synthesizer.core.chart.chart_parts import Part, chart_part
+from flexbe_synthesizer.core.chart.chart_reader import read_chart
+from flexbe_synthesizer.core.chart.chart_writer import escaped, write_chart
+from flexbe_synthesizer.core.chart.error_routes import parse_routes, respelled
+from flexbe_synthesizer.core.chart.model import Chart
+from flexbe_synthesizer.core.rewrite.description_edit import description_edit
+from flexbe_synthesizer.core.rewrite.part_pairs import groups, in_group, kept_in_order, paired
+from flexbe_synthesizer.core.rewrite.text_edits import Edits, Place, style_of
+from flexbe_synthesizer.core.rewrite.xml_layout import Markup, XmlLayout
+
+_WHOLE = re.compile(r"[+-]?[0-9]+\Z")
+
+
+class RewriteError(ValueError):
+    """A change cannot be made in the text of a chart."""
+
+
+def rewrite_chart(text: str, chart: Chart) -> str:
+    """Return the text changed so that `parse_chart` reads it as the chart.
+
+    Raises:
+        RewriteError: if the text is no chart, or the chart cannot be said in it.
+    """
+    base, _problems = read_chart(text, chart.file)
+    if base is None or base.source is None:
+        raise RewriteError("the text is not well-formed XML with a <statemachine>; mend it first")
+    wanted = chart_part(chart)
+    try:
+        rewriting = _Rewriting(XmlLayout(text.encode()), base.source[1])
+        found = rewriting.changed(base, wanted, chart.description)
+        again = _said(found, chart.file)
+        is_said = again == (wanted, chart.description)
+        # A value that no chart can have, half-way through an edit, is read as one that it can.
+        if not is_said and again != _said(write_chart(chart), chart.file):
+            raise RewriteError(
+                "this change cannot be made in the XML as it is written; make it in the XML itself"
+            )
+    except RewriteError:
+        raise
+    except ValueError as error:
+        raise RewriteError(str(error)) from error
+    return found
+
+
+def _said(text: str, file: str) -> tuple[Part, str] | None:
+    """Return all that a text says as a chart; values are compared as they are spelled."""
+    chart, _problems = read_chart(text, file)
+    return None if chart is None else (chart_part(chart), chart.description)
+
+
+class _Rewriting:
+    """The edits that make one chart of another."""
+
+    def __init__(self, layout: XmlLayout, root: Element) -> None:
+        self._layout = layout
+        markups = zip(root.iter(), layout.elements, strict=True)
+        self._markups: Mapping[int, Markup] = {id(element): markup for element, markup in markups}
+        self._edits = Edits(layout, style_of(layout))
+
+    def changed(self, base: Chart, wanted: Part, description: str) -> str:
+        """Return the text with another chart in place of the one that it holds."""
+        self._compare(chart_part(base), wanted, self._layout.root)
+        about = description_edit(self._layout, self._edits.style, base.description, description)
+        if about is not None:
+            self._edits.replace(*about)
+        self._edits.declare_extension()
+        return self._edits.applied()
+
+    def _compare(self, old: Part, new: Part, markup: Markup) -> None:
+        """Collect the edits that make one element of another."""
+        if old == new:
+            return
+        if old.tag != new.tag:
+            self._edits.rename(markup, new.tag)
+        self._compare_attributes(old, new, markup)
+        for group in groups(old, new):
+            self._compare_group(group, old, new, markup)
+        self._edits.fill(markup, new.tag)
+
+    def _compare_attributes(self, old: Part, new: Part, markup: Markup) -> None:
+        is_retyped = old.attributes.get("type") != new.attributes.get("type")
+        for name, value in new.attributes.items():
+            span = markup.attributes.get(name)
+            is_read_otherwise = is_retyped and name == "ext:default"
+            if old.attributes.get(name) == value and not is_read_otherwise:
+                continue
+            if span is None:
+                self._edits.add_attribute(markup, name, value)
+                continue
+            spelled = self._layout.data[span.value_start : span.value_end].decode()
+            quote = chr(self._layout.data[span.value_end])
+            text = _as_spelled(name, spelled, value, quote)
+            self._edits.replace(span.value_start, span.value_end, text)
+        for name in old.attributes.keys() - new.attributes.keys():
+            if name in markup.attributes:
+                span = markup.attributes[name]
+                self._edits.replace(span.start, span.end, "")
+
+    def _compare_group(self, group: str, old: Part, new: Part, markup: Markup) -> None:
+        """Collect the edits that make the elements of one kind in an element others."""
+        olds, news = in_group(old, group), in_group(new, group)
+        if olds == news:
+            return
+        marks = [self._mark(part, markup) for part in olds]
+        if None in marks:  # a chart without a datamodel; its model always has one
+            olds, marks = [], []
+        pairs = paired(group, olds, news)
+        kept = kept_in_order(pairs)
+        for index, mark in enumerate(marks):
+            if index not in kept and mark is not None:
+                self._edits.remove(mark)
+        place, last = None, None
+        staying = [marks[index] for index in sorted(kept)]
+        for part, pair in zip(news, pairs, strict=True):
+            mark = None if pair is None else marks[pair]
+            if pair in kept and pair is not None and mark is not None:
+                self._compare(olds[pair], part, mark)
+                place, last = None, mark
+                continue
+            if place is None and last is not None:
+                place = self._edits.after(last)
+            elif place is None:
+                place = self._first_place(group, old, markup, staying)
+            if pair is None or mark is None:
+                if part.tag != "datamodel" or part.children:
+                    self._edits.add(part, place)
+            else:
+                self._edits.add_text(self._moved(olds[pair], part, mark), place)
+
+    def _moved(self, old: Part, new: Part, markup: Markup) -> str:
+        """Return the text of an element that goes to another place, with what changes in it."""
+        outer, self._edits = self._edits, Edits(self._layout, self._edits.style)
+        self._compare(old, new, markup)
+        inner, self._edits = self._edits, outer
+        self._edits.uses_extension |= inner.uses_extension
+        return inner.applied(markup.start, markup.end)
+
+    def _first_place(
+        self, group: str, old: Part, markup: Markup, kept: Sequence[Markup | None]
+    ) -> Place:
+        """Return where the elements of a kind begin in an element."""
+        first = next(iter(kept), None)
+        if first is not None:
+            return self._edits.before(first)
+        order = list(groups(old, Part("", {}, [Part(group, {})])))
+        before = [
+            m for kind in order[: order.index(group)] for m in self._staying(old, kind, markup)
+        ]
+        if before:
+            return self._edits.after(before[-1])
+        behind = [
+            m for kind in order[order.index(group) + 1 :] for m in self._staying(old, kind, markup)
+        ]
+        return self._edits.before(behind[0]) if behind else self._edits.inside(markup)
+
+    def _staying(self, old: Part, group: str, markup: Markup) -> list[Markup]:
+        """Return the elements of a kind right in an element that are not removed."""
+        found = []
+        for part in in_group(old, group):
+            mark = self._mark(part, markup)
+            while mark is not None and mark.parent is not markup:
+                mark = mark.parent  # an outcome in <outcomes>
+            if mark is not None and not self._edits.is_removed(mark):
+                found.append(mark)
+        return found
+
+    def _mark(self, part: Part, markup: Markup) -> Markup | None:
+        """Return where an element of the model stands."""
+        if part.source is not None:
+            return self._markups[id(part.source)]
+        return next((child for child in markup.children if child.name == part.tag), None)
+
+
+def _as_spelled(name: str, spelled: str, value: str, quote: str) -> str:
+    """Return a new value, escaped, in the manner of the one that stood there."""
+    if name == "ext:timeout_s" and _WHOLE.match(spelled):
+        value = value.removesuffix(".0")
+    text = escaped(value, quote)
+    if name == "ext:on_error" and text == value and "&" not in spelled:
+        return respelled(spelled, parse_routes(value))  # it may stand on several lines
+    return text

@@ -1,0 +1,127 @@
+"""A drawing for the page: Graphviz's picture of a chart, which the page colours and lights.
+
+Graphviz names each node, box and arrow in a `<title>`; here each gets the path that it stands for
+as `data-path` (arrows: `data-source` and `data-target`), and the colours become those of the page.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from html import escape, unescape
+
+from flexbe_synthesizer.core.chart.model import AnyNode, Behavior, Chart, Container, walk_nodes
+
+# Colours of flexbe_synthesizer's drawings, and the variables of console.css in their place.
+_COLOURS = {
+    "#263238": "ink",
+    "#b0bec5": "faint",
+    "#c62828": "failure",
+    "#1565c0": "taken",
+    "#fff8e1": "state-fill",
+    "#f9a825": "state-line",
+    "#ede7f6": "behavior-fill",
+    "#7e57c2": "behavior-line",
+    "#607d8b": "soft",
+    "#e8f5e9": "success-fill",
+    "#2e7d32": "success-line",
+    "#ffebee": "failure-fill",
+    "black": "ink",
+    "white": "box-fill",
+}
+_COLOUR = re.compile(rf'(fill|stroke)="({"|".join(_COLOURS)})"')
+_BACKGROUND = re.compile(r'<polygon fill="white"[^>]*/>', re.DOTALL)
+_TITLED = re.compile(r'(<g id="[^"]*" class="(node|cluster|edge)")>\s*<title>([^<]*)</title>')
+_ARROW = re.compile(r"(?:n|start)(?: (?P<source>.*?))?->(?:n|start)(?: (?P<target>.*))?\Z")
+_DEEPEST = 4  # behaviors inside behaviors that are drawn open
+
+
+def page_svg(svg: str) -> str:
+    """Return Graphviz's picture as an element for the page."""
+    picture = svg[svg.index("<svg") :]
+    picture = _BACKGROUND.sub("", picture, count=1)
+    picture = _COLOUR.sub(lambda m: f'{m[1]}="var(--{_COLOURS[m[2]]})"', picture)
+    return _TITLED.sub(_named, picture)
+
+
+def _named(found: re.Match[str]) -> str:
+    """Return the head of a group with what it stands for as attributes, without its title."""
+    head, kind, title = found[1], found[2], unescape(found[3])
+    if kind == "edge":
+        ends = _ARROW.match(title)
+        source, target = (ends["source"] or "", ends["target"] or "") if ends else ("", "")
+        return f'{head} data-source="{escape(source)}" data-target="{escape(target)}">'
+    word, _, path = title.partition(" ")
+    if word not in ("n", "cluster"):
+        return f"{head}>"
+    return f'{head} data-path="{escape(path)}">'
+
+
+def drawn_path(engine_path: str, drawn: frozenset[str]) -> str:
+    """Return the path in the drawing of what is active in the engine; empty if nothing is drawn.
+
+    What synthesis added to a state is drawn as that state, and what lies deeper than the drawing
+    goes as the box around it.
+
+    Args:
+        engine_path: as the engine tells it, `/Place/Insert_attempts`.
+        drawn: paths in the drawing, `Place/Insert`.
+    """
+    found: list[str] = []
+    for part in engine_path.strip("/").split("/"):
+        names = (part, part.removesuffix("_attempts"), part.removesuffix("_error"))
+        deeper = next((n for n in names if "/".join((*found, n)) in drawn), None)
+        if deeper is not None:
+            found.append(deeper)
+        elif part not in ("run", "timer"):  # of a container that keeps a state's time
+            break
+    return "/".join(found)
+
+
+def drawn_paths(chart: Chart, prefix: str = "") -> frozenset[str]:
+    """Return the paths of all that a drawing of a chart shows."""
+    paths: set[str] = set()
+    for node in chart.nodes:
+        path = f"{prefix}{node.id}"
+        paths.add(path)
+        if isinstance(node, Container):
+            paths |= drawn_paths(node.body, f"{path}/")
+    return frozenset(paths)
+
+
+@dataclass(frozen=True)
+class Opened:
+    """Charts by display name and by the path that other charts call them by."""
+
+    by_name: dict[str, Chart]
+
+    def inside(self, chart: Chart, depth: int = 0) -> Chart:
+        """Return a chart with the behaviors in it as containers of what they do, to be drawn."""
+        return replace(chart, nodes=tuple(self._opened(node, depth) for node in chart.nodes))
+
+    def _opened(self, node: AnyNode, depth: int) -> AnyNode:
+        if isinstance(node, Container):
+            return replace(node, body=self.inside(node.body, depth))
+        found = self.by_name.get(node.type) if isinstance(node, Behavior) else None
+        if found is None or depth >= _DEEPEST:
+            return node
+        body = replace(self.inside(found, depth + 1), name=node.id)
+        return Container(
+            id=node.id,
+            type="container",
+            transitions=node.transitions,
+            attempts=node.attempts,
+            timeout_s=node.timeout_s,
+            on_error=node.on_error,
+            body=body,
+        )
+
+
+def opened(chart: Chart, others: Iterable[Chart]) -> Chart:
+    """Return a chart with the behaviors in it drawn open, where another chart says what they do."""
+    by_name = {other.name: other for other in others}
+    by_name |= {other.file.rpartition("/")[2]: other for other in by_name.values()}
+    if not any(isinstance(node, Behavior) for node in walk_nodes(chart)):
+        return chart
+    return Opened(by_name).inside(chart)

@@ -1,0 +1,289 @@
+"""What the console knows about the behavior that runs: a fold over what the engine tells.
+
+    AWAY --a heartbeat--> IDLE <--READY, FINISHED, FAILED, ERROR-- RUNNING
+      ^                    +------------STARTED------------------>   |
+      +------------------- the engine is gone ----------------------+
+
+Nothing else changes the phase, so that a page which opens late, twice, or again shows the same.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum, IntEnum
+from typing import TypeAlias
+
+from remodel_console.core.run.order import UNATTENDED
+from remodel_console.core.run.structure import Structure
+
+_WITHDRAWN = 255  # the outcome of a request that takes the previous one back
+
+
+class Phase(Enum):
+    """What the engine does."""
+
+    AWAY = "away"
+    IDLE = "idle"
+    RUNNING = "running"
+
+
+class Status(IntEnum):
+    """Codes of flexbe_msgs/BEStatus."""
+
+    STARTED = 0
+    FINISHED = 1
+    FAILED = 2
+    SWITCHING = 6
+    ERROR = 11
+    READY = 20
+
+
+@dataclass(frozen=True)
+class EngineSeen:
+    """The engine is there, or no longer."""
+
+    is_there: bool
+
+
+@dataclass(frozen=True)
+class Told:
+    """A status of the engine."""
+
+    code: int
+    behavior_id: int
+    args: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Entered:
+    """A state became active; an empty path: none is."""
+
+    path: str
+
+
+@dataclass(frozen=True)
+class Asked:
+    """The engine asks whether it may leave a state with an outcome."""
+
+    path: str
+    index: int
+
+
+@dataclass(frozen=True)
+class Acknowledged:
+    """The engine has taken a command."""
+
+    command: str
+    args: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Left:
+    """A state was left with an outcome; told of supervised runs only."""
+
+    path: str
+    outcome: str
+
+
+@dataclass(frozen=True)
+class Ordered:
+    """This console has ordered a start or a level; it counts once the engine tells so."""
+
+    level: int | None
+    source_checksum: int | None = None
+
+
+Event: TypeAlias = EngineSeen | Told | Entered | Left | Asked | Acknowledged | Structure | Ordered
+
+
+@dataclass(frozen=True)
+class RunView:
+    """The run that goes on, or how the last one ended.
+
+    Attributes:
+        behavior_id: checksum of the source of the behavior that runs.
+        active: path of the active state, empty if none is known.
+        visited: paths that this run has entered.
+        entries: how many states it has entered.
+        asked: the request that waits for the operator.
+        level: the autonomy level that this console set; None if somebody else started the run.
+        attached_name: name that the engine gave when it was attached to.
+        held: path that is locked; None if nothing is.
+        structure: its containers and states, once the engine has told them.
+        is_sure: the engine itself has told the active state. A mirror works it out, and may be
+            wrong if it joins while states change, since topics have no order among each other.
+        ending: how the last run ended, in words.
+        is_ending_bad: and it did not end by itself or on command.
+        left: what was left last; its structure may be told later.
+        announced: path of a state that was told before the start of its run; topics have no order.
+        ordered: what this console ordered last about starting and levels.
+    """
+
+    phase: Phase = Phase.AWAY
+    behavior_id: int = 0
+    active: str = ""
+    visited: frozenset[str] = frozenset()
+    entries: int = 0
+    asked: Asked | None = None
+    level: int | None = None
+    attached_name: str = ""
+    is_paused: bool = False
+    held: str | None = None
+    structure: Structure | None = None
+    is_sure: bool = False
+    ending: str = ""
+    is_ending_bad: bool = False
+    left: Left | None = None
+    announced: str = ""
+    ordered: Ordered = Ordered(None)
+
+    @property
+    def is_supervised(self) -> bool:
+        """Tell whether this console watches over the run."""
+        return self.phase is Phase.RUNNING and self.level not in (None, UNATTENDED)
+
+    def outcomes(self, path: str) -> tuple[str, ...]:
+        """Return the outcomes of a state in the engine's order; none if they are not known."""
+        if not self.has_structure or self.structure is None:
+            return ()
+        level = self.structure.by_path.get(path)
+        return () if level is None else level.outcomes
+
+    @property
+    def has_structure(self) -> bool:
+        """Tell whether the structure is that of what runs."""
+        return self.structure is not None and self.structure.behavior_id == self.behavior_id
+
+    def holdable(self) -> tuple[str, ...]:
+        """Return the paths that can be locked: the active state, then what is around it."""
+        parts = self.active.split("/")
+        return tuple("/".join(parts[:end]) for end in range(len(parts), 1, -1))
+
+
+def step(view: RunView, event: Event) -> RunView:
+    """Return the view after an event."""
+    if isinstance(event, EngineSeen):
+        return _on_engine(view, event)
+    if isinstance(event, Told):
+        return _on_status(view, event)
+    if isinstance(event, Entered):
+        return _on_entered(view, event)
+    if isinstance(event, Left):
+        return _on_left(view, event)
+    if isinstance(event, Asked):
+        return _on_asked(view, event)
+    if isinstance(event, Acknowledged):
+        return _on_acknowledged(view, event)
+    if isinstance(event, Structure):
+        view = replace(view, structure=event)
+        return view if view.left is None else _after_left(view, view.left)
+    return replace(view, ordered=event)
+
+
+def _on_engine(view: RunView, event: EngineSeen) -> RunView:
+    if not event.is_there:
+        ending = "was cut off, as the engine went away" if view.phase is Phase.RUNNING else ""
+        return RunView(ending=ending or view.ending, is_ending_bad=bool(ending))
+    return replace(view, phase=Phase.IDLE) if view.phase is Phase.AWAY else view
+
+
+def _on_status(view: RunView, event: Told) -> RunView:
+    if event.code == Status.STARTED:
+        is_ours = view.ordered.source_checksum == event.behavior_id
+        return RunView(
+            phase=Phase.RUNNING,
+            behavior_id=event.behavior_id,
+            level=view.ordered.level if is_ours else None,
+            held=event.args[0] if event.args else None,  # a switch leaves its state locked
+            structure=view.structure,
+            active=view.announced,
+            visited=frozenset(filter(None, (view.announced,))),
+            entries=1 if view.announced else 0,
+        )
+    if event.code == Status.SWITCHING:
+        return view
+    words, is_bad = _ending(event)
+    if event.code == Status.ERROR and view.phase is Phase.RUNNING:
+        words = "goes on in its own version, since the switch was refused; the log says why"
+        return replace(view, ending=words, is_ending_bad=True)
+    if event.code == Status.READY:
+        words, is_bad = view.ending, view.is_ending_bad
+    return RunView(
+        phase=Phase.IDLE,
+        behavior_id=view.behavior_id,
+        visited=view.visited,
+        entries=view.entries,
+        structure=view.structure,
+        ending=words,
+        is_ending_bad=is_bad,
+    )
+
+
+def _ending(event: Told) -> tuple[str, bool]:
+    """Return how a run ended in words, and whether badly."""
+    if event.code == Status.FINISHED:
+        outcome = event.args[0] if event.args else ""
+        return ("was stopped" if outcome == "preempted" else f"ended with '{outcome}'"), False
+    if event.code == Status.FAILED:
+        return "failed; the log says why", True
+    return "was not started; the log says why", True
+
+
+def _on_entered(view: RunView, event: Entered) -> RunView:
+    if view.phase is not Phase.RUNNING:
+        return replace(view, announced=event.path)
+    return view if view.is_sure else _at(view, event.path)
+
+
+def _on_left(view: RunView, event: Left) -> RunView:
+    if view.phase is not Phase.RUNNING:
+        return view
+    if view.asked is not None and view.asked.path == event.path:
+        view = replace(view, asked=None)  # nothing else answers it: topics have no order
+    view = replace(view, visited=view.visited | {event.path}, left=event)
+    return _after_left(view, event)
+
+
+def _after_left(view: RunView, event: Left) -> RunView:
+    """Return the view with what follows a state that was left, if that can be told."""
+    if not view.has_structure or view.structure is None:
+        return view
+    following = view.structure.following(event.path, event.outcome)
+    if following is None:
+        return replace(view, is_sure=False)
+    return replace(_at(view, following), is_sure=True)
+
+
+def _on_asked(view: RunView, event: Asked) -> RunView:
+    if event.index == _WITHDRAWN:
+        return replace(view, asked=None)
+    if view.phase is not Phase.RUNNING:
+        return view
+    return replace(_at(view, event.path), asked=event, is_sure=True)
+
+
+def _at(view: RunView, path: str) -> RunView:
+    """Return the view with another state active."""
+    if path == view.active:
+        return view
+    if not path:
+        return replace(view, active="")
+    visited = view.visited if path in view.visited else view.visited | {path}
+    return replace(view, active=path, visited=visited, entries=view.entries + 1)
+
+
+def _on_acknowledged(view: RunView, event: Acknowledged) -> RunView:
+    args = event.args
+    if event.command in ("attach", "autonomy"):
+        name = args[0] if args else view.attached_name
+        return replace(view, attached_name=name, level=view.ordered.level)
+    if event.command in ("pause", "resume"):
+        return replace(view, is_paused=event.command == "pause")
+    has_worked = len(args) == 2 and args[0] == args[1]
+    if event.command == "lock" and has_worked:
+        return replace(view, held=args[0])
+    if event.command == "unlock" and has_worked:
+        return replace(view, held=None)
+    if event.command == "transition" and has_worked:
+        return replace(view, asked=None)
+    return view

@@ -1,0 +1,30 @@
+"""What a page says about the behavior that runs."""
+
+from __future__ import annotations
+
+from remodel_console.core.run.run_view import Phase, RunView
+
+
+def state_words(view: RunView) -> str:
+    """Return what the run does."""
+    if view.phase is Phase.AWAY:
+        return "no engine"
+    if view.phase is Phase.IDLE:
+        return "idle"
+    if view.asked is not None:
+        return "waits for you"
+    if view.is_paused:
+        return "paused"
+    if view.held is not None:
+        return "locked"
+    return "runs" if view.is_supervised else "runs unattended"
+
+
+def count_words(view: RunView) -> str:
+    """Return how many states the run has entered."""
+    return f"{view.entries} state{'s' * (view.entries != 1)} entered"
+
+
+def path_words(path: str) -> str:
+    """Return the path of a state as a person reads it."""
+    return " / ".join(filter(None, path.split("/")))

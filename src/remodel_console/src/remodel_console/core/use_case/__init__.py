@@ -1,0 +1,1 @@
+"""Runs of an order: as the supervisor publishes them, and as they were recorded."""

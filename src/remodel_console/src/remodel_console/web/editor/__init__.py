@@ -1,0 +1,1 @@
+"""The page on which charts are edited, and its panels."""

@@ -1,0 +1,193 @@
+"""The editor (Deliverable 5.1, 4.1): one chart as a drawing, as properties and as XML."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from functools import partial
+
+from nicegui import background_tasks, run, ui
+
+from remodel_console.core.editor import chart_edit
+from remodel_console.core.editor.editing import Path, node_paths
+from remodel_console.core.editor.folding import folded
+from remodel_console.core.world import World
+from remodel_console.edge.inspect_chart import inspect_text
+from remodel_console.edge.picture import picture
+from remodel_console.errors import CommandError
+from remodel_console.web.canvas import Canvas
+from remodel_console.web.editor.certificate_panel import CertificatePanel
+from remodel_console.web.editor.editing_page import EditingPage
+from remodel_console.web.editor.editor_tools import EditorTools
+from remodel_console.web.editor.library_panel import LibraryPanel
+from remodel_console.web.editor.problem_list import ProblemList
+from remodel_console.web.editor.properties_panel import PropertiesPanel
+from remodel_console.web.editor.xml_pane import XmlPane
+
+_ROOM = (640.0, 620.0)  # for the drawing on a common screen [pixels]
+_OWN_SAVE = """<script>document.addEventListener("keydown", (event) => {
+  if (event.ctrlKey && event.key === "s") event.preventDefault();
+});</script>"""
+
+
+class EditorPage(EditingPage):
+    """The page of the chart that is edited; all pages and /flexbe/uicommand share it."""
+
+    KEYS = (
+        ("Ctrl+S", "save"),
+        ("Ctrl+Z", "undo"),
+        ("B  N", "select the state before, the next one"),
+        ("Del", "delete what is selected"),
+        ("Esc", "select nothing"),
+    )
+
+    def build(self) -> None:
+        """Build the tools, the library, the drawing, and the panel beside it."""
+        ui.add_head_html(_OWN_SAVE)
+        super().build()
+        self._open_path: Path = ()
+        with ui.element("div").classes("editor"):
+            self._tools = EditorTools(self)
+            self._library = LibraryPanel(self)
+            with ui.element("section").classes("stage"):
+                self._canvas = Canvas("State machine that is edited", self._pick)
+                self._empty = ui.label("Open a behavior, or make a new one.").classes("empty")
+            with ui.element("aside").classes("panel side"):
+                with ui.tabs().props("no-caps dense align=left").classes("wide") as tabs:
+                    ui.tab("Properties")
+                    ui.tab("XML")
+                    ui.tab("Certificate")
+                panels = ui.tab_panels(tabs, value="Properties", on_change=self._certify)
+                with panels.classes("wide panes") as self._tabs:
+                    with ui.tab_panel("Properties"):
+                        self._properties = PropertiesPanel(self)
+                    with ui.tab_panel("XML").classes("xml-pane"):
+                        self.xml = XmlPane(self._take_typed, is_dark=bool(self._dark.value))
+                    with ui.tab_panel("Certificate"):
+                        self._certificate = CertificatePanel()
+                self._problems = ProblemList(self._reveal)
+
+    def show(self, world: World) -> None:
+        """Show the chart if it has changed, whoever has changed it."""
+        session = self.console.session
+        chart = session.chart
+        self._tools.show_saved(chart, is_saved=session.is_saved)
+        if chart is self.chart:
+            self._properties.show()
+            return
+        is_other = self.chart is None or chart is None or chart.file != self.chart.file
+        self.chart = chart
+        if is_other:
+            self.selected = ()
+            self.xml.is_typing = False
+            self._tools.show_other(chart)
+        background_tasks.create(self._refresh(is_other))
+
+    def press(self, key: str, *, ctrl: bool) -> None:
+        """Do what a key means on this page."""
+        moves = {"b": -1, "n": 1}
+        if key.lower() in moves and not ctrl:
+            self._step(moves[key.lower()])
+            return
+        deeds: dict[tuple[str, bool], Callable[[], object]] = {
+            ("s", True): self._tools.save,
+            ("z", True): self._tools.undo,
+            ("Delete", False): self.delete,
+            ("Escape", False): partial(self._pick, ""),
+        }
+        deed = deeds.get((key, ctrl))
+        if deed is not None and self.is_operator:
+            with self._dialogs:
+                made = deed()
+                if asyncio.iscoroutine(made):
+                    background_tasks.create(made)
+
+    def select(self, path: Path) -> None:
+        """Select a node, or nothing."""
+        self.selected = path
+        is_open = self._open_path[: len(self.scope_path)] == self.scope_path
+        if self.chart is not None and not is_open and folded(self.chart, ()) is not self.chart:
+            background_tasks.create(self._draw(True))
+        self._canvas.select("/".join(path))
+        self._properties.show()
+
+    # The chart, shown
+
+    async def _refresh(self, is_other: bool) -> None:
+        """Show all of the chart."""
+        self._empty.set_visibility(self.chart is None)
+        if self.chart is None:
+            return
+        self.xml.show(self.console.session.text)
+        await self._inspect()
+        await self._draw(is_other)
+
+    async def _inspect(self) -> None:
+        chart = self.chart
+        if chart is None:
+            return
+        _, self.inspection = await run.io_bound(
+            inspect_text, self.console.workspace, self.xml.text, chart.file
+        )
+        self.inspected = chart
+        self._show_problems()
+        self._properties.show()
+
+    async def _draw(self, is_other: bool) -> None:
+        chart = self.chart
+        if chart is None:
+            return
+        self._open_path = self.scope_path
+        try:
+            svg = await run.io_bound(picture, folded(chart, self._open_path), _ROOM)
+        except CommandError as error:
+            ui.notify(str(error), type="negative")
+            return
+        if chart is self.chart:
+            self._canvas.draw(svg, keeps_view=not is_other)
+            self._canvas.select("/".join(self.selected))
+
+    def _show_problems(self) -> None:
+        own = self.chart.file if self.chart else ""
+        self._problems.show(self.inspection, own)
+        self.xml.mark(self.inspection, own)
+        self._certify()
+
+    def _certify(self) -> None:
+        """Show the certificate, if its tab is open."""
+        if self._tabs.value == "Certificate":
+            background_tasks.create(self._certificate.show(self.inspection))
+
+    def _reveal(self, line: int) -> None:
+        self._tabs.value = "XML"
+        self.xml.reveal(line)
+
+    async def _take_typed(self, text: str) -> None:
+        """Take in the text that was typed: the chart if it has the form of one, else its errors."""
+        old = self.chart
+        if old is None or not self.is_operator:
+            return
+        self.xml.text, self.xml.is_typing = text, True
+        chart, self.inspection = await run.io_bound(
+            inspect_text, self.console.workspace, text, old.file
+        )
+        if chart is not None:
+            await self.give("edit: the XML", lambda: self.console.session.retype(text))
+        self._show_problems()
+
+    def _pick(self, text: str) -> None:
+        """Select what was clicked in the drawing; a start or an end selects what is around it."""
+        path = tuple(filter(None, text.split("/")))
+        while path and self.chart and chart_edit.node_at(self.chart, path) is None:
+            path = path[:-1]
+        self.select(path)
+
+    def _step(self, step: int) -> None:
+        """Select the next state or container, or the one before; of none, the first or last."""
+        paths = node_paths(self.chart) if self.chart else ()
+        if not paths:
+            return
+        if self.selected in paths:
+            self.select(paths[(paths.index(self.selected) + step) % len(paths)])
+        else:
+            self.select(paths[0 if step > 0 else -1])

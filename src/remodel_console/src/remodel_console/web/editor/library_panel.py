@@ -1,0 +1,96 @@
+"""The library on the editor's page: the states and behaviors that a chart can use."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from nicegui import ui
+
+from flexbe_synthesizer.core.chart.model import AnyNode, Behavior, State
+from flexbe_synthesizer.core.library.signature import StateClass
+from remodel_console.core.editor import chart_edit
+from remodel_console.core.editor.editing import container_at
+from remodel_console.web.editor.editing_page import EditingPage
+
+
+class LibraryPanel:
+    """Lists what is installed; a click tells what it does and offers to add it."""
+
+    def __init__(self, page: EditingPage) -> None:
+        """Build the panel."""
+        self._page = page
+        self._known: object = None
+        self._entries: list[tuple[str, ui.element]] = []
+        with ui.element("aside").classes("library"):
+            self._search = ui.input(placeholder="Find a state", on_change=self._filter)
+            self._search.props('outlined dense clearable aria-label="Find a state"')
+            self._search.on("focus", self._list_anew)
+            self._list = ui.element("div").classes("library-list")
+        self._list_anew()
+
+    def _list_anew(self) -> None:
+        """List what is installed, if that has changed."""
+        catalogue = self._page.console.catalogue
+        states, behaviors = catalogue.states(), [one.name for one in catalogue.behaviors()]
+        if (states, behaviors) == self._known:
+            return
+        self._known = (states, behaviors)
+        self._list.clear()
+        self._entries.clear()
+        with self._list:
+            for package in dict.fromkeys(state.package for state in states):
+                own = [state for state in states if state.package == package]
+                self._add_group(package, " ".join(state.name for state in own))
+                for state in own:
+                    label = state.name.removesuffix("State")
+                    entry = _entry(label, partial(self._show_state, state))
+                    self._entries.append((f"{package} {state.name}", entry))
+            self._add_group("Behaviors", " ".join(behaviors))
+            for name in behaviors:
+                entry = _entry(name, partial(self._add, Behavior(name, name), name))
+                self._entries.append((name, entry))
+        self._filter()
+
+    def _add_group(self, name: str, inside: str) -> None:
+        """Add a heading, which is shown if anything in its group is."""
+        self._entries.append((f"{name} {inside}", ui.label(name).classes("group")))
+
+    def _filter(self) -> None:
+        """Show what fits the search; nothing is built anew, so that no click is lost."""
+        word = (self._search.value or "").lower()
+        for words, entry in self._entries:
+            entry.set_visibility(word in words.lower())
+
+    def _show_state(self, state: StateClass) -> None:
+        """Tell what a state does, and offer to add it."""
+        with self._page.dialog() as dialog:
+            ui.label(state.name).classes("title")
+            ui.label(f"of {state.package}").classes("soft")
+            ui.label(self._page.console.catalogue.documentation(state)).classes("documentation")
+
+            async def add() -> None:
+                dialog.close()
+                name = state.name.removesuffix("State")
+                await self._add(State(name, f"{state.package}/{state.name}"), name)
+
+            self._page.button(f"Add {state.name.removesuffix('State')}", add, icon="add")
+
+    async def _add(self, node: AnyNode, wanted: str) -> None:
+        """Add a node to the container that is selected, or to the chart."""
+        page = self._page
+        if page.chart is None:
+            ui.notify("Open a behavior first.", type="warning")
+            return
+        path = page.scope_path
+        node_id = chart_edit.unused_id(container_at(page.chart, path), wanted)
+        named = type(node)(id=node_id, type=node.type)
+        what = f"add '{node_id}' to /{'/'.join(path)}"
+        if await page.change(what, path, lambda scope: chart_edit.with_node(scope, named)):
+            page.select((*path, node_id))
+
+
+def _entry(text: str, deed: Callable[[], object]) -> ui.element:
+    with ui.element("button").classes("entry").on("click", deed) as entry:
+        ui.label(text)
+    return entry

@@ -1,0 +1,234 @@
+"""The properties on the editor's page: of the selected state or container, or of the chart."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from nicegui import ui
+
+from flexbe_synthesizer.core.chart.error_routes import FAILED_EVENT, format_routes
+from flexbe_synthesizer.core.chart.model import AnyNode, Chart, Container, ContainerKind
+from remodel_console.core.editor import chart_edit
+from remodel_console.core.editor.concurrency_edit import kind_at
+from remodel_console.core.editor.editing import Path
+from remodel_console.web.editor.container_panel import ContainerPanel
+from remodel_console.web.editor.editing_page import EditingPage
+from remodel_console.web.editor.interface_panel import InterfacePanel
+
+_BY_NAME = "by its name"  # an input without a connection gets the value of its name
+_NOWHERE = "nowhere yet"
+
+
+class PropertiesPanel:
+    """Shows what can be set, and sets it."""
+
+    def __init__(self, page: EditingPage) -> None:
+        """Build an empty panel."""
+        self._page = page
+        self._area = ui.element("div").classes("properties")
+        self._container = ContainerPanel(page)
+        self._shown: object = None
+
+    def show(self) -> None:
+        """Show the properties of what is selected now, once the checks know it."""
+        page = self._page
+        if page.inspected is not page.chart:
+            return  # not twice, so that nothing moves under somebody's hand
+        settings = page.console.settings.now
+        synthesis = (settings.is_synthesis_enabled, settings.synthesis_topic)
+        shown = (page.chart, page.selected, page.inspection, synthesis)
+        if shown == self._shown:
+            return
+        self._shown = shown
+        self._area.clear()
+        if page.chart is None:
+            return
+        node = chart_edit.node_at(page.chart, page.selected)
+        with self._area:
+            if node is None:
+                self._show_chart(page.chart)
+            else:
+                self._show_node(node, page.selected)
+
+    def _show_chart(self, chart: Chart) -> None:
+        ui.label(chart.name).classes("title")
+        if chart.description:
+            ui.label(chart.description).classes("soft")
+        self._outcomes_entry(chart, ())
+        self._interface(chart, ())
+        ui.label(
+            "Click a state in the drawing to set it; choose one on the left to add it."
+        ).classes("soft")
+
+    def _show_node(self, node: AnyNode, path: Path) -> None:
+        scope = self._page.scope_of(path)
+        if len(path) > 1:
+            ui.label(" / ".join(path[:-1])).classes("soft")
+        self._name_entry(node, path)
+        if isinstance(node, Container):
+            ui.label("a container").classes("soft")
+            self._outcomes_entry(node.body, path)
+            self._container.show(node, path)
+            self._interface(node.body, path)
+        else:
+            ui.label(node.type).classes("soft")
+        self._parameters(node, path)
+        self._limits(node, path)
+        is_beside = self._is_in_concurrency(path)
+        if is_beside:
+            ui.label("What its outcomes mean stands in the container around it.").classes("soft")
+        else:
+            self._transitions(node, scope, path)
+        self._inputs(node, scope, path)
+        with ui.row():
+            if scope.initial != node.id and not is_beside:
+                start = partial(chart_edit.started_at, node_id=node.id)
+                deed = partial(self._change, f"start at '{node.id}'", path[:-1], start)
+                self._page.button("Start here", deed, icon="flag", look="quiet")
+            self._page.button("Delete", self._page.delete, icon="delete", look="quiet")
+
+    def _name_entry(self, node: AnyNode, path: Path) -> None:
+        async def rename(text: str) -> None:
+            change = partial(chart_edit.renamed, old=node.id, new=text)
+            if await self._change(f"rename '{node.id}' to '{text}'", path[:-1], change):
+                self._page.select((*path[:-1], text))
+
+        self._entry("Name", node.id, rename)
+
+    def _outcomes_entry(self, scope: Chart, path: Path) -> None:
+        """Show the outcomes of a chart or container as a list that can be changed."""
+
+        async def put(text: str) -> None:
+            wanted = tuple(dict.fromkeys(filter(None, (w.strip() for w in text.split(",")))))
+            change = partial(chart_edit.with_outcomes, wanted=wanted)
+            await self._change(f"outcomes {', '.join(wanted)}", path, change)
+
+        self._entry("Outcomes", ", ".join(o.name for o in scope.outcomes), put)
+
+    def _parameters(self, node: AnyNode, path: Path) -> None:
+        entry = self._page.inspection.uses.get("/".join(path))
+        parameters = entry.signature.parameters if entry and entry.signature else ()
+        if isinstance(node, Container) or not parameters:
+            return
+        ui.label("Parameters").classes("heading")
+        given = {param.name: param.text for param in node.params}
+        for parameter in parameters:
+            hint = f"{parameter.type or 'any'}{', needed' if parameter.required else ''}"
+            name = parameter.name
+
+            async def put(text: str, name: str = name) -> None:
+                change = partial(chart_edit.with_parameter, node_id=node.id, name=name, text=text)
+                await self._change(f"{node.id}: {name} = {text}", path[:-1], change)
+
+            self._entry(name, given.get(name, ""), put, hint)
+
+    def _limits(self, node: AnyNode, path: Path) -> None:
+        attempts = "" if node.attempts is None else str(node.attempts)
+        timeout = "" if node.timeout_s is None else f"{node.timeout_s:g}"
+
+        async def put(attempts: str, timeout: str) -> None:
+            try:
+                count = int(attempts) if attempts else None
+                time_s = float(timeout) if timeout else None
+            except ValueError:
+                ui.notify("Give a whole number of attempts and a time in seconds.", type="warning")
+                return
+            change = partial(chart_edit.limited, node_id=node.id, attempts=count, timeout_s=time_s)
+            await self._change(
+                f"{node.id}: limits {attempts or '-'} {timeout or '-'}", path[:-1], change
+            )
+
+        with ui.element("div").classes("pair"):
+            self._entry("Attempts at most", attempts, lambda text: put(text, timeout), "no limit")
+            self._entry("Timeout [s]", timeout, lambda text: put(attempts, text), "no limit")
+
+    def _is_in_concurrency(self, path: Path) -> bool:
+        chart = self._page.chart
+        return chart is not None and kind_at(chart, path[:-1]) is ContainerKind.CONCURRENCY
+
+    def _interface(self, scope: Chart, path: Path) -> None:
+        InterfacePanel(scope, path, self._change, is_operator=self._page.is_operator)
+
+    def _error_routes(self, node: AnyNode, path: Path) -> None:
+        """Show where failures lead by their error codes; for all others the transition says so."""
+
+        async def put(text: str) -> None:
+            change = partial(chart_edit.routed, node_id=node.id, text=text)
+            await self._change(f"{node.id}: on error {text or 'as failed'}", path[:-1], change)
+
+        hint = "INSERTION_JAMMED: Withdraw; above_behavior: failed"
+        self._entry("Failures by error code", format_routes(node.on_error), put, hint)
+
+    def _transitions(self, node: AnyNode, scope: Chart, path: Path) -> None:
+        events = self._page.inspection.events("/".join(path), node)
+        if not events:
+            return
+        ui.label("Outcomes lead to").classes("heading")
+        led = {transition.event: transition.target for transition in node.transitions}
+        choices = {"": _NOWHERE} | {name: name for name in chart_edit.targets(scope)}
+        for event in events:
+            target = led.get(event, "")
+            known = choices if target in choices else choices | {target: f"{target} (missing)"}
+
+            async def put(target: str, event: str = event) -> None:
+                change = partial(chart_edit.led, node_id=node.id, event=event, target=target)
+                await self._change(f"{node.id}: '{event}' leads to '{target}'", path[:-1], change)
+
+            self._choice(event, known, target, put)
+        if node.on_error or FAILED_EVENT in events:
+            self._error_routes(node, path)
+
+    def _inputs(self, node: AnyNode, scope: Chart, path: Path) -> None:
+        entry = self._page.inspection.uses.get("/".join(path))
+        if entry is None or not entry.inputs:
+            return
+        ui.label("Inputs are fed").classes("heading")
+        prefix = "".join(f"{part}/" for part in path[:-1])
+        sources = list(self._page.inspection.sources(scope, prefix))
+        names = {index: _source_words(scope, source) for index, source in enumerate(sources)}
+        for port in entry.inputs.values():
+            source = chart_edit.feed_of(scope, node.id, port.name)
+            value = sources.index(source) if source in sources else -1
+
+            async def put(index: int, name: str = port.name) -> None:
+                chosen = None if index < 0 else sources[index]
+                change = partial(chart_edit.fed, node_id=node.id, input_name=name, source=chosen)
+                words = _BY_NAME if chosen is None else ".".join(chosen)
+                await self._change(f"{node.id}: {name} is fed {words}", path[:-1], change)
+
+            self._choice(port.name, {-1: _BY_NAME} | names, value, put)
+
+    # Elements
+
+    async def _change(self, what: str, path: Path, change: Callable[[Chart], Chart]) -> bool:
+        return await self._page.change(what, path, change)
+
+    def _entry(self, label: str, value: str, put: Callable[[str], object], hint: str = "") -> None:
+        """Add a text that is taken when it is left or Enter is pressed."""
+        entry = ui.input(label, value=value, placeholder=hint)
+        entry.props("outlined dense stack-label").classes("wide")
+        entry.set_enabled(self._page.is_operator)
+
+        async def take() -> None:
+            nonlocal value  # Enter, and then leaving the field, change it once
+            text = (entry.value or "").strip()
+            if text != value:
+                value = text
+                await put(text)  # type: ignore[misc]
+
+        entry.on("blur", take)
+        entry.on("keydown.enter", take)
+
+    def _choice(
+        self, label: str, choices: dict, value: object, put: Callable[[object], object]
+    ) -> None:
+        choice = ui.select(
+            choices, value=value, label=label, on_change=lambda event: put(event.value)
+        )
+        choice.props("outlined dense").classes("wide").set_enabled(self._page.is_operator)
+
+
+def _source_words(scope: Chart, source: tuple[str, str]) -> str:
+    where, name = source
+    return f"from outside: {name}" if where == scope.name else f"{where}: {name}"

@@ -1,0 +1,294 @@
+"""Overview: the order and its tasks, the cameras, the four levels, failures, and the figures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import partial
+
+from nicegui import background_tasks, ui
+
+from remodel_console.console import Supervisor
+from remodel_console.core.answer import DONE
+from remodel_console.core.plot import bar_plot, count_plot, line_plot
+from remodel_console.core.use_case.production import Figures, figures
+from remodel_console.core.use_case.use_case import (
+    Choice,
+    Phase,
+    Question,
+    UseCase,
+    decision_words,
+    duration_words,
+    fault_words,
+    level_rows,
+)
+from remodel_console.core.world import Notice, World, supervisor_notice
+from remodel_console.web.camera_view import CameraView
+from remodel_console.web.overview.order_form import OrderForm
+from remodel_console.web.overview.run_head import PAUSING, RunHead
+from remodel_console.web.overview.task_table import TaskTable
+from remodel_console.web.page import Page
+
+_CAMERAS = (
+    ("overhead", "From above", "no picture yet; one comes when the cell looks"),
+    ("wrist", "From the hand", "no picture yet; one comes when the cell looks"),
+    ("scene", "The cell", "no picture yet"),
+)
+_SHOWN_FAILURES = 20  # the latest; the record has all
+_PLOTTED_TASKS = 100  # the latest; the figures are of all
+
+
+class OverviewPage(Page):
+    """The page of the order that the cell works on (Deliverable 5.1, T3.2)."""
+
+    KEYS = (("P", "pause the run, or resume it"),)
+
+    def build(self) -> None:
+        """Build the order on the left, the cameras in the middle, what happens on the right."""
+        self._use_case: UseCase | None = None
+        self._pending: list[str] = []
+        self._time_left: ui.label | None = None
+        self._shown_figures: Figures | None = None
+        self._head: RunHead | OrderForm | None = None
+        pictures = self.console.pictures
+        pictures.add_viewer(1)
+        ui.context.client.on_delete(lambda: pictures.add_viewer(-1))
+        with ui.element("div").classes("overview"):
+            with ui.element("section").classes("order"):
+                self._head_area = ui.element("div").classes("order-head")
+                skip, retry = partial(self._do_task, "skip"), partial(self._do_task, "retry")
+                self._tasks = TaskTable(skip, retry, is_operator=self.is_operator)
+            with ui.element("section").classes("watch"):
+                with ui.element("div").classes("cameras"):
+                    self._cameras = {name: CameraView(*words) for name, *words in _CAMERAS}
+                self._figures = ui.element("div").classes("figures")
+            with ui.element("aside").classes("panel"):
+                self._question = ui.element("div").classes("wide")
+                ui.label("What each level does").classes("heading")
+                self._levels = ui.element("div").classes("levels")
+                ui.label("Failures").classes("heading")
+                self._failures = ui.element("div").classes("failures wide")
+
+    def more_notices(self, world: World) -> Iterable[Notice]:
+        """Return whether the supervisor is away."""
+        return supervisor_notice(world)
+
+    def show(self, world: World) -> None:
+        """Show the parts that have changed."""
+        for camera, view in self._cameras.items():
+            picture = self.console.pictures.newest(camera)
+            view.show(f"/picture/{camera}?number={picture.number}" if picture else "")
+        now = world.use_case or UseCase(Phase.IDLE)
+        if now == self._use_case:
+            return
+        before, self._use_case = self._use_case, now
+        self._show_head()
+        self._tasks.show(now.tasks, is_under_way=now.is_under_way)
+        if before is None or before.question != now.question:
+            self._show_question(now.question)
+        self._show_time_left(now)
+        self._show_levels(now)
+        if before is None or before.failures != now.failures:
+            self._show_failures(now)
+        if before is None or before.tasks != now.tasks or before.failures != now.failures:
+            self._show_figures(figures(now))
+
+    def press(self, key: str, *, ctrl: bool) -> None:
+        """Pause the run, or resume it."""
+        now = self._use_case
+        if key.lower() != "p" or ctrl or now is None or not now.is_under_way:
+            return
+        deed = self._resume if now.is_held else self._pause
+        with self._dialogs:
+            background_tasks.create(deed())
+
+    # The order
+
+    def _show_head(self) -> None:
+        """Show the run, or the form that starts one; what is filled in there stays."""
+        now = self._use_case or UseCase(Phase.IDLE)
+        wanted = RunHead if now.is_under_way else OrderForm
+        if not isinstance(self._head, wanted):
+            self._head_area.clear()
+            with self._head_area:
+                self._head = self._new_head() if now.is_under_way else OrderForm(self, self.start)
+        if isinstance(self._head, RunHead):
+            self._head.show(now, self._pending)
+        else:
+            self._head.show(now)
+
+    def _new_head(self) -> RunHead:
+        deeds = (self._pause, self._resume, self._ask_stop, self._stop_motion)
+        return RunHead(self.button, *deeds)
+
+    # What happens
+
+    def _show_question(self, question: Question | None) -> None:
+        """Show what the run asks, and a button for each answer."""
+        self._question.clear()
+        self._time_left = None
+        if question is None:
+            return
+        with self._question, ui.element("div").classes("request").props('role="alert"'):
+            ui.label(f"{question.task}: the cell needs you").classes("question")
+            ui.label(question.text)
+            if question.timeout_s:
+                self._time_left = ui.label().classes("soft")
+            for place, choice in enumerate(question.choices):
+                look = "main" if place == 0 else "quiet"
+                made = self.button(choice.words, partial(self._answer, question, choice), look=look)
+                with made.classes("choice"):
+                    ui.label(choice.meaning).classes("meaning")
+
+    def _show_time_left(self, now: UseCase) -> None:
+        left_s = now.question.left_s(now.told_s) if now.question else None
+        if self._time_left is not None and left_s is not None:
+            self._time_left.text = (
+                f"{duration_words(left_s)} left to answer; after that the question escalates, and "
+                "the run goes on without an answer."
+            )
+
+    def _show_levels(self, now: UseCase) -> None:
+        self._levels.clear()
+        with self._levels:
+            for number, (word, level) in enumerate(level_rows(now), start=1):
+                ui.label(str(number)).classes("number")
+                with ui.element("div").classes("level"):
+                    ui.label(f"{word}: {level.name}" if level and level.name else word)
+                    if level is None or not (level.name or level.doing):
+                        ui.label("nothing").classes("soft")
+                        continue
+                    ui.label(level.doing).classes("soft")
+                    if level.since_s:
+                        time_s = now.told_s - level.since_s
+                        ui.label(f"for {duration_words(time_s)}").classes("soft")
+
+    def _show_failures(self, now: UseCase) -> None:
+        self._failures.clear()
+        with self._failures:
+            if not now.failures:
+                ui.label("None in this run.").classes("soft")
+            for failure in reversed(now.failures[-_SHOWN_FAILURES:]):
+                with ui.element("div").classes("failure"):
+                    ui.label(f"{failure.task}: {fault_words(failure.fault)}").classes("what")
+                    ability = f"{failure.ability}: " if failure.ability else ""
+                    ui.label(f"{ability}{failure.text}")
+                    because = f", because {failure.because}" if failure.because else ""
+                    ui.label(f"The cell {decision_words(failure.decision)}{because}.").classes(
+                        "soft"
+                    )
+
+    def _show_figures(self, found: Figures) -> None:
+        if found == self._shown_figures:
+            return
+        self._shown_figures = found
+        self._figures.clear()
+        if found.first_pass_yield is None or found.mean_cycle_s is None:
+            return
+        names = found.tasks[-_PLOTTED_TASKS:]
+        with self._figures:
+            _plot(
+                "First-pass yield",
+                f"{found.first_pass_yield:.0%}",
+                line_plot(
+                    "First-pass yield over tasks", names, found.yields[-_PLOTTED_TASKS:], 1.0
+                ),
+            )
+            _plot(
+                "Cycle time",
+                f"{duration_words(found.mean_cycle_s)} on average",
+                bar_plot("Time of each task", names, found.cycles_s[-_PLOTTED_TASKS:], "s"),
+            )
+            _plot(
+                "Recoveries by cause",
+                str(sum(count for _, count in found.recoveries)),
+                count_plot("Recoveries by cause", found.recoveries),
+            )
+
+    # Deeds
+
+    async def start(self, order: str, tasks: int, *, again: bool) -> bool:
+        """Start an order; tell whether the supervisor took it.
+
+        Args:
+            order: its name.
+            tasks: how many of its tasks, from the first; 0 for all.
+            again: those that are done too, on an empty panel.
+        """
+        what = f"run order '{order}'" + (f", its first {tasks} tasks" if tasks else "")
+        what += ", on an empty panel" if again else ""
+        return await self._give(
+            what, lambda supervisor, by: supervisor.run(order, tasks, by, again=again)
+        )
+
+    async def _give(
+        self, what: str, deed: Callable[[Supervisor, str], str], pending: str = ""
+    ) -> bool:
+        """Give a command to the supervisor, and return whether it was accepted.
+
+        Args:
+            what: the command, for the record.
+            deed: gives it.
+            pending: what the page shows until it is answered, which may take as long as an
+                operation; empty for commands that are answered at once.
+        """
+        by = self.actor.name
+
+        def do() -> str:
+            return self.console.command(lambda supervisor: deed(supervisor, by))
+
+        if not pending:
+            return (await self.give(what, do)).state == DONE
+        self._pending.append(pending)
+        self._show_head()
+        try:
+            return (await self.give(what, do)).state == DONE
+        finally:
+            self._pending.remove(pending)
+            if not self._head_area.is_deleted:
+                self._show_head()
+
+    async def _pause(self) -> None:
+        if PAUSING not in self._pending:
+            await self._give("pause the run", lambda supervisor, by: supervisor.pause(by), PAUSING)
+
+    async def _resume(self) -> None:
+        await self._give("resume the run", lambda supervisor, by: supervisor.resume(by))
+
+    async def _stop_motion(self) -> None:
+        """Stop all motion, without a question first: it costs nothing but time."""
+        await self._give(
+            "protective stop",
+            lambda supervisor, by: supervisor.protective_stop(by),
+            "stopping all motion",
+        )
+
+    def _ask_stop(self) -> None:
+        async def stop() -> None:
+            await self._give(
+                "stop the run", lambda supervisor, by: supervisor.stop(by), "stopping the run"
+            )
+
+        self.ask("Stop the run safely? What is done stays done.", "Stop the run", stop)
+
+    async def _do_task(self, word: str, task: str) -> None:
+        def deed(supervisor: Supervisor, by: str) -> str:
+            command = supervisor.skip if word == "skip" else supervisor.retry
+            return command(task, by)
+
+        pending = f"skipping {task}" if word == "skip" else ""
+        await self._give(f"{word} task {task}", deed, pending)
+
+    async def _answer(self, question: Question, choice: Choice) -> None:
+        number = question.number
+        await self._give(
+            f"answer question {number} about {question.task}: {choice.words}",
+            lambda supervisor, by: supervisor.answer(number, choice, by),
+        )
+
+
+def _plot(title: str, figure: str, svg: str) -> None:
+    with ui.element("div").classes("card plot-card"):
+        with ui.row().classes("plot-head"):
+            ui.label(title).classes("soft")
+            ui.label(figure).classes("figure")
+        ui.html(svg, sanitize=False).classes("wide")

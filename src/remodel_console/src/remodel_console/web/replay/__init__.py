@@ -1,0 +1,1 @@
+"""The page of recorded runs, and its panels."""

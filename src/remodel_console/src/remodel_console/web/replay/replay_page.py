@@ -1,0 +1,144 @@
+"""Replay: a past run, moment by moment: state path, feedback, values, pictures, and reasons."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from nicegui import background_tasks, run, ui
+
+from remodel_console.core.run.run_words import path_words
+from remodel_console.core.use_case.record import Entry, Moment, Record, Summary
+from remodel_console.core.use_case.record_words import KIND_WORDS, entry_words
+from remodel_console.core.world import Notice, World, supervisor_notice
+from remodel_console.errors import CommandError
+from remodel_console.web.behavior_drawing import BehaviorDrawing
+from remodel_console.web.camera_view import CameraView
+from remodel_console.web.page import Page
+from remodel_console.web.replay.run_list import RunList
+from remodel_console.web.replay.scrubber import Scrubber
+from remodel_console.web.replay.value_plots import ValuePlots
+
+_ROOM = (700.0, 420.0)  # for the drawing on a common screen [pixels]
+_SHOWN_REASONS = 20  # the latest until the moment
+
+
+class ReplayPage(Page):
+    """The page of a run that was recorded."""
+
+    KEYS = (
+        ("P", "play, or hold"),
+        (",  .", "the moment before, the next one"),
+        ("B  N", "the failure, decision or answer before, the next one"),
+    )
+
+    def build(self) -> None:
+        """Build the list of runs, the drawing with what moves in time, and the panel of reasons."""
+        self._record = Record(())
+        self._run = 0
+        self._shown_reasons: tuple[Entry, ...] | None = None
+        with ui.element("div").classes("replay"):
+            self._runs = RunList(self.console, self._open)
+            with ui.element("section").classes("stage"):
+                with ui.row().classes("headline"):
+                    self._title = ui.label("Choose a run on the left.").classes("title")
+                    self._where = ui.label().classes("where")
+                self._drawing = BehaviorDrawing(
+                    self.console,
+                    "State machine of the behavior that ran",
+                    "No behavior of this task has run yet.",
+                    _ROOM,
+                )
+            self._scrubber = Scrubber(self._show_moment)
+            with ui.element("aside").classes("panel"):
+                self._now = ui.element("div").classes("wide")
+                self._picture = CameraView(
+                    "What a camera saw last", "no picture was kept until here"
+                )
+                ui.label("Why").classes("heading")
+                self._reasons = ui.element("div").classes("failures wide")
+                self._values = ValuePlots()
+        self._has_supervisor = False
+
+    def more_notices(self, world: World) -> Iterable[Notice]:
+        """Return whether the supervisor, who has the records, is away."""
+        return supervisor_notice(world)
+
+    def show(self, world: World) -> None:
+        """List the runs as soon as somebody can tell them; a record does not change."""
+        if world.has_supervisor and not self._has_supervisor:
+            background_tasks.create(self._list())
+        self._has_supervisor = world.has_supervisor
+
+    def press(self, key: str, *, ctrl: bool) -> None:
+        """Move in time."""
+        if ctrl or not self._record.entries:
+            return
+        if key.lower() == "p":
+            self._scrubber.toggle()
+        elif key in (",", "."):
+            self._scrubber.step(1 if key == "." else -1)
+        elif key.lower() in ("b", "n"):
+            self._scrubber.step_reason(1 if key.lower() == "n" else -1)
+
+    async def _list(self) -> None:
+        """List the runs; open the one that the address names."""
+        runs = await self._runs.list()
+        wanted = next((one for one in runs if str(one.run) == self.query.get("run")), None)
+        if self._run:
+            self._runs.mark(self._run)
+        elif wanted is not None:
+            await self._open(wanted)
+
+    async def _open(self, summary: Summary) -> None:
+        """Read the record of a run, and show its beginning."""
+        recorder = self.console.recorder
+        if recorder is None:
+            return
+        try:
+            record = await run.io_bound(recorder.record, summary.run)
+        except CommandError as error:
+            ui.notify(str(error), type="negative")
+            return
+        self._record, self._run = record, summary.run
+        self._title.text = f"{summary.order}, run {summary.run}"
+        self._runs.mark(summary.run)
+        self._values.open(record)
+        self._scrubber.open(record)
+
+    # A moment
+
+    def _show_moment(self, index: int) -> None:
+        moment, offset_s = self._record.moment(index), self._record.offsets_s[index]
+        self._where.text = path_words(moment.state_path)
+        self._show_now(moment)
+        self._values.move(offset_s)
+        if moment.reasons != self._shown_reasons:
+            self._shown_reasons = moment.reasons
+            self._show_reasons(moment.reasons)
+        self._picture.show(f"/record/{self._run}/{moment.picture}" if moment.picture else "")
+        self._drawing.light(moment.state_path, frozenset(moment.passed), is_asked=False)
+        if moment.behavior != self._drawing.name:
+            self._drawing.name = moment.behavior
+            background_tasks.create(self._drawing.draw(moment.behavior))
+        else:
+            background_tasks.create(self._drawing.follow())
+
+    def _show_now(self, moment: Moment) -> None:
+        self._now.clear()
+        with self._now:
+            ui.label(f"Task {moment.task}" if moment.task else "Between tasks").classes("title")
+            entry, told = moment.entry, moment.feedback
+            ui.label(f"{KIND_WORDS[entry.kind]}: {entry_words(entry)}").classes("entry-words")
+            if told is not None and told is not entry:
+                ui.label(f"{KIND_WORDS[told.kind]}: {entry_words(told)}").classes("soft")
+
+    def _show_reasons(self, reasons: tuple[Entry, ...]) -> None:
+        self._reasons.clear()
+        with self._reasons:
+            if not reasons:
+                ui.label("Until here nothing had to be decided.").classes("soft")
+            for entry in reasons[:_SHOWN_REASONS]:
+                with ui.element("div").classes(f"failure {entry.kind.value}"):
+                    when = f"{self._record.offset_s(entry):.1f} s"
+                    ui.label(f"{entry.task}, {when}" if entry.task else when).classes("soft")
+                    ui.label(entry_words(entry))

@@ -1,0 +1,69 @@
+"""The runs that can be replayed, as a list to choose from."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Awaitable, Callable
+from functools import partial
+
+from nicegui import run, ui
+
+from remodel_console.console import Console
+from remodel_console.core.use_case.record import Summary
+from remodel_console.core.use_case.use_case import duration_words
+from remodel_console.errors import CommandError
+
+Open = Callable[[Summary], Awaitable[None]]
+
+
+class RunList:
+    """Shows the runs that the supervisor knows."""
+
+    def __init__(self, console: Console, open_run: Open) -> None:
+        """Build an empty list; `open_run` is called with the run that is chosen."""
+        self._console = console
+        self._open = open_run
+        with ui.element("aside").classes("runs"):
+            with ui.row().classes("runs-head"):
+                ui.label("Runs").classes("title")
+                again = ui.button(icon="refresh", on_click=self.list, color=None)
+                again.props('flat dense round title="Look again" aria-label="Look again"')
+            self._area = ui.element("div").classes("wide")
+
+    async def list(self) -> tuple[Summary, ...]:
+        """Ask for the runs, show them, and return them; none if nobody can tell them."""
+        recorder = self._console.recorder
+        self._area.clear()
+        try:
+            if recorder is None:
+                raise CommandError("ROS is away; records cannot be asked for.")
+            runs = await run.io_bound(recorder.runs)
+        except CommandError as error:
+            with self._area:
+                ui.label(str(error)).classes("ending bad")
+            return ()
+        self._area.clear()
+        with self._area:
+            if not runs:
+                ui.label("No run is recorded yet.").classes("soft")
+            for summary in runs:
+                self._show(summary)
+        return runs
+
+    def mark(self, number: int) -> None:
+        """Mark the run that is open."""
+        for button in self._area.default_slot.children:
+            is_open = button.props.get("data-run") == str(number)
+            button.classes(add="here" if is_open else None, remove=None if is_open else "here")
+
+    def _show(self, summary: Summary) -> None:
+        button = ui.element("button").classes("run").on("click", partial(self._open, summary))
+        button.props(f'data-run="{summary.run}"')
+        with button:
+            ui.label(f"{summary.run}  {summary.order}").classes("what")
+            begun = time.strftime("%Y-%m-%d %H:%M", time.localtime(summary.started_s))
+            ui.label(f"{begun}, {duration_words(summary.taken_s)}, {summary.cell}").classes("soft")
+            words = f"{summary.done} of {summary.tasks} done"
+            if not summary.has_ended:
+                words += ", not ended"
+            ui.label(words).classes("good" if summary.is_success else "soft")

@@ -1,0 +1,1 @@
+"""The page of the behavior that runs, and its panels."""

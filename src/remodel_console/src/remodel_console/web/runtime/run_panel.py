@@ -1,0 +1,248 @@
+"""The panel beside the drawing: what can be done about the behavior that runs, or to start one."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from functools import partial
+
+from nicegui import run, ui
+
+from remodel_console.core.run.order import (
+    LEVELS,
+    UNATTENDED,
+    Hold,
+    Order,
+    Pause,
+    Preempt,
+    Release,
+    Repeat,
+    Resume,
+    SetAutonomy,
+    Switch,
+    TakeOutcome,
+)
+from remodel_console.core.run.run_view import Asked, Phase, RunView
+from remodel_console.core.run.run_words import count_words, path_words
+from remodel_console.errors import CommandError
+from remodel_console.web.page import Page, table
+from remodel_console.web.runtime.start_form import StartForm
+
+_ATTACHED_LEVELS = {level: word for level, word in LEVELS.items() if level != UNATTENDED}
+_FIRST_LEVEL = 1  # low, as in the FlexBE App
+
+
+class RunPanel:
+    """Shows what the engine asks, and orders it.
+
+    What depends on the run is built anew when that changes; the button that stops it never is, so
+    that no click on it is lost.
+    """
+
+    def __init__(self, page: Page, order: Callable[[Order], Awaitable[object]]) -> None:
+        """Build a panel without a run; `order` gives the engine an order."""
+        self._page = page
+        self._order = order
+        self._shown: object = None
+        self._outcomes: ui.element | None = None
+        self._outcomes_of = ""
+        with ui.element("aside").classes("panel"):
+            self._area = ui.element("div").classes("run-area")
+            self._stop = page.button("Stop", self._ask_stop, icon="stop", look="stop")
+            self._userdata = self._build_userdata()
+            self._where = ui.label().classes("where")
+            self._count = ui.label().classes("soft")
+
+    def show(self, view: RunView, running: str, loaded: str, newer: Switch | None) -> None:
+        """Show what can be done.
+
+        Args:
+            view: the run.
+            running: name of the behavior that runs; empty if none does, or it is not known.
+            loaded: name of the behavior that is loaded; empty if none is.
+            newer: the way to another version of what runs that is saved; None without one.
+        """
+        shown = (_without_path(view), running, loaded, newer)
+        if shown == self._shown:
+            return
+        self._shown = shown
+        self._area.clear()
+        self._outcomes = None
+        with self._area:
+            if view.phase is not Phase.RUNNING:
+                self._show_idle(view)
+            else:
+                self._show_running(view, running, loaded, newer)
+        self._stop.set_visibility(view.phase is Phase.RUNNING)
+        self._userdata.set_visibility(view.is_supervised)
+        self._where.set_visibility(view.phase is Phase.RUNNING)
+        self._count.set_visibility(view.entries > 0)
+        self.follow(view)
+
+    def follow(self, view: RunView) -> None:
+        """Show what follows each state."""
+        self._where.text = path_words(view.active)
+        self._count.text = count_words(view)
+        self._show_outcomes(view)
+
+    def _show_idle(self, view: RunView) -> None:
+        if view.ending:
+            style = "ending bad" if view.is_ending_bad else "ending"
+            ui.label(f"The last run {view.ending}.").classes(style)
+        StartForm(self._page, self._order)
+
+    def _show_running(self, view: RunView, running: str, loaded: str, newer: Switch | None) -> None:
+        if view.asked is not None:
+            self._show_request(view)
+        if view.is_supervised:
+            if view.ending:
+                ui.label(f"The behavior {view.ending}.").classes("ending bad")
+            self._show_newer_version(newer)
+            self._show_controls(view)
+        else:
+            self._show_attach(running, loaded)
+
+    def _show_request(self, view: RunView) -> None:
+        """Show what the engine asks, with the button that answers it."""
+        confirmation = confirmation_of(view)
+        with ui.element("div").classes("request").props('role="alert"'):
+            ui.label("The engine asks you").classes("soft")
+            label = view.asked.path.rpartition("/")[2] if view.asked else ""
+            if confirmation is None:
+                ui.label(f"Leave '{label}'? Its outcomes are not known here; attach first.")
+                return
+            ui.label(f"Leave '{label}' with '{confirmation.outcome}'?").classes("question")
+            self._page.button(
+                f"Confirm '{confirmation.outcome}'",
+                partial(self._order, confirmation),
+                icon="check",
+            ).classes("confirm").props("autofocus")
+
+    def _show_newer_version(self, newer: Switch | None) -> None:
+        """Offer the version that has been saved while this one runs."""
+        if newer is None:
+            return
+        with ui.element("div").classes("card attach"):
+            ui.label(f"Another version of '{newer.name}' is saved.").classes("question")
+            ui.label("The active state goes on in it, locked until you unlock it.").classes("soft")
+            self._control("Switch to it", newer, "swap_horiz")
+
+    def _show_attach(self, running: str, loaded: str) -> None:
+        """Show how to attach, or what to load first."""
+        name = f"'{running}'" if running else "A behavior of another version than installed here"
+        with ui.element("div").classes("card attach"):
+            ui.label(f"{name} runs unattended.").classes("question")
+            ui.label("Attach to confirm its steps, and to lock, pause or lead it.").classes("soft")
+            if running and running != loaded:
+                ui.label(f"Load '{running}' first: {_loaded_words(loaded)}.")
+                self._page.button(
+                    f"Load '{running}'", partial(self._page.load, running), icon="folder_open"
+                )
+                return
+            level = ui.select(_ATTACHED_LEVELS, value=_FIRST_LEVEL, label="Autonomy")
+            level.props("outlined dense").classes("wide")
+
+            async def attach() -> None:
+                await self._page.give(
+                    "attach", lambda: self._page.console.steering.attach(int(level.value))
+                )
+
+            self._page.button("Attach", attach, icon="visibility")
+
+    def _show_controls(self, view: RunView) -> None:
+        level = ui.select(
+            _ATTACHED_LEVELS,
+            value=view.level,
+            label="Autonomy: what is done unasked",
+            on_change=lambda event: self._order(SetAutonomy(int(event.value))),
+        )
+        level.props("outlined dense").classes("wide").set_enabled(self._page.is_operator)
+        with ui.row().classes("controls"):
+            if view.is_paused:
+                self._control("Go on", Resume(), "play_arrow")
+            else:
+                self._control("Pause", Pause(), "pause")
+            self._control("Repeat", Repeat(), "replay")
+            if view.held is not None:
+                self._control("Unlock", Release(view.held), "lock_open")
+            else:
+                with self._page.button("Lock", self._show_levels, icon="lock", look="quiet"):
+                    self._levels = ui.menu()
+        if view.held is not None:
+            ui.label(f"Locked: {path_words(view.held)}").classes("held")
+        self._outcomes = ui.element("div").classes("wide")
+        self._outcomes_of = ""
+        self._show_outcomes(view)
+
+    def _show_levels(self) -> None:
+        """Fill the menu of what can be locked now."""
+        self._levels.clear()
+        with self._levels:
+            for path in self._page.console.live.world.run.holdable():
+                ui.menu_item(path_words(path), partial(self._order, Hold(path)))
+
+    def _show_outcomes(self, view: RunView) -> None:
+        """Show the outcomes of the active state."""
+        if not view.is_supervised or self._outcomes is None or view.active == self._outcomes_of:
+            return
+        outcomes = view.outcomes(view.active)
+        self._outcomes_of = view.active if outcomes else ""
+        self._outcomes.clear()
+        with self._outcomes:
+            label = view.active.rpartition("/")[2]
+            ui.label(f"Leave '{label}' with" if outcomes else "").classes("soft")
+            with ui.row().classes("controls outcomes"):
+                for index, outcome in enumerate(outcomes):
+                    forced = TakeOutcome(view.active, index, outcome, is_forced=True)
+                    self._control(outcome, forced, None)
+
+    def _control(self, text: str, order: Order, icon: str | None) -> None:
+        self._page.button(text, partial(self._order, order), icon=icon, look="quiet")
+
+    def _build_userdata(self) -> ui.expansion:
+        with ui.expansion("Userdata").classes("wide") as userdata:
+            rows = ui.element("div")
+
+            async def look() -> None:
+                rows.clear()
+                engine = self._page.console.steering.engine
+                try:
+                    found = await run.io_bound(engine.userdata) if engine else ()
+                except CommandError as error:
+                    with rows:
+                        ui.label(str(error)).classes("ending bad")
+                    return
+                with rows:
+                    table(("Key", "Value", "Where"), ((k, v, w) for w, k, _, v in found))
+
+            ui.button("Read", on_click=look, icon="refresh").props("flat dense no-caps")
+        return userdata
+
+    def _ask_stop(self) -> None:
+        self._page.ask(
+            "Stop the behavior? Its goals are cancelled.",
+            "Stop",
+            partial(self._order, Preempt()),
+        )
+
+
+def confirmation_of(view: RunView) -> TakeOutcome | None:
+    """Return the answer to what the engine asks; None if it asks nothing that is known."""
+    if not isinstance(view.asked, Asked):
+        return None
+    outcomes = view.outcomes(view.asked.path)
+    index = view.asked.index
+    if index >= len(outcomes):
+        return None
+    return TakeOutcome(view.asked.path, index, outcomes[index], is_forced=False)
+
+
+def _without_path(view: RunView) -> tuple[object, ...]:
+    """Return what the panel depends on: all but what changes with each state."""
+    return (
+        view.phase, view.behavior_id, view.asked, view.level,
+        view.is_paused, view.held, view.has_structure, view.ending,
+    )  # fmt: skip
+
+
+def _loaded_words(loaded: str) -> str:
+    return f"'{loaded}' is loaded now" if loaded else "nothing is loaded yet"

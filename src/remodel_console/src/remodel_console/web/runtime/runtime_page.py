@@ -1,0 +1,117 @@
+"""Runtime control (Deliverable 5.1, 5.3): start, watch, attach, answer, steer and stop."""
+
+from __future__ import annotations
+
+from nicegui import background_tasks, ui
+
+from flexbe_synthesizer.core.chart.model import Chart
+from remodel_console.core.run.order import Hold, Order, Pause, Release, Repeat, Resume, Switch
+from remodel_console.core.run.run_view import Phase, RunView
+from remodel_console.core.run.run_words import state_words
+from remodel_console.core.world import World
+from remodel_console.web.behavior_drawing import BehaviorDrawing
+from remodel_console.web.page import Page
+from remodel_console.web.runtime.log_pane import LogPane
+from remodel_console.web.runtime.run_panel import RunPanel, confirmation_of
+
+_ROOM = (900.0, 520.0)  # for the drawing on a common screen [pixels]
+_READABLE_S = 0.25  # between two changes of what is there to click
+
+
+class RuntimePage(Page):
+    """The page of the behavior that runs."""
+
+    KEYS = (
+        ("C", "confirm what the engine asks"),
+        ("P", "pause, or go on"),
+        ("R", "repeat the active state"),
+        ("L", "lock the active state, or let it go"),
+    )
+
+    def build(self) -> None:
+        """Build the drawing, the panel beside it, and the log below."""
+        self._drawn_chart: Chart | None = None
+        self._newer: Switch | None = None
+        self._newer_for: object = None
+        self._ran = ""  # name of the behavior that runs, or ran last; empty if it is not known
+        self._line_count = 0
+        ui.timer(_READABLE_S, self._follow)
+        with ui.element("div").classes("runtime"):
+            with ui.element("section").classes("stage"):
+                with ui.row().classes("headline"):
+                    self._title = ui.label().classes("title")
+                    self._state = ui.label().classes("state")
+                self._drawing = BehaviorDrawing(
+                    self.console,
+                    "State machine of the behavior",
+                    "Choose a behavior on the right; its state machine is drawn here.",
+                    _ROOM,
+                )
+            self._panel = RunPanel(self, self.order)
+            with ui.element("section").classes("log-area"):
+                self._log = LogPane()
+
+    def show(self, world: World) -> None:
+        """Show what has changed of the run."""
+        lines, self._line_count = self.console.live.lines_since(self._line_count)
+        if lines:
+            self._log.add(lines)
+        view, chart = world.run, self.console.session.chart
+        loaded = chart.name if chart else ""
+        running = self.console.steering.running_name() if view.phase is Phase.RUNNING else ""
+        if view.phase is Phase.RUNNING:
+            self._ran = running
+        name = running or loaded or self._ran
+        self._title.text = name or "No behavior is loaded"
+        self._state.text = state_words(view)
+        self._state.classes(replace=f"state {view.phase.value}")
+        self._draw(name)
+        self._light(view)
+        self._look_for_newer_version(view)
+        self._panel.show(view, running, loaded, self._newer)
+
+    def _draw(self, name: str) -> None:
+        """Draw a behavior, if it is not drawn already, or has been saved anew."""
+        session = self.console.session
+        is_saved_anew = session.is_saved and session.chart is not self._drawn_chart
+        if name != self._drawing.name or is_saved_anew:
+            self._drawing.name, self._drawn_chart = name, session.chart
+            background_tasks.create(self._drawing.draw(name))
+
+    def _look_for_newer_version(self, view: RunView) -> None:
+        """Look whether what runs has been saved anew; only when that can have changed."""
+        session = self.console.session
+        cause = (view.behavior_id, view.is_supervised, session.chart, session.is_saved)
+        if cause != self._newer_for:
+            self._newer_for = cause
+            self._newer = self.console.steering.newer_version()
+
+    def press(self, key: str, *, ctrl: bool) -> None:
+        """Do what a key means on this page."""
+        view = self.console.live.world.run
+        if ctrl or not view.is_supervised:
+            return
+        orders: dict[str, Order | None] = {
+            "c": confirmation_of(view),
+            "p": Resume() if view.is_paused else Pause(),
+            "r": Repeat(),
+            "l": Hold(view.active) if view.held is None else Release(view.held),
+        }
+        order = orders.get(key.lower())
+        if order is not None:
+            background_tasks.create(self.order(order))
+
+    def _light(self, view: RunView) -> None:
+        """Light what is active, or was; nothing if another behavior is drawn."""
+        is_other = self._ran not in ("", self._drawing.name)
+        active, visited = ("", frozenset()) if is_other else (view.active, view.visited)
+        self._drawing.light(active, visited, is_asked=view.asked is not None)
+
+    async def _follow(self) -> None:
+        """Show what changes with each state; not faster than it can be read."""
+        self._panel.follow(self.console.live.world.run)
+        await self._drawing.follow()
+
+    async def order(self, order: Order) -> None:
+        """Give the engine an order."""
+        await self.give(str(order), lambda: self.console.steering.order(order))
