@@ -15,14 +15,13 @@ from flexbe_synthesizer.core.chart.model import Node as ChartNode
 from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.gate import Permit
 from remodel_planner.supervisors.ports import BehaviorEnd, End
+from remodel_states.core.contract_times import GRACE_S
 from schedules.node import Node
 from schedules.server import Goal, Result, Server
 from schedules.simulation import Simulation
 
-# [s] between two attempts of a request, beyond its timeout until a goal counts as hung, and until
-# the end of a server's connection is noticed.
+# [s] between two attempts of a request, and until the end of a server's connection is noticed.
 _RETRY_S = 0.25
-_GRACE_S = 2.0
 _NOTICED_S = (0.02, 0.3)
 
 Callback = Callable[[Any], None]
@@ -250,7 +249,7 @@ class Engine(Node):
                 and self.deliver(simulation.random.uniform(*_NOTICED_S), answer, _GONE)
             )
         )
-        self.deliver(goal.timeout + _GRACE_S, answer, _HUNG)
+        self.deliver(goal.timeout + GRACE_S, answer, _HUNG)
 
     def _operation(
         self, path: str, ability: str, goal: Goal, outcome: str, result: Result, begun_s: float

@@ -161,7 +161,7 @@ class Schedules:
                 )
             state = frame.after
         for attempt in attempts_of(events):
-            difference = path_difference(attempt, self._charts.of[attempt.chart], {})
+            difference = path_difference(attempt, self._charts.of[attempt.chart], {}, {})
             if difference:
                 simulation.violated(f"run {run}: {attempt.execution.behavior}: {difference}")
         return state

@@ -12,6 +12,7 @@ from house import HOUSE
 from supervisor_bench import FakeAbilities, FakeEngine, FakeLoop
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.error_routes import codes_of_routes
 from flexbe_synthesizer.core.chart.model import Behavior, Container
 from remodel_planner.core.cell_order import cell_order
 from remodel_planner.core.learning.experience import Experience
@@ -25,13 +26,14 @@ from remodel_planner.core.supervision.events import Decided, Part
 from remodel_planner.core.supervision.gate import Gate, Permit
 from remodel_planner.core.use_case.work_order import order_from
 from remodel_planner.edge.catalogue_file import read_catalogue
-from remodel_planner.edge.fault_file import read_faults
+from remodel_planner.edge.fault_file import read_error_names, read_faults
 from remodel_planner.edge.nested_charts import nested_charts
 from remodel_planner.edge.package_files import behavior_charts
 from remodel_planner.edge.use_case_files import find_use_case
 from remodel_planner.edge.work_planner import WorkPlanner
 from remodel_planner.supervisors.ports import BehaviorEnd, End
 from remodel_planner.supervisors.task_supervisor import TaskSupervisor
+from remodel_states.core.codes import Code
 
 PACKAGE = Path(__file__).parents[2]
 FAULTS = read_faults()
@@ -39,15 +41,16 @@ NESTED = nested_charts()
 SHIPPED = [
     parse_chart(file.read_text(), str(file)) for file in sorted(behavior_charts().glob("*.xml"))
 ]
-JAMMED, MISALIGNED, NO_CONTACT, SLIPPED, NOT_SEATED, PULLED_OUT, FORCE = (
-    301, 300, 302, 303, 304, 305, 308,
-)  # fmt: skip
 PERSON_FIRST = sorted(
     code
     for name in FAULTS.names
     for code in FAULTS[name].codes
     if FAULTS[name].responses[0].do is Do.ASK_OPERATOR
 )
+ERROR_NAMES = read_error_names()
+JAMMED, MISALIGNED = Code.INSERTION_JAMMED, Code.INSERTION_MISALIGNED
+NO_CONTACT, SLIPPED = Code.INSERTION_NO_CONTACT, Code.SLIPPED_IN_GRIP
+NOT_SEATED, PULLED_OUT, FORCE = Code.NOT_SEATED, Code.PULLED_OUT, Code.INSUFFICIENT_FORCE
 NO_SUCCESS = {"failed", "command_error", "exhausted", "timed_out"}
 ATTENDED, UNATTENDED = set(Do), set(Do) - {Do.ASK_OPERATOR}
 ORDERS = ["house", "automotive_harness", "branched_harness", "cabinet", "dialysis_hoses"]
@@ -85,8 +88,11 @@ class Walk:
         self.visited.append((path, node))
         if node.type != self.failing:
             return next(target for event, target in targets.items() if event not in NO_SUCCESS)
-        routed = [r.target for r in node.on_error if r.first <= self.code <= r.last]
-        return routed[0] if routed else targets["failed"]
+        routed = codes_of_routes(node.on_error, ERROR_NAMES)
+        taken = (
+            r.target for r, codes in zip(node.on_error, routed, strict=True) if self.code in codes
+        )
+        return next(taken, targets["failed"])
 
     def count(self, ability):
         return sum(node.type == f"{ability}State" for _, node in self.visited)
@@ -101,14 +107,7 @@ def planner(request):
         text = (PACKAGE / "examples" / f"{request.param}.yaml").read_text()
         order = order_from(yaml.safe_load(text))
     use_case = find_use_case(order.use_case)
-    made = WorkPlanner(
-        order,
-        use_case,
-        Experience(use_case),
-        0.0,
-        escalated=FAULTS.codes_above_behaviors,
-        undone=FAULTS.codes_to_undo,
-    )
+    made = WorkPlanner(order, use_case, Experience(use_case), 0.0)
     made.plan([task.name for task in order.tasks])
     return made
 

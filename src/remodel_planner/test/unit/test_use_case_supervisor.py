@@ -36,9 +36,12 @@ from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.task_leases import TaskLeases
 from remodel_planner.errors import LeavingError, LostError, OwnerError, RefusedError
 from remodel_planner.supervisors.ports import BehaviorEnd, End, UnseenError
+from remodel_states.core.codes import Code
 
-JAM, LOST, SLIPPED, MISSING = 301, 4, 303, 103
-STALE_OWNER, SEVERAL_SERVERS, STUCK, MOTION_FAULT = 9, 10, 306, 307
+JAM, LOST = Code.INSERTION_JAMMED, Code.SERVER_LOST
+SLIPPED, MISSING = Code.SLIPPED_IN_GRIP, Code.COMPONENT_MISSING
+STALE_OWNER, SEVERAL_SERVERS = Code.STALE_OWNER, Code.SEVERAL_SERVERS
+STUCK, MOTION_FAULT = Code.EXTRACTION_STUCK, Code.MOTION_FAULT
 
 
 @pytest.fixture

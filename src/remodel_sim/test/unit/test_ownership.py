@@ -1,8 +1,8 @@
 import pytest
 
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.ownership import NO_OWNER, check_owner, owner_of
+from remodel_states.core.codes import Code
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import re
 
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
+from remodel_states.core.codes import Code
 
 NO_OWNER = 0
 # A token is a uint64: 20 digits at most.

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from flexbe_synthesizer.core.chart.error_routes import format_codes
+from flexbe_synthesizer.core.chart.error_routes import codes_of_routes, format_codes, is_named
 from flexbe_synthesizer.core.chart.model import ErrorRoute
 from flexbe_synthesizer.core.chart.names import FAILED
 from flexbe_synthesizer.core.chart.quick import quick
@@ -226,7 +226,7 @@ class _ErrorEnds:
         ends = _ends(graph, leading)
         for name, entry in resolved.by_id.items():
             path = above + name
-            for event, codes, target in _coded(entry, graph):
+            for event, codes, target in _coded(entry, graph, resolved.error_names):
                 yield ErrorEnd(path, event, codes, target, self._listed(ends.get(target, 0)))
             if entry.body is not None:
                 inner: dict[str, int] = {}
@@ -256,7 +256,9 @@ def _ends(graph: Graph, leading: Mapping[str, int]) -> Mapping[str, int]:
     return ends
 
 
-def _coded(entry: ResolvedNode, graph: Graph) -> Iterator[tuple[str, str, str]]:
+def _coded(
+    entry: ResolvedNode, graph: Graph, error_names: Mapping[str, tuple[int, ...]]
+) -> Iterator[tuple[str, str, str]]:
     """Yield event, codes and target of each way in which a node is left with an error code."""
     # In a concurrency container a node has no transitions, and its conditions are the edges.
     leads = entry.node.transitions or graph.leaving.get(entry.node.id, ())
@@ -265,19 +267,22 @@ def _coded(entry: ResolvedNode, graph: Graph) -> Iterator[tuple[str, str, str]]:
         if event not in targets:
             continue
         if event == FAILED and entry.node.on_error:
-            yield from _routed(entry.node.on_error)
+            yield from _routed(entry.node.on_error, error_names)
             yield event, _OTHER, targets[event]
         else:
             yield event, _ANY, targets[event]
 
 
-def _routed(routes: Iterable[ErrorRoute]) -> Iterator[tuple[str, str, str]]:
+def _routed(
+    routes: Sequence[ErrorRoute], error_names: Mapping[str, tuple[int, ...]]
+) -> Iterator[tuple[str, str, str]]:
     """Yield event, codes and target of each target of error routes."""
     by_target: dict[str, list[str]] = {}
-    for route in routes:
-        by_target.setdefault(route.target, []).append(format_codes(route.first, route.last))
-    for target, codes in by_target.items():
-        yield FAILED, ", ".join(codes), target
+    for route, codes in zip(routes, codes_of_routes(routes, error_names), strict=True):
+        shown = f"{route.codes} ({format_codes(codes)})" if is_named(route) else format_codes(codes)
+        by_target.setdefault(route.target, []).append(shown)
+    for target, listed in by_target.items():
+        yield FAILED, ", ".join(listed), target
 
 
 def _assumed(resolved: ResolvedChart) -> Iterator[str]:

@@ -139,6 +139,7 @@ class ResolvedChart:
 
     Attributes:
         runs: how it runs what is in it; the chart of a file is a sequence.
+        error_names: error codes by the names of codes and of classes of codes.
         is_inner: it is the content of a container.
         is_repeated: it is the content of a container that can be entered several times in a run,
             so that the attempts of a state in it may be spent before it is entered.
@@ -151,6 +152,7 @@ class ResolvedChart:
     runs: ContainerKind = ContainerKind.SEQUENCE
     support: Mapping[Support, StateClass] = field(default_factory=dict)
     by_id: Mapping[str, ResolvedNode] = field(default_factory=dict)
+    error_names: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     is_inner: bool = False
     is_repeated: bool = False
 
