@@ -9,6 +9,7 @@ import rostest
 from actionlib_msgs.msg import GoalStatus
 from flexbe_msgs.msg import (
     BehaviorSynthesisAction,
+    BehaviorSynthesisActionFeedback,
     BehaviorSynthesisGoal,
     StateInstantiation,
     SynthesisErrorCodes,
@@ -23,8 +24,17 @@ LIMIT = rospy.Duration(20)
 
 
 class SynthesisServerTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        """Subscribe to the feedback; an action client drops it if the result overtakes it."""
+        cls.feedback = []
+        cls.subscriber = rospy.Subscriber(
+            "flexbe/synthesize/feedback", BehaviorSynthesisActionFeedback, cls.feedback.append
+        )
+
     def setUp(self):
         self.client = self.new_client()
+        self.wait_for(self.subscriber.get_num_connections)
 
     def new_client(self):
         client = actionlib.ActionClient("flexbe/synthesize", BehaviorSynthesisAction)
@@ -32,25 +42,28 @@ class SynthesisServerTest(unittest.TestCase):
         return client
 
     def send(self, goal, initial="start", outcomes=(), client=None):
-        """Send a request; return its handle, an event for its end, and its feedback."""
-        done, feedback = threading.Event(), []
+        """Send a request; return its handle and an event for its end."""
+        done = threading.Event()
 
         def on_transition(handle):
             if handle.get_comm_state() == actionlib.CommState.DONE:
                 done.set()
 
         request = SynthesisRequest("/Task", "", goal, initial, list(outcomes))
-        handle = (client or self.client).send_goal(
-            BehaviorSynthesisGoal(request),
-            on_transition,
-            lambda _handle, message: feedback.append(message),
-        )
-        return handle, done, feedback
+        handle = (client or self.client).send_goal(BehaviorSynthesisGoal(request), on_transition)
+        return handle, done
+
+    def feedback_of(self, handle):
+        """Return what has arrived of the feedback on a request."""
+        goal_id = handle.comm_state_machine.action_goal.goal_id.id
+        return [told.feedback for told in self.feedback if told.status.goal_id.id == goal_id]
 
     def ask(self, *arguments):
-        handle, done, feedback = self.send(*arguments)
+        """Send a request; return its handle and its feedback once all of both has arrived."""
+        handle, done = self.send(*arguments)
         self.assertTrue(done.wait(LIMIT.to_sec()))
-        return handle, feedback
+        self.wait_for(lambda: any(told.progress == 1.0 for told in self.feedback_of(handle)))
+        return handle, self.feedback_of(handle)
 
     def refuse(self, code, *arguments):
         handle, feedback = self.ask(*arguments)
@@ -58,7 +71,7 @@ class SynthesisServerTest(unittest.TestCase):
         self.assertEqual(handle.get_result().error_code.value, code)
         self.assertEqual(handle.get_result().states, [])
         text = handle.get_goal_status_text()
-        self.wait_for(lambda: feedback and feedback[-1].status == text)
+        self.assertEqual(feedback[-1].status, text)
         return text
 
     def test_a_chart_becomes_states_and_files(self):
@@ -101,19 +114,19 @@ class SynthesisServerTest(unittest.TestCase):
     def test_requests_are_served_one_after_another(self):
         clients = [self.client, self.new_client()]
         sent = [self.send("wire_task.xml", client=clients[i % 2]) for i in range(6)]
-        for _, done, _ in sent:
+        for _, done in sent:
             self.assertTrue(done.wait(LIMIT.to_sec()))
-        self.assertEqual({h.get_goal_status() for h, _, _ in sent}, {GoalStatus.SUCCEEDED})
-        lists = [handle.get_result().states for handle, _, _ in sent]
+        self.assertEqual({handle.get_goal_status() for handle, _ in sent}, {GoalStatus.SUCCEEDED})
+        lists = [handle.get_result().states for handle, _ in sent]
         self.assertTrue(all(states == lists[0] for states in lists))
 
     def test_a_request_can_be_cancelled_while_it_is_served_and_while_it_waits(self):
         folder = Path(rospy.get_param("synthesis_server/chart_folders").rpartition(":")[2])
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "long.xml").write_text(write_chart(long_chart(12000)))
-        served, served_done, feedback = self.send("long.xml")
-        waiting, waiting_done, _ = self.send("plain.xml")
-        self.wait_for(lambda: feedback)
+        served, served_done = self.send("long.xml")
+        waiting, waiting_done = self.send("plain.xml")
+        self.wait_for(lambda: self.feedback_of(served))
         self.wait_for(lambda: waiting.get_comm_state() == actionlib.CommState.PENDING)
         waiting.cancel()
         served.cancel()
