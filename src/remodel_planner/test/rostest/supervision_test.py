@@ -118,7 +118,8 @@ class SupervisionTest(unittest.TestCase):
 
     def test_an_operator_answers_and_stops(self):
         rospy.wait_for_service("cell/inject_fault", 30.0)
-        handle = self.start(2)
+        handle = self.start(4)
+        self.wait(self.task_running, "the panel is loaded, which mends all faults")
         inject = rospy.ServiceProxy("cell/inject_fault", InjectFault)
         caused = inject(kind="pulled_out", target="ask_operator", values=[])
         self.assertTrue(caused.success, caused.message)
@@ -141,11 +142,11 @@ class SupervisionTest(unittest.TestCase):
     def test_nothing_moves_after_a_motion_fault_that_a_killed_supervisor_did_not_keep(self):
         rospy.wait_for_service("cell/inject_fault", 30.0)
         supervisor = self.pid("use_case_supervisor")
-        stopped, blocked, begun = [], [], []
+        faults, stopped, blocked, begun = [], [], [], []
 
         def on_goal(_):
             """Stop the supervisor, which has granted the operation, before it ends."""
-            if not stopped:
+            if faults and not stopped:
                 stopped.append(os.kill(supervisor, signal.SIGSTOP))
 
         goals = [
@@ -155,15 +156,16 @@ class SupervisionTest(unittest.TestCase):
             for ability in ABILITIES
         ]
         route = "remodel_abilities/routewire"
+        routes = rospy.Subscriber(f"{route}/goal", RouteWireActionGoal, on_goal)
         results = rospy.Subscriber(f"{route}/result", RouteWireActionResult, blocked.append)
         inject = rospy.ServiceProxy("cell/inject_fault", InjectFault)
         self.start(2)
         self.wait(self.task_running, "the panel is loaded, which mends all faults")
         caused = inject(kind="motion_blocked", target="ask_operator", values=[])
         self.assertTrue(caused.success, caused.message)
-        routes = rospy.Subscriber(f"{route}/goal", RouteWireActionGoal, on_goal)
-        self.wait(lambda: blocked, "the arm is stopped")
-        self.assertEqual(blocked[0].result.error_code, ErrorCode.MOTION_FAULT)
+        faults.append(caused)
+        self.wait(lambda: stopped and blocked, "the arm is stopped")
+        self.assertEqual(blocked[-1].result.error_code, ErrorCode.MOTION_FAULT)
         before = len(begun)
         os.kill(supervisor, signal.SIGKILL)
         self.wait(lambda: self.pid("use_case_supervisor") not in (0, supervisor), "it comes again")
