@@ -36,6 +36,8 @@ from remodel_console.errors import CommandError
 from remodel_console.ros import topics
 
 _LOOK_EVERY_S = 0.2  # between two looks whether the engine is there
+_CHECK_EVERY_S = 0.01  # while the engine connects
+_CONNECT_S = 5.0  # in which an engine that is there subscribes to each of its topics
 _USERDATA_S = 2.0  # in which the engine answers what its userdata is
 
 _PUBLISHED = {
@@ -81,7 +83,7 @@ class EngineLink:
         return self._updates.get_num_connections() > (1 if self._was_there else 0)
 
     def send(self, order: orders.Order) -> None:
-        """Send an order.
+        """Send an order, once the engine has subscribed to its topic.
 
         Raises:
             CommandError: if no engine is there to take it.
@@ -92,7 +94,17 @@ class EngineLink:
                 "roslaunch flexbe_onboard behavior_onboard.launch"
             )
         for topic, message in _messages(order):
+            self._expect_subscriber(topic)
             self._publishers[topic].publish(message)
+
+    def _expect_subscriber(self, topic: str) -> None:
+        """Wait for the engine, which connects to each topic of its own accord."""
+        end_s = time.monotonic() + _CONNECT_S
+        while not self._publishers[topic].get_num_connections():
+            if time.monotonic() > end_s or self._stop.wait(_CHECK_EVERY_S):
+                raise CommandError(
+                    f"the engine does not subscribe to {topic}; does a behavior run?"
+                )
 
     def userdata(self) -> tuple[tuple[str, str, str, str], ...]:
         """Return (where, key, type, value) of the userdata of what runs.

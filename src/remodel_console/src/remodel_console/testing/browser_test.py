@@ -17,7 +17,7 @@ from typing import Any, ClassVar
 
 from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
 
-LIMIT_S = 20.0
+LIMIT_S = 60.0
 _LOOK_S = 0.02
 _IN_PASSING = ".q-notifications { display: none; }"  # what a picture leaves out
 _OVERFLOW = "() => document.documentElement.scrollWidth - document.documentElement.clientWidth"
