@@ -12,13 +12,12 @@ from actionlib_msgs.msg import GoalStatus
 from geometry_msgs.msg import PoseStamped, WrenchStamped
 from remodel_msgs import msg, srv
 from remodel_msgs.msg import ErrorCode
-from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
+from stop_watch import StopWatch
 from visualization_msgs.msg import MarkerArray
 
-WALL_LIMIT_S = 60.0
+WALL_LIMIT_S = 180.0
 STOP_LIMIT_S = 0.2
-STANDSTILL_RAD_S = 0.01
 
 
 def wait_until(condition, limit_s=WALL_LIMIT_S):
@@ -79,12 +78,6 @@ class CellTest(unittest.TestCase):
         cls.on = {name: Client(name) for name in names.split()}
         for client in cls.on.values():
             assert wait_until(lambda c=client: c.client.wait_for_server(rospy.Duration(0.1)))
-        cls.speed = float("inf")
-        rospy.Subscriber("/joint_states", JointState, cls.note_speed)
-
-    @classmethod
-    def note_speed(cls, message):
-        cls.speed = max(abs(v) for v in message.velocity[:7])
 
     def setUp(self):
         self.call("reset", Trigger)
@@ -230,16 +223,15 @@ class CellTest(unittest.TestCase):
             self.assertEqual(seen.connected, connected, seen.message)
 
     def test_cancel_stops_the_arm_within_a_fifth_of_a_second(self):
-        insert = self.on["InsertCable"]
+        insert, watch = self.on["InsertCable"], StopWatch("InsertCable")
+        self.addCleanup(watch.close)
         insert.send(**self.insertion(self.locate()))
         self.assertTrue(
             wait_until(lambda: any("carrying" in f.message for f in insert.feedback)), "not carried"
         )
-        cancelled = time.monotonic()
         insert.client.cancel_goal()
-        self.assertTrue(wait_until(lambda: self.speed < STANDSTILL_RAD_S, 1.0))
-        took = time.monotonic() - cancelled
-        self.assertLess(took, STOP_LIMIT_S)
+        self.assertTrue(wait_until(lambda: watch.took_s() is not None), "not stopped")
+        self.assertLess(watch.took_s(), STOP_LIMIT_S)
         self.assertEqual(insert.wait().error_code, ErrorCode.PREEMPTED)
         self.assertEqual(insert.client.get_state(), GoalStatus.PREEMPTED)
         again = self.on["PickCable"].do(robot_name="robot_1", cable_id="W1", cable_end="a")
