@@ -26,7 +26,7 @@ from std_msgs.msg import String, UInt8
 
 from flexbe_widget.core.run_watch import ENGINE_LOST_TEXT, FAILED_TEXT, NOT_STARTED_TEXT
 
-LIMIT_S = 20.0
+LIMIT_S = 40.0
 
 
 def wait_until(condition, limit_s=LIMIT_S):

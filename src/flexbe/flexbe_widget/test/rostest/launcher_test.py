@@ -17,7 +17,7 @@ from std_msgs.msg import Empty
 from flexbe_widget.core.exit_code import ExitCode
 
 LAUNCHER = ["rosrun", "flexbe_widget", "be_launcher"]
-LIMIT_S = 20.0
+LIMIT_S = 40.0
 
 
 def wait_until(condition, limit_s=LIMIT_S):

@@ -19,7 +19,7 @@ from flexbe_core import BehaviorLibrary
 from flexbe_core.engine.checksum import checksum
 
 TRANSCRIPTS = Path(__file__).parents[1] / "transcripts"
-LIMIT_S = 10.0
+LIMIT_S = 30.0
 QUIET_S = 0.1
 
 

@@ -12,13 +12,14 @@ class GoalSM(Behavior):
         self.name = "Goal Test"
         self.add_parameter("topic", "test_action")
         self.add_parameter("watch", True)
+        self.add_parameter("rate", 10.0)
 
     def create(self):
         root = OperatableStateMachine(outcomes=["finished", "failed"])
         with root:
             OperatableStateMachine.add(
                 "Goal",
-                GoalState(self.topic, self.watch),
+                GoalState(self.topic, self.watch, self.rate),
                 transitions={"done": "finished", "failed": "failed"},
                 autonomy={"done": Autonomy.Off, "failed": Autonomy.Off},
             )

@@ -11,19 +11,21 @@ class GoalState(EventState):
 
     -- topic  string  Action topic.
     -- watch  bool    Look whether the server is still there.
+    -- rate   float   How often it is executed [Hz], unless something wakes it.
 
     <= done    The server answered.
     <= failed  The goal could not be sent, or the server has gone away.
 
     """
 
-    def __init__(self, topic, watch=True):
+    def __init__(self, topic, watch=True, rate=10.0):
         """Connect to the server."""
         super().__init__(outcomes=["done", "failed"])
         self._topic = topic
         self._watch = watch
         self._client = ProxyActionClient({topic: TestAction}, wait_duration=2)
         self._error = False
+        self.set_rate(rate)
 
     def on_enter(self, userdata):
         """Send the goal."""
