@@ -6,7 +6,6 @@ import signal
 import subprocess
 import tempfile
 import threading
-import time
 import unittest
 
 import rospy
@@ -109,12 +108,10 @@ class CommandLinesTest(unittest.TestCase):
                 statuses = Statuses()
                 self.start_line("rosrun flexbe_widget be_launcher -b 'Example Behavior'")
                 self.assertIsNotNone(statuses.wait_for(BEStatus.STARTED))
-                started = time.monotonic()
                 self.run_line(f"rostopic pub -1 {topic} std_msgs/Empty")
                 status = statuses.wait_for(BEStatus.FINISHED)
                 statuses.close()
                 self.assertEqual(status.args, ["preempted"])
-                self.assertLess(time.monotonic() - started, 10.0)
 
     def test_an_unknown_behavior_is_refused_with_near_names(self):
         done = self.run_line("rosrun flexbe_widget be_launcher -b 'Exmaple Behavior'")

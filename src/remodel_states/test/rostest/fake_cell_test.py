@@ -109,7 +109,7 @@ class FakeCellTest(unittest.TestCase):
         if view:
             goal.view = view
         client.send_goal(goal)
-        client.wait_for_result(rospy.Duration(2.0))
+        client.wait_for_result(rospy.Duration(20.0))
         return client.get_result()
 
     def feed(self, wire):
@@ -216,10 +216,10 @@ class FakeCellTest(unittest.TestCase):
         call("slow/cell/feed_wire", FeedWire, wire_id="W1", channel_id="A", owner=1)
         active = threading.Event()
         client.send_goal(self.goal("InsertCable", owner="1:"), active_cb=active.set)
-        self.assertTrue(active.wait(5.0))
+        self.assertTrue(active.wait(20.0))
         loaded = call("slow/cell/load_panel", LoadPanel, panel=PANEL, owner=2)
         self.assertEqual(loaded.error_code, ErrorCode.BUSY)
-        self.assertTrue(client.wait_for_result(rospy.Duration(5.0)))
+        self.assertTrue(client.wait_for_result(rospy.Duration(20.0)))
         self.assertEqual(client.get_result().error_code, ErrorCode.STALE_OWNER)
 
     def test_what_an_operator_mends_is_whole_again(self):
@@ -240,7 +240,7 @@ class FakeCellTest(unittest.TestCase):
         client.send_goal(self.goal("FixCable"))
         self.assertFalse(client.wait_for_result(rospy.Duration(0.5)))
         client.cancel_goal()
-        self.assertTrue(client.wait_for_result(rospy.Duration(2.0)))
+        self.assertTrue(client.wait_for_result(rospy.Duration(20.0)))
         self.assertEqual(client.get_result().error_code, ErrorCode.PREEMPTED)
         self.assertTrue(call("cell/load_panel", LoadPanel, panel=PANEL).success)
         self.feed("W1")
