@@ -24,7 +24,7 @@ from remodel_planner.core.supervision.events import (
 )
 from remodel_planner.core.supervision.state import FINISHED
 
-LIMIT_S = 20.0
+LIMIT_S = 60.0
 DONE, ASIDE, RUNS, WAITS = (
     TaskPhase.DONE,
     TaskPhase.SET_ASIDE,
