@@ -34,6 +34,7 @@ LAYERS = {
 # Modules that no import of a program reaches, but that are found by their name or their place.
 ENTRY_POINTS = {
     "flexbe_states.*_state",  # states, found in the text of their package
+    "remodel_sim.abilities.*",  # each is an ability, or part of one (abilities/ability.py)
     "remodel_states.*_state",
     "remodel_behaviors.*_sm",  # behaviors, named by their manifests
     "flexbe_core.core.exceptions",  # FlexBE's import path

@@ -13,7 +13,7 @@ from xmlrpc.client import ServerProxy
 
 import pytest
 
-from remodel_states.testing import ABILITIES
+from remodel_states.edge.exported_tables import read_abilities
 
 SRC = Path(__file__).parents[1] / "src"
 
@@ -106,7 +106,7 @@ def test_a_node_that_is_interrupted_while_it_is_set_up_ends(node, master, tmp_pa
 
 def test_servers_that_publish_while_ros_closes_their_topics_end_quietly(master, tmp_path):
     with running("remodel_states/nodes/fake_abilities", master, tmp_path) as (process, known):
-        wait_until(lambda: len(statuses(known)) == len(ABILITIES), process)
+        wait_until(lambda: len(statuses(known)) == len(read_abilities()), process)
 
 
 def statuses(known):

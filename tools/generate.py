@@ -13,13 +13,17 @@ ROOT = Path(__file__).parents[1]
 SRC = ROOT / "src"
 sys.path.insert(0, str(SRC / "remodel_states" / "src"))
 
+from ability_list import with_ability_list  # noqa: E402
 from fault_page import fault_page  # noqa: E402
 
 from remodel_states.core.fault_tables import CONTRACT, FaultTables  # noqa: E402
-from remodel_states.edge.table_files import faults_from  # noqa: E402
+from remodel_states.core.state_source import state_modules  # noqa: E402
+from remodel_states.edge.table_files import abilities_in, faults_from  # noqa: E402
 from remodel_states.errors import TableError  # noqa: E402
 
 MSGS = SRC / CONTRACT
+README = SRC / "remodel_states/README.md"
+STATES = SRC / "remodel_states/src/remodel_states"
 
 # First number of each group of error codes, and what reports them.
 GROUPS = {
@@ -49,8 +53,12 @@ class Code(IntEnum):
 
 def generated() -> Mapping[Path, str]:
     """Return the generated files with their texts."""
-    tables = faults_from({CONTRACT: MSGS / "config/faults.yaml"}, MSGS)
+    table = MSGS / "config/abilities.yaml"
+    tables = faults_from({CONTRACT: [MSGS / "config/faults.yaml", table]}, MSGS)
+    abilities = abilities_in(CONTRACT, table, MSGS, tables.codes, MSGS)
     return {
+        **{STATES / name: text for name, text in state_modules(abilities.values()).items()},
+        README: with_ability_list(README.read_text(encoding="utf-8"), abilities.values()),
         MSGS / "msg/ErrorCode.msg": error_code_message(tables),
         SRC / "remodel_states/src/remodel_states/core/codes.py": codes_module(tables),
         ROOT / "docs/reference/faults.md": fault_page(tables),

@@ -63,7 +63,7 @@ def do(cell: Cell, ability: Callable[[Station, G], Steps[T]], goal: G) -> T:
     try:
         goal.check(cell.station.panel, cell.station.book)
     except AbilityError as error:
-        raise RejectedError(error.code, str(error), **error.readings) from error
+        raise RejectedError(error.code, str(error), **error.found) from error
     return cell.run(ability(cell.station, goal))
 
 

@@ -13,8 +13,8 @@ from remodel_msgs.msg import RunUseCaseAction, RunUseCaseActionGoal, RunUseCaseG
 from remodel_msgs.srv import CommandRun, CommandTask
 from std_msgs.msg import Bool
 
-from remodel_planner.ros.ability_watch import ABILITIES
 from remodel_planner.ros.action_server import ActionServer, Goal
+from remodel_states.edge.exported_tables import read_abilities
 
 _BY = "chaos"
 
@@ -45,7 +45,7 @@ class Bystander:
         self._goals: list[tuple[float, str]] = []
         self._latched: rospy.Publisher | None = None
         self._stop = rospy.Publisher("remodel/protective_stop", Bool, queue_size=1, latch=True)
-        for ability in ABILITIES:
+        for ability in read_abilities():
             topic = f"remodel_abilities/{ability.lower()}/goal"
             rospy.Subscriber(topic, getattr(msg, f"{ability}ActionGoal"), self._on_goal)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import rospy
 from remodel_msgs import msg
 
-from remodel_planner.ros.ability_watch import ABILITIES
+from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.testing.world_file import WorldFile
 
 # [s] The end of a goal that has not ended.
@@ -45,7 +45,7 @@ class MotionWatch:
         self._world = world
         self._goals: dict[str, Motion] = {}
         self._arrived = threading.Condition()
-        for ability in ABILITIES:
+        for ability in read_abilities():
             topic = f"remodel_abilities/{ability.lower()}"
             goal = getattr(msg, f"{ability}ActionGoal")
             result = getattr(msg, f"{ability}ActionResult")

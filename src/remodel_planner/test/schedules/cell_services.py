@@ -6,8 +6,9 @@ from collections.abc import Callable
 
 from remodel_msgs.msg import ErrorCode
 
-from remodel_states.testing.ownership import admitted
-from remodel_states.testing.world import World, WorldError
+from remodel_states.core.ability_error import AbilityError
+from remodel_states.serving.ownership import admitted
+from remodel_states.testing.world import World
 from schedules.node import Node
 from schedules.simulation import Simulation
 from schedules.site import Motion, Site
@@ -15,7 +16,7 @@ from schedules.site import Motion, Site
 # [s] that building a panel, and presenting a piece, takes.
 _TAKES_S = (0.2, 1.5)
 
-Reply = Callable[[WorldError | None], None]
+Reply = Callable[[AbilityError | None], None]
 
 
 class CellServices(Node):
@@ -38,7 +39,7 @@ class CellServices(Node):
         """Build the panel of a product."""
         try:
             self._site.admit(self._cell, owner)
-        except WorldError as error:
+        except AbilityError as error:
             reply(error)
             return
         self._site.load(self._cell, serial, keep=keep)
@@ -48,11 +49,11 @@ class CellServices(Node):
         """Present a piece of a wire."""
         site = self._site
         if site.locks.get(self._cell) is not None:
-            reply(WorldError(ErrorCode.BUSY, "the robot is doing a goal"))
+            reply(AbilityError(ErrorCode.BUSY, "the robot is doing a goal"))
             return
         try:
             site.admit(self._cell, owner)
-        except WorldError as error:
+        except AbilityError as error:
             reply(error)
             return
         self._motion = motion = Motion(
@@ -67,7 +68,7 @@ class CellServices(Node):
             try:
                 admitted(site.owners, self._cell, owner)
                 site.feed(self._cell, wire, channel)
-            except WorldError as error:
+            except AbilityError as error:
                 self._release()
                 reply(error)
                 return

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 
 from remodel_msgs.msg import ErrorCode
 
+from remodel_states.core.ability_error import AbilityError
+from remodel_states.serving.ownership import admitted, owner_of
 from remodel_states.testing.faults import Behaves, Fault, at_goal
-from remodel_states.testing.operations import OPERATIONS, perform
-from remodel_states.testing.ownership import admitted, owner_of
-from remodel_states.testing.world import WorldError
+from remodel_states.testing.operations import operation_of, perform
 from schedules.node import Node
 from schedules.simulation import Simulation
 from schedules.site import Motion, Site
@@ -115,11 +115,11 @@ class Server(Node):
         if site.locks.get(self._cell) is not None:
             reply(Result(False, ErrorCode.BUSY, "the robot is busy", refused=True))
             return
-        operation = OPERATIONS[self.ability]
+        operation = operation_of(self.ability)
         try:
             site.admit(self._cell, owner_of(goal.id))
             operation.check(site.world, self._cell, goal)
-        except WorldError as error:
+        except AbilityError as error:
             self.simulation.note(self.name, "refuses {}: {}", goal.id, error)
             reply(Result(False, error.code, str(error), refused=True))
             return
@@ -164,7 +164,7 @@ class Server(Node):
                 job.found = dict(effect.found)
                 for entry in effect.entries:
                     site.write(entry)
-        except WorldError as error:
+        except AbilityError as error:
             self._end(job, Result(False, error.code, str(error)))
             return
         if behaves is Behaves.DIES:
@@ -199,6 +199,7 @@ class Server(Node):
             return
         self._release(job)
         self.simulation.note(self.name, "ended {}: {} {}", job.goal.id, result.code, result.text)
+        self._site.on_result(job.motion, result.code)
         job.reply(result)
 
     def _release(self, job: _Job) -> None:

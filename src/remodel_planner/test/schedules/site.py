@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
+from remodel_states.serving.ownership import admitted
 from remodel_states.testing.faults import Faults, when_fed, when_mended
 from remodel_states.testing.ledger import Deed, Entry
-from remodel_states.testing.ownership import admitted
 from remodel_states.testing.world import Panel, World
 from schedules.simulation import Simulation
 
@@ -39,6 +39,7 @@ class Site:
 
     Attributes:
         on_motion: called when something begins to move.
+        on_result: called when an ability has ended, with its error code.
         on_entry: called after each deed.
         locks: cell -> what holds its robot.
         moving: what moves now.
@@ -47,6 +48,7 @@ class Site:
     simulation: Simulation
     panel: Panel
     on_motion: Callable[[Motion], None] = lambda _: None
+    on_result: Callable[[Motion, int], None] = lambda *_: None
     on_entry: Callable[[Entry], None] = lambda _: None
     world: World = field(default_factory=World)
     faults: Faults = ()
@@ -56,7 +58,7 @@ class Site:
     ledger: list[Entry] = field(default_factory=list)
 
     def admit(self, cell: str, owner: int) -> None:
-        """Check a token, and remember it; WorldError if it is stale."""
+        """Check a token, and remember it; AbilityError if it is stale."""
         self.owners = admitted(self.owners, cell, owner)
 
     def begin(self, motion: Motion) -> None:

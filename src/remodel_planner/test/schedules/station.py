@@ -9,7 +9,6 @@ from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.events import Answered, Command, Commanded
 from remodel_planner.core.supervision.gate import Permit
 from remodel_planner.supervisors.use_case_supervisor import UseCaseSupervisor
-from remodel_states.testing.operations import OPERATIONS
 from schedules.cell_services import CellServices
 from schedules.database import Memory
 from schedules.engine import Engine
@@ -68,11 +67,7 @@ class Station:
         self.invariants = invariants
         self.name = name
         self.cell = cell
-        self.servers = {
-            ability: Server(simulation, site, name, cell, ability)
-            for ability in _USED
-            if ability in OPERATIONS
-        }
+        self.servers = {ability: Server(simulation, site, name, cell, ability) for ability in _USED}
         self.services = CellServices(simulation, site, name, cell)
         self.synthesizer = Node(simulation, f"{name}/synthesizer")
         self.engine = Engine(simulation, name, self.servers, self)
@@ -161,6 +156,10 @@ class Station:
             return life.active.tasks.keep_record(behavior, operation)[0]
 
         self._request(keep, answer)
+
+    def on_engine_death(self) -> None:
+        """See engine.Supervision."""
+        self.invariants.on_engine_death(self)
 
     def send_goal(
         self, count: int, answer: Callable[[str | None], None], *, again: bool = False

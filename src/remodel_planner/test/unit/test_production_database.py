@@ -5,7 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 from sqlalchemy import create_engine, text
 
-from remodel_planner.core.ability import Ability, AbilityParameter, ability_of
+from remodel_planner.core.ability import Ability, AbilityParameter
 from remodel_planner.core.production import (
     Cable,
     Clip,
@@ -132,17 +132,11 @@ def test_preferences_that_are_no_document_are_refused_with_the_order(database):
 
 def test_abilities_are_kept_up_to_date(database):
     place = Ability("Place", "place it", (AbilityParameter("id", "string", "whose"),))
-    pick = ability_of(
-        "Pick", "# Pick: pick it\n#\n# Goal\nstring id # what\nfloat64 f\n---\nbool ok"
-    )
+    parameters = (AbilityParameter("id", "string", "what"), AbilityParameter("f", "float64", ""))
+    pick = Ability("Pick", "pick it", parameters)
     database.add_order(ORDER, abilities=(place,))
     database.add_order(HARNESS, abilities=(pick, Ability("Place", "lay it", ())))
     assert database.abilities() == (pick, Ability("Place", "lay it", ()))
-    assert pick.description == "pick it"
-    assert pick.parameters == (
-        AbilityParameter("id", "string", "what"),
-        AbilityParameter("f", "float64", ""),
-    )
 
 
 def test_an_order_survives_its_process(database, url):

@@ -18,6 +18,7 @@ from remodel_planner.core.run_report import (
 )
 
 TEMPLATE = (Path(__file__).parents[2] / "templates" / "report.html.j2").read_text()
+COLOURS = {"InsertCable": "#ffb703"}
 GOOD = Operation("/Connect a/InsertCable", "InsertCable", "inserted", 0, "seated", 12.0, 2.0)
 BAD = Operation("/Connect a/InsertCable", "InsertCable", "failed", 301, "jammed <here>", 9.0, 3.0)
 
@@ -50,8 +51,8 @@ def test_a_wire_that_was_fed_anew_is_placed_once_and_has_a_row_for_each_attempt(
     failed, second = story("W1", BAD, placed=False), story("W1", GOOD, attempt=2)
     both = report(failed, second, planned=1)
     assert (both.placed, both.first_pass, both.complete) == (1, 0, True)
-    assert list(timeline(both.stories)) == ["W1", "W1, attempt 2"]
-    tree = html.fromstring(render_html(TEMPLATE, both))
+    assert list(timeline(both.stories, {})) == ["W1", "W1, attempt 2"]
+    tree = html.fromstring(render_html(TEMPLATE, both, COLOURS))
     assert len(tree.xpath("//details[@id='W1-1' or @id='W1-2']")) == 2
 
 
@@ -66,18 +67,19 @@ def test_wires_that_an_earlier_run_has_placed_count():
 
 
 def test_the_page_tells_each_wire_and_its_failures():
-    page = render_html(TEMPLATE, report(story("W1", GOOD), story("W2", BAD, GOOD)))
+    page = render_html(TEMPLATE, report(story("W1", GOOD), story("W2", BAD, GOOD)), COLOURS)
     tree = html.fromstring(page)
     assert len(tree.xpath("//details[@id='W1-1' or @id='W2-1']")) == 2
     assert len(tree.xpath("//*[@id='drawing']")) == 2
     assert "error 301" in tree.text_content()
     assert "A <house>" in tree.text_content()
     assert not tree.xpath("//house | //here")
+    assert "background: #ffb703" in page
 
 
 def test_a_run_that_stopped_early_says_why():
     stopped = dataclasses.replace(report(story("W1", GOOD), planned=2), stopped="the engine <died>")
-    page = html.fromstring(render_html(TEMPLATE, stopped))
+    page = html.fromstring(render_html(TEMPLATE, stopped, COLOURS))
     assert "stopped early: the engine <died>" in page.text_content()
     assert report_data(stopped)["stopped"] == "the engine <died>"
 
@@ -92,6 +94,7 @@ def test_the_data_says_the_same():
 
 
 def test_bars_lie_where_the_operations_were():
-    first, second = timeline((story("W2", BAD, GOOD),))["W2"]
+    first, second = timeline((story("W2", BAD, GOOD),), COLOURS)["W2"]
     assert (first.x, first.width, first.failed) == (10.0, 30.0, True)
     assert (second.x, second.width, second.failed) == (50.0, 20.0, False)
+    assert first.colour == "#ffb703"

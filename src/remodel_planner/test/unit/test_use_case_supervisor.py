@@ -2,6 +2,7 @@
 
 import pytest
 from house import owner_of
+from sqlalchemy import text
 from supervisor_bench import Bench
 
 from remodel_planner.core.learning.learned_responses import TriedResponse
@@ -687,8 +688,9 @@ def test_a_task_that_another_cell_has_taken_over_is_stopped(bench, house_url):
 
     def lose():
         name = bench.supervisor.state.current
-        with database.transaction() as session:
-            other._row(session, name).cell = "other"
+        with database.transaction() as connection:
+            task = other._locked(connection, name)
+            connection.execute(text(f"UPDATE tasks SET cell = 'other' WHERE id = {task.id}"))
         taken.append(name)
         bench.engine.end = None
         bench.loop.arrivals += [lambda: None] * 400 + [lambda: bench.command(Command.STOP)]

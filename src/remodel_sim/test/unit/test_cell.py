@@ -33,8 +33,8 @@ def test_six_millimetres_beside_the_mouth_is_refused(cell):
     with pytest.raises(AbilityError) as caught:
         do.insert(cell, "W1", End.A, "X1", "1", beside)
     assert caught.value.code is Code.INSERTION_MISALIGNED
-    assert caught.value.readings["depth"] < 0.003
-    assert caught.value.readings["peak_force"] >= 8.0
+    assert caught.value.found["depth"] < 0.003
+    assert caught.value.found["peak_force"] >= 8.0
     assert "6.0 mm beside the axis of 'X1/1'" in str(caught.value)
     do.extract(cell, "W1", "X1", "1", beside)
     assert cell.station.book.grip is None

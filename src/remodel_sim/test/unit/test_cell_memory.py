@@ -6,6 +6,7 @@ import pytest
 from panels import panel
 from remodel_msgs.msg import FixCableGoal
 
+from remodel_sim.abilities.ability import cell_abilities
 from remodel_sim.abilities.runner import advance
 from remodel_sim.cell import Cell
 from remodel_sim.core.errors import AbilityError, MemoryFileError
@@ -14,9 +15,10 @@ from remodel_sim.core.panel import End
 from remodel_sim.core.placed_wires import ParkedWire, PlacedWires
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.truth import ground_truth
-from remodel_sim.ros.abilities import ABILITIES
 from remodel_sim.ros.job import Job
 from remodel_states.core.codes import Code
+from remodel_states.edge.exported_tables import read_abilities
+from remodel_states.serving.running_goal import RunningGoal
 
 OTHER = panel(name="other")
 
@@ -74,10 +76,11 @@ def test_a_wire_whose_last_end_is_reported_fixed_is_there_after_a_kill_at_that_m
     do.carry(cell, "W1", "A")
     do.insert(cell, "W1", End.B, "X2", "1", do.locate(cell, "X2", "1"))
     goal = FixCableGoal("17:fix b", do.ROBOT, "W1", "X2", "1", 10.0, 60.0)
-    fix = next(ability for ability in ABILITIES if ability.name == "FixCable")
-    job = Job(fix, fix.parse(goal), DyingHandle(goal), [cell.station], 0.0, cell.keep)
+    fix = cell_abilities()["FixCable"]
+    running = RunningGoal(read_abilities()["FixCable"], DyingHandle(goal), lambda: 0.0)
+    job = Job(fix, running, [cell.station], fix.parse(goal), cell.keep, lambda end: end())
     with pytest.raises(KilledError, match="end b of W1 fixed"):
-        while not job.step(0.0):
+        while not job.step():
             advance(cell.plant, cell.station)
     cell.close()
 

@@ -82,7 +82,7 @@ def test_pins_beside_their_bores_and_an_obstacle_in_one_are_told_apart(cell):
     with pytest.raises(AbilityError) as caught:
         place(cell, socket)
     assert caught.value.code is Code.INSERTION_JAMMED
-    assert 0.003 < caught.value.readings["depth"] < 0.0065
+    assert 0.003 < caught.value.found["depth"] < 0.0065
 
 
 @pytest.mark.parametrize(

@@ -49,7 +49,7 @@ def test_a_wire_too_short_for_its_path_pulls_back():
     with pytest.raises(AbilityError) as caught:
         route(cell, at(0.0, 0.30), at(0.0, 0.45))
     assert caught.value.code is Code.SNAGGED
-    assert caught.value.readings["reached"] == 1
+    assert caught.value.found["reached"] == 1
     cell.close()
 
 

@@ -1,22 +1,22 @@
-"""Find a wire and its loose ends."""
+"""The state of DetectCable, generated from config/abilities.yaml: change that."""
 
 from remodel_msgs.msg import DetectCableAction, DetectCableGoal
 
 from flexbe_core import EventState
 from remodel_states.ability_call import AbilityCall
-from remodel_states.checked_view import checked_view
+from remodel_states.checked_byte import checked_byte
 
 
 class DetectCableState(EventState):
     """Find a wire and its loose ends by camera.
 
-    -- view  int  From where it is observed: 0 the usual viewpoint, 1 and up others.
+    -- view  int  From where it is observed: 0 the usual viewpoint, 1 and up others (modulo the viewpoints of the cell).
     -- timeout_s  float  [s] ROS time that the ability gets.
     -- topic  string  Action topic of the ability server.
 
-    ># cable_id  string  Wire of the loaded panel.
+    ># cable_id  string  Wire that the feeder presented, such as "W1".
 
-    #> observation  remodel_msgs/CableObservation  Where the wire lies.
+    #> observation  remodel_msgs/CableObservation  World frame; meaningful only when success.
     #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
     #> error_message  string  What failed and what to do.
 
@@ -33,7 +33,7 @@ class DetectCableState(EventState):
             input_keys=["cable_id"],
             output_keys=["observation", "error_code", "error_message"],
         )
-        self._view = checked_view(view)
+        self._view = checked_byte("view", view)
         self._call = AbilityCall(self, DetectCableAction, topic, timeout_s, done="detected")
 
     def on_enter(self, userdata):

@@ -1,4 +1,4 @@
-"""Take a wire off the panel."""
+"""The state of DiscardCable, generated from config/abilities.yaml: change that."""
 
 from remodel_msgs.msg import DiscardCableAction, DiscardCableGoal
 
@@ -7,13 +7,13 @@ from remodel_states.ability_call import AbilityCall
 
 
 class DiscardCableState(EventState):
-    """Take a wire off the panel and drop it into the scrap bin, connected ends included.
+    """Take a wire off the panel and drop it into the scrap bin; ends that are connected are released first.
 
-    -- robot_name  string  Arm that does it.
+    -- robot_name  string  Arm that does it, such as "robot_1".
     -- timeout_s  float  [s] ROS time that the ability gets.
     -- topic  string  Action topic of the ability server.
 
-    ># cable_id  string  Wire of the loaded panel; empty: the wire that the hand holds.
+    ># cable_id  string  Wire of the loaded panel, such as "W1"; empty: the wire that the hand holds.
 
     #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
     #> error_message  string  What failed and what to do.

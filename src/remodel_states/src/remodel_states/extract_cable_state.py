@@ -1,4 +1,4 @@
-"""Pull a wire's end out of a terminal."""
+"""The state of ExtractCable, generated from config/abilities.yaml: change that."""
 
 from remodel_msgs.msg import ExtractCableAction, ExtractCableGoal
 
@@ -7,16 +7,16 @@ from remodel_states.ability_call import AbilityCall
 
 
 class ExtractCableState(EventState):
-    """Open the terminal, pull the end out, and lay it down in front.
+    """Open the terminal, pull the wire's end out, and lay it down in front.
 
-    -- robot_name  string  Arm that does it.
+    -- robot_name  string  Arm that does it, such as "robot_1".
     -- timeout_s  float  [s] ROS time that the ability gets.
     -- topic  string  Action topic of the ability server.
 
-    ># cable_id  string  Wire of the loaded panel.
-    ># component_id  string  Component of the loaded panel.
+    ># cable_id  string  Wire of the loaded panel, such as "W1".
+    ># component_id  string  Component of the loaded panel, such as "Q1".
     ># terminal_id  string  Terminal of that component.
-    ># socket_pose  geometry_msgs/PoseStamped  Mouth of the terminal, x axis into it.
+    ># socket_pose  geometry_msgs/PoseStamped  The mouth that the end is pulled out of; frame "world" or "panel" [m].
 
     #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
     #> error_message  string  What failed and what to do.

@@ -1,4 +1,4 @@
-"""Close a terminal on an inserted end."""
+"""The state of FixCable, generated from config/abilities.yaml: change that."""
 
 from remodel_msgs.msg import FixCableAction, FixCableGoal
 
@@ -9,13 +9,13 @@ from remodel_states.ability_call import AbilityCall
 class FixCableState(EventState):
     """Close the terminal on the inserted end, prove it by a pull test, and let go.
 
-    -- robot_name  string  Arm that does it.
-    -- pull_test_force  float  [N] Pull that the end must withstand; 0 tests nothing.
+    -- robot_name  string  Arm that does it, such as "robot_1".
+    -- pull_test_force  float  [N] >= 0: the pull that the end must withstand; 0: no test.
     -- timeout_s  float  [s] ROS time that the ability gets.
     -- topic  string  Action topic of the ability server.
 
-    ># cable_id  string  Wire of the loaded panel.
-    ># component_id  string  Component of the loaded panel.
+    ># cable_id  string  Wire of the loaded panel, such as "W1".
+    ># component_id  string  Component of the loaded panel, such as "Q1".
     ># terminal_id  string  Terminal of that component.
 
     #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).

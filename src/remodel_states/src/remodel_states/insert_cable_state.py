@@ -1,4 +1,4 @@
-"""Push one end of a wire into a terminal."""
+"""The state of InsertCable, generated from config/abilities.yaml: change that."""
 
 from remodel_msgs.msg import InsertCableAction, InsertCableGoal
 
@@ -7,20 +7,20 @@ from remodel_states.ability_call import AbilityCall
 
 
 class InsertCableState(EventState):
-    """Push one end of a wire into a terminal until it seats; pick it first if need be.
+    """Push one end of a wire into a terminal until it seats; picks it first when the gripper is empty.
 
-    -- robot_name  string  Arm that does it.
-    -- force_limit  float  [N] Axial force at which the push stops.
+    -- robot_name  string  Arm that does it, such as "robot_1".
+    -- force_limit  float  [N] > 0: axial force at which the push stops.
     -- timeout_s  float  [s] ROS time that the ability gets.
     -- topic  string  Action topic of the ability server.
 
-    ># cable_id  string  Wire of the loaded panel.
-    ># cable_end  string  End of the wire, "a" or "b".
-    ># component_id  string  Component of the loaded panel.
+    ># cable_id  string  Wire of the loaded panel, such as "W1".
+    ># cable_end  string  "a" or "b".
+    ># component_id  string  Component of the loaded panel, such as "Q1".
     ># terminal_id  string  Terminal of that component.
-    ># socket_pose  geometry_msgs/PoseStamped  Mouth of the terminal, x axis into it.
+    ># socket_pose  geometry_msgs/PoseStamped  As LocateGearboxComponent returns it; frame "world" or "panel" [m].
 
-    #> depth  float  [m] From the mouth to the tip.
+    #> depth  float  [m] from the mouth to the tip, as measured by the arm.
     #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
     #> error_message  string  What failed and what to do.
 

@@ -1,24 +1,24 @@
-"""Find a component and one of its terminals."""
+"""The state of LocateGearboxComponent, generated from config/abilities.yaml: change that."""
 
 from remodel_msgs.msg import LocateGearboxComponentAction, LocateGearboxComponentGoal
 
 from flexbe_core import EventState
 from remodel_states.ability_call import AbilityCall
-from remodel_states.checked_view import checked_view
+from remodel_states.checked_byte import checked_byte
 
 
 class LocateGearboxComponentState(EventState):
     """Find a component on the panel, and one of its terminals, by camera.
 
-    -- view  int  From where it is observed: 0 the usual viewpoint, 1 and up others.
+    -- view  int  From where it is observed: 0 the usual viewpoint, 1 and up others (modulo the viewpoints of the cell).
     -- timeout_s  float  [s] ROS time that the ability gets.
     -- topic  string  Action topic of the ability server.
 
-    ># component_id  string  Component of the loaded panel.
-    ># terminal_id  string  Terminal of that component.
+    ># component_id  string  Component on the loaded panel, such as "Q1".
+    ># terminal_id  string  Terminal of that component; empty: the component only.
 
-    #> component_pose  geometry_msgs/PoseStamped  Where the component is.
-    #> socket_pose  geometry_msgs/PoseStamped  Mouth of the terminal, x axis into it.
+    #> component_pose  geometry_msgs/PoseStamped  Centre of the component's base, world frame [m].
+    #> socket_pose  geometry_msgs/PoseStamped  Centre of the terminal's mouth, x axis points into the bore, world frame [m]; unset without terminal_id.
     #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
     #> error_message  string  What failed and what to do.
 
@@ -35,7 +35,7 @@ class LocateGearboxComponentState(EventState):
             input_keys=["component_id", "terminal_id"],
             output_keys=["component_pose", "socket_pose", "error_code", "error_message"],
         )
-        self._view = checked_view(view)
+        self._view = checked_byte("view", view)
         self._call = AbilityCall(
             self, LocateGearboxComponentAction, topic, timeout_s, done="located"
         )

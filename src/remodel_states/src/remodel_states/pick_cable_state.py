@@ -1,4 +1,4 @@
-"""Grasp a wire near one of its ends."""
+"""The state of PickCable, generated from config/abilities.yaml: change that."""
 
 from remodel_msgs.msg import PickCableAction, PickCableGoal
 
@@ -7,15 +7,15 @@ from remodel_states.ability_call import AbilityCall
 
 
 class PickCableState(EventState):
-    """Grasp a wire behind one of its loose ends and lift it.
+    """Grasp a wire behind one of its loose ends, by friction, and lift it.
 
-    -- robot_name  string  Arm that does it.
-    -- grasp_distance  float  [m] From the tip to the grasp; 0 leaves it to the cell.
+    -- robot_name  string  Arm that picks, such as "robot_1".
+    -- grasp_distance  float  [m] from the tip to the centre of the grasp, along the wire; 0: the cell's default.
     -- timeout_s  float  [s] ROS time that the ability gets.
     -- topic  string  Action topic of the ability server.
 
-    ># cable_id  string  Wire of the loaded panel.
-    ># cable_end  string  End of the wire, "a" or "b".
+    ># cable_id  string  Wire of the loaded panel, such as "W1".
+    ># cable_end  string  "a" or "b".
 
     #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
     #> error_message  string  What failed and what to do.

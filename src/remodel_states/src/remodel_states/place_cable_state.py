@@ -1,4 +1,4 @@
-"""Lay a held wire down."""
+"""The state of PlaceCable, generated from config/abilities.yaml: change that."""
 
 from remodel_msgs.msg import PlaceCableAction, PlaceCableGoal
 
@@ -10,12 +10,12 @@ from remodel_states.panel_pose import panel_pose
 class PlaceCableState(EventState):
     """Lay the held end of a wire down and let go.
 
-    -- target  list  [x, y, z, yaw] of the tool centre at release, in the panel frame [m, rad].
-    -- robot_name  string  Arm that does it.
+    -- target  list  [x, y, z, yaw] in the panel frame [m, rad], of the tool centre at release.
+    -- robot_name  string  Arm that does it, such as "robot_1".
     -- timeout_s  float  [s] ROS time that the ability gets.
     -- topic  string  Action topic of the ability server.
 
-    ># cable_id  string  Wire of the loaded panel; empty: the wire that the hand holds.
+    ># cable_id  string  Wire of the loaded panel, such as "W1"; empty: the wire that the hand holds.
 
     #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
     #> error_message  string  What failed and what to do.

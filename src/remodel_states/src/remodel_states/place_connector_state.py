@@ -1,4 +1,4 @@
-"""Mate a connector with several pins."""
+"""The state of PlaceConnector, generated from config/abilities.yaml: change that."""
 
 from remodel_msgs.msg import PlaceConnectorAction, PlaceConnectorGoal
 
@@ -7,18 +7,18 @@ from remodel_states.ability_call import AbilityCall
 
 
 class PlaceConnectorState(EventState):
-    """Mate a connector with several pins with its counterpart.
+    """Push a connector with several pins into its header until it latches, prove it by a pull, and let go.
 
-    -- connector_id  string  Connector at the end of the cable.
-    -- robot_name  string  Arm that does it.
-    -- force_limit  float  [N] Axial force at which the push stops.
+    -- connector_id  string  Connector at the end of the cable, such as "P1".
+    -- robot_name  string  Arm that does it, such as "robot_1".
+    -- force_limit  float  [N] > 0: axial force at which the push stops.
     -- timeout_s  float  [s] ROS time that the ability gets.
     -- topic  string  Action topic of the ability server.
 
-    ># cable_id  string  Wire of the loaded panel.
-    ># component_id  string  Component of the loaded panel.
-    ># terminal_id  string  Terminal of that component.
-    ># socket_pose  geometry_msgs/PoseStamped  Mouth of the terminal, x axis into it.
+    ># cable_id  string  Wire of the loaded panel, such as "W1".
+    ># component_id  string  Component of the loaded panel, such as "Q1".
+    ># terminal_id  string  Header of that component.
+    ># socket_pose  geometry_msgs/PoseStamped  As LocateGearboxComponent returns it; frame "world" or "panel" [m].
 
     #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
     #> error_message  string  What failed and what to do.

@@ -1,4 +1,4 @@
-"""Carry a held wire along a path."""
+"""The state of RouteWire, generated from config/abilities.yaml: change that."""
 
 from remodel_msgs.msg import RouteWireAction, RouteWireGoal
 
@@ -10,12 +10,12 @@ from remodel_states.panel_pose import panel_pose
 class RouteWireState(EventState):
     """Carry the held end of a wire along a path.
 
-    -- path  list  [[x, y, z, yaw], ...] of the tool centre, in the panel frame [m, rad].
-    -- robot_name  string  Arm that does it.
+    -- path  list  [[x, y, z, yaw], ...] in the panel frame [m, rad], of the tool centre.
+    -- robot_name  string  Arm that does it, such as "robot_1".
     -- timeout_s  float  [s] ROS time that the ability gets.
     -- topic  string  Action topic of the ability server.
 
-    ># cable_id  string  Wire of the loaded panel.
+    ># cable_id  string  Wire of the loaded panel, such as "W1".
 
     #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
     #> error_message  string  What failed and what to do.

@@ -10,6 +10,7 @@ import threading
 import time
 import unittest
 from contextlib import contextmanager
+from importlib import import_module
 from unittest import mock
 
 import rospy
@@ -28,42 +29,40 @@ from flexbe_core import Logger
 from flexbe_core.core import UserData
 from flexbe_core.proxy import ProxyActionClient
 from remodel_states import record_keeping
+from remodel_states.core.ability_tables import POSE as POSE_TYPE
+from remodel_states.core.ability_tables import POSES as POSES_TYPE
+from remodel_states.core.state_source import module_name
 from remodel_states.count_attempts_state import CountAttemptsState
-from remodel_states.detect_cable_state import DetectCableState
-from remodel_states.discard_cable_state import DiscardCableState
-from remodel_states.extract_cable_state import ExtractCableState
-from remodel_states.fix_cable_state import FixCableState
-from remodel_states.insert_cable_state import InsertCableState
-from remodel_states.locate_gearbox_component_state import LocateGearboxComponentState
-from remodel_states.pick_cable_state import PickCableState
-from remodel_states.place_cable_state import PlaceCableState
-from remodel_states.place_connector_state import PlaceConnectorState
+from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.place_pin_state import SLOW, PlacePinState
-from remodel_states.route_wire_state import RouteWireState
 from remodel_states.testing import Answer, FakeAbility
 
 POSE = [0.1, 0.2, 0.3, 1.5]
-STATES = {
-    "DetectCable": (DetectCableState, {}, "detected"),
-    "DiscardCable": (DiscardCableState, {}, "discarded"),
-    "ExtractCable": (ExtractCableState, {}, "extracted"),
-    "FixCable": (FixCableState, {}, "fixed"),
-    "InsertCable": (InsertCableState, {}, "inserted"),
-    "LocateGearboxComponent": (LocateGearboxComponentState, {}, "located"),
-    "PickCable": (PickCableState, {}, "picked"),
-    "PlaceCable": (PlaceCableState, {"target": POSE}, "placed"),
-    "PlaceConnector": (PlaceConnectorState, {"connector_id": "P1"}, "placed"),
-    "PlacePin": (PlacePinState, {}, "PlacePin finished normally"),
-    "RouteWire": (RouteWireState, {"path": [POSE, POSE]}, "routed"),
-}
+EXAMPLES = {POSE_TYPE: POSE, POSES_TYPE: [POSE, POSE], "string": "P1", "float64": 1.0}
+
+
+def states():
+    """Return ability -> (state's class, required parameters, outcome of success)."""
+    found = {"PlacePin": (PlacePinState, {}, "PlacePin finished normally")}
+    for name, row in read_abilities().items():
+        if row.state and row.package == "remodel_msgs":
+            module = import_module(f"remodel_states.{module_name(name)}")
+            required = [p for p in row.state.parameters if p.is_required]
+            given = {p.name: EXAMPLES[p.field.type] for p in required}
+            found[name] = (getattr(module, f"{name}State"), given, row.state.outcome)
+    return found
+
+
+STATES = states()
 
 
 def userdata():
     """Return userdata with every input that an ability state may read."""
     data = UserData()
-    for key in ("cable_id", "cable_end", "component_id", "terminal_id", "placepin_id"):
-        data[key] = key
-    data["socket_pose"] = PoseStamped()
+    data["placepin_id"] = "placepin_id"
+    for row in read_abilities().values():
+        for field in row.state.inputs if row.state else ():
+            data[field.name] = PoseStamped() if field.type == POSE_TYPE else field.name
     return data
 
 
@@ -385,7 +384,7 @@ class AbilityStatesTest(unittest.TestCase):
         self.assertIn("cable_id=cable_id", record.parameters)
         (pose,) = [text for text in record.parameters if text.startswith("socket_pose=")]
         self.assertRegex(pose, r"^socket_pose=\S+( -?[0-9.]+){7}$")
-        self.assertIn("peak_force=0.0", record.measurements)
+        self.assertIn("peak_force=5.0", record.measurements)
         self.assertFalse([text for text in record.measurements if text.startswith("success")])
 
     def test_the_outcome_waits_until_the_record_is_kept(self):

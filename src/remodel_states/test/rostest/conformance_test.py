@@ -23,8 +23,10 @@ from remodel_msgs.msg import (
     PlaceCableResult,
 )
 
+from remodel_states.ability_server import AbilityServer, Done
 from remodel_states.conformance.probe import Probe
 from remodel_states.conformance.trial import Trials
+from remodel_states.core.ability_error import AbilityError
 
 DURATION_S = 0.6
 SEEDS = (0,)
@@ -218,6 +220,21 @@ class Server:
             handle.publish_feedback(self.feedback(goal, took))
 
 
+class Placing(AbilityServer):
+    """The base of servers, with as little as a subclass needs."""
+
+    def check(self, goal):
+        if goal.cable_id != "W1":
+            raise AbilityError(ErrorCode.UNKNOWN_NAME, f"no cable {goal.cable_id!r}; there is W1")
+
+    def perform(self, running):
+        if running.goal.robot_name == "broken":
+            raise ValueError("a mistake of the subclass")
+        running.report("placing", 10.0)
+        running.wait(DURATION_S)
+        return Done("placed")
+
+
 def good_goal():
     goal = PlaceCableGoal(id="good", cable_id="W1", timeout=3.0, target_pose=PoseStamped())
     goal.target_pose.pose.orientation.w = 1.0
@@ -252,6 +269,31 @@ class ConformanceTest(unittest.TestCase):
         with ThreadPoolExecutor(4) as pool:
             found = list(pool.map(lambda seed: broken_rules("", seed), range(4)))
         self.assertEqual(found, [set()] * 4)
+
+    def test_the_base_of_servers_keeps_the_contract(self):
+        topic = "conformance/base"
+        server = Placing("PlaceCable", topic=topic)
+        probe = Probe(topic, PlaceCableAction)
+        found = list(Trials(probe, good_goal(), CODES).run())
+        probe.close()
+        self.assertEqual([fault for trial in found for fault in trial.faults], [])
+        self.assertGreater(len(found), 10)
+        self.assertEqual(server.ability.name, "PlaceCable")
+
+    def test_the_base_of_servers_refuses_an_older_supervisor_and_survives_a_mistake(self):
+        topic = "conformance/owners"
+        server = Placing("PlaceCable", topic=topic)
+        client = actionlib.SimpleActionClient(topic, PlaceCableAction)
+        self.assertTrue(client.wait_for_server(rospy.Duration(10.0)))
+        codes = []
+        for owner, robot in (("2:", ""), ("1:", ""), ("2:", "broken"), ("2:", "")):
+            goal = good_goal()
+            goal.id, goal.robot_name = f"{owner}good", robot
+            client.send_goal_and_wait(goal, rospy.Duration(10.0))
+            codes.append(client.get_result().error_code)
+        stale, internal = ErrorCode.STALE_OWNER, ErrorCode.INTERNAL
+        self.assertEqual(codes, [0, stale, internal, 0])
+        self.assertEqual(server.ability.name, "PlaceCable")
 
     def run_kit(self, *words):
         line = ["rosrun", "remodel_states", "conformance", *words]

@@ -5,10 +5,10 @@ from types import SimpleNamespace
 import pytest
 from remodel_msgs.msg import ErrorCode
 
+from remodel_states.core.ability_error import AbilityError
+from remodel_states.serving.ownership import admitted, owner_of
 from remodel_states.testing.faults import Cure, Fault, at_goal, when_fed, when_mended
 from remodel_states.testing.ledger import Deed, Entry, account
-from remodel_states.testing.ownership import admitted, owner_of
-from remodel_states.testing.world import WorldError
 
 CELL = "cell_1"
 
@@ -99,7 +99,7 @@ def test_an_older_supervisor_is_refused_in_its_cell():
     owners = admitted(admitted({}, CELL, 17), CELL, 18)
     assert admitted(owners, CELL, 18) == admitted(owners, CELL, 0) == {CELL: 18}
     assert admitted(owners, "cell_2", 3) == {CELL: 18, "cell_2": 3}
-    with pytest.raises(WorldError, match="supervisor 17 no longer owns cell_1") as raised:
+    with pytest.raises(AbilityError, match="supervisor 17 no longer owns cell_1") as raised:
         admitted(owners, CELL, 17)
     assert raised.value.code == ErrorCode.STALE_OWNER
 

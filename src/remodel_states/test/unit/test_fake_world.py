@@ -6,11 +6,12 @@ from types import SimpleNamespace
 import pytest
 from remodel_msgs.msg import ErrorCode
 
+from remodel_states.core.ability_error import AbilityError
 from remodel_states.testing.faults import Behaves, Cure, Fault
 from remodel_states.testing.ledger import Deed, Entry
 from remodel_states.testing.operations import OPERATIONS, fail, perform
 from remodel_states.testing.robot_lock import RobotLock
-from remodel_states.testing.world import Hand, Panel, Seat, World, WorldError
+from remodel_states.testing.world import Hand, Panel, Seat, World
 from remodel_states.testing.world_file import WorldFile
 
 CELL = "cell_1"
@@ -48,7 +49,7 @@ def do(world, ability, **fields):
 
 
 def code_of(world, ability, **fields):
-    with pytest.raises(WorldError) as raised:
+    with pytest.raises(AbilityError) as raised:
         do(world, ability, **fields)
     return raised.value.code
 
@@ -119,7 +120,7 @@ def test_the_hand_takes_one_end_at_a_time(fed):
     held = do(fed, "PickCable").world
     assert code_of(held, "PickCable", cable_end="b") == ErrorCode.OTHER_CABLE_HELD
     assert code_of(held, "InsertCable", cable_end="b") == ErrorCode.OTHER_CABLE_HELD
-    with pytest.raises(WorldError) as raised:
+    with pytest.raises(AbilityError) as raised:
         held.feed(CELL, "W2", "A")
     assert raised.value.code == ErrorCode.OTHER_CABLE_HELD
 
@@ -152,7 +153,7 @@ def test_looking_tells_whether_an_end_is_held(fed, a_fixed):
 
 
 def refused_feed(world, wire="W1", cell=CELL):
-    with pytest.raises(WorldError) as raised:
+    with pytest.raises(AbilityError) as raised:
         world.feed(cell, wire, "A")
     return raised.value.code
 
@@ -246,10 +247,10 @@ def test_the_file_gives_back_what_it_was_given(tmp_path, a_fixed):
 
 def test_a_change_that_fails_changes_nothing(tmp_path, a_fixed):
     file = WorldFile(tmp_path / "world")
-    with pytest.raises(WorldError), file.change() as draft:
+    with pytest.raises(AbilityError), file.change() as draft:
         draft.world = a_fixed
         draft.entries.append(Entry(Deed.FEED, CELL, "W1"))
-        raise WorldError(ErrorCode.UNKNOWN_NAME, "no")
+        raise AbilityError(ErrorCode.UNKNOWN_NAME, "no")
     assert file.read().world == World()
     assert file.ledger() == ()
 

@@ -36,7 +36,7 @@ OWN = {
 def tables_with(folder, own):
     file = folder / "faults.yaml"
     file.write_text(yaml.safe_dump(own))
-    return faults_from({"remodel_msgs": MSGS / "config/faults.yaml", "crimping": file}, MSGS)
+    return faults_from({"remodel_msgs": [MSGS / "config/faults.yaml"], "crimping": [file]}, MSGS)
 
 
 def changed(**fields):
@@ -71,13 +71,14 @@ def test_a_fault_after_another_one_has_its_codes(tmp_path):
         ),
         (changed(fault="insertion_jammed"), "fault insertion_jammed: listed twice"),
         (changed(severity="bad"), "severity: found 'bad'; allowed: recoverable, serious"),
+        ({**OWN, "fault": []}, "the file: found fault; allowed: abilities, no_fault, faults"),
         (changed(colour="red"), "faults[0]: found colour; allowed: fault, family"),
         (changed(code="x"), "faults[0].codes[0].code: found 'x'; allowed: a value of type integer"),
         (
             {"faults": [{**changed(after={"fault": "none", "times": 2})["faults"][0]}]},
             "faults[0]",
         ),
-        ({}, "the file: found nothing; missing: faults"),
+        ([], "the file: found []; allowed: a value of type object"),
     ],
 )
 def test_a_faulty_table_is_reported_with_its_file(tmp_path, own, problem):
@@ -98,4 +99,9 @@ def test_a_table_that_is_no_yaml_is_reported(tmp_path):
     file = tmp_path / "faults.yaml"
     file.write_text("faults: [")
     with pytest.raises(TableError, match=r"faults\.yaml"):
-        faults_from({"remodel_msgs": file}, MSGS)
+        faults_from({"remodel_msgs": [file]}, MSGS)
+
+
+def test_a_table_of_abilities_may_list_faults(tmp_path):
+    own = {"abilities": {}, **OWN}
+    assert tables_with(tmp_path, own).numbers["FERRULE_MISSING"] == 1000

@@ -32,6 +32,7 @@ from remodel_planner.ros.record_server import RecordServer
 from remodel_planner.ros.run_server import RunServer
 from remodel_planner.ros.work import WorkMaker
 from remodel_planner.supervisors.work import Peers
+from remodel_states.errors import TableError
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -98,7 +99,7 @@ def main(arguments: list[str] | None = None) -> int:
         faults = read_faults()
         find_use_case(options.use_case)
         require_master()
-    except (PlannerError, NoMasterError) as error:
+    except (PlannerError, NoMasterError, TableError) as error:
         print(f"use_case_supervisor: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:

@@ -13,17 +13,7 @@ from jinja2 import Environment, StrictUndefined
 from remodel_planner.core.production import Order, Wire
 from remodel_planner.core.run import Execution, Operation
 
-# One colour for each ability in the timeline; a failed operation is outlined in red.
-ABILITY_COLOURS = {
-    "DetectCable": "#8ecae6",
-    "LocateGearboxComponent": "#219ebc",
-    "PickCable": "#a3b18a",
-    "RouteWire": "#588157",
-    "PlaceCable": "#3a5a40",
-    "InsertCable": "#ffb703",
-    "FixCable": "#fb8500",
-    "ExtractCable": "#c77dff",
-}
+# Of an ability without a colour of its own.
 _OTHER_COLOUR = "#adb5bd"
 
 # What wires of each IEC 60757 colour look like on the page.
@@ -140,7 +130,9 @@ class Bar:
     title: str
 
 
-def timeline(stories: tuple[WireStory, ...]) -> dict[str, tuple[Bar, ...]]:
+def timeline(
+    stories: tuple[WireStory, ...], colours: Mapping[str, str]
+) -> dict[str, tuple[Bar, ...]]:
     """Return for each story's label its operations as bars over the longest one's duration."""
     longest = max((story.execution.cell_s for story in stories), default=0.0)
     scale = 100 / longest if longest else 0.0
@@ -151,7 +143,7 @@ def timeline(stories: tuple[WireStory, ...]) -> dict[str, tuple[Bar, ...]]:
             Bar(
                 round((operation.ended_s - operation.elapsed_s - start) * scale, 3),
                 round(max(operation.elapsed_s * scale, 0.2), 3),
-                ABILITY_COLOURS.get(operation.ability, _OTHER_COLOUR),
+                colours.get(operation.ability, _OTHER_COLOUR),
                 operation.error_code != 0,
                 f"{operation.ability}: {operation.outcome or 'left'}, {operation.elapsed_s:.1f} s",
             )
@@ -160,18 +152,19 @@ def timeline(stories: tuple[WireStory, ...]) -> dict[str, tuple[Bar, ...]]:
     return rows
 
 
-def render_html(template: str, report: Report) -> str:
+def render_html(template: str, report: Report, colours: Mapping[str, str]) -> str:
     """Return the page.
 
     Args:
         template: text of templates/report.html.j2.
         report: what to tell.
+        colours: ability -> its colour in the timeline, where a failed operation is outlined in red.
     """
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
     return environment.from_string(template).render(
         report=report,
-        bars=timeline(report.stories),
-        ability_colours=ABILITY_COLOURS,
+        bars=timeline(report.stories, colours),
+        ability_colours=colours,
         wire_colours=WIRE_COLOURS,
     )
 

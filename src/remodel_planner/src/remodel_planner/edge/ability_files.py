@@ -1,18 +1,28 @@
-"""The abilities that remodel_msgs defines."""
+"""The abilities of all packages."""
 
 from __future__ import annotations
 
-from pathlib import Path
-
-import rospkg
-
-from remodel_planner.core.ability import Ability, ability_of
+from remodel_planner.core.ability import Ability, AbilityParameter
+from remodel_planner.errors import PlannerError
+from remodel_states.edge import exported_tables
+from remodel_states.errors import TableError
 
 
 def read_abilities() -> tuple[Ability, ...]:
-    """Return the abilities of the installed action files, by name."""
-    folder = Path(rospkg.RosPack().get_path("remodel_msgs")) / "action"
+    """Return the abilities of the tables that packages export, by name.
+
+    Raises:
+        PlannerError: if a table cannot be read.
+    """
+    try:
+        rows = exported_tables.read_abilities()
+    except TableError as error:
+        raise PlannerError(str(error)) from error
     return tuple(
-        ability_of(file.stem, file.read_text(encoding="utf-8"))
-        for file in sorted(folder.glob("*.action"))
+        Ability(
+            name,
+            row.action.title,
+            tuple(AbilityParameter(f.name, f.type, f.text) for f in row.action.goal),
+        )
+        for name, row in sorted(rows.items())
     )

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from remodel_planner.core.run_report import Report, render_html, report_data
 from remodel_planner.edge.package_files import report_template
+from remodel_states.edge.exported_tables import read_abilities
 
 
 def write_report(report: Report, folder: Path) -> Path:
@@ -12,7 +13,8 @@ def write_report(report: Report, folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     page = folder / "report.html"
     template = report_template().read_text(encoding="utf-8")
-    page.write_text(render_html(template, report), encoding="utf-8")
+    colours = {row.name: row.colour for row in read_abilities().values() if row.colour}
+    page.write_text(render_html(template, report, colours), encoding="utf-8")
     data = json.dumps(report_data(report), indent=2, ensure_ascii=False)
     (folder / "report.json").write_text(data + "\n", encoding="utf-8")
     return page

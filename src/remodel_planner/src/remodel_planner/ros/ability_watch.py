@@ -7,17 +7,11 @@ from dataclasses import dataclass
 
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
-from remodel_msgs import msg
 
 from remodel_planner.core.supervision.goal_owner import owner_of
 from remodel_planner.supervisors.ports import Doing, server_of
-
-_FEEDBACK = "ActionFeedback"
-ABILITIES = tuple(
-    name.removesuffix(_FEEDBACK)
-    for name, value in sorted(vars(msg).items())
-    if name.endswith(_FEEDBACK) and isinstance(value, type) and not name.startswith("RunUseCase")
-)
+from remodel_states.ability_messages import message_class
+from remodel_states.edge.exported_tables import read_abilities
 
 # A goal that is recalled never begins. A server that is asked to cancel a goal it does not know,
 # such as one of its predecessor, lists it as recalled, and for ever if it has no clock yet.
@@ -44,21 +38,25 @@ class AbilityWatch:
     """Listens to all abilities, and can cancel what they do, past the engine."""
 
     def __init__(self) -> None:
-        """Subscribe to feedback and status of every ability of remodel_msgs."""
+        """Subscribe to feedback and status of every ability.
+
+        Raises:
+            remodel_states.errors.TableError: if a table of abilities cannot be read.
+        """
+        self._abilities = read_abilities()
         self.latest: Doing | None = None
         self._statuses: dict[str, _Status] = {}
         self._subscribers: dict[str, rospy.Subscriber] = {}
         self._cancels: dict[str, rospy.Publisher] = {}
         # Ability -> actionlib's id of a goal -> token of the owner who granted it, the latest last.
-        self._owners: dict[str, dict[str, int]] = {ability: {} for ability in ABILITIES}
-        for ability in ABILITIES:
-            topic = f"remodel_abilities/{ability.lower()}"
-            kind = getattr(msg, f"{ability}ActionFeedback")
+        self._owners: dict[str, dict[str, int]] = {ability: {} for ability in self._abilities}
+        for ability, row in self._abilities.items():
+            topic, kind = row.topic, message_class(row, "ActionFeedback")
             rospy.Subscriber(f"{topic}/feedback", kind, self._on_feedback, ability)
             self._subscribers[ability] = rospy.Subscriber(
                 f"{topic}/status", GoalStatusArray, self._on_status, ability
             )
-            goal = getattr(msg, f"{ability}ActionGoal")
+            goal = message_class(row, "ActionGoal")
             rospy.Subscriber(f"{topic}/goal", goal, self._on_goal, ability)
             self._cancels[ability] = rospy.Publisher(f"{topic}/cancel", GoalID, queue_size=10)
 
@@ -88,7 +86,7 @@ class AbilityWatch:
         """Return those that do not rest or do not report, for a person."""
         return tuple(
             server_of(ability)
-            for ability in ABILITIES
+            for ability in self._abilities
             if self.is_connected(ability) and not self._rests(ability, since_s, owner)
         )
 

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.grasping import holds
 from remodel_sim.abilities.looking import go_and_see
 from remodel_sim.abilities.motions import park
@@ -21,7 +23,7 @@ from remodel_sim.core.camera import Picture
 from remodel_sim.core.component_shape import label_corners
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.goals import CheckGoal
+from remodel_sim.core.goals import CheckGoal, parse_end
 from remodel_sim.core.layout import WORLD_FROM_PANEL
 from remodel_sim.core.panel import Component
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
@@ -69,6 +71,13 @@ class Shot:
     component: ComponentSighting | None
 
 
+def _goal(message: Any) -> CheckGoal:  # noqa: ANN401 - messages have no types
+    return CheckGoal(
+        message.cable_id, parse_end(message.cable_end), message.component_id, message.terminal_id
+    )
+
+
+@ability("CheckConnection", _goal)
 def check_connection(station: Station, goal: CheckGoal) -> Steps[ConnectionChecked]:
     """Look at the mouth until pictures prove what sits in it."""
     where = f"'{goal.component_id}/{goal.terminal_id}'"

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.looking import (
     GraspSighting,
     OverheadSighting,
@@ -100,6 +102,11 @@ def _centreline(above: OverheadSighting, aside: dict[End, GraspSighting], wire: 
     return aside[first].line if first is End.A else aside[first].line[::-1]
 
 
+def _goal(message: Any) -> DetectGoal:  # noqa: ANN401 - messages have no types
+    return DetectGoal(message.cable_id, message.view)
+
+
+@ability("DetectCable", _goal)
 def detect_cable(station: Station, goal: DetectGoal) -> Steps[CableDetected]:
     """Look from above, find the ferrules of the wire, and follow it from one of them.
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.carrying import carry
 from remodel_sim.abilities.extract_cable import extract_cable, where_it_lay
 from remodel_sim.abilities.grasping import (
@@ -54,6 +56,11 @@ class CableDiscarded:
     message: str
 
 
+def _goal(message: Any) -> DiscardGoal:  # noqa: ANN401 - messages have no types
+    return DiscardGoal(message.robot_name, message.cable_id)
+
+
+@ability("DiscardCable", _goal)
 def discard_cable(station: Station, goal: DiscardGoal) -> Steps[CableDiscarded]:
     """Take the live wire, or one that was parked, off the panel, whatever holds it there."""
     book = station.book
@@ -107,7 +114,7 @@ def _extract(station: Station, terminal: TerminalKey) -> Steps[None]:
         yield from release(station, RELEASE_OPENING_M)
         yield from rise(station)
         text = f"{error}; it was released there, the hand is empty"
-        raise AbilityError(error.code, text, **error.readings) from error
+        raise AbilityError(error.code, text, **error.found) from error
 
 
 def _pick_an_end(station: Station, above_bin: ToolPose) -> Steps[None]:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.grasping import FLOOR_CLEARANCE_M, close_on_wire, holds
 from remodel_sim.abilities.motions import (
     APPROACH_SPEED,
@@ -26,6 +28,7 @@ from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.book import EndState, Grip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
+from remodel_sim.core.goal_pose import pose_from
 from remodel_sim.core.goals import ExtractGoal
 from remodel_sim.core.panel import End
 from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M
@@ -51,6 +54,17 @@ class CableExtracted:
     peak_force: float
 
 
+def _goal(message: Any) -> ExtractGoal:  # noqa: ANN401 - messages have no types
+    return ExtractGoal(
+        message.robot_name,
+        message.cable_id,
+        message.component_id,
+        message.terminal_id,
+        pose_from("socket_pose", message.socket_pose),
+    )
+
+
+@ability("ExtractCable", _goal)
 def extract_cable(station: Station, goal: ExtractGoal) -> Steps[CableExtracted]:
     """Bring the wire back to where its end lies loose in the channel, from wherever it is."""
     book = station.book
@@ -150,5 +164,5 @@ def _pull_out(station: Station, socket: Pose, where: str) -> Steps[float]:
     except AbilityError as error:
         if error.code is Code.EXTRACTION_STUCK:
             text = f"the end in {where}: {error}; ask the operator"
-            raise AbilityError(error.code, text, **error.readings) from error
+            raise AbilityError(error.code, text, **error.found) from error
         raise

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
+from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.grasping import check_grip, let_go_fixed
 from remodel_sim.abilities.motions import wait
 from remodel_sim.abilities.proving import prove_by_pull
@@ -26,6 +28,17 @@ class CableFixed:
     slip: float
 
 
+def _goal(message: Any) -> FixGoal:  # noqa: ANN401 - messages have no types
+    return FixGoal(
+        message.robot_name,
+        message.cable_id,
+        message.component_id,
+        message.terminal_id,
+        message.pull_test_force,
+    )
+
+
+@ability("FixCable", _goal)
 def fix_cable(station: Station, goal: FixGoal) -> Steps[CableFixed]:
     """Close the clamp, pull, open the fingers, and lift the hand off."""
     book = station.book

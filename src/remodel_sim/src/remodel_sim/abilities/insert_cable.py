@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
+from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.grasping import check_grip, pick_end
 from remodel_sim.abilities.motions import disengage
 from remodel_sim.abilities.pushing import bring_before, judge_bore, judge_depth, push_in
 from remodel_sim.abilities.station import Station, Steps
-from remodel_sim.core.goals import InsertGoal
+from remodel_sim.core.goal_pose import pose_from
+from remodel_sim.core.goals import InsertGoal, parse_end
 from remodel_sim.core.mouths import mouth_of
 
 
@@ -27,6 +30,19 @@ class CableInserted:
     peak_force: float
 
 
+def _goal(message: Any) -> InsertGoal:  # noqa: ANN401 - messages have no types
+    return InsertGoal(
+        message.robot_name,
+        message.cable_id,
+        parse_end(message.cable_end),
+        message.component_id,
+        message.terminal_id,
+        pose_from("socket_pose", message.socket_pose),
+        message.force_limit,
+    )
+
+
+@ability("InsertCable", _goal)
 def insert_cable(station: Station, goal: InsertGoal) -> Steps[CableInserted]:
     """Pick the end if the hand is empty, push it into the mouth, judge by travel and force."""
     yield from disengage(station)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.looking import go_and_see
 from remodel_sim.abilities.motions import disengage, park
 from remodel_sim.abilities.station import Station, Steps
@@ -47,6 +49,11 @@ class ComponentLocated:
     residual: float
 
 
+def _goal(message: Any) -> LocateGoal:  # noqa: ANN401 - messages have no types
+    return LocateGoal(message.component_id, message.terminal_id, message.view)
+
+
+@ability("LocateGearboxComponent", _goal)
 def locate_gearbox_component(station: Station, goal: LocateGoal) -> Steps[ComponentLocated]:
     """Look from above when the hand is empty, then from the hand.
 

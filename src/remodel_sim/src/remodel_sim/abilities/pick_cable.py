@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
+from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.grasping import pick_end
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.arm import ToolPose
-from remodel_sim.core.goals import PickGoal
+from remodel_sim.core.goals import PickGoal, parse_end
 from remodel_sim.core.layout import WORLD_FROM_PANEL
 
 
@@ -26,6 +28,13 @@ class CablePicked:
     grip_width: float
 
 
+def _goal(message: Any) -> PickGoal:  # noqa: ANN401 - messages have no types
+    return PickGoal(
+        message.robot_name, message.cable_id, parse_end(message.cable_end), message.grasp_distance
+    )
+
+
+@ability("PickCable", _goal)
 def pick_cable(station: Station, goal: PickGoal) -> Steps[CablePicked]:
     """Find the end, grasp it so that the hand can insert it where it belongs, and lift it."""
     socket = WORLD_FROM_PANEL @ station.panel.panel_from_socket(*station.wire.goes_to(goal.end))

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.grasping import RELEASE_OPENING_M, check_grip, release
 from remodel_sim.abilities.motions import (
     APPROACH_SPEED,
@@ -24,6 +26,7 @@ from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.book import EndState, Grip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.feeding import FORK_BEHIND_GRASP_M
+from remodel_sim.core.goal_pose import pose_from
 from remodel_sim.core.goals import PlaceGoal
 from remodel_sim.core.layout import WORLD_FROM_PANEL
 from remodel_sim.core.mouths import nearest_terminal
@@ -49,6 +52,13 @@ class CablePlaced:
     message: str
 
 
+def _goal(message: Any) -> PlaceGoal:  # noqa: ANN401 - messages have no types
+    return PlaceGoal(
+        message.robot_name, message.cable_id, pose_from("target_pose", message.target_pose)
+    )
+
+
+@ability("PlaceCable", _goal)
 def place_cable(station: Station, goal: PlaceGoal) -> Steps[CablePlaced]:
     """Carry the held end to the target, let go there, and lift the empty hand.
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
+from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.grasping import check_grip, let_go_fixed, pick_end
 from remodel_sim.abilities.motions import disengage
 from remodel_sim.abilities.proving import prove_by_pull
@@ -18,6 +20,7 @@ from remodel_sim.abilities.pushing import (
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
+from remodel_sim.core.goal_pose import pose_from
 from remodel_sim.core.goals import ConnectGoal
 from remodel_sim.core.mouths import mouth_of
 from remodel_states.core.codes import Code
@@ -44,6 +47,19 @@ class ConnectorPlaced:
     peak_force: float
 
 
+def _goal(message: Any) -> ConnectGoal:  # noqa: ANN401 - messages have no types
+    return ConnectGoal(
+        message.robot_name,
+        message.connector_id,
+        message.cable_id,
+        message.component_id,
+        message.terminal_id,
+        pose_from("socket_pose", message.socket_pose),
+        message.force_limit,
+    )
+
+
+@ability("PlaceConnector", _goal)
 def place_connector(station: Station, goal: ConnectGoal) -> Steps[ConnectorPlaced]:
     """Pick the connector if the hand is empty, push, judge by travel and force, pull, let go."""
     book = station.book

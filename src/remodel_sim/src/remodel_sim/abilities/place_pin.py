@@ -9,9 +9,11 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.grasping import (
     FLOOR_CLEARANCE_M,
     check_grip,
@@ -79,6 +81,19 @@ class Hand:
     pin: Pose
 
 
+def _goal(message: Any) -> PlacePinGoal:  # noqa: ANN401 - messages have no types
+    return PlacePinGoal(
+        message.robot_1_name,
+        message.robot_2_name,
+        message.path_space,
+        message.connector_space,
+        message.centered,
+        message.rotate,
+        message.show_in_TF,
+    )
+
+
+@ability("PlacePin", _goal)
 def place_pin(one: Station, two: Station, goal: PlacePinGoal) -> Steps[PinPlaced]:
     """Pick both ends, carry them together, lay them down together, and look."""
     row = pin_row(goal, one.wire)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.carrying import carry
 from remodel_sim.abilities.clipping import lay_into, press_from_above
 from remodel_sim.abilities.course_check import (
@@ -22,6 +24,7 @@ from remodel_sim.core.book import Grip
 from remodel_sim.core.course import clips_along, world_from_clip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
+from remodel_sim.core.goal_pose import pose_from
 from remodel_sim.core.goals import RouteGoal
 from remodel_sim.core.mouths import mouth_of
 from remodel_sim.core.panel import Clip
@@ -44,6 +47,15 @@ class WireRouted:
     reached: int
 
 
+def _goal(message: Any) -> RouteGoal:  # noqa: ANN401 - messages have no types
+    return RouteGoal(
+        message.robot_name,
+        message.cable_id,
+        tuple(pose_from(f"path[{i}]", p) for i, p in enumerate(message.path)),
+    )
+
+
+@ability("RouteWire", _goal)
 def route_wire(station: Station, goal: RouteGoal) -> Steps[WireRouted]:
     """Go from pose to pose with the end; where the path passes clips, lay the wire into them.
 
@@ -60,7 +72,7 @@ def route_wire(station: Station, goal: RouteGoal) -> Steps[WireRouted]:
     try:
         yield from check_ducts(station, goal.path)
     except AbilityError as error:
-        error.readings["reached"] = count
+        error.found["reached"] = count
         raise
     done = (
         f"laid into {', '.join(c.id for c in clips)}" if clips else f"carried along {count} poses"
@@ -80,7 +92,7 @@ def _carry_along(station: Station, goal: RouteGoal) -> Steps[None]:
             yield from carry(station, tool, CARRY_SPEED, free)
             check_grip(station)
         except AbilityError as error:
-            error.readings["reached"] = i
+            error.found["reached"] = i
             raise
 
 

@@ -1,5 +1,8 @@
 """What goes wrong in the cell."""
 
+from typing import Any
+
+from remodel_states.core import ability_error
 from remodel_states.core.codes import Code
 
 
@@ -7,19 +10,24 @@ class CellError(Exception):
     """Base of the errors that the cell reports to its clients."""
 
 
-class AbilityError(CellError):
+class AbilityError(ability_error.AbilityError, CellError):
     """An ability cannot do, or did not manage, what its goal asks.
 
     Attributes:
         code: the physical or contractual cause.
-        readings: what was measured before it failed, by the name of the result's field.
     """
 
-    def __init__(self, code: Code, message: str, **readings: float) -> None:
-        """Say what was asked, what was found, and what to do."""
-        super().__init__(message)
-        self.code = code
-        self.readings = readings
+    code: Code
+
+    def __init__(self, code: Code, message: str, **found: Any) -> None:  # noqa: ANN401
+        """State what was asked, what was found, and what to do.
+
+        Args:
+            code: see the class.
+            message: the text.
+            found: what was measured before it failed, by the name of the result's field.
+        """
+        super().__init__(code, message, found)
 
 
 class MaterialError(CellError):

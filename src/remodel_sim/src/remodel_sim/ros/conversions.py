@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import rospy
 import yaml
+from genpy import Message
 from genpy.message import fill_message_args
 from geometry_msgs.msg import Point, Pose2D, PoseStamped, Quaternion
 from remodel_msgs.msg import CableObservation
@@ -18,11 +19,12 @@ from remodel_msgs.msg import WireTruth as WireTruthMsg
 from sensor_msgs.msg import CameraInfo, Image
 
 from remodel_sim.abilities.detect_cable import CableDetected
+from remodel_sim.abilities.station import Found
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.camera import View
-from remodel_sim.core.errors import AbilityError, MaterialError, PanelError
+from remodel_sim.core.errors import MaterialError, PanelError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.layout import WORLD_FROM_PANEL
+from remodel_sim.core.goal_pose import WORLD
 from remodel_sim.core.panel import (
     Channel,
     Clip,
@@ -36,10 +38,6 @@ from remodel_sim.core.panel import (
 )
 from remodel_sim.core.wire_materials import PROPERTIES, WireMaterials
 from remodel_sim.physics.truth import WireTruth
-from remodel_states.core.codes import Code
-
-WORLD = "world"
-PANEL = "panel"
 
 
 def read_panel(path: Path, materials: WireMaterials) -> Panel:
@@ -133,22 +131,6 @@ def _component_from(message: object) -> Component:
     )
 
 
-def pose_from(name: str, message: PoseStamped) -> Pose:
-    """Return the pose of a stamped message in the world frame.
-
-    It may be given in the world's frame (which an empty name means) or in the panel's.
-    """
-    frame = message.header.frame_id.lstrip("/")
-    if frame not in ("", WORLD, PANEL):
-        raise AbilityError(
-            Code.INVALID_GOAL,
-            f"{name} is given in frame {frame!r}; allowed: {WORLD!r}, {PANEL!r}",
-        )
-    p, q = message.pose.position, message.pose.orientation
-    pose = Pose(np.array([p.x, p.y, p.z]), np.array([q.x, q.y, q.z, q.w]))
-    return WORLD_FROM_PANEL @ pose if frame == PANEL else pose
-
-
 def pose_stamped(pose: Pose) -> PoseStamped:
     """Return a pose as a message in the world frame."""
     message = PoseStamped()
@@ -172,8 +154,15 @@ def observation(detected: CableDetected, cable_id: str) -> CableObservation:
     )
 
 
-def result_value(value: object) -> object:
-    """Return a value of an ability's result as its message field."""
+def result_fields(found: Found, goal: Message) -> dict[str, object]:
+    """Return what an ability found out as fields of its result."""
+    if isinstance(found, CableDetected):
+        return {"observation": observation(found, goal.cable_id)}
+    values = {name: value for name, value in vars(found).items() if name != "message"}
+    return {name: _field(value) for name, value in values.items() if value is not None}
+
+
+def _field(value: object) -> object:
     if isinstance(value, Pose):
         return pose_stamped(value)
     if isinstance(value, ToolPose):

@@ -9,10 +9,10 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
 from remodel_sim.core.component_shape import HOUSING
+from remodel_sim.core.goal_pose import WORLD
 from remodel_sim.core.panel import Component, Wire
 from remodel_sim.core.wire_colours import WIRE_RGB, Rgb
 from remodel_sim.physics.plant import Plant
-from remodel_sim.ros.conversions import WORLD
 from remodel_sim.ros.sim_clock import SimClock
 
 # Markers are told this often [s of simulated time].

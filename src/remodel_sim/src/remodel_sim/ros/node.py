@@ -12,6 +12,7 @@ import yaml
 from genpy import MessageException
 
 from flexbe_core.ros.master import join, spin
+from remodel_sim.abilities.ability import cell_abilities
 from remodel_sim.abilities.station import Audience
 from remodel_sim.cell import Cell
 from remodel_sim.core.cell_design import CellDesign
@@ -22,8 +23,7 @@ from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.edge.film import Film
 from remodel_sim.edge.wire_material_file import read_wire_materials
-from remodel_sim.ros.abilities import ABILITIES
-from remodel_sim.ros.ability_server import AbilityServer
+from remodel_sim.ros.ability_server import CellAbilityServer
 from remodel_sim.ros.conversions import read_panel
 from remodel_sim.ros.filming import Filming
 from remodel_sim.ros.markers import Markers
@@ -31,6 +31,7 @@ from remodel_sim.ros.owner import Owner
 from remodel_sim.ros.publishers import FixedFrames, Pictures, RobotState
 from remodel_sim.ros.services import Services
 from remodel_sim.ros.sim_clock import SimClock
+from remodel_states.edge.exported_tables import read_abilities
 
 # The owner's thread computes without pause; rospy's threads get their turn this often [s].
 SWITCH_INTERVAL_S = 0.001
@@ -48,8 +49,9 @@ def main() -> int:
         except (CellError, OSError, ValueError, yaml.YAMLError, MessageException) as error:
             rospy.logfatal("the cell does not start: %s", error)
             return 1
-        for ability in ABILITIES:
-            AbilityServer(ability, owner)
+        rows = read_abilities()
+        for name, steps in cell_abilities().items():
+            CellAbilityServer(rows[name], steps, owner)
         Services(owner, materials)
         rospy.loginfo("the cell is ready")
         return spin(owner.spin)

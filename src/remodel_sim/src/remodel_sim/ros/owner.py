@@ -100,7 +100,7 @@ class Owner:
 
     def _tick(self) -> None:
         for job in tuple(self.jobs):
-            if job.step(self.clock.now_s):
+            if job.step():
                 self.jobs.remove(job)
         if not self.jobs:
             for passed_s in self.cell.settling():

@@ -46,14 +46,17 @@ class FaultTables:
         return {name: code.number for name, code in self.codes.items()}
 
 
-def join_fault_tables(tables: Mapping[str, Row]) -> tuple[FaultTables, list[str]]:
+def join_fault_tables(
+    tables: Mapping[str, Sequence[Row]],
+) -> tuple[FaultTables, list[str]]:
     """Return the tables of all packages as one, and what contradicts itself in them.
 
     Args:
-        tables: package -> its parsed table, in the form of the schema; the contract's first.
+        tables: package -> its parsed tables, in the form of the schema; the contract's first.
     """
-    listed = [code for package, table in tables.items() for code in _codes(package, table)]
-    rows = [row for table in tables.values() for row in table["faults"]]
+    each = [(package, table) for package, own in tables.items() for table in own]
+    listed = [code for package, table in each for code in _codes(package, table)]
+    rows = [row for _, table in each for row in table.get("faults", [])]
     by_name = {row["fault"]: row for row in rows}
     problems = [*_wrong_numbers(listed), *_repeated(listed, rows)]
     problems += [
@@ -70,7 +73,7 @@ def join_fault_tables(tables: Mapping[str, Row]) -> tuple[FaultTables, list[str]
 
 
 def _codes(package: str, table: Row) -> Iterable[Code]:
-    groups = [table.get("no_fault", []), *(row.get("codes", []) for row in table["faults"])]
+    groups = [table.get("no_fault", []), *(row.get("codes", []) for row in table.get("faults", []))]
     for row in (row for group in groups for row in group):
         yield Code(row["code"], row["name"], row["meaning"], row["remedy"], package)
 

@@ -16,9 +16,9 @@ from xml.etree import ElementTree
 
 import rospkg
 
-from flexbe_core.edge.package_path import packages_exporting
+from remodel_states.core.ability_tables import Ability
 from remodel_states.core.fault_tables import CONTRACT, FaultTables
-from remodel_states.edge.table_files import faults_from
+from remodel_states.edge.table_files import abilities_in, faults_from
 from remodel_states.errors import TableError
 
 EXPORT = "remodel_states"
@@ -30,8 +30,42 @@ def read_faults() -> FaultTables:
     Raises:
         TableError: if a table cannot be read, or two contradict each other.
     """
+    return _faults_of(exporting_packages())
+
+
+def read_abilities() -> dict[str, Ability]:
+    """Return the abilities of all packages on the ROS package path, by name.
+
+    Raises:
+        TableError: if a table cannot be read or does not fit its actions, or two packages have an
+            ability of one name.
+    """
     folders = exporting_packages()
-    return faults_from(_exported(folders, "faults"), folders[CONTRACT])
+    codes = _faults_of(folders).codes
+    found: dict[str, Ability] = {}
+    for package, file in _exported(folders, "abilities").items():
+        abilities = abilities_in(package, file, folders[package], codes, folders[CONTRACT])
+        if twice := [name for name in abilities if name in found]:
+            others = ", ".join(f"{name} of {found[name].package}" for name in twice)
+            raise TableError(str(file), [f"there is {others} already; choose another name"])
+        found |= abilities
+    return found
+
+
+def read_abilities_of(folder: Path) -> tuple[str, dict[str, Ability]]:
+    """Return the name and the abilities of a package, which may be missing on the ROS package path.
+
+    Raises:
+        TableError: if it exports no table of abilities, a table cannot be read, or it does not fit
+            the actions.
+    """
+    name = (ElementTree.parse(folder / "package.xml").findtext("name") or "").strip()
+    folders = {**exporting_packages(), name: folder}
+    files = _exported(folders, "abilities")
+    if name not in files:
+        raise TableError(str(folder / "package.xml"), ["it exports no table of abilities"])
+    codes = _faults_of(folders).codes
+    return name, abilities_in(name, files[name], folder, codes, folders[CONTRACT])
 
 
 def exporting_packages() -> dict[str, Path]:
@@ -40,19 +74,35 @@ def exporting_packages() -> dict[str, Path]:
     Raises:
         TableError: if remodel_msgs is not among them.
     """
-    found = packages_exporting(EXPORT, lambda text: None)
+    packages = rospkg.RosPack()
+    folders = {name: Path(packages.get_path(name)) for name in sorted(packages.list())}
+    found = {name: folder for name, folder in folders.items() if _export(folder) is not None}
     if CONTRACT not in found:
         paths = ":".join(rospkg.get_ros_paths())
         raise TableError(CONTRACT, [f"not on the ROS package path ({paths}); source its workspace"])
-    return {CONTRACT: found.pop(CONTRACT), **dict(sorted(found.items()))}
+    return {CONTRACT: found.pop(CONTRACT), **found}
+
+
+def _faults_of(folders: Mapping[str, Path]) -> FaultTables:
+    exported = [_exported(folders, table) for table in ("faults", "abilities")]
+    files = {name: [own[name] for own in exported if name in own] for name in folders}
+    return faults_from(files, folders[CONTRACT])
 
 
 def _exported(folders: Mapping[str, Path], table: str) -> dict[str, Path]:
     """Return the file of a table in each package that exports one."""
-    found = {}
-    for package, folder in folders.items():
-        element = ElementTree.parse(folder / "package.xml").find(f"export/{EXPORT}")
-        path = element.get(table, "") if element is not None else ""
-        if path:
-            found[package] = Path(path.replace("${prefix}", str(folder)))
-    return found
+    paths = {package: (_export(folder) or {}).get(table) for package, folder in folders.items()}
+    return {
+        package: Path(path.replace("${prefix}", str(folders[package])))
+        for package, path in paths.items()
+        if path
+    }
+
+
+def _export(folder: Path) -> Mapping[str, str] | None:
+    """Return what a package exports; None if it exports no tables."""
+    text = (folder / "package.xml").read_bytes()
+    if EXPORT.encode() not in text:
+        return None
+    element = ElementTree.fromstring(text).find(f"export/{EXPORT}")
+    return None if element is None else element.attrib

@@ -1,7 +1,6 @@
 """Ability servers without a robot, for tests and dry runs.
 
 fake_ability.py    one server that answers as it is told, at once or never
-nonsense.py        goals that no ability can take
 
 A fake cell: all abilities over one physical world that outlives their processes (node fake_cell).
 
@@ -12,12 +11,12 @@ faults.py          what goes wrong, when, and what cures it
 ledger.py          what was done that cannot be undone, and the account of it
 world_file.py      the world on disk, shared by processes
 robot_lock.py      one goal at a time, over processes
-ownership.py       which supervisor may command a cell
+course.py          how long an operation takes, and when it takes effect
 panel.py           the world's panel of a message, and poses back
 cell_ability.py    one ability's action server
 cell_services.py   feeder, panel, pictures, faults and the truth
 """
 
-from remodel_states.testing.fake_ability import ABILITIES, Answer, FakeAbility, serve_all
+from remodel_states.testing.fake_ability import Answer, FakeAbility, serve_all
 
-__all__ = ["ABILITIES", "Answer", "FakeAbility", "serve_all"]
+__all__ = ["Answer", "FakeAbility", "serve_all"]

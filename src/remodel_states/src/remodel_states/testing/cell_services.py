@@ -12,15 +12,16 @@ from remodel_msgs.msg import ErrorCode
 from sensor_msgs.msg import Image
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
+from remodel_states.core.ability_error import AbilityError
+from remodel_states.serving.ownership import admitted
 from remodel_states.testing.cell_ability import Site
+from remodel_states.testing.course import Course
 from remodel_states.testing.fault_table import FaultTable
 from remodel_states.testing.faults import when_fed, when_mended
-from remodel_states.testing.job import Course
 from remodel_states.testing.ledger import Deed, Entry
-from remodel_states.testing.ownership import admitted
 from remodel_states.testing.panel import panel_from, truth_of
 from remodel_states.testing.robot_lock import RobotLock
-from remodel_states.testing.world import World, WorldError
+from remodel_states.testing.world import World
 
 CAMERAS = ("overhead", "wrist", "scene")
 
@@ -87,7 +88,7 @@ class CellServices:
                 return True, action(), ErrorCode.NONE
             finally:
                 self._lock.free()
-        except WorldError as error:
+        except AbilityError as error:
             return False, str(error), error.code
         except (ValueError, TypeError) as error:
             return False, str(error), ErrorCode.INVALID_GOAL

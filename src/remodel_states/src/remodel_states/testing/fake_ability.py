@@ -9,29 +9,15 @@ import threading
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-import actionlib
 import rospy
 from genpy import Message
-from remodel_msgs import msg as remodel_msgs
 from remodel_msgs.msg import ErrorCode
 
-from flexbe_core.ros.steady_action_server import SteadyActionServer
-from remodel_states.testing.nonsense import nonsense
-
-ABILITIES = (
-    "CheckConnection",
-    "DetectCable",
-    "DiscardCable",
-    "ExtractCable",
-    "FixCable",
-    "InsertCable",
-    "LocateGearboxComponent",
-    "PickCable",
-    "PlaceCable",
-    "PlaceConnector",
-    "PlacePin",
-    "RouteWire",
-)
+from remodel_states.ability_server import AbilityServer
+from remodel_states.core.ability_error import AbilityError
+from remodel_states.core.ability_tables import Ability
+from remodel_states.edge.exported_tables import read_abilities
+from remodel_states.serving.running_goal import RunningGoal
 
 
 @dataclass(frozen=True)
@@ -53,72 +39,56 @@ class Answer:
     elapsed_s: float = 0.1
 
 
-class FakeAbility:
-    """An action server that answers one goal after the other; the last answer is repeated."""
+class FakeAbility(AbilityServer):
+    """A server that answers one goal after the other at once; the last answer is repeated."""
 
     def __init__(
-        self, ability: str, answers: Iterable[Answer] = (Answer(),), topic: str = ""
+        self, ability: str | Ability, answers: Iterable[Answer] = (Answer(),), topic: str = ""
     ) -> None:
         """Start to serve an ability, on its usual topic unless another is given."""
-        self._types = {
-            part: getattr(remodel_msgs, f"{ability}{part}") for part in ("Action", "Result")
-        }
-        self._answers = list(answers)
         self._lock = threading.Lock()
-        self.goals: list[Message] = []
-        self.cancelled: list[str] = []
-        self._server = SteadyActionServer(
-            topic or f"remodel_abilities/{ability.lower()}",
-            self._types["Action"],
-            self._on_goal,
-            self._on_cancel,
-            auto_start=False,
-        )
-        self._server.start()
+        self.script(*answers)
+        super().__init__(ability, topic=topic)
 
     def script(self, *answers: Answer) -> None:
         """Replace the answers to come and forget the goals that came."""
         with self._lock:
             self._answers = list(answers)
-            self.goals, self.cancelled = [], []
+            self.goals: list[Message] = []
+            self.cancelled: list[str] = []
 
-    def _on_goal(self, handle: actionlib.ServerGoalHandle) -> None:
+    def prepare(self, goal: Message) -> Answer:
+        """Return the next answer, unless it refuses the goal."""
         with self._lock:
             answer = self._answers.pop(0) if len(self._answers) > 1 else self._answers[0]
-            self.goals.append(handle.get_goal())
-        senseless = nonsense(handle.get_goal())
-        if senseless:
-            result = self._result(handle, Answer(refuse=True))
-            result.error_message = senseless
-            handle.set_rejected(result, senseless)
-            return
-        result = self._result(handle, answer)
+            self.goals.append(goal)
         if answer.refuse:
-            handle.set_rejected(result, result.error_message)
-            return
-        handle.set_accepted()
-        if answer.hang:
-            return
-        if answer.error_code == ErrorCode.NONE:
-            handle.set_succeeded(result)
-        else:
-            handle.set_aborted(result, result.error_message)
+            code = answer.error_code or ErrorCode.INVALID_GOAL
+            raise AbilityError(code, _reason(code))
+        return answer
 
-    def _on_cancel(self, handle: actionlib.ServerGoalHandle) -> None:
+    def start(self, running: RunningGoal, prepared: Answer) -> None:
+        """Answer."""
+        if not prepared.hang:
+            self.finish(running, lambda: self._answer(running, prepared))
+
+    def cancel(self, running: RunningGoal) -> None:
+        """End a goal that hangs."""
         with self._lock:
-            self.cancelled.append(handle.get_goal().id)
-        handle.set_canceled(self._result(handle, Answer(ErrorCode.PREEMPTED)), "cancelled")
+            self.cancelled.append(running.goal.id)
+        self.finish(running, lambda: running.fail(ErrorCode.PREEMPTED, "cancelled", {}))
 
-    def _result(self, handle: actionlib.ServerGoalHandle, answer: Answer) -> Message:
-        code = answer.error_code or (ErrorCode.INVALID_GOAL if answer.refuse else ErrorCode.NONE)
-        return self._types["Result"](
-            id=handle.get_goal().id,
-            success=code == ErrorCode.NONE or answer.contradict,
-            message="" if code else "done, by a fake",
-            elapsed_time=answer.elapsed_s,
-            error_code=code,
-            error_message=f"told to answer error {code}" if code else "",
-        )
+    def _answer(self, running: RunningGoal, answer: Answer) -> None:
+        code, elapsed = answer.error_code, {"elapsed_time": answer.elapsed_s}
+        if code == ErrorCode.NONE:
+            running.succeed("done, by a fake", {**self.ability.fake, **elapsed})
+        else:
+            found = {**elapsed, "success": answer.contradict}
+            running.fail(code, _reason(code), found)
+
+
+def _reason(code: int) -> str:
+    return f"told to answer error {code}"
 
 
 def serve_all(codes: dict[str, list[int]]) -> list[FakeAbility]:
@@ -130,12 +100,13 @@ def serve_all(codes: dict[str, list[int]]) -> list[FakeAbility]:
     Raises:
         ValueError: if codes names no ability.
     """
-    unknown = sorted(set(codes) - set(ABILITIES))
+    abilities = read_abilities()
+    unknown = sorted(set(codes) - set(abilities))
     if unknown:
-        raise ValueError(f"no such ability: {', '.join(unknown)}; there are {', '.join(ABILITIES)}")
+        raise ValueError(f"no such ability: {', '.join(unknown)}; there are {', '.join(abilities)}")
     fakes = [
-        FakeAbility(ability, [Answer(code) for code in codes.get(ability, [0])])
-        for ability in ABILITIES
+        FakeAbility(row, [Answer(code) for code in codes.get(name, [0])])
+        for name, row in abilities.items()
     ]
-    rospy.loginfo("fake abilities serve: %s", ", ".join(ABILITIES))
+    rospy.loginfo("fake abilities serve: %s", ", ".join(abilities))
     return fakes

@@ -13,10 +13,11 @@ from typing import Any
 
 from remodel_msgs.msg import ErrorCode
 
+from remodel_states.core.ability_error import AbilityError
 from remodel_states.testing import requirements
 from remodel_states.testing.ledger import Deed, Entry
 from remodel_states.testing.requirements import terminal_of
-from remodel_states.testing.world import Place, Seat, World, WorldError
+from remodel_states.testing.world import Place, Seat, World
 
 # What is measured where nothing is: [m] an end is deep, [N] it took, [m] between the pads.
 DEPTH_M = 0.012
@@ -49,8 +50,8 @@ class Operation:
     """One ability.
 
     Attributes:
-        check: raises WorldError unless a cell can take a goal as the world is.
-        do: returns the effect; raises WorldError when it fails.
+        check: raises AbilityError unless a cell can take a goal as the world is.
+        do: returns the effect; raises AbilityError when it fails.
         observes: whether it moves nothing.
         includes: returns the abilities that are a part of it, as the world is: what goes wrong with
             them goes wrong with it.
@@ -140,7 +141,7 @@ def _fix(world: World, cell: str, goal: Any) -> Effect:  # noqa: ANN401
     end = world.hand(cell).held
     terminal = terminal_of(goal)
     if world.seat(goal.cable_id, end) != Seat(terminal, False):
-        raise WorldError(
+        raise AbilityError(
             ErrorCode.NOT_SEATED,
             f"the screw of {terminal!r} met nothing: end {end} is not in it; insert it first",
         )
@@ -198,7 +199,7 @@ def _let_go(world: World, cell: str) -> World:
     return world.with_hand(cell, held="")
 
 
-# --- all of them
+# --- all that change or observe the world
 
 OPERATIONS: Mapping[str, Operation] = MappingProxyType(
     {
@@ -220,13 +221,22 @@ OPERATIONS: Mapping[str, Operation] = MappingProxyType(
 )
 
 
+# An ability of which this world knows nothing: it can always be done, and changes nothing.
+_UNKNOWN = Operation(lambda *_: None, lambda world, *_: Effect(world, "done"), observes=True)
+
+
+def operation_of(ability: str) -> Operation:
+    """Return what an ability does."""
+    return OPERATIONS.get(ability, _UNKNOWN)
+
+
 def perform(ability: str, world: World, cell: str, goal: Any, code: int = 0) -> Effect:  # noqa: ANN401
     """Return the effect of an ability; with a code, of its failure.
 
     Raises:
-        WorldError: if it fails as the world is.
+        AbilityError: if it fails as the world is.
     """
-    operation = OPERATIONS[ability]
+    operation = operation_of(ability)
     done = Effect(fail(world, cell, ability, code, goal), "") if code else None
     effect = done or operation.do(world, cell, goal)
     if operation.observes or code in _UNMOVED:

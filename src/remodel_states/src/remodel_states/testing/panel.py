@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion
 from remodel_msgs import msg as remodel_msgs
@@ -47,13 +48,12 @@ def panel_from(message: remodel_msgs.Panel) -> Panel:
     )
 
 
-def fill_result(result: object, found: Mapping[str, object]) -> None:
-    """Write what an ability found out into its result message."""
-    for name, value in found.items():
-        if name == "observation":
-            setattr(result, name, _observation(*value))
-        else:
-            setattr(result, name, _pose(value) if isinstance(value, tuple) else value)
+def result_fields(found: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what an ability found out as fields of its result message."""
+    fields = dict(found)
+    if "observation" in fields:
+        fields["observation"] = _observation(*fields["observation"])
+    return {n: _pose(value) if isinstance(value, tuple) else value for n, value in fields.items()}
 
 
 def truth_of(world: World, wire: str) -> WireTruth:

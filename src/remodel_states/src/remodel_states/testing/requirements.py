@@ -1,7 +1,7 @@
 """What each ability asks of the world before it moves.
 
 The answers are those of the simulated cell (remodel_sim.core.goals); reach is left out. A check
-raises WorldError unless a cell can take a goal as the world is.
+raises AbilityError unless a cell can take a goal as the world is.
 """
 
 from __future__ import annotations
@@ -11,7 +11,8 @@ from typing import Any
 
 from remodel_msgs.msg import ErrorCode
 
-from remodel_states.testing.world import World, WorldError, known
+from remodel_states.core.ability_error import AbilityError
+from remodel_states.testing.world import World, known
 
 ROBOTS = ("robot_1", "robot_2")
 
@@ -44,7 +45,7 @@ def check_pick(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
     check_live(world, cell, goal)
     hand = world.hand(cell)
     if hand.held:
-        raise WorldError(
+        raise AbilityError(
             ErrorCode.OTHER_CABLE_HELD,
             f"the gripper holds end {hand.held} of {hand.live!r} already; place it first",
         )
@@ -56,7 +57,7 @@ def check_carry(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
     _check_robot(goal)
     poses = getattr(goal, "path", None)
     if poses is not None and not poses:
-        raise WorldError(ErrorCode.INVALID_GOAL, "path is empty; it must have one pose or more")
+        raise AbilityError(ErrorCode.INVALID_GOAL, "path is empty; it must have one pose or more")
     check_live(world, cell, goal)
     _check_held(world, cell)
 
@@ -78,13 +79,13 @@ def check_discard(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
     known(world.panel.wires, goal.cable_id, "wire")
     hand = world.hand(cell)
     if hand.held and hand.live != goal.cable_id:
-        raise WorldError(
+        raise AbilityError(
             ErrorCode.OTHER_CABLE_HELD,
             f"the gripper holds end {hand.held} of {hand.live!r}; place or discard it first",
         )
     for name, other in world.hands.items():
         if name != cell and other.held and other.live == goal.cable_id:
-            raise WorldError(
+            raise AbilityError(
                 ErrorCode.ROBOT_IN_THE_WAY,
                 f"the robot of {name} holds end {other.held} of {goal.cable_id!r}",
             )
@@ -99,14 +100,14 @@ def check_insert(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
     _check_terminal(world, goal)
     held = world.hand(cell).held
     if held and held != goal.cable_end:
-        raise WorldError(
+        raise AbilityError(
             ErrorCode.OTHER_CABLE_HELD,
             f"the gripper holds end {held}, not end {goal.cable_end}; place it first",
         )
     _check_loose(world, goal)
     occupant = world.occupant(terminal_of(goal))
     if occupant is not None:
-        raise WorldError(
+        raise AbilityError(
             ErrorCode.TERMINAL_OCCUPIED, f"terminal {terminal_of(goal)!r} holds end {occupant!r}"
         )
 
@@ -131,7 +132,7 @@ def check_connector(world: World, _: str, goal: Any) -> None:  # noqa: ANN401
     """Check that a connector can be mated."""
     _check_robot(goal)
     if not goal.connector_id:
-        raise WorldError(ErrorCode.UNKNOWN_NAME, "connector_id is empty")
+        raise AbilityError(ErrorCode.UNKNOWN_NAME, "connector_id is empty")
     _check_number("force_limit", goal.force_limit, 1.0, math.inf)
 
 
@@ -153,13 +154,13 @@ def _check_robot(goal: Any) -> None:  # noqa: ANN401
 def _check_end(goal: Any) -> None:  # noqa: ANN401
     if goal.cable_end not in ("a", "b"):
         text = f"cable_end is {goal.cable_end!r}; allowed: 'a', 'b'"
-        raise WorldError(ErrorCode.INVALID_GOAL, text)
+        raise AbilityError(ErrorCode.INVALID_GOAL, text)
 
 
 def _check_number(name: str, value: float, low: float, high: float) -> None:
     if not low <= value <= high:
         text = f"{name} is {value:g}; allowed: {low:g} to {high:g}"
-        raise WorldError(ErrorCode.INVALID_GOAL, text)
+        raise AbilityError(ErrorCode.INVALID_GOAL, text)
 
 
 def _check_terminal(world: World, goal: Any) -> None:  # noqa: ANN401
@@ -172,7 +173,7 @@ def check_live(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
     known(world.panel.wires, goal.cable_id, "wire")
     live = world.hand(cell).live
     if live != goal.cable_id:
-        raise WorldError(
+        raise AbilityError(
             ErrorCode.WIRE_NOT_FED,
             f"wire {goal.cable_id!r} is not the one fed last, which is {live or 'none'!r}; feed it "
             "first",
@@ -182,14 +183,14 @@ def check_live(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
 def _check_held(world: World, cell: str) -> None:
     if not world.hand(cell).held:
         text = "the gripper is empty; pick the wire first"
-        raise WorldError(ErrorCode.NOTHING_HELD, text)
+        raise AbilityError(ErrorCode.NOTHING_HELD, text)
 
 
 def _check_loose(world: World, goal: Any) -> None:  # noqa: ANN401
     seat = world.seat(goal.cable_id, goal.cable_end)
     if seat is not None:
         how = "fixed" if seat.fixed else "seated"
-        raise WorldError(
+        raise AbilityError(
             ErrorCode.INVALID_GOAL,
             f"end {goal.cable_end} of {goal.cable_id!r} is {how} in a terminal; extract it first",
         )

@@ -11,17 +11,10 @@ from dataclasses import dataclass, field, replace
 
 from remodel_msgs.msg import ErrorCode
 
+from remodel_states.core.ability_error import AbilityError
+
 # x, y, z [m] and yaw [rad]; panel frame.
 Place = tuple[float, float, float, float]
-
-
-class WorldError(Exception):
-    """What was asked cannot be."""
-
-    def __init__(self, code: int, text: str) -> None:
-        """Tell a remodel_msgs/ErrorCode, and why."""
-        super().__init__(text)
-        self.code = code
 
 
 @dataclass(frozen=True)
@@ -122,14 +115,14 @@ class World:
         A piece that lies there as it was presented is presented again. Nothing else vanishes.
 
         Raises:
-            WorldError: if there is no such wire or channel, the hand holds a wire, or a piece of
+            AbilityError: if there is no such wire or channel, the hand holds a wire, or a piece of
                 this wire is elsewhere in the cell.
         """
         known(self.panel.wires, wire, "wire")
         known(self.panel.channels, channel, "channel")
         hand = self.hand(cell)
         if hand.held:
-            raise WorldError(
+            raise AbilityError(
                 ErrorCode.OTHER_CABLE_HELD,
                 f"the gripper holds end {hand.held} of {hand.live!r}; place it first",
             )
@@ -137,7 +130,7 @@ class World:
         if self.untouched.get(wire) == cell:
             return live
         if wire in self.fed:
-            raise WorldError(
+            raise AbilityError(
                 ErrorCode.WIRE_LEFT_BEHIND,
                 f"a piece of wire {wire!r} is in the cell already; discard it first",
             )
@@ -161,4 +154,4 @@ def known(there: Mapping[str, object] | tuple[str, ...], name: str, noun: str) -
     """Raise UNKNOWN_NAME unless there is a thing of this name."""
     if name not in there:
         names = ", ".join(there) or "none; load a panel first"
-        raise WorldError(ErrorCode.UNKNOWN_NAME, f"no {noun} {name!r}; there are: {names}")
+        raise AbilityError(ErrorCode.UNKNOWN_NAME, f"no {noun} {name!r}; there are: {names}")

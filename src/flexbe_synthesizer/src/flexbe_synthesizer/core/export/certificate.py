@@ -6,6 +6,7 @@ All of it follows from the chart, and from what its states and nested behaviors 
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -155,7 +156,7 @@ class _Times:
             if seconds is None:
                 return None
             longest = max(longest, seconds) if resolved.is_concurrent else longest + seconds
-        return longest
+        return _finite(longest)
 
     def _visit(self, entry: ResolvedNode) -> Seconds:
         """Return how long one visit to a node takes."""
@@ -192,7 +193,12 @@ def _product(visits: Bound, seconds: Seconds) -> Seconds:
     """Return how long so many visits take; no visit takes no time."""
     if visits == 0:
         return 0.0
-    return None if visits is None or seconds is None else visits * seconds
+    return None if visits is None or seconds is None else _finite(visits * seconds)
+
+
+def _finite(seconds: float) -> Seconds:
+    """Return a time, None for one that is too long for a number."""
+    return seconds if seconds < math.inf else None
 
 
 class _ErrorEnds:
@@ -357,7 +363,10 @@ class _Texts(dict[str | tuple[str, ...], str]):
 
 
 def _number(bound: float | None) -> str:
-    return f'"{UNBOUNDED}"' if bound is None else repr(bound)
+    if bound is None:
+        return f'"{UNBOUNDED}"'
+    written = repr(bound)
+    return written if "." in written else written.replace("e", ".0e")  # YAML wants the point
 
 
 def _names(names: Iterable[str]) -> str:

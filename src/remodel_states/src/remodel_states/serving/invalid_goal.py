@@ -1,4 +1,4 @@
-"""Goals that make no sense, whatever the ability."""
+"""Goals that are invalid, whatever the ability."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from collections.abc import Iterator
 from genpy import Message
 
 
-def nonsense(goal: Message) -> str:
-    """Return why a goal makes no sense; empty if it does."""
+def why_invalid(goal: Message) -> str:
+    """Return why a goal is invalid; empty if it is valid."""
     if not goal.id:
         return "id is empty; it must name the goal"
     if not 0 < goal.timeout < math.inf:
         return f"timeout must be a positive number, found {goal.timeout}"
     for name in goal.__slots__:
         if any(not math.isfinite(number) for number in _numbers(getattr(goal, name))):
-            return f"{name} holds what is not a number"
+            return f"{name} holds NaN or infinity"
     return ""
 
 

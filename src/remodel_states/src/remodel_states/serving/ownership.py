@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 from remodel_msgs.msg import ErrorCode
 
-from remodel_states.testing.world import WorldError
+from remodel_states.core.ability_error import AbilityError
 
 
 def owner_of(goal_id: str) -> int:
@@ -24,11 +24,11 @@ def admitted(owners: Mapping[str, int], cell: str, token: int) -> dict[str, int]
     """Return the newest token of each cell, after one was shown to a cell.
 
     Raises:
-        WorldError: STALE_OWNER if the cell has seen a newer one.
+        AbilityError: STALE_OWNER if the cell has seen a newer one.
     """
     newest = owners.get(cell, 0)
     if 0 < token < newest:
-        raise WorldError(
+        raise AbilityError(
             ErrorCode.STALE_OWNER,
             f"supervisor {token} no longer owns {cell}: supervisor {newest} does. Stop the older "
             "one, or give each cell a name of its own",

@@ -1,0 +1,75 @@
+"""Create a package with one new ability: action, table row, server, state, chart and test."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from rospkg import RosPack
+
+from remodel_states.commands.generate_states import write_states
+from remodel_states.core.ability_package import name_problems, package_files
+from remodel_states.core.fault_tables import OTHER_CODES
+from remodel_states.core.state_source import snake_case
+from remodel_states.edge.exported_tables import read_abilities, read_faults
+from remodel_states.edge.new_package import read_templates, write_package
+from remodel_states.errors import TableError
+
+NEXT = """\
+next:
+  build the workspace, source it, then run: rostest {package} {module}.test
+  write your ability into these five files, then run: rosrun remodel_states generate_states {folder}
+    action/{ability}.action
+    config/abilities.yaml
+    src/{package}/{module}_server.py
+    test/rostest/{module}_test.py
+    charts/{module}.xml
+"""
+
+
+def main(words: Sequence[str]) -> int:
+    """Create the package; return the exit code."""
+    options = _arguments(words)
+    ability, package = options.ability, options.package or snake_case(options.ability)
+    folder = Path(options.into).resolve() / package
+    try:
+        problems = [*name_problems(ability, package), *_taken(ability, package, folder)]
+        if problems:
+            raise TableError("create_ability", problems)
+        templates = Path(RosPack().get_path("remodel_states")) / "templates/ability"
+        files = package_files(read_templates(templates), ability, package, _free_code())
+        write_package(folder, files)
+        write_states(folder)
+    except (TableError, OSError) as error:
+        sys.stderr.write(f"create_ability: {error}\n")
+        return 1
+    print(f"created {folder}")
+    names = {"ability": ability, "package": package, "module": snake_case(ability)}
+    print(NEXT.format(folder=folder, **names), end="")
+    return 0
+
+
+def _arguments(words: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser("create_ability", description=__doc__)
+    parser.add_argument("ability", help="its name, a verb and a noun such as CrimpFerrule")
+    parser.add_argument("--package", default="", help="name of the package (crimp_ferrule)")
+    parser.add_argument("--into", default=".", metavar="DIR", help="where to create it (here)")
+    return parser.parse_args(list(words))
+
+
+def _taken(ability: str, package: str, folder: Path) -> list[str]:
+    problems = []
+    if ability in read_abilities():
+        problems.append(f"there is an ability {ability} already; choose another name")
+    if package in RosPack().list():
+        problems.append(f"there is a package {package} already; choose another by --package")
+    if folder.exists():
+        problems.append(f"{folder} exists already; choose another place by --into")
+    return problems
+
+
+def _free_code() -> int:
+    """Return the first number after those of all tables."""
+    return max([OTHER_CODES.start - 1, *read_faults().numbers.values()]) + 1

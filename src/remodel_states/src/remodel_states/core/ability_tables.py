@@ -1,0 +1,173 @@
+"""Abilities of all packages, from their parsed tables and action files.
+
+remodel_msgs/config/abilities.yaml explains the fields; abilities.schema.json, beside it, is its
+form.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from remodel_states.core.action_file import COMMON_GOAL, COMMON_RESULT, Action, Field
+
+# Types of goal fields that a parameter of a state can give: ROS type -> type in the docstring.
+PLAIN_TYPES = {"string": "string", "bool": "bool", "float64": "float", "uint8": "int"}
+POSE = "geometry_msgs/PoseStamped"
+POSES = f"{POSE}[]"
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of a state: it gives a field of the goal; required if it has no default."""
+
+    name: str
+    field: Field
+    default: bool | float | str | None = None
+
+    @property
+    def is_required(self) -> bool:
+        """Whether a chart must give it."""
+        return self.default is None
+
+
+@dataclass(frozen=True)
+class AbilityState:
+    """The FlexBE state of an ability.
+
+    Attributes:
+        outcome: when the ability succeeds.
+        means: what is true then, a sentence.
+        inputs: fields of the goal that are userdata keys.
+        parameters: required ones first.
+        outputs: userdata key -> field of the result.
+        timeout_s: [s] default of the goal's timeout.
+    """
+
+    outcome: str
+    means: str
+    inputs: tuple[Field, ...]
+    parameters: tuple[Parameter, ...]
+    outputs: Mapping[str, Field]
+    timeout_s: float
+
+
+@dataclass(frozen=True)
+class Ability:
+    """A row.
+
+    Attributes:
+        package: whose action and table it is.
+        errors: names of the codes that it reports, besides those of the contract.
+        state: None if there is none, or it is written by hand.
+        colour: in reports, such as "#219ebc"; empty for the usual one.
+        fake: fields of the result that a fake server returns.
+    """
+
+    package: str
+    action: Action
+    errors: tuple[str, ...]
+    state: AbilityState | None = None
+    colour: str = ""
+    fake: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """The name of its action, such as "InsertCable"."""
+        return self.action.name
+
+    @property
+    def topic(self) -> str:
+        """The action's usual topic, as Deliverable 5.1 writes it: lower case, without gaps."""
+        return f"remodel_abilities/{self.name.lower()}"
+
+
+def abilities_from(
+    package: str, table: Mapping[str, Any], actions: Mapping[str, Action], codes: Collection[str]
+) -> tuple[dict[str, Ability], list[str]]:
+    """Return the abilities of a package by name, and what contradicts itself in its table.
+
+    Args:
+        package: its name.
+        table: in the form of the schema.
+        actions: those of the package, by name.
+        codes: names of all error codes.
+    """
+    found, problems = {}, []
+    for name, row in table["abilities"].items():
+        if name not in actions:
+            names = ", ".join(actions) or "none"
+            problems.append(f"abilities.{name}: no action/{name}.action; there are: {names}")
+            continue
+        mistakes = [*_mistakes(row, actions[name], codes)]
+        problems += [f"abilities.{name}.{mistake}" for mistake in mistakes]
+        if not mistakes:
+            found[name] = _ability(package, row, actions[name])
+    return found, problems
+
+
+def _ability(package: str, row: Mapping[str, Any], action: Action) -> Ability:
+    state = _state(row["state"], action) if "state" in row else None
+    errors = tuple(row["errors"])
+    return Ability(package, action, errors, state, row.get("colour", ""), row.get("fake", {}))
+
+
+def _state(row: Mapping[str, Any], action: Action) -> AbilityState:
+    goal, result = _by_name(action.goal), _by_name(action.result)
+    given = _parameter_fields(row)
+    parameters = [Parameter(name, goal[f], default) for name, (f, default) in given.items()]
+    return AbilityState(
+        row["outcome"],
+        row["means"],
+        tuple(goal[name] for name in row.get("inputs", [])),
+        tuple(sorted(parameters, key=lambda parameter: not parameter.is_required)),
+        {key: result[name] for key, name in row.get("outputs", {}).items()},
+        float(row["timeout_s"]),
+    )
+
+
+def _by_name(fields: tuple[Field, ...]) -> dict[str, Field]:
+    return {item.name: item for item in fields}
+
+
+def _parameter_fields(row: Mapping[str, Any]) -> dict[str, tuple[str, Any]]:
+    """Return parameter -> (field of the goal, default) of a state's row."""
+    return {
+        name: (value["field"], value.get("default")) if isinstance(value, dict) else (name, value)
+        for name, value in row.get("parameters", {}).items()
+    }
+
+
+def _mistakes(row: Mapping[str, Any], action: Action, codes: Collection[str]) -> Iterator[str]:
+    results = [item.name for item in action.result if item.name not in COMMON_RESULT]
+    for name in row["errors"]:
+        if name not in codes:
+            yield f"errors: {name} is no error code; list it in a faults.yaml"
+    yield from _unknown("fake", row.get("fake", {}), results, "result")
+    if "state" in row:
+        yield from _state_mistakes(row["state"], action, results)
+
+
+def _state_mistakes(row: Mapping[str, Any], action: Action, results: list[str]) -> Iterator[str]:
+    goal = {item.name: item for item in action.goal if item.name not in COMMON_GOAL}
+    given = [name for name, _ in _parameter_fields(row).values()]
+    yield from _unknown("state.inputs", row.get("inputs", []), goal, "goal")
+    yield from _unknown("state.parameters", given, goal, "goal")
+    yield from _unknown("state.outputs", row.get("outputs", {}).values(), results, "result")
+    used = [*row.get("inputs", []), *given]
+    for name in goal:
+        if (times := used.count(name)) != 1:
+            yield f"state: field {name} of the goal is given {times} times; allowed: once"
+    for name in given:
+        if name in goal and goal[name].type not in (*PLAIN_TYPES, POSE, POSES):
+            types = ", ".join((*PLAIN_TYPES, POSE, POSES))
+            yield f"state.parameters: {name} is of type {goal[name].type}; allowed: {types}"
+
+
+def _unknown(
+    place: str, names: Collection[str], known: Collection[str], part: str
+) -> Iterator[str]:
+    for name in names:
+        if name not in known:
+            yield f"{place}: {name} is no field of the {part}; there are: {', '.join(known)}"

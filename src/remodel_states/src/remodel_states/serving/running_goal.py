@@ -1,0 +1,167 @@
+"""A goal that an ability server has accepted: its feedback, its limits and its end."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import rospy
+from actionlib import ServerGoalHandle
+from genpy import Message
+from remodel_msgs.msg import ErrorCode
+
+from remodel_states.ability_messages import message_class
+from remodel_states.core.ability_error import AbilityError
+from remodel_states.core.ability_tables import Ability
+from remodel_states.ros_stopwatch import RosStopwatch
+
+# [s] Wall time between two feedbacks at least, and while `wait` is called, at most.
+_QUIET_S = 0.1
+_FEEDBACK_S = 0.5
+
+# [s] Wall time between two looks at the clock.
+_POLL_S = 0.02
+
+
+class StoppedError(AbilityError):
+    """The goal was cancelled, or its timeout has passed."""
+
+
+class RunningGoal:
+    """One goal of an ability.
+
+    A goal ends once, by `succeed` or `fail`. Servers whose ability is a function
+    (`AbilityServer.perform`) call neither: they return, or raise an AbilityError.
+
+    Attributes:
+        goal: the message.
+    """
+
+    def __init__(
+        self, ability: Ability, handle: ServerGoalHandle, elapsed: Callable[[], float] | None = None
+    ) -> None:
+        """Begin.
+
+        Args:
+            ability: whose goal it is.
+            handle: the action server's.
+            elapsed: returns the ROS time [s] since now; `/clock` by default.
+        """
+        self.goal: Message = handle.get_goal()
+        self._handle = handle
+        self._result = message_class(ability, "Result")
+        self._feedback = message_class(ability, "Feedback")
+        self._elapsed = elapsed or _stopwatch().read
+        self._cancelled = threading.Event()
+        self._latest = ("", 0.0)
+        self._reported_s = 0.0
+
+    @property
+    def elapsed_s(self) -> float:
+        """How long it has taken: [s] ROS time."""
+        return self._elapsed()
+
+    @property
+    def is_cancelled(self) -> bool:
+        """Whether somebody asked to cancel it."""
+        return self._cancelled.is_set()
+
+    def is_cancelled_within(self, seconds: float) -> bool:
+        """Wait for a cancel, [s] wall time, and return whether one came."""
+        return self._cancelled.wait(None if seconds == math.inf else seconds)
+
+    def cancel(self) -> None:
+        """Ask the ability to stop; from any thread."""
+        self._cancelled.set()
+
+    def report(self, message: str, percentage: float) -> None:
+        """Publish feedback.
+
+        Args:
+            message: the step that is being done, for a person.
+            percentage: [%] of the whole, 0 to 100; a smaller one than before has no effect.
+        """
+        share = max(self._latest[1], min(percentage, 100.0))
+        self._latest = (message, share)
+        if time.monotonic() - self._reported_s >= _QUIET_S:
+            self._publish()
+
+    def check(self) -> None:
+        """Return if the ability may go on.
+
+        Raises:
+            StoppedError: if the goal is cancelled, or its timeout has passed.
+        """
+        elapsed_s = self.elapsed_s
+        if self.is_cancelled:
+            text = f"cancelled after {elapsed_s:.1f} s; the robot stopped"
+            raise StoppedError(ErrorCode.PREEMPTED, text)
+        if elapsed_s >= self.goal.timeout:
+            text = f"not done within {self.goal.timeout:g} s: {self._latest[0]}"
+            raise StoppedError(ErrorCode.TIMEOUT, text)
+
+    def wait(self, seconds: float) -> None:
+        """Wait, and repeat the latest feedback meanwhile.
+
+        Args:
+            seconds: [s] ROS time.
+
+        Raises:
+            StoppedError: if the goal is cancelled, or its timeout passes.
+        """
+        end_s = self.elapsed_s + seconds
+        while True:
+            self.check()
+            if time.monotonic() - self._reported_s >= _FEEDBACK_S:
+                self._publish()
+            if self.elapsed_s >= end_s:
+                return
+            self._cancelled.wait(_POLL_S)
+
+    def succeed(self, message: str, found: Mapping[str, Any]) -> None:
+        """End it as done.
+
+        Args:
+            message: what was done, for a person.
+            found: fields of the result.
+        """
+        self._latest = (message, 100.0)
+        self._publish()
+        result = self._result(id=self.goal.id, success=True, message=message)
+        self._handle.set_succeeded(self._filled(result, found), message)
+
+    def fail(self, code: int, text: str, found: Mapping[str, Any], message: str = "") -> None:
+        """End it as not done.
+
+        Args:
+            code: number of the error code; PREEMPTED ends it as cancelled.
+            text: what was asked, found, and what to do.
+            found: fields of the result.
+            message: short, for a person.
+        """
+        result = self._result(
+            id=self.goal.id, message=message, error_code=int(code), error_message=text
+        )
+        is_cancelled = code == ErrorCode.PREEMPTED
+        end = self._handle.set_canceled if is_cancelled else self._handle.set_aborted
+        end(self._filled(result, found), text)
+
+    def _filled(self, result: Message, found: Mapping[str, Any]) -> Message:
+        result.elapsed_time = self.elapsed_s
+        for name, value in found.items():
+            setattr(result, name, value)
+        return result
+
+    def _publish(self) -> None:
+        message, share = self._latest
+        self._reported_s = time.monotonic()
+        feedback = self._feedback(self.goal.id, message, self.elapsed_s, share)
+        self._handle.publish_feedback(feedback)
+
+
+def _stopwatch() -> RosStopwatch:
+    """Return a stopwatch that starts now."""
+    return RosStopwatch(lambda: rospy.Time.now().to_sec(), time.monotonic)
