@@ -10,7 +10,7 @@ import itertools
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 
-from remodel_planning.core.orders.cycle import cycle_in
+from remodel_planning.core.cycle import cycle_in
 from remodel_planning.core.problem.modes import possible_modes
 from remodel_planning.core.problem.opening import opening_of
 from remodel_planning.core.problem.order import wire_order

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from remodel_planning.core.condition import Condition, Test
-from remodel_planning.core.orders.cycle import cycle_in
+from remodel_planning.core.cycle import cycle_in
 from remodel_planning.core.use_case.bounds import Bounds, settings
 from remodel_planning.core.use_case.designs import designs_from
 from remodel_planning.core.use_case.expectation import Frozen, FrozenExpectations
