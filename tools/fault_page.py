@@ -13,7 +13,8 @@ Written by `make generate`; change [faults.yaml](../../src/remodel_msgs/config/f
 
 Responses are tried in the order given, each as often as stated; the last one is lasting. Before a
 task goes on with the same part, the supervisor inspects both ends of the wire. A use case may
-respond otherwise ([use cases](../use-cases.md#when-a-task-fails)).
+respond otherwise ([recovery](../recovery.md)), except where an
+operator is asked at once.
 
 | response | what happens |
 |---|---|

@@ -60,7 +60,7 @@ def generated() -> Mapping[Path, str]:
         **{STATES / name: text for name, text in state_modules(abilities.values()).items()},
         README: with_ability_list(README.read_text(encoding="utf-8"), abilities.values()),
         MSGS / "msg/ErrorCode.msg": error_code_message(tables),
-        SRC / "remodel_sim/src/remodel_sim/core/codes.py": codes_module(tables),
+        SRC / "remodel_states/src/remodel_states/core/codes.py": codes_module(tables),
         ROOT / "docs/reference/faults.md": fault_page(tables),
     }
 
@@ -79,7 +79,7 @@ def _constants(tables: FaultTables) -> Iterator[str]:
 
 
 def codes_module(tables: FaultTables) -> str:
-    """Return the module of the simulation's codes, whose core knows no messages."""
+    """Return the module of the codes for pure cores, which know no messages."""
     codes = tables.codes.values()
     return CODES_HEAD + "".join(f"    {code.name} = {code.number}\n" for code in codes)
 

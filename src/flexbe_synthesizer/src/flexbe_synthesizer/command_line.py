@@ -13,6 +13,7 @@ from typing import TextIO
 from flexbe_synthesizer.core.chart.model import Chart
 from flexbe_synthesizer.core.chart.problem import errors_in
 from flexbe_synthesizer.core.export.draw import chart_to_dot
+from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.core.machine.expanded_labels import chart_steps
 from flexbe_synthesizer.edge.atomic_write import write_all
 from flexbe_synthesizer.edge.graphviz import FORMATS, render_dot
@@ -101,7 +102,7 @@ def _run(options: argparse.Namespace, ros_package_path: str) -> int:
     written: tuple[Path, ...] = ()
     if not errors:
         chart = next(iter(files.charts.values())).resolved.chart
-        written = _export(chart, options)
+        written = _export(chart, inventory.library, options)
         if not options.check:
             written += write_behaviors(files)
             _warn_of_packages(files)
@@ -127,7 +128,7 @@ class _Progress:
             _say(f"[{self._done}/{max(self._count, self._done)}] {path}", sys.stderr)
 
 
-def _export(chart: Chart, options: argparse.Namespace) -> tuple[Path, ...]:
+def _export(chart: Chart, library: Library, options: argparse.Namespace) -> tuple[Path, ...]:
     """Draw the chart and write it as SCXML, as far as that was asked for."""
     made = []
     if options.draw is not None:
@@ -135,18 +136,18 @@ def _export(chart: Chart, options: argparse.Namespace) -> tuple[Path, ...]:
         render_dot(chart_to_dot(chart, path_taken), options.draw)
         made.append(options.draw)
     if options.scxml is not None:
-        write_all({options.scxml: _scxml(chart)})
+        write_all({options.scxml: _scxml(chart, library)})
         made.append(options.scxml)
     return tuple(made)
 
 
-def _scxml(chart: Chart) -> str:
+def _scxml(chart: Chart, library: Library) -> str:
     """Return a chart as SCXML."""
     # Here, since lxml is a seventh of the start of a program that seldom needs it.
     from flexbe_synthesizer.core.export.scxml import ScxmlError, chart_to_scxml
 
     try:
-        return chart_to_scxml(chart)
+        return chart_to_scxml(chart, library.error_names)
     except ScxmlError as error:
         raise OutputError(str(error)) from error
 

@@ -19,7 +19,7 @@ from functools import cached_property
 
 from lxml import etree
 
-from random_charts.kinds import KINDS
+from random_charts.kinds import ERROR_NAMES, KINDS
 
 EXT = "{urn:remodel:statechart:ext:1}"
 CHART = ""  # the chart itself, among the ids of its nodes
@@ -48,7 +48,7 @@ class Node:
     topic: str | None
     attempts: int | None
     timeout_s: float | None
-    routes: tuple[tuple[int, int, str], ...]
+    routes: tuple[tuple[frozenset[int], str], ...]
     optional: frozenset[str] = frozenset()
     scope: Scope | None = None
 
@@ -217,10 +217,13 @@ def _node(element: etree._Element, files: Mapping[str, bytes], path: str) -> Nod
     )
 
 
-def _routes(text: str | None) -> tuple[tuple[int, int, str], ...]:
+def _routes(text: str | None) -> tuple[tuple[frozenset[int], str], ...]:
     routes = []
     for route in (text or "").split(";") if text else ():
-        codes, _, target = route.partition(":")
-        first, _, last = codes.partition("-")
-        routes.append((int(first), int(last or first), target.strip()))
+        spelled, _, target = route.partition(":")
+        codes = ERROR_NAMES.get(spelled.strip())
+        if codes is None:
+            first, _, last = spelled.partition("-")
+            codes = frozenset(range(int(first), int(last or first) + 1))
+        routes.append((codes, target.strip()))
     return tuple(routes)

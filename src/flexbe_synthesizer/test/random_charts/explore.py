@@ -192,7 +192,7 @@ class _Explorer:
 def _targets(node: Node, event: str) -> Iterator[str]:
     yield node.events[event]
     if event == "failed":
-        yield from (target for _first, _last, target in node.routes)
+        yield from (target for _codes, target in node.routes)
 
 
 class _Cells:

@@ -58,3 +58,6 @@ KINDS = {
     "OperatorDecisionState": Kind(is_scripted=False),
     "WaitState": Kind(("done",), is_scripted=False),
 }
+
+# What packages/scripted_states/faults.yaml names, as far as the charts use it.
+ERROR_NAMES = {"JAMMED": frozenset({2}), "above_behavior": frozenset({2, 3, 5})}

@@ -92,7 +92,8 @@ def draw_limits(rng: random.Random, part: Part, concurrent: bool) -> None:
             part.events.append("exhausted")
     is_routed = "failed" in part.own and "error_code" in part.outputs
     if is_routed and not concurrent and chance(rng, 0.6):
-        element.set(f"{EXT}on_error", "1-2: ?; 5: ?")
+        by_name = "JAMMED: ?; above_behavior: ?; 1-4: ?"
+        element.set(f"{EXT}on_error", rng.choice(["1-2: ?; 5: ?", by_name]))
 
 
 def container_part(element: etree._Element, scope: etree._Element) -> Part:

@@ -154,7 +154,7 @@ class Reference:
             yield
             code = values.written(node.id, "error_code")
             is_code = isinstance(code, int)
-            fitting = [t for first, last, t in node.routes if is_code and first <= code <= last]
+            fitting = [target for codes, target in node.routes if is_code and code in codes]
             self._end(f"{path}_error", fitting[0] if fitting else node.events[event])
             return fitting[0] if fitting else node.events[event]
         return node.events[event]

@@ -10,6 +10,7 @@ from typing import TypeVar
 
 from hypothesis import strategies as st
 
+from flexbe_synthesizer.core.chart.error_routes import format_routes, parse_routes
 from flexbe_synthesizer.core.chart.model import (
     AnyNode,
     Autonomy,
@@ -60,12 +61,9 @@ def _many(
 
 def _limits(ids: st.SearchStrategy[str]) -> dict[str, st.SearchStrategy[object]]:
     targets = ids.filter(lambda text: text == text.strip() and "\n" not in text)
-    routes = st.builds(
-        lambda first, width, target: (ErrorRoute(first, first + width, target),),
-        st.integers(1, 30000),
-        st.integers(0, 99),
-        targets,
-    )
+    ranges = st.builds("{}-{}".format, st.integers(1, 30000), st.integers(30001, 32767))
+    codes = ranges | st.integers(1, 32767).map(str) | st.sampled_from(["JAMMED", "serious_1"])
+    routes = _many(st.builds(ErrorRoute, codes, targets), fewest=1).filter(_are_routes)
     return {
         "attempts": st.none() | st.integers(1, 10**6),
         "timeout_s": st.none() | st.floats(0.001, 1e9),
@@ -74,6 +72,14 @@ def _limits(ids: st.SearchStrategy[str]) -> dict[str, st.SearchStrategy[object]]
             st.builds(Transition, ids, ids, st.none() | st.sampled_from(Autonomy)), most=3
         ),
     }
+
+
+def _are_routes(routes: tuple[ErrorRoute, ...]) -> bool:
+    """Return whether each code stands once."""
+    try:
+        return parse_routes(format_routes(routes)) == routes
+    except ValueError:
+        return False
 
 
 def _leaves(

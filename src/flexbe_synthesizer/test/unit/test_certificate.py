@@ -198,6 +198,13 @@ def test_inside_a_container_bounds_and_ends_are_those_of_the_whole_behavior(cert
     ]
 
 
+@pytest.mark.parametrize(("visit_s", "longest_s"), [(1e-5, 7e-5), (1e308, "unbounded")])
+def test_a_time_is_a_number_or_too_long_for_one(certificate, visit_s, longest_s):
+    timed = CONTAINER.replace('ext:timeout_s="2"', f'ext:timeout_s="{visit_s}"')
+    bound = rows(certificate(timed), "states")["Box/Try"]
+    assert (bound["visit_s"], bound["longest_s"]) == (visit_s, pytest.approx(longest_s))
+
+
 def test_what_is_only_assumed_of_state_classes_is_listed(certificate, golden):
     found = certificate((golden / "charts" / "place_connector.xml").read_text())
     assert "cell_states/InsertCableState" in found["assumed"]

@@ -55,8 +55,16 @@ def test_failures_are_dashed_and_share_an_arrow(chart):
     assert "failed<br/>timed_out" in edge(dot, "Fix", "Extract")
 
 
+def test_only_routes_are_drawn_as_error_codes():
+    routes = (ErrorRoute("JAMMED", "failed"), ErrorRoute("serious", "failed"))
+    transitions = (Transition("failed_grasp", "failed"),)
+    state = State("A", "T", transitions, on_error=routes)
+    drawn = chart_to_dot(Chart("C", "A", (Outcome("failed"),), (state,)))
+    assert "failed_grasp<br/>failed JAMMED, serious" in drawn
+
+
 def test_routes_of_error_codes_share_lines_of_their_arrow():
-    routes = tuple(ErrorRoute(code, code + 1, "failed") for code in range(100, 150, 10))
+    routes = tuple(ErrorRoute(f"{code}-{code + 1}", "failed") for code in range(100, 150, 10))
     state = State("A", "T", (Transition("lost", "failed"),), on_error=routes)
     dot = chart_to_dot(Chart("c", "A", (Outcome("failed"),), (state,)))
     label = "lost<br/>failed 100-101, 110-111, 120-121, 130-131<br/>140-141"

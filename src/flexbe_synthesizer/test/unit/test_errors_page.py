@@ -14,7 +14,12 @@ from flexbe_synthesizer.synthesis import check_files
 ROOT = Path(__file__).parents[4]
 PAGE = (ROOT / "docs" / "reference" / "errors.md").read_text()
 SECTIONS = re.findall(r"^## ([\w-]+)\n(.*?)(?=^## |\Z)", PAGE, re.MULTILINE | re.DOTALL)
-PACKAGES = ("src/flexbe/flexbe_states", "src/remodel_states", "src/remodel_behaviors")
+PACKAGES = (
+    "src/flexbe/flexbe_states",
+    "src/remodel_msgs",
+    "src/remodel_states",
+    "src/remodel_behaviors",
+)
 # The page leaves out the names of all states there are.
 NAMES = re.compile(r"allowed: '.*' and \d+ more")
 EXPORTS = "<export><flexbe_states/><flexbe_behaviors/></export>"

@@ -47,10 +47,19 @@ def test_routes_of_error_codes_are_outcomes_without_blanks(machine):
     # The FlexBE App drops blanks of a state's outcomes, and with them the transitions.
     chooser = children(machine("two_arms.xml"))["/Place/Insert_error"]
     outcomes = [e.outcome for e in chooser.exits]
-    assert outcomes == ["failed_100_199", "failed_305", "failed_310_320", "other"]
+    assert outcomes == [
+        "failed_100_199",
+        "failed_305",
+        "failed_310_320",
+        "failed_JAMMED",
+        "failed_above_behavior",
+        "other",
+    ]
     (listed,) = (v for name, v in chooser.content.arguments if name == "outcomes")
     assert list(listed) == outcomes
     assert "'failed_100_199' if code in range(100, 200)" in str(chooser.content.arguments)
+    # JAMMED is above the behavior too, and its own route comes first.
+    assert "'failed_above_behavior' if code in (4, 5, 401)" in str(chooser.content.arguments)
 
 
 def test_every_outcome_of_every_state_has_one_target_that_exists(machine):

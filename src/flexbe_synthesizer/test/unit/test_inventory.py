@@ -81,6 +81,15 @@ def break_a_state(top):
     (top / _STATE).write_text("class (EventState):")
 
 
+def change_an_error_code(top):
+    table = top / "cell_states/config/faults.yaml"
+    table.write_text(table.read_text().replace("301", "302"))
+
+
+def break_the_error_codes(top):
+    (top / "cell_states/config/faults.yaml").write_text("faults: [1, name: JAMMED}")
+
+
 def make_a_state_a_pipe(top):
     (top / _STATE).unlink()
     os.mkfifo(top / _STATE)
@@ -98,6 +107,8 @@ _CHANGES = (
     delete_a_package,
     break_a_state,
     make_a_state_a_pipe,
+    change_an_error_code,
+    break_the_error_codes,
 )
 
 

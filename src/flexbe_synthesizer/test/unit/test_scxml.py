@@ -100,6 +100,19 @@ def test_error_codes_choose_the_route():
         assert configuration(machine) == {state}, code
 
 
+def test_names_of_error_codes_choose_the_first_route_that_has_the_code():
+    text = """<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="A" initial="Look">
+      <datamodel><outcome name="found"/><outcome name="blind"/><outcome name="failed"/></datamodel>
+      <state id="Look" type="T" ext:on_error="BENT: Look; serious: blind">
+        <transition event="seen" target="found"/><transition event="failed" target="failed"/>
+      </state></statemachine>"""
+    scxml = chart_to_scxml(parse_chart(text), {"BENT": (4,), "serious": (3, 4, 5, 9)})
+    for code, state in {3: "blind", 4: "Look", 5: "blind", 6: "failed", 9: "blind"}.items():
+        machine = started(scxml)
+        machine.send("Look.failed", error_code=code)
+        assert configuration(machine) == {state}, code
+
+
 def test_names_that_become_one_are_refused():
     text = (
         '<statemachine name="A" initial="x y"><datamodel><outcome name="o"/></datamodel>'

@@ -28,8 +28,8 @@ class PlaceConnectorSM(Behavior):
     '''
     Places one end of a wire in a terminal: Figure 3 of Deliverable 5.1. A failed insertion or fixing pulls the end
     out and locates the component again, at most three times. What neither action nor behavior is to handle first
-    (remodel_msgs/config/faults.yaml) fails at once. A push that jams, or needs more force (301, 304, 308), is not
-    repeated here: the end is withdrawn, and the supervisor decides.
+    (remodel_msgs/config/faults.yaml) fails at once. A push that jams, or needs more force, is not repeated
+    here: the end is withdrawn, and the supervisor decides.
     '''
 
 
@@ -83,9 +83,9 @@ class PlaceConnectorSM(Behavior):
 
             # x:1330 y:40
             OperatableStateMachine.add('FixCable_error',
-                                        DecisionState(outcomes=['failed_3_5', 'failed_7_10', 'failed_203_204', 'failed_304', 'failed_306_307', 'failed_308', 'failed_400_403', 'failed_405', 'other'], conditions=lambda code: 'failed_3_5' if code in range(3, 6) else 'failed_7_10' if code in range(7, 11) else 'failed_203_204' if code in range(203, 205) else 'failed_304' if code in range(304, 305) else 'failed_306_307' if code in range(306, 308) else 'failed_308' if code in range(308, 309) else 'failed_400_403' if code in range(400, 404) else 'failed_405' if code in range(405, 406) else 'other'),
-                                        transitions={'failed_3_5': 'failed', 'failed_7_10': 'failed', 'failed_203_204': 'failed', 'failed_304': 'WithdrawCable', 'failed_306_307': 'failed', 'failed_308': 'WithdrawCable', 'failed_400_403': 'failed', 'failed_405': 'failed', 'other': 'ExtractCable'},
-                                        autonomy={'failed_3_5': Autonomy.Off, 'failed_7_10': Autonomy.Off, 'failed_203_204': Autonomy.Off, 'failed_304': Autonomy.Off, 'failed_306_307': Autonomy.Off, 'failed_308': Autonomy.Off, 'failed_400_403': Autonomy.Off, 'failed_405': Autonomy.Off, 'other': Autonomy.Off},
+                                        DecisionState(outcomes=['failed_NOT_SEATED', 'failed_INSUFFICIENT_FORCE', 'failed_above_behavior', 'other'], conditions=lambda code: 'failed_NOT_SEATED' if code in range(304, 305) else 'failed_INSUFFICIENT_FORCE' if code in range(308, 309) else 'failed_above_behavior' if code in (3, 4, 5, 7, 8, 9, 10, 102, 103, 110, 111, 115, 203, 204, 301, 306, 307, 309, 310, 400, 401, 402, 403, 405) else 'other'),
+                                        transitions={'failed_NOT_SEATED': 'WithdrawCable', 'failed_INSUFFICIENT_FORCE': 'WithdrawCable', 'failed_above_behavior': 'failed', 'other': 'ExtractCable'},
+                                        autonomy={'failed_NOT_SEATED': Autonomy.Off, 'failed_INSUFFICIENT_FORCE': Autonomy.Off, 'failed_above_behavior': Autonomy.Off, 'other': Autonomy.Off},
                                         remapping={'input_value': 'error_code'})
 
             # x:730 y:40
@@ -97,9 +97,9 @@ class PlaceConnectorSM(Behavior):
 
             # x:1080 y:140
             OperatableStateMachine.add('InsertCable_error',
-                                        DecisionState(outcomes=['failed_3_5', 'failed_7_10', 'failed_110_111', 'failed_115', 'failed_203_204', 'failed_301', 'failed_304', 'failed_306_307', 'failed_308', 'failed_400_403', 'failed_405', 'other'], conditions=lambda code: 'failed_3_5' if code in range(3, 6) else 'failed_7_10' if code in range(7, 11) else 'failed_110_111' if code in range(110, 112) else 'failed_115' if code in range(115, 116) else 'failed_203_204' if code in range(203, 205) else 'failed_301' if code in range(301, 302) else 'failed_304' if code in range(304, 305) else 'failed_306_307' if code in range(306, 308) else 'failed_308' if code in range(308, 309) else 'failed_400_403' if code in range(400, 404) else 'failed_405' if code in range(405, 406) else 'other'),
-                                        transitions={'failed_3_5': 'failed', 'failed_7_10': 'failed', 'failed_110_111': 'failed', 'failed_115': 'failed', 'failed_203_204': 'failed', 'failed_301': 'WithdrawCable', 'failed_304': 'WithdrawCable', 'failed_306_307': 'failed', 'failed_308': 'WithdrawCable', 'failed_400_403': 'failed', 'failed_405': 'failed', 'other': 'ExtractCable'},
-                                        autonomy={'failed_3_5': Autonomy.Off, 'failed_7_10': Autonomy.Off, 'failed_110_111': Autonomy.Off, 'failed_115': Autonomy.Off, 'failed_203_204': Autonomy.Off, 'failed_301': Autonomy.Off, 'failed_304': Autonomy.Off, 'failed_306_307': Autonomy.Off, 'failed_308': Autonomy.Off, 'failed_400_403': Autonomy.Off, 'failed_405': Autonomy.Off, 'other': Autonomy.Off},
+                                        DecisionState(outcomes=['failed_INSERTION_JAMMED', 'failed_NOT_SEATED', 'failed_INSUFFICIENT_FORCE', 'failed_above_behavior', 'other'], conditions=lambda code: 'failed_INSERTION_JAMMED' if code in range(301, 302) else 'failed_NOT_SEATED' if code in range(304, 305) else 'failed_INSUFFICIENT_FORCE' if code in range(308, 309) else 'failed_above_behavior' if code in (3, 4, 5, 7, 8, 9, 10, 102, 103, 110, 111, 115, 203, 204, 306, 307, 309, 310, 400, 401, 402, 403, 405) else 'other'),
+                                        transitions={'failed_INSERTION_JAMMED': 'WithdrawCable', 'failed_NOT_SEATED': 'WithdrawCable', 'failed_INSUFFICIENT_FORCE': 'WithdrawCable', 'failed_above_behavior': 'failed', 'other': 'ExtractCable'},
+                                        autonomy={'failed_INSERTION_JAMMED': Autonomy.Off, 'failed_NOT_SEATED': Autonomy.Off, 'failed_INSUFFICIENT_FORCE': Autonomy.Off, 'failed_above_behavior': Autonomy.Off, 'other': Autonomy.Off},
                                         remapping={'input_value': 'error_code'})
 
             # x:380 y:40
@@ -111,9 +111,9 @@ class PlaceConnectorSM(Behavior):
 
             # x:730 y:140
             OperatableStateMachine.add('LocateGearboxComponent_error',
-                                        DecisionState(outcomes=['failed_3_5', 'failed_7_10', 'failed_102_103', 'failed_400_403', 'failed_405', 'other'], conditions=lambda code: 'failed_3_5' if code in range(3, 6) else 'failed_7_10' if code in range(7, 11) else 'failed_102_103' if code in range(102, 104) else 'failed_400_403' if code in range(400, 404) else 'failed_405' if code in range(405, 406) else 'other'),
-                                        transitions={'failed_3_5': 'failed', 'failed_7_10': 'failed', 'failed_102_103': 'failed', 'failed_400_403': 'failed', 'failed_405': 'failed', 'other': 'LocateGearboxComponent_attempts'},
-                                        autonomy={'failed_3_5': Autonomy.Off, 'failed_7_10': Autonomy.Off, 'failed_102_103': Autonomy.Off, 'failed_400_403': Autonomy.Off, 'failed_405': Autonomy.Off, 'other': Autonomy.Off},
+                                        DecisionState(outcomes=['failed_above_behavior', 'other'], conditions=lambda code: 'failed_above_behavior' if code in (3, 4, 5, 7, 8, 9, 10, 102, 103, 110, 111, 115, 203, 204, 301, 304, 306, 307, 308, 309, 310, 400, 401, 402, 403, 405) else 'other'),
+                                        transitions={'failed_above_behavior': 'failed', 'other': 'LocateGearboxComponent_attempts'},
+                                        autonomy={'failed_above_behavior': Autonomy.Off, 'other': Autonomy.Off},
                                         remapping={'input_value': 'error_code'})
 
             # x:1330 y:140

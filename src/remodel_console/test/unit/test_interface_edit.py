@@ -86,9 +86,9 @@ def test_back_to_one_after_another_begins_with_the_first():
 def test_failures_are_led_by_their_codes_and_follow_names():
     chart = chart_edit.routed(ERRAND, "Greet", "100-199: Search; 305: failed")
     greet = chart_edit.node_at(chart, ("Greet",))
-    assert greet.on_error == (ErrorRoute(100, 199, "Search"), ErrorRoute(305, 305, "failed"))
+    assert greet.on_error == (ErrorRoute("100-199", "Search"), ErrorRoute("305", "failed"))
     chart = chart_edit.renamed(chart, "Search", "Hunt")
     assert chart_edit.node_at(chart, ("Greet",)).on_error[0].target == "Hunt"
     assert chart_edit.node_at(chart_edit.routed(chart, "Greet", ""), ("Greet",)).on_error == ()
     with pytest.raises(CommandError, match="'CODE: target'"):
-        chart_edit.routed(ERRAND, "Greet", "often: Search")
+        chart_edit.routed(ERRAND, "Greet", "very often: Search")

@@ -16,7 +16,10 @@ import rosgraph
 import rospy
 import rostest
 from remodel_msgs.msg import (
+    ErrorCode,
     OperatorQuestion,
+    RouteWireActionGoal,
+    RouteWireActionResult,
     RunUseCaseAction,
     RunUseCaseGoal,
     TaskState,
@@ -24,6 +27,7 @@ from remodel_msgs.msg import (
 )
 from remodel_msgs.srv import AnswerQuestion, CommandRun, GetRun, GetTasks, InjectFault, ListRuns
 
+from remodel_planner.ros.ability_watch import ABILITIES
 from remodel_states.testing.ledger import account
 from remodel_states.testing.world_file import WorldFile
 
@@ -64,19 +68,18 @@ class SupervisionTest(unittest.TestCase):
     def last(self):
         return self.states[-1] if self.states else UseCaseState()
 
+    def pid(self, node):
+        """Return a node's process; 0 if it does not answer."""
+        try:
+            return ServerProxy(rosgraph.Master("/test").lookupNode(f"/{node}")).getPid("/test")[2]
+        except (OSError, rosgraph.MasterError):
+            return 0
+
     def kill(self, node):
         """Kill a node, and return when roslaunch has started it again."""
-        master = rosgraph.Master("/test")
-
-        def pid():
-            try:
-                return ServerProxy(master.lookupNode(f"/{node}")).getPid("/test")[2]
-            except (OSError, rosgraph.MasterError):
-                return 0
-
-        before = pid()
+        before = self.pid(node)
         os.kill(before, signal.SIGKILL)
-        self.wait(lambda: pid() not in (0, before), f"{node} comes again")
+        self.wait(lambda: self.pid(node) not in (0, before), f"{node} comes again")
 
     def start(self, tasks, again=True):
         """Have tasks of the order done, and return the client when the run has begun."""
@@ -134,6 +137,46 @@ class SupervisionTest(unittest.TestCase):
         self.assertIn("ann stopped it", self.last().message)
         told = planner("explain", str(self.last().run))
         self.assertIn("ann answered skip to question 1", told.stdout)
+
+    def test_nothing_moves_after_a_motion_fault_that_a_killed_supervisor_did_not_keep(self):
+        rospy.wait_for_service("cell/inject_fault", 30.0)
+        supervisor = self.pid("use_case_supervisor")
+        stopped, blocked, begun = [], [], []
+
+        def on_goal(_):
+            """Stop the supervisor, which has granted the operation, before it ends."""
+            if not stopped:
+                stopped.append(os.kill(supervisor, signal.SIGSTOP))
+
+        goals = [
+            rospy.Subscriber(
+                f"remodel_abilities/{ability.lower()}/goal", rospy.AnyMsg, begun.append
+            )
+            for ability in ABILITIES
+        ]
+        route = "remodel_abilities/routewire"
+        results = rospy.Subscriber(f"{route}/result", RouteWireActionResult, blocked.append)
+        inject = rospy.ServiceProxy("cell/inject_fault", InjectFault)
+        self.start(2)
+        self.wait(self.task_running, "the panel is loaded, which mends all faults")
+        caused = inject(kind="motion_blocked", target="ask_operator", values=[])
+        self.assertTrue(caused.success, caused.message)
+        routes = rospy.Subscriber(f"{route}/goal", RouteWireActionGoal, on_goal)
+        self.wait(lambda: blocked, "the arm is stopped")
+        self.assertEqual(blocked[0].result.error_code, ErrorCode.MOTION_FAULT)
+        before = len(begun)
+        os.kill(supervisor, signal.SIGKILL)
+        self.wait(lambda: self.pid("use_case_supervisor") not in (0, supervisor), "it comes again")
+        self.wait(lambda: self.last().phase == UseCaseState.ASKING, "the operator is asked")
+        self.assertEqual(len(begun), before, "nothing begins before the answer")
+        question = self.last().question
+        self.assertIn("Motion blocked", question.text)
+        given = {"question": question.number, "choice": OperatorQuestion.STOP, "by": "ann"}
+        self.assertTrue(call("answer", AnswerQuestion, **given).success)
+        self.wait(lambda: self.last().phase == UseCaseState.ENDED, "the run ends")
+        self.assertIn("had ended", planner("explain", str(self.last().run)).stdout)
+        for subscriber in (*goals, results, routes):
+            subscriber.unregister()
 
 
 if __name__ == "__main__":

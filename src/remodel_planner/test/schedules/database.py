@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from sqlalchemy.orm import Session
+from sqlalchemy.engine import Connection
 
 from remodel_planner.core.production import Order
 from remodel_planner.edge.production_database import ProductionDatabase
@@ -60,12 +60,12 @@ class FailingDatabase(ProductionDatabase):
         self._process = process
 
     @contextmanager
-    def transaction(self) -> Iterator[Session]:
-        """Give a session; LostError before or after its commit."""
+    def transaction(self) -> Iterator[Connection]:
+        """Give a connection; LostError before or after its commit."""
         self._process.step()
         self._require_answer()
-        with super().transaction() as session:
-            yield session
+        with super().transaction() as connection:
+            yield connection
         self._process.step()
         if self._memory.lost_answers > 0:
             self._memory.lost_answers -= 1
@@ -73,12 +73,12 @@ class FailingDatabase(ProductionDatabase):
             raise LostError("the production database does not answer: the connection broke")
 
     @contextmanager
-    def reading(self) -> Iterator[Session]:
-        """Give a session that changes nothing; LostError if there is no answer."""
+    def reading(self) -> Iterator[Connection]:
+        """Give a connection that changes nothing; LostError if there is no answer."""
         self._process.step()
         self._require_answer()
-        with super().reading() as session:
-            yield session
+        with super().reading() as connection:
+            yield connection
 
     def _require_answer(self) -> None:
         if self._process.simulation.now_s < self._memory.outage_until_s:

@@ -15,14 +15,13 @@ from flexbe_synthesizer.core.chart.model import Node as ChartNode
 from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.gate import Permit
 from remodel_planner.supervisors.ports import BehaviorEnd, End
+from remodel_states.core.contract_times import GRACE_S
 from schedules.node import Node
 from schedules.server import Goal, Result, Server
 from schedules.simulation import Simulation
 
-# [s] between two attempts of a request, beyond its timeout until a goal counts as hung, and until
-# the end of a server's connection is noticed.
+# [s] between two attempts of a request, and until the end of a server's connection is noticed.
 _RETRY_S = 0.25
-_GRACE_S = 2.0
 _NOTICED_S = (0.02, 0.3)
 
 Callback = Callable[[Any], None]
@@ -36,6 +35,9 @@ class Supervision(Protocol):
 
     def keep_record(self, behavior: str, operation: Operation, answer: Callback) -> None:
         """Answer whether it is kept, or None if nobody answered."""
+
+    def on_engine_death(self) -> None:
+        """Hear that records that were not kept are lost."""
 
 
 class Client(Protocol):
@@ -82,6 +84,8 @@ class Engine(Node):
         self._up = up
         self._run: _Run | None = None
         self._arrivals: dict[Callable[..., None], float] = {}
+        # Records of states that were left, which are sent until they are kept.
+        self._unkept: list[tuple[str, Operation]] = []
 
     @property
     def is_running(self) -> bool:
@@ -110,6 +114,8 @@ class Engine(Node):
     def died(self) -> None:
         """Forget the behavior; its client learns that when the engine is up again."""
         self._lost, self._run = self._run, None
+        self._unkept.clear()
+        self._up.on_engine_death()
 
     def restarted(self) -> None:
         """Report that the goal of the last life is not known."""
@@ -155,19 +161,41 @@ class Engine(Node):
         except PreemptedError:
             server.deliver(self.simulation.latency_s(), server.on_cancel, goal.id)
             result = Result(False, ErrorCode.PREEMPTED, "the state was left")
-            self._up.keep_record(
-                name, self._operation(path, ability, goal, "", result, begun_s), lambda _: None
-            )
+            self._keep_left(name, self._operation(path, ability, goal, "", result, begun_s))
             raise
         if result in (_GONE, _HUNG):
             server.deliver(self.simulation.latency_s(), server.on_cancel, goal.id)
         outcome = _outcome_of(result)
         operation = self._operation(path, ability, goal, outcome, result, begun_s)
-        while True:
-            is_kept = yield lambda answer: self._up.keep_record(name, operation, answer)
-            if is_kept and not self.simulation.chance(self.simulation.duplicates):
-                return outcome
-            yield lambda answer: self.deliver(_RETRY_S, answer, None)
+        try:
+            while True:
+                is_kept = yield lambda answer: self._up.keep_record(name, operation, answer)
+                if is_kept and not self.simulation.chance(self.simulation.duplicates):
+                    return outcome
+                yield lambda answer: self.deliver(_RETRY_S, answer, None)
+        except PreemptedError:
+            self._keep_left(name, operation)
+            raise
+
+    def _keep_left(self, behavior: str, operation: Operation) -> None:
+        """Send the record of a state that was left, until it is kept."""
+        record = behavior, operation
+        self._unkept.append(record)
+        life = self.life
+
+        def send() -> None:
+            if life == self.life:
+                self._up.keep_record(*record, on_answer)
+
+        def on_answer(is_kept: bool | None) -> None:
+            if life != self.life:
+                return
+            if is_kept:
+                self._unkept.remove(record)
+            else:
+                self.deliver(_RETRY_S, send)
+
+        send()
 
     def _permitted(
         self, run: _Run, path: str, ability: str, goal: Goal
@@ -182,11 +210,14 @@ class Engine(Node):
                     unsent = Result(False, ErrorCode.PREEMPTED, "left before its goal was sent")
                     now_s = self.simulation.now_s
                     record = self._operation(path, ability, goal, "", unsent, now_s)
-                    self._up.keep_record(name, record, lambda _: None)
+                    self._keep_left(name, record)
                 else:
                     answer(permitted)
 
-            self._up.begin_operation(name, path, ability, on_answer)
+            if self._unkept:
+                self.deliver(_RETRY_S, answer, None)
+            else:
+                self._up.begin_operation(name, path, ability, on_answer)
 
         try:
             while True:
@@ -218,7 +249,7 @@ class Engine(Node):
                 and self.deliver(simulation.random.uniform(*_NOTICED_S), answer, _GONE)
             )
         )
-        self.deliver(goal.timeout + _GRACE_S, answer, _HUNG)
+        self.deliver(goal.timeout + GRACE_S, answer, _HUNG)
 
     def _operation(
         self, path: str, ability: str, goal: Goal, outcome: str, result: Result, begun_s: float

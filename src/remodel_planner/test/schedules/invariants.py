@@ -9,13 +9,15 @@ from remodel_planner.core.supervision.events import (
     Answered,
     Command,
     Commanded,
+    Escalated,
     Event,
     Part,
     RunBegun,
+    RunEnded,
     TaskBegun,
 )
 from remodel_planner.core.supervision.fold import state_after
-from remodel_planner.core.supervision.state import RunState, Stage
+from remodel_planner.core.supervision.state import PERSON_FIRST, STALE_OWNER, RunState, Stage
 from remodel_planner.edge.run_log import RunLog
 from remodel_states.testing.ledger import Deed, Entry
 from schedules.simulation import Simulation
@@ -36,6 +38,7 @@ class Invariants:
         states: run -> what is known of it after its last event.
         ended: runs that a supervisor has taken to their end.
         closed: station -> why its gate is closed, as somebody was answered.
+        stopped: station -> what ended so that a person is to answer before anything moves.
     """
 
     simulation: Simulation
@@ -44,6 +47,7 @@ class Invariants:
     states: dict[int, RunState] = field(default_factory=dict)
     ended: dict[int, RunState] = field(default_factory=dict)
     closed: dict[str, str] = field(default_factory=dict)
+    stopped: dict[str, str] = field(default_factory=dict)
     _fixed: set[str] = field(default_factory=set)
     _discards: set[str] = field(default_factory=set)
     _serial: str = ""
@@ -51,6 +55,7 @@ class Invariants:
     def __post_init__(self) -> None:
         """Watch the site."""
         self.site.on_motion = self._on_motion
+        self.site.on_result = self._on_result
         self.site.on_entry = self._on_entry
 
     # --- the log
@@ -81,9 +86,12 @@ class Invariants:
         self, station: Station, process: Process, run: int, event: Event, after: RunState
     ) -> None:
         """Check an event that was kept."""
-        self.simulation.note(process.name, "run {}: {}", run, _short(event))
+        if self.simulation.tracing:
+            self.simulation.note(process.name, "run {}: {}", run, _short(event))
         if process.noticed_leaving and not isinstance(event, Commanded | Answered):
             self.simulation.violated(f"a shutdown left the event {event}")
+        if isinstance(event, Answered | Escalated | RunEnded):
+            self.stopped.pop(station.name, None)
         if isinstance(event, TaskBegun) and event.part is Part.DISCARD:
             self._discards.add(event.task)
         elif isinstance(event, TaskBegun) and event.part is Part.WHOLE:
@@ -131,8 +139,19 @@ class Invariants:
         why = self.closed.get(motion.station)
         if why:
             self.simulation.violated(f"{motion.what} begins although {why} was answered")
+        stopped = self.stopped.get(motion.station)
+        if stopped:
+            self.simulation.violated(f"{motion.what} begins although {stopped}: nobody answered")
         if not motion.owner:
             self.simulation.violated(f"{motion.what} begins without an owner")
+
+    def _on_result(self, motion: Motion, code: int) -> None:
+        if code in PERSON_FIRST - {STALE_OWNER}:
+            self.stopped[motion.station] = f"{motion.what} ended with {code}"
+
+    def on_engine_death(self, station: Station) -> None:
+        """Note that a record that was not kept is lost with the engine."""
+        self.stopped.pop(station.name, None)
 
     # --- the world
 

@@ -30,11 +30,10 @@ class RepeatedCall:
         self.due_s = now_s + period_s
         self.period_s = period_s
         self.call = call
-        self.is_cancelled = False
 
     def cancel(self) -> None:
         """Call it no more."""
-        self.is_cancelled = True
+        self.due_s = float("inf")
 
 
 @dataclass
@@ -119,12 +118,13 @@ class Process:
                 self._process(self._inbox.popleft())
             else:
                 due_s = min([end_s, *[timer.due_s for timer in self._timers]])
-                self._sleep(due_s)
+                if not self.simulation.skip_to(due_s):
+                    self._sleep(due_s)
 
     def every(self, period_s: float, call: Callable[[], None]) -> RepeatedCall:
         """Have something called again and again, each period [s]."""
         timer = RepeatedCall(period_s, call, self.simulation.now_s)
-        self._timers.append(timer)
+        self._timers = [each for each in self._timers if each.due_s < float("inf")] + [timer]
         return timer
 
     def background(self, begin: Callable[[Callable[[T], None]], None]) -> T:
@@ -284,11 +284,8 @@ class Process:
 
     def _fire(self) -> None:
         now_s = self.simulation.now_s
-        timers = self._timers
-        if any(timer.is_cancelled for timer in timers):
-            timers = self._timers = [timer for timer in timers if not timer.is_cancelled]
-        for timer in timers:
-            if timer.due_s <= now_s and not timer.is_cancelled:
+        for timer in self._timers:
+            if timer.due_s <= now_s:
                 timer.due_s = now_s + timer.period_s
                 timer.call()
 

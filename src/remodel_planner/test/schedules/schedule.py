@@ -10,7 +10,6 @@ from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import Chart
 from remodel_planner.core.supervision.attempts import attempts_of
 from remodel_planner.core.supervision.events import Event
-from remodel_planner.core.supervision.fold import state_after
 from remodel_planner.core.supervision.replay import path_difference, replayed
 from remodel_planner.core.supervision.state import RunState, Stage
 from remodel_planner.edge.production_models import RunRow, TaskRow, WireRow
@@ -85,8 +84,8 @@ class Schedules:
             self._run(simulation)
         except ViolationError as error:
             violation = str(error)
-        with self._memory.door.reading() as session:
-            events = sum(session.scalars(select(RunRow.events)))
+        with self._memory.door.reading() as connection:
+            events = sum(connection.scalars(select(RunRow.events)))
         return Verdict(seed, violation, tuple(simulation.trace), simulation.now_s, events)
 
     def _run(self, simulation: Simulation) -> None:
@@ -132,14 +131,13 @@ class Schedules:
         log = RunLog(self._memory.door)
         for head in log.heads():
             events = [kept.event for kept in log.events(head.number)]
-            self._check_replay(simulation, head.number, events)
-            state = state_after(events)
+            state = self._check_replay(simulation, head.number, events)
             if state != invariants.states.get(head.number):
                 simulation.violated(f"run {head.number}: the log is not what its supervisor knew")
             if not head.ended or state.ended is None:
                 simulation.violated(f"run {head.number} has no end")
-        with self._memory.door.reading() as session:
-            rows = session.execute(
+        with self._memory.door.reading() as connection:
+            rows = connection.execute(
                 select(WireRow.name, TaskRow.state).join(TaskRow, TaskRow.wire_id == WireRow.id)
             ).all()
         latest = invariants.states[max(invariants.states)]
@@ -153,16 +151,20 @@ class Schedules:
             if name in latest.tasks:
                 self._check_task(simulation, latest, site, name, kept, done)
 
-    def _check_replay(self, simulation: Simulation, run: int, events: list[Event]) -> None:
+    def _check_replay(self, simulation: Simulation, run: int, events: list[Event]) -> RunState:
+        """Check that the events of a run follow from each other; return the state after them."""
+        state = RunState()
         for number, frame in enumerate(replayed(events)):
             if frame.differs:
                 simulation.violated(
                     f"run {run}, event {number} does not replay: {frame.differs}: {frame.event}"
                 )
+            state = frame.after
         for attempt in attempts_of(events):
-            difference = path_difference(attempt, self._charts.of[attempt.chart], {})
+            difference = path_difference(attempt, self._charts.of[attempt.chart], {}, {})
             if difference:
                 simulation.violated(f"run {run}: {attempt.execution.behavior}: {difference}")
+        return state
 
     @staticmethod
     def _check_task(

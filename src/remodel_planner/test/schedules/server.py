@@ -200,6 +200,7 @@ class Server(Node):
             return
         self._release(job)
         self.simulation.note(self.name, "ended {}: {} {}", job.goal.id, result.code, result.text)
+        self._site.on_result(job.motion, result.code)
         job.reply(result)
 
     def _release(self, job: _Job) -> None:

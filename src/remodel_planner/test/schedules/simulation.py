@@ -41,15 +41,24 @@ class Simulation:
         self.violation: ViolationError | None = None
         self._events: list[tuple[float, int, Callable[..., None], tuple[Any, ...]]] = []
         self._count = 0
+        self._limit_s = 0.0
 
     def at(self, at_s: float, call: Callable[..., None], *args: Any) -> None:
         """Have something called at a time [s]."""
         self._count += 1
-        heapq.heappush(self._events, (max(at_s, self.now_s), self._count, call, args))
+        due_s = at_s if at_s > self.now_s else self.now_s
+        heapq.heappush(self._events, (due_s, self._count, call, args))
 
     def after(self, delay_s: float, call: Callable[..., None], *args: Any) -> None:
         """Have something called after a time [s]."""
         self.at(self.now_s + delay_s, call, *args)
+
+    def skip_to(self, at_s: float) -> bool:
+        """Have it be a time [s], if nothing happens before; return whether it is."""
+        if at_s > self._limit_s or (self._events and self._events[0][0] <= at_s):
+            return False
+        self.now_s = max(at_s, self.now_s)
+        return True
 
     def latency_s(self) -> float:
         """Return how long a message takes [s]."""
@@ -63,7 +72,7 @@ class Simulation:
 
     def run(self, limit_s: float, is_over: Callable[[], bool]) -> bool:
         """Run events until it is over; return whether it is by a limit of time [s]."""
-        events = self._events
+        events, self._limit_s = self._events, limit_s
         while not is_over():
             if not events or events[0][0] > limit_s:
                 return False

@@ -39,6 +39,7 @@ class Site:
 
     Attributes:
         on_motion: called when something begins to move.
+        on_result: called when an ability has ended, with its error code.
         on_entry: called after each deed.
         locks: cell -> what holds its robot.
         moving: what moves now.
@@ -47,6 +48,7 @@ class Site:
     simulation: Simulation
     panel: Panel
     on_motion: Callable[[Motion], None] = lambda _: None
+    on_result: Callable[[Motion, int], None] = lambda *_: None
     on_entry: Callable[[Entry], None] = lambda _: None
     world: World = field(default_factory=World)
     faults: Faults = ()

@@ -157,6 +157,10 @@ class Station:
 
         self._request(keep, answer)
 
+    def on_engine_death(self) -> None:
+        """See engine.Supervision."""
+        self.invariants.on_engine_death(self)
+
     def send_goal(
         self, count: int, answer: Callable[[str | None], None], *, again: bool = False
     ) -> None:

@@ -34,8 +34,10 @@ def stations(database):
 
 def run_out(database):
     """Let the lease on every cell run out."""
-    with database.transaction() as session:
-        session.execute(text(f"UPDATE cells SET lease_until = {database_time_s(session) - 0.1}"))
+    with database.transaction() as connection:
+        connection.execute(
+            text(f"UPDATE cells SET lease_until = {database_time_s(connection) - 0.1}")
+        )
 
 
 def test_the_second_station_is_refused_with_the_firsts_name(stations, database):

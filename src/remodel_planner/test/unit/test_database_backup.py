@@ -130,8 +130,8 @@ def test_what_is_no_whole_backup_is_refused(used, database, url, file, capsys):
 
 
 def test_a_backup_of_a_newer_program_is_refused(database, url, file, capsys):
-    with database.transaction() as session:
-        session.execute(text("UPDATE alembic_version SET version_num = '0999'"))
+    with database.transaction() as connection:
+        connection.execute(text("UPDATE alembic_version SET version_num = '0999'"))
     assert backup.main([str(file), "--database", url]) == 1
     assert "was made by a newer program (version 0999)" in capsys.readouterr().err
     assert not file.exists()

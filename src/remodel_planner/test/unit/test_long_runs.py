@@ -46,8 +46,8 @@ class Kept:
             self.state = self.log.append(self.run, event, self.state, self.owner)
 
     def change(self, statement):
-        with self.database.transaction() as session:
-            session.execute(text(statement))
+        with self.database.transaction() as connection:
+            connection.execute(text(statement))
 
 
 @pytest.fixture
@@ -87,8 +87,8 @@ def test_a_snapshot_of_another_version_is_not_read(kept, monkeypatch):
 
 
 def test_there_is_one_snapshot_of_a_run(kept):
-    with kept.database.reading() as session:
-        rows = session.execute(text("SELECT run_id, events FROM run_snapshots")).all()
+    with kept.database.reading() as connection:
+        rows = connection.execute(text("SELECT run_id, events FROM run_snapshots")).all()
     assert [tuple(row) for row in rows] == [(kept.run, SNAPSHOT_EVERY * 2)]
 
 

@@ -9,7 +9,10 @@ from pathlib import Path
 import pytest
 import yaml
 from house import HOUSE
+from supervisor_bench import FakeAbilities, FakeEngine, FakeLoop
 
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.error_routes import codes_of_routes
 from flexbe_synthesizer.core.chart.model import Behavior, Container
 from remodel_planner.core.cell_order import cell_order
 from remodel_planner.core.learning.experience import Experience
@@ -18,20 +21,36 @@ from remodel_planner.core.recovery.decide import decide
 from remodel_planner.core.recovery.failure import Failure, Spent
 from remodel_planner.core.recovery.fault import Do
 from remodel_planner.core.recovery.policy import Policy
+from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.events import Decided, Part
+from remodel_planner.core.supervision.gate import Gate, Permit
 from remodel_planner.core.use_case.work_order import order_from
 from remodel_planner.edge.catalogue_file import read_catalogue
-from remodel_planner.edge.fault_file import read_faults
+from remodel_planner.edge.fault_file import read_error_names, read_faults
 from remodel_planner.edge.nested_charts import nested_charts
+from remodel_planner.edge.package_files import behavior_charts
 from remodel_planner.edge.use_case_files import find_use_case
 from remodel_planner.edge.work_planner import WorkPlanner
+from remodel_planner.supervisors.ports import BehaviorEnd, End
+from remodel_planner.supervisors.task_supervisor import TaskSupervisor
+from remodel_states.core.codes import Code
 
 PACKAGE = Path(__file__).parents[2]
 FAULTS = read_faults()
 NESTED = nested_charts()
-JAMMED, MISALIGNED, NO_CONTACT, SLIPPED, NOT_SEATED, PULLED_OUT, FORCE = (
-    301, 300, 302, 303, 304, 305, 308,
-)  # fmt: skip
+SHIPPED = [
+    parse_chart(file.read_text(), str(file)) for file in sorted(behavior_charts().glob("*.xml"))
+]
+PERSON_FIRST = sorted(
+    code
+    for name in FAULTS.names
+    for code in FAULTS[name].codes
+    if FAULTS[name].responses[0].do is Do.ASK_OPERATOR
+)
+ERROR_NAMES = read_error_names()
+JAMMED, MISALIGNED = Code.INSERTION_JAMMED, Code.INSERTION_MISALIGNED
+NO_CONTACT, SLIPPED = Code.INSERTION_NO_CONTACT, Code.SLIPPED_IN_GRIP
+NOT_SEATED, PULLED_OUT, FORCE = Code.NOT_SEATED, Code.PULLED_OUT, Code.INSUFFICIENT_FORCE
 NO_SUCCESS = {"failed", "command_error", "exhausted", "timed_out"}
 ATTENDED, UNATTENDED = set(Do), set(Do) - {Do.ASK_OPERATOR}
 ORDERS = ["house", "automotive_harness", "branched_harness", "cabinet", "dialysis_hoses"]
@@ -69,8 +88,11 @@ class Walk:
         self.visited.append((path, node))
         if node.type != self.failing:
             return next(target for event, target in targets.items() if event not in NO_SUCCESS)
-        routed = [r.target for r in node.on_error if r.first <= self.code <= r.last]
-        return routed[0] if routed else targets["failed"]
+        routed = codes_of_routes(node.on_error, ERROR_NAMES)
+        taken = (
+            r.target for r, codes in zip(node.on_error, routed, strict=True) if self.code in codes
+        )
+        return next(taken, targets["failed"])
 
     def count(self, ability):
         return sum(node.type == f"{ability}State" for _, node in self.visited)
@@ -85,14 +107,7 @@ def planner(request):
         text = (PACKAGE / "examples" / f"{request.param}.yaml").read_text()
         order = order_from(yaml.safe_load(text))
     use_case = find_use_case(order.use_case)
-    made = WorkPlanner(
-        order,
-        use_case,
-        Experience(use_case),
-        0.0,
-        escalated=FAULTS.codes_above_behaviors,
-        undone=FAULTS.codes_to_undo,
-    )
+    made = WorkPlanner(order, use_case, Experience(use_case), 0.0)
     made.plan([task.name for task in order.tasks])
     return made
 
@@ -189,3 +204,105 @@ def test_an_arm_that_was_stopped_by_something_does_not_go_there_again(planner, a
 def test_while_an_end_is_stuck_no_new_wire_is_fed(possible, lasting):
     stuck = Failure("W1", FAULTS.of(306), 306, "ExtractCable", "/Extract a", "stuck", 1.0)
     assert decide(stuck, (), Spent(1, 1.0, 1, 1.0), Policy(), possible).do is lasting
+
+
+class WalkedEngine(FakeEngine):
+    """Its behaviors end when a chart was walked through."""
+
+    def __init__(self, walk):
+        super().__init__()
+        self.walk = walk
+
+    def start(self, behavior):
+        self.end = None
+        self.walk()
+        self.end = BehaviorEnd(End.FINISHED, "failed")
+
+
+class SupervisedWalk(Walk):
+    """A run of a chart whose states a supervisor grants; an ability fails once, with a code."""
+
+    def __init__(self, chart, ability, code, event, lead):
+        """Run the chart; `lead` (ability, code) fails before, if that is not None."""
+        super().__init__(ability, code)
+        self.event, self.lead = event, lead
+        self.has_failed = False
+        self.begun_after = []
+        engine = WalkedEngine(lambda: self.through(chart))
+        self.tasks = TaskSupervisor(
+            FakeLoop(), engine, FakeAbilities(), Gate(), lambda operation: None
+        )
+        self.tasks.stop_all(1.0)
+        self.tasks.run(chart.name, lambda operation: None)
+
+    def _after(self, node, path):
+        targets = {t.event: t.target for t in node.transitions}
+        if isinstance(node, Container | Behavior) or "command_error" not in targets:
+            return super()._after(node, path)
+        behavior, ability = self.tasks.behavior, node.type.removesuffix("State")
+        permit, _ = self.tasks.begin_operation(behavior, path, ability)
+        if permit is not Permit.GRANTED:
+            return targets["command_error"]
+        if self.has_failed:
+            self.begun_after.append(path)
+        code, event = self._end_of(node, ability)
+        self.visited.append((path, node))
+        goal = f"{path}#{len(self.visited)}"
+        done = Operation(path, ability, event, code, "", 1.0, 1.0, goal)
+        assert self.tasks.keep_record(behavior, done) == (True, "")
+        routed = [r.target for r in node.on_error if r.first <= code <= r.last]
+        if not code:
+            return next(target for name, target in targets.items() if name not in NO_SUCCESS)
+        return routed[0] if routed and event == "failed" else targets[event]
+
+    def _end_of(self, node, ability):
+        """Return error code and outcome of an operation."""
+        if node.type == self.failing and not self.has_failed:
+            self.has_failed = True
+            return self.code, self.event
+        return (self.lead[1], "failed") if self.lead and ability == self.lead[0] else (0, "done")
+
+
+def abilities_of(chart):
+    """Return the abilities that a chart calls, in the behaviors that it nests as well."""
+    found = set()
+    for node in chart.nodes:
+        if isinstance(node, Container):
+            found |= abilities_of(node.body)
+        elif isinstance(node, Behavior):
+            found |= abilities_of(NESTED[node.type])
+        elif "command_error" in {t.event for t in node.transitions}:
+            found.add(node.type.removesuffix("State"))
+    return found
+
+
+# What fails before, so that a chart comes to the abilities with which it undoes something.
+LEADS = [None, *(("InsertCable", code) for code in (JAMMED, MISALIGNED, SLIPPED))]
+
+
+def charts_of(planner):
+    """Return the charts of a task's parts; not all use cases can discard one."""
+    parts = [Part.WHOLE, Part.AGAIN, Part.CLEAR] + [Part.DISCARD] * bool(planner.use_case.discard)
+    name = planner.order.tasks[0].name
+    return [planner.chart(name, part, (), ()) for part in parts]
+
+
+@pytest.mark.parametrize("event", ["failed", "command_error"])
+@pytest.mark.parametrize("code", PERSON_FIRST)
+def test_nothing_of_a_behavior_begins_before_a_person_has_answered(planner, code, event):
+    for chart in (*charts_of(planner), *SHIPPED):
+        for ability in abilities_of(chart):
+            walks = [SupervisedWalk(chart, ability, code, event, lead) for lead in LEADS]
+            walks = [walk for walk in walks if walk.has_failed]
+            assert walks, f"{chart.name} does not come to {ability}"
+            assert [walk.begun_after for walk in walks] == [[]] * len(walks), chart.name
+
+
+@pytest.mark.parametrize("code", PERSON_FIRST)
+@pytest.mark.parametrize("chart", SHIPPED, ids=lambda chart: chart.name)
+def test_a_shipped_chart_ends_at_once_when_a_person_is_needed(chart, code):
+    for ability in abilities_of(chart):
+        walk = Walk(ability, code)
+        walk.through(chart)
+        assert walk.count(ability) <= 1
+        assert not walk.count(ability) or walk.visited[-1][1].type == walk.failing

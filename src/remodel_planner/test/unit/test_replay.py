@@ -7,8 +7,9 @@ from remodel_planner.core.run import Execution, Operation
 from remodel_planner.core.supervision.attempts import Attempt
 from remodel_planner.core.supervision.events import Part
 from remodel_planner.core.supervision.replay import path_difference
+from remodel_states.core.codes import Code
 
-LOST = 4
+LOST = Code.SERVER_LOST
 ASKED = ("/Find wire", "/Connect a/InsertCable")
 
 
@@ -29,9 +30,9 @@ def attempt(*path):
     ],
 )
 def test_states_without_a_record_do_not_differ(path):
-    assert path_difference(attempt(*path), Chart("Place Wire W1", ""), {}) == ""
+    assert path_difference(attempt(*path), Chart("Place Wire W1", ""), {}, {}) == ""
 
 
 @pytest.mark.parametrize("path", [ASKED[:1], ASKED[::-1]])
 def test_an_operation_that_was_not_entered_in_its_turn_differs(path):
-    assert "the engine entered" in path_difference(attempt(*path), Chart("", ""), {})
+    assert "the engine entered" in path_difference(attempt(*path), Chart("", ""), {}, {})

@@ -282,8 +282,8 @@ def test_a_task_that_another_cell_has_taken_over_is_not_ended_for_it(keep, datab
 )
 def test_rows_and_tables_that_are_gone_are_reported(keep, log, owner, database, damage, reported):
     run = keep(Planned(("W1", "W2"), ""), WHOLE)
-    with database.transaction() as session:
-        session.execute(text(damage))
+    with database.transaction() as connection:
+        connection.execute(text(damage))
     state = state_after([BEGUN, Planned(("W1", "W2"), ""), WHOLE])
     with pytest.raises(RecordLostError, match=reported):
         log.append(run, TaskEnded("W1", "finished", 2.0, True), state, owner)
@@ -346,8 +346,8 @@ def test_a_file_that_was_put_in_place_of_the_database_is_used(in_file, file):
 def test_a_database_that_does_not_answer_counts_as_lost(in_file, monkeypatch):
     monkeypatch.setattr(production_database, "_WAIT_S", 0)
     log, owner = RunLog(in_file), owner_of(in_file)
-    with in_file.transaction() as session:
-        session.execute(text("SELECT 1"))
+    with in_file.transaction() as connection:
+        connection.execute(text("SELECT 1"))
         with pytest.raises(LostError, match="does not answer: database is locked"):
             log.begin(BEGUN, owner)
 
@@ -372,9 +372,9 @@ def test_a_task_is_taken_over_a_third_of_a_lease_after_it_ran_out(database, url)
     other = TaskLeases(database, "house", "other", 30.0, owner_of(database, "other", "b"))
     mine.claim("W1")
     for since_s, holding in ((9.0, Holding.ELSEWHERE), (11.0, Holding.MINE_IN_DOUBT)):
-        with database.transaction() as session:
-            until = database_time_s(session) - since_s
-            session.execute(text(f"UPDATE tasks SET lease_until = {until} WHERE cell = 'mine'"))
+        with database.transaction() as connection:
+            until = database_time_s(connection) - since_s
+            connection.execute(text(f"UPDATE tasks SET lease_until = {until} WHERE cell = 'mine'"))
         assert other.claim("W1").holding is holding
 
 

@@ -58,10 +58,12 @@ from remodel_planner.core.supervision.step import (
 )
 from remodel_planner.edge.fault_file import read_faults
 from remodel_planner.errors import OrderError
+from remodel_states.core.codes import Code
 
 FAULTS = read_faults()
 POSSIBLE = frozenset(Do) - {Do.OTHER_METHOD, Do.RETRY_WITH}
-JAM, LOST, NOTHING_HELD, NOT_SEATED, CONTRADICTORY = 301, 4, 202, 304, 8
+JAM, LOST, NOTHING_HELD = Code.INSERTION_JAMMED, Code.SERVER_LOST, Code.NOTHING_HELD
+NOT_SEATED, CONTRADICTORY = Code.NOT_SEATED, Code.CONTRADICTORY_RESULT
 MOTION_FAULT = 307
 
 

@@ -11,6 +11,8 @@ from lxml import etree
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from flexbe_synthesizer.core.chart.error_routes import codes_of_routes
+from flexbe_synthesizer.core.chart.model import ErrorRoute
 from flexbe_synthesizer.core.chart.names import behavior_file, is_name
 from flexbe_synthesizer.core.check.check import check_chart
 from flexbe_synthesizer.core.compile import compile_chart
@@ -33,7 +35,7 @@ from remodel_planner.core.use_case.work_order import order_from
 from remodel_planner.edge.ability_files import read_abilities
 from remodel_planner.edge.catalogue_file import read_catalogue
 from remodel_planner.edge.chart_folder import keep_chart
-from remodel_planner.edge.fault_file import read_faults
+from remodel_planner.edge.fault_file import read_error_names
 from remodel_planner.edge.order_planner import plan_problem
 from remodel_planner.edge.use_case_files import find_use_case
 from remodel_planner.errors import InstanceError, UseCaseError
@@ -47,8 +49,7 @@ EXAMPLES = [
 
 # Outcomes of PlacePinState in Deliverable 5.1; see the README of flexbe_synthesizer.
 BLANKED_BY_THE_APP = ("PlacePin finished normally", "PlacePin takes longer than normal")
-ESCALATED = read_faults().codes_above_behaviors
-SERVER_LOST, SERVER_HUNG, CONTRADICTORY = 4, 7, 8
+ERROR_NAMES = read_error_names()
 
 
 def tasks_of(text):
@@ -69,7 +70,7 @@ def house_tasks():
 @pytest.fixture(scope="module")
 def library():
     packages, _ = find_packages(os.environ["ROS_PACKAGE_PATH"])
-    names = ("flexbe_states", "remodel_states", "remodel_behaviors")
+    names = ("flexbe_states", "remodel_msgs", "remodel_states", "remodel_behaviors")
     wanted = [package for package in packages if package.name in names]
     return read_library(wanted)[0]
 
@@ -90,7 +91,7 @@ def test_synthesizer_and_app_accept_the_charts_of_all_examples(file, library, kn
         text = write_chart(task.chart)
         chart = parse_chart(text, f"{task.name}.xml")
         assert chart == task.chart
-        for done in (chart, escalating(chart, ESCALATED)):
+        for done in (chart, escalating(chart)):
             checked = check_chart(done, library, known)
             assert checked.problems == ()
             machine = compile_chart(checked, "remodel_behaviors")
@@ -122,12 +123,11 @@ def test_what_fails_is_done_again_as_the_use_case_says(cabinet):
 
 def test_what_a_supervisor_handles_first_is_not_tried_again(cabinet):
     task = next(iter(cabinet.values()))
-    chart = escalating(task.chart, ESCALATED)
+    chart = escalating(task.chart)
     nodes = {node.id: node for node in chart.nodes}
     look = next(node for node in chart.nodes if node.type == "DetectCableState")
-    routes = {code: r.target for r in look.on_error for code in range(r.first, r.last + 1)}
-    assert set(routes) == ESCALATED
-    assert set(routes.values()) == {transitions(chart)[look.id]["command_error"]}
+    (route,) = look.on_error
+    assert route == ErrorRoute("above_behavior", transitions(chart)[look.id]["command_error"])
     give_up = nodes["Lay down"] if "Lay down" in nodes else chart.nodes[-1]
     assert give_up.on_error == (), "both its failures lead to the same place"
     assert content_mark(chart) != content_mark(task.chart)
@@ -215,11 +215,14 @@ def test_a_use_case_without_discarding_says_so():
 def test_a_shipped_behavior_leaves_to_supervisors_what_they_handle_first():
     file = PACKAGE.parent / "remodel_behaviors" / "charts" / "place_connector.xml"
     for node in parse_chart(file.read_text(), file.name).nodes:
-        routed = {c for r in node.on_error for c in range(r.first, r.last + 1)}
         again = transitions_of(node)["failed"] != "failed"
-        assert bool(routed) == again, node.id
-        assert {SERVER_LOST, SERVER_HUNG, CONTRADICTORY} <= routed or not again
-        assert routed <= ESCALATED
+        routed = {c for codes in codes_of_routes(node.on_error, ERROR_NAMES) for c in codes}
+        assert routed == (set(ERROR_NAMES["above_behavior"]) if again else set()), node.id
+
+
+def test_what_is_serious_is_handled_first_by_a_supervisor():
+    # An escalating chart gives up at once what is serious, and undoes the rest that it leaves.
+    assert set(ERROR_NAMES["serious"]) < set(ERROR_NAMES["above_behavior"])
 
 
 def test_whatever_is_given_up_with_a_full_hand_ends_in_emptying_it(cabinet):

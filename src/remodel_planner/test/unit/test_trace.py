@@ -33,7 +33,7 @@ OUTER = parse_chart(
 
 def follow(*records):
     operations = tuple(Operation(path, "", outcome, 0, "", 0.0, 0.0) for path, outcome in records)
-    return trace(OUTER, operations, {"Inner": INNER})
+    return trace(OUTER, operations, {"Inner": INNER}, {})
 
 
 def test_a_clean_run_reaches_its_outcome():
@@ -66,14 +66,14 @@ def test_a_failure_goes_where_its_code_leads():
     chart = parse_chart(
         """<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="Route" initial="Look">
           <datamodel><outcome name="finished"/><outcome name="failed"/></datamodel>
-          <state id="Look" type="LookState" ext:on_error="7-8: failed">
+          <state id="Look" type="LookState" ext:on_error="LOST: Look; serious: failed">
             <transition event="seen" target="finished"/>
             <transition event="failed" target="Look"/>
           </state>
         </statemachine>""",
         "route.xml",
     )
-    records = [Operation("/Look", "", "failed", code, "", 0.0, 0.0) for code in (100, 8)]
-    run = trace(chart, tuple(records), {})
-    assert run.steps == (("Look", "failed"), ("Look", "failed_7_8"))
+    records = [Operation("/Look", "", "failed", code, "", 0.0, 0.0) for code in (100, 4, 8)]
+    run = trace(chart, tuple(records), {}, {"LOST": (4,), "serious": (4, 7, 8)})
+    assert run.steps == (("Look", "failed"), ("Look", "failed_LOST"), ("Look", "failed_serious"))
     assert run.outcome == "failed"

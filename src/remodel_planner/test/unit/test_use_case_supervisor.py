@@ -2,6 +2,7 @@
 
 import pytest
 from house import owner_of
+from sqlalchemy import text
 from supervisor_bench import Bench
 
 from remodel_planner.core.learning.learned_responses import TriedResponse
@@ -35,9 +36,12 @@ from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.task_leases import TaskLeases
 from remodel_planner.errors import LeavingError, LostError, OwnerError, RefusedError
 from remodel_planner.supervisors.ports import BehaviorEnd, End, UnseenError
+from remodel_states.core.codes import Code
 
-JAM, LOST, SLIPPED, MISSING = 301, 4, 303, 103
-STALE_OWNER, SEVERAL_SERVERS, STUCK, MOTION_FAULT = 9, 10, 306, 307
+JAM, LOST = Code.INSERTION_JAMMED, Code.SERVER_LOST
+SLIPPED, MISSING = Code.SLIPPED_IN_GRIP, Code.COMPONENT_MISSING
+STALE_OWNER, SEVERAL_SERVERS = Code.STALE_OWNER, Code.SEVERAL_SERVERS
+STUCK, MOTION_FAULT = Code.EXTRACTION_STUCK, Code.MOTION_FAULT
 
 
 @pytest.fixture
@@ -684,8 +688,9 @@ def test_a_task_that_another_cell_has_taken_over_is_stopped(bench, house_url):
 
     def lose():
         name = bench.supervisor.state.current
-        with database.transaction() as session:
-            other._row(session, name).cell = "other"
+        with database.transaction() as connection:
+            task = other._locked(connection, name)
+            connection.execute(text(f"UPDATE tasks SET cell = 'other' WHERE id = {task.id}"))
         taken.append(name)
         bench.engine.end = None
         bench.loop.arrivals += [lambda: None] * 400 + [lambda: bench.command(Command.STOP)]

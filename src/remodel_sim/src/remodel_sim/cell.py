@@ -11,7 +11,6 @@ from remodel_sim.abilities.runner import occupy, run
 from remodel_sim.abilities.station import Audience, Station, Steps
 from remodel_sim.core.book import Book, EndState, Feed
 from remodel_sim.core.cell_design import CellDesign
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import check_hands_empty, check_not_in_cell
 from remodel_sim.core.ownership import check_owner
@@ -21,6 +20,7 @@ from remodel_sim.core.traffic import Traffic
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.plant import Plant
+from remodel_states.core.codes import Code
 from remodel_states.core.goal_owner import NO_OWNER
 
 T = TypeVar("T")

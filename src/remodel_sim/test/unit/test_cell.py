@@ -7,11 +7,11 @@ from fingerprint import fingerprint_elsewhere
 from panels import panel
 
 from remodel_sim.cell import Cell
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.panel import Channel, End
 from remodel_sim.physics.truth import ground_truth
+from remodel_states.core.codes import Code
 
 
 def test_the_same_seed_and_goals_give_the_same_bits_in_two_processes():

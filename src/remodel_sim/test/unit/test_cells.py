@@ -17,13 +17,13 @@ from remodel_sim.abilities.together import together
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
 from remodel_sim.core.arm import ToolPose
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.panel import End
 from remodel_sim.core.pin_goal import PlacePinGoal
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.truth import ground_truth
+from remodel_states.core.codes import Code
 
 
 def test_an_iiwa_places_a_whole_wire():

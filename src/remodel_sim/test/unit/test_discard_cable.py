@@ -10,7 +10,6 @@ from remodel_sim.abilities.discard_cable import discard_cable
 from remodel_sim.cell import Cell
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.book import EndState
-from remodel_sim.core.codes import Code
 from remodel_sim.core.discard_goal import DiscardGoal
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.layout import PLATE_MAX_M
@@ -19,6 +18,7 @@ from remodel_sim.core.scrap_bin import bin_of
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.truth import ground_truth
+from remodel_states.core.codes import Code
 
 
 def discard(cell, wire):

@@ -7,11 +7,11 @@ from panels import panel
 from remodel_sim.core import goals
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.book import Book, EndState, Feed, Grip
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.layout import WORLD_FROM_PANEL
 from remodel_sim.core.panel import End
+from remodel_states.core.codes import Code
 
 SOCKET = WORLD_FROM_PANEL @ panel().panel_from_socket("X1", "1")
 NAN = float("nan")

@@ -7,12 +7,12 @@ from place_wire import lay_down as lay_down_wire
 from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.core.book import EndState
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import DetectGoal, PickGoal
 from remodel_sim.core.panel import End
 from remodel_sim.physics.truth import ground_truth
+from remodel_states.core.codes import Code
 
 # So low that the fingers reach down to where the feeder's fork stands.
 LOW = Pose.level(0.50, 0.11, 0.008, 1.5707963)

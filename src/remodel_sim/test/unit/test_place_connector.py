@@ -11,7 +11,6 @@ from remodel_sim.abilities.place_connector import place_connector
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
 from remodel_sim.core.book import Book, EndState, Feed
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError, PanelError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.layout import WORLD_FROM_PANEL, find_problems
@@ -19,6 +18,7 @@ from remodel_sim.core.panel import End
 from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
+from remodel_states.core.codes import Code
 
 CONFIG = Path(__file__).parents[2] / "config"
 PANEL = read_panel(CONFIG / "connectors.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))

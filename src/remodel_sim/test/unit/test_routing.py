@@ -10,12 +10,12 @@ from formboards import along_clips, duct, formboard
 from remodel_sim.abilities.course_check import check_ducts
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.layout import WORLD_FROM_PANEL
 from remodel_sim.core.panel import End
 from remodel_sim.physics.truth import lies_in
+from remodel_states.core.codes import Code
 
 
 def with_b_in_hand(board):

@@ -10,12 +10,12 @@ from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_compon
 from remodel_sim.abilities.station import Audience
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
-from remodel_sim.core.codes import Code
 from remodel_sim.core.component_shape import Box, label_corners
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.panel import End
 from remodel_sim.physics.static_body import add_static
+from remodel_states.core.codes import Code
 
 # A lens that is nearer to another one than this looks from the same place [m].
 APART_M = 0.02

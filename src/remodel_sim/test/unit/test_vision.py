@@ -12,7 +12,6 @@ from place_wire import do
 from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.cell import Cell
 from remodel_sim.core.book import EndState
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import DetectGoal
 from remodel_sim.core.panel import End
@@ -22,6 +21,7 @@ from remodel_sim.core.vision.tracing import at_distance, trace
 from remodel_sim.core.vision.wire_ends import find_ends, trace_between
 from remodel_sim.core.wire_colours import WIRE_RGB
 from remodel_sim.physics.parked_wire import draw_parked
+from remodel_states.core.codes import Code
 
 
 def test_every_label_is_found_from_above_to_half_a_millimetre(cell):

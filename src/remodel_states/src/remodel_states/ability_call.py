@@ -45,6 +45,7 @@ from remodel_msgs.srv import BeginOperationRequest
 from flexbe_core import EventState, Logger
 from flexbe_core.core import UserData
 from flexbe_core.proxy import ProxyActionClient, ProxyPublisher
+from remodel_states.core.contract_times import GRACE_S
 from remodel_states.described import described
 from remodel_states.record_keeping import (
     Keeping,
@@ -57,9 +58,6 @@ from remodel_states.record_keeping import (
 from remodel_states.ros_stopwatch import RosStopwatch
 
 RECORD_TOPIC = "remodel/ability_records"
-
-# [s] ROS time that a server gets beyond the goal's timeout to report that it ended by itself.
-GRACE_S = 2.0
 
 # [Hz] of polling: FlexBE's default, and while the supervisor is asked, which takes milliseconds.
 _RATE_HZ = 10.0

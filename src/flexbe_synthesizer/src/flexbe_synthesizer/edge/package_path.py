@@ -17,6 +17,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 from xml.etree import ElementTree
 
+import yaml
+
+from flexbe_synthesizer.core.chart.error_names import ListedCode, error_names, read_error_table
 from flexbe_synthesizer.core.library.behavior_source import read_behavior_class
 from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.core.library.manifest import Manifest, read_manifest
@@ -37,12 +40,21 @@ _Content = TypeVar("_Content")
 
 @dataclass(frozen=True)
 class Package:
-    """A ROS package, and which of FlexBE's exports its package.xml has."""
+    """A ROS package, and which exports its package.xml has.
+
+    Attributes:
+        name: of the package.
+        folder: of its package.xml.
+        has_states: it exports `<flexbe_states/>`.
+        has_behaviors: it exports `<flexbe_behaviors/>`.
+        faults: the file of `<remodel_states faults="..."/>`, a table of faults and error codes.
+    """
 
     name: str
     folder: Path
     has_states: bool = False
     has_behaviors: bool = False
+    faults: Path | None = None
 
     @property
     def module_folder(self) -> Path:
@@ -69,8 +81,11 @@ def read_package(folder: Path) -> Package:
     name = (root.findtext("name") or "").strip()
     if not name:
         raise ValueError(f"{folder / 'package.xml'} names no package")
-    exports = {child.tag for export in root.iter("export") for child in export}
-    return Package(name, folder, "flexbe_states" in exports, "flexbe_behaviors" in exports)
+    exports = {child.tag: child for export in root.iter("export") for child in export}
+    tables = exports.get("remodel_states")
+    path = None if tables is None else tables.get("faults")
+    faults = Path(path.replace("${prefix}", str(folder))) if path else None
+    return Package(name, folder, "flexbe_states" in exports, "flexbe_behaviors" in exports, faults)
 
 
 def find_packages(
@@ -131,6 +146,7 @@ def read_library(
         behaviors=tuple(b for b in behaviors if isinstance(b, BehaviorClass)),
         unreadable_states=tuple(s for s in states if isinstance(s, Unreadable)),
         unreadable_behaviors=tuple(b for b in behaviors if isinstance(b, Unreadable)),
+        error_names=error_names(_read_error_codes(packages, warnings, seen)),
         text_of=BehaviorFiles(folders),
     )
     return library, tuple(warnings)
@@ -208,6 +224,26 @@ def _read_state(
     text = read_regular_text(path)
     may_hold_one = "(EventState)" in text  # parsing is slow
     return read_state_class(text, package, module) if may_hold_one else None
+
+
+def _read_error_codes(
+    packages: Iterable[Package], warnings: list[str], seen: Stamps
+) -> Iterator[ListedCode]:
+    """Yield the error codes of each package that exports some."""
+    for path in (package.faults for package in packages if package.faults is not None):
+        try:
+            yield from _read(_read_faults, path, seen)
+        except (OSError, ValueError) as error:
+            warnings.append(f"{path} cannot be read: {error}; its error codes are left out")
+
+
+@lru_cache(maxsize=_REMEMBERED)
+def _read_faults(path: Path, _version: Stamp | None) -> tuple[ListedCode, ...]:
+    """Return the error codes that a version of a file has."""
+    try:
+        return read_error_table(yaml.safe_load(read_regular_text(path)))
+    except yaml.YAMLError as error:
+        raise ValueError(str(error)) from error
 
 
 def _read_behaviors(

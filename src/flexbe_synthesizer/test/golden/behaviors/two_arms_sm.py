@@ -96,9 +96,9 @@ class TwoArmsSM(Behavior):
 
             # x:530 y:40
             OperatableStateMachine.add('Insert_error',
-                                        DecisionState(outcomes=['failed_100_199', 'failed_305', 'failed_310_320', 'other'], conditions=lambda code: 'failed_100_199' if code in range(100, 200) else 'failed_305' if code in range(305, 306) else 'failed_310_320' if code in range(310, 321) else 'other'),
-                                        transitions={'failed_100_199': 'given up', 'failed_305': 'Insert_attempts', 'failed_310_320': 'Extract', 'other': 'Extract'},
-                                        autonomy={'failed_100_199': Autonomy.Off, 'failed_305': Autonomy.Off, 'failed_310_320': Autonomy.Off, 'other': Autonomy.Low},
+                                        DecisionState(outcomes=['failed_100_199', 'failed_305', 'failed_310_320', 'failed_JAMMED', 'failed_above_behavior', 'other'], conditions=lambda code: 'failed_100_199' if code in range(100, 200) else 'failed_305' if code in range(305, 306) else 'failed_310_320' if code in range(310, 321) else 'failed_JAMMED' if code in range(301, 302) else 'failed_above_behavior' if code in (4, 5, 401) else 'other'),
+                                        transitions={'failed_100_199': 'given up', 'failed_305': 'Insert_attempts', 'failed_310_320': 'Extract', 'failed_JAMMED': 'Extract', 'failed_above_behavior': 'given up', 'other': 'Extract'},
+                                        autonomy={'failed_100_199': Autonomy.Off, 'failed_305': Autonomy.Off, 'failed_310_320': Autonomy.Off, 'failed_JAMMED': Autonomy.Off, 'failed_above_behavior': Autonomy.Off, 'other': Autonomy.Low},
                                         remapping={'input_value': 'error_code'})
 
             # x:780 y:40

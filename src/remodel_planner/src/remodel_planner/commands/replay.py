@@ -12,6 +12,7 @@ from remodel_planner.core.supervision.event_form import kind_of
 from remodel_planner.core.supervision.events import OperationEnded
 from remodel_planner.core.supervision.replay import path_difference, replayed
 from remodel_planner.core.supervision.step import description_of, next_step
+from remodel_planner.edge.fault_file import read_error_names
 from remodel_planner.edge.nested_charts import nested_charts
 from remodel_planner.edge.run_log import KeptEvent, kept_run
 from remodel_planner.errors import PlannerError
@@ -46,7 +47,7 @@ def main(arguments: list[str] | None = None) -> int:
 def _play(kept: tuple[KeptEvent, ...], *, quiet: bool) -> list[str]:
     """Print the run, and return what differs."""
     differences = []
-    nested = nested_charts()
+    nested, error_names = nested_charts(), read_error_names()
     attempts = list(attempts_of(each.event for each in kept))
     for number, (each, frame) in enumerate(
         zip(kept, replayed([each.event for each in kept]), strict=True)
@@ -66,6 +67,6 @@ def _play(kept: tuple[KeptEvent, ...], *, quiet: bool) -> list[str]:
     for attempt in attempts:
         label = f"{attempt.execution.behavior}, attempt {attempt.execution.attempt}"
         chart = parse_chart(attempt.chart, label)
-        if difference := path_difference(attempt, chart, nested):
+        if difference := path_difference(attempt, chart, nested, error_names):
             differences.append(f"{label}: {difference}")
     return differences

@@ -14,6 +14,7 @@ from remodel_planner.core.run_report import Drawing, Picture, WireStory
 from remodel_planner.core.supervision.attempts import Attempt
 from remodel_planner.core.supervision.picture_name import seen_by
 from remodel_planner.core.trace import Trace, trace
+from remodel_planner.edge.fault_file import read_error_names
 from remodel_planner.edge.nested_charts import nested_charts
 
 
@@ -24,11 +25,13 @@ class Storyteller:
         """Take the folder of the run's pictures; those that are not there are left out."""
         self._pictures = pictures
         self._nested = nested_charts()
+        self._error_names = read_error_names()
 
     def story(self, attempt: Attempt, wire: Wire, length_m: float) -> WireStory:
         """Return one attempt's story."""
         operations = attempt.execution.operations
-        taken = trace(parse_chart(attempt.chart, "record"), operations, self._nested)
+        chart = parse_chart(attempt.chart, "record")
+        taken = trace(chart, operations, self._nested, self._error_names)
         return WireStory(
             wire,
             length_m,

@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from flexbe_synthesizer.core.chart.error_routes import FAILED_EVENT, route_event
+from flexbe_synthesizer.core.chart.error_routes import FAILED_EVENT, codes_of_routes, route_event
 from flexbe_synthesizer.core.chart.model import Behavior, Chart, Container
 from remodel_planner.core.run import Operation
 
@@ -34,19 +34,29 @@ class Trace:
     children: tuple[Trace, ...]
 
 
-def trace(chart: Chart, operations: tuple[Operation, ...], charts: Mapping[str, Chart]) -> Trace:
+def trace(
+    chart: Chart,
+    operations: tuple[Operation, ...],
+    charts: Mapping[str, Chart],
+    error_names: Mapping[str, tuple[int, ...]],
+) -> Trace:
     """Return the run that the operations of a behavior made through its chart.
 
     Args:
         chart: of the behavior.
         operations: of all its ability states, in order.
         charts: of the behaviors nested in it, by type.
+        error_names: error codes by the names that `ext:on_error` uses.
     """
-    return _follow(chart, "", iter(operations), charts)
+    return _follow(chart, "", iter(operations), charts, error_names)
 
 
 def _follow(
-    chart: Chart, path: str, operations: Iterator[Operation], charts: Mapping[str, Chart]
+    chart: Chart,
+    path: str,
+    operations: Iterator[Operation],
+    charts: Mapping[str, Chart],
+    error_names: Mapping[str, tuple[int, ...]],
 ) -> Trace:
     nodes = {node.id: node for node in chart.nodes}
     visits: Counter[str] = Counter()
@@ -62,7 +72,7 @@ def _follow(
             event = "exhausted"
         elif isinstance(node, Behavior | Container):
             inner = node.body if isinstance(node, Container) else charts[node.type]
-            child = _follow(inner, f"{path}/{node.id}", operations, charts)
+            child = _follow(inner, f"{path}/{node.id}", operations, charts, error_names)
             children.append(child)
             event = child.outcome
         else:
@@ -71,8 +81,9 @@ def _follow(
             event = operation.outcome if operation is not None and ran else None
         targets = {transition.event: transition.target for transition in node.transitions}
         if event == FAILED_EVENT and operation is not None:
-            for route in node.on_error:
-                if route.first <= operation.error_code <= route.last:
+            routed = codes_of_routes(node.on_error, error_names)
+            for route, codes in zip(node.on_error, routed, strict=True):
+                if operation.error_code in codes:
                     event = route_event(route)
                     targets[event] = route.target
         if not event or event not in targets:

@@ -9,20 +9,43 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sqlalchemy import select, text, update
-from sqlalchemy.orm import Session
+from sqlalchemy import bindparam, select, text, update
+from sqlalchemy.engine import Connection
 
 from remodel_planner.edge.production_database import ProductionDatabase
 from remodel_planner.edge.production_models import CellRow
 from remodel_planner.errors import OwnerError
 
 _CLOCK = {
-    "sqlite": "SELECT (julianday('now') - 2440587.5) * 86400.0",
-    "postgresql": "SELECT EXTRACT(EPOCH FROM clock_timestamp())",
+    "sqlite": text("SELECT (julianday('now') - 2440587.5) * 86400.0"),
+    "postgresql": text("SELECT EXTRACT(EPOCH FROM clock_timestamp())"),
 }
 
-# A cell that is not known begins above the tokens that were given before a backup was restored.
-_FLOOR = "SELECT coalesce(max(token), 0) AS floor FROM cells WHERE name = '(restored)'"
+# A cell that is not known begins above the tokens that were given before a backup was restored. Two
+# stations may come first at once.
+_ADD_CELL = text(
+    "INSERT INTO cells (name, token, station, holder) SELECT :cell, floor, '', '' FROM "
+    "(SELECT coalesce(max(token), 0) AS floor FROM cells WHERE name = '(restored)') AS known "
+    "WHERE true ON CONFLICT (name) DO NOTHING"
+)
+
+_CELL = select(CellRow).where(CellRow.name == bindparam("cell"))
+_LOCKED_CELL = _CELL.with_for_update()
+_TAKE = update(CellRow).where(CellRow.name == bindparam("cell"))
+_RENEW = (
+    update(CellRow)
+    .where(
+        CellRow.name == bindparam("cell"),
+        CellRow.token == bindparam("owner"),
+        CellRow.lease_until.is_not(None),
+    )
+    .values(lease_until=bindparam("until"))
+)
+_RELEASE = (
+    update(CellRow)
+    .where(CellRow.name == bindparam("cell"), CellRow.token == bindparam("owner"))
+    .values(lease_until=None)
+)
 
 
 @dataclass(frozen=True)
@@ -82,26 +105,22 @@ class CellOwnership:
 
     def acquire(self) -> Owned | Refused:
         """Take the cell, unless another station holds a live lease on it."""
-        with self._database.transaction() as session:
-            # Two stations may come first at once.
-            session.execute(
-                text(
-                    "INSERT INTO cells (name, token, station, holder) SELECT :name, floor, '', '' "
-                    f"FROM ({_FLOOR}) AS known WHERE true ON CONFLICT (name) DO NOTHING"
-                ),
-                {"name": self._cell},
-            )
-            row = session.scalars(
-                select(CellRow).where(CellRow.name == self._cell).with_for_update()
-            ).one()
-            now = database_time_s(session)
+        with self._database.transaction() as connection:
+            connection.execute(_ADD_CELL, {"cell": self._cell})
+            row = connection.execute(_LOCKED_CELL, {"cell": self._cell}).one()
+            now = database_time_s(connection)
             left_s = (row.lease_until or 0.0) - now
             if row.station != self._station and left_s > 0.0:
                 return Refused(row.holder, left_s)
-            row.token += 1
-            row.station, row.holder = self._station, self._holder
-            row.lease_until = now + self.lease_s
-            return Owned(row.token)
+            taken = {
+                "cell": self._cell,
+                "token": row.token + 1,
+                "station": self._station,
+                "holder": self._holder,
+                "lease_until": now + self.lease_s,
+            }
+            connection.execute(_TAKE, taken)
+            return Owned(row.token + 1)
 
     def renew(self, token: int) -> bool:
         """Keep the cell for another lease; False if it was released or has another owner now.
@@ -109,18 +128,10 @@ class CellOwnership:
         Args:
             token: of the ownership.
         """
-        with self._database.transaction() as session:
-            until = database_time_s(session) + self.lease_s
-            renewed = session.execute(
-                update(CellRow)
-                .where(
-                    CellRow.name == self._cell,
-                    CellRow.token == token,
-                    CellRow.lease_until.is_not(None),
-                )
-                .values(lease_until=until)
-            )
-            return bool(renewed.rowcount)
+        with self._database.transaction() as connection:
+            until = database_time_s(connection) + self.lease_s
+            asked = {"cell": self._cell, "owner": token, "until": until}
+            return bool(connection.execute(_RENEW, asked).rowcount)
 
     def release(self, token: int) -> None:
         """End the lease now; nothing happens if the cell has another owner.
@@ -128,35 +139,30 @@ class CellOwnership:
         Args:
             token: of the ownership.
         """
-        with self._database.transaction() as session:
-            session.execute(
-                update(CellRow)
-                .where(CellRow.name == self._cell, CellRow.token == token)
-                .values(lease_until=None)
-            )
+        with self._database.transaction() as connection:
+            connection.execute(_RELEASE, {"cell": self._cell, "owner": token})
 
 
 def live_owners(database: ProductionDatabase) -> tuple[LiveOwner, ...]:
     """Return the owners of cells whose leases have not run out, by cell."""
-    with database.reading() as session:
-        now = database_time_s(session)
-        rows = session.scalars(
+    with database.reading() as connection:
+        now = database_time_s(connection)
+        rows = connection.execute(
             select(CellRow).where(CellRow.lease_until > now).order_by(CellRow.name)
         )
         return tuple(LiveOwner(row.name, row.holder, row.lease_until - now) for row in rows)
 
 
-def require_owner(session: Session, cell: str, token: int, *, lock: bool = False) -> None:
+def require_owner(connection: Connection, cell: str, token: int, *, lock: bool = False) -> None:
     """Raise OwnerError unless a token is the newest of its cell.
 
     Args:
-        session: that asks.
+        connection: with a transaction.
         cell: name of the cell.
         token: of the ownership.
-        lock: nobody else acquires the cell before the session's transaction has ended.
+        lock: nobody else acquires the cell before the transaction has ended.
     """
-    asked = select(CellRow).where(CellRow.name == cell)
-    row = session.scalar(asked.with_for_update() if lock else asked)
+    row = connection.execute(_LOCKED_CELL if lock else _CELL, {"cell": cell}).first()
     if row is None:
         raise OwnerError(f"nobody owns cell {cell}: acquire it first")
     if row.token != token:
@@ -166,6 +172,6 @@ def require_owner(session: Session, cell: str, token: int, *, lock: bool = False
         )
 
 
-def database_time_s(session: Session) -> float:
+def database_time_s(connection: Connection) -> float:
     """Return the time of the database's clock, [s] since 1970."""
-    return float(session.scalar(text(_CLOCK[session.get_bind().dialect.name])))
+    return float(connection.scalar(_CLOCK[connection.dialect.name]))

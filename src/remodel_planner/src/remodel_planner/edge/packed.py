@@ -14,6 +14,7 @@ from sqlalchemy.types import TypeDecorator
 
 _PACKING = b"\x01"
 _RAW = -15
+_ENCODER = json.JSONEncoder(separators=(",", ":"), ensure_ascii=False)
 
 # What entries have in common; the most frequent comes last, where it costs least.
 _DICTIONARY = (
@@ -68,7 +69,7 @@ def unpacked(data: bytes) -> str:
 
 def packed_json(value: object) -> bytes:
     """Return plain data compressed."""
-    return packed(json.dumps(value, separators=(",", ":"), ensure_ascii=False))
+    return packed(_ENCODER.encode(value))
 
 
 class PackedText(TypeDecorator):

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from sqlalchemy import select
-from sqlalchemy.orm import Session
+from sqlalchemy import insert, select
+from sqlalchemy.engine import Connection
 
 from remodel_planner.edge.production_models import ConstraintRow, PreferenceRow
 from remodel_planner.errors import OrderError
@@ -17,7 +17,7 @@ from remodel_planner.errors import OrderError
 _REQUIRE = "require"
 
 
-def add_preference_rows(session: Session, order_id: int, document: object) -> None:
+def add_preference_rows(connection: Connection, order_id: int, document: object) -> None:
     """Add the rows of an order's preferences; none for no document.
 
     Raises:
@@ -36,24 +36,26 @@ def add_preference_rows(session: Session, order_id: int, document: object) -> No
         if not isinstance(rules, list):
             rules = [rules]
         table = ConstraintRow if section == _REQUIRE else PreferenceRow
-        session.add_all(
-            table(
-                order_id=order_id,
-                section=str(section),
-                position=position,
-                name=str(rule.get("name", "")) if isinstance(rule, dict) else "",
-                rule={"entry": rule, "of": type(entries).__name__},
-            )
+        rows = [
+            {
+                "order_id": order_id,
+                "section": str(section),
+                "position": position,
+                "name": str(rule.get("name", "")) if isinstance(rule, dict) else "",
+                "rule": {"entry": rule, "of": type(entries).__name__},
+            }
             for position, rule in enumerate(rules)
-        )
+        ]
+        if rows:
+            connection.execute(insert(table), rows)
 
 
-def preferences_of_rows(session: Session, order_id: int) -> dict[str, Any] | None:
+def preferences_of_rows(connection: Connection, order_id: int) -> dict[str, Any] | None:
     """Return the document of an order's preferences, None if it has none."""
     document: dict[str, Any] = {}
     for table in (PreferenceRow, ConstraintRow):
-        rows = session.scalars(select(table).filter_by(order_id=order_id).order_by(table.id))
-        for row in rows:
+        asked = select(table).where(table.order_id == order_id).order_by(table.id)
+        for row in connection.execute(asked):
             entry = row.rule["entry"]
             if row.rule["of"] == "dict":
                 document.setdefault(row.section, {}).update(entry)

@@ -14,10 +14,9 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from sqlalchemy import create_engine, event, select
-from sqlalchemy.engine import Connection, Engine, make_url
+from sqlalchemy import and_, bindparam, create_engine, delete, event, insert, select
+from sqlalchemy.engine import Connection, Engine, Row, make_url
 from sqlalchemy.exc import DisconnectionError, SQLAlchemyError
-from sqlalchemy.orm import Session
 from sqlalchemy.pool import QueuePool
 
 from remodel_planner.core.ability import Ability, AbilityParameter
@@ -43,6 +42,16 @@ _WAIT_S = 30
 # [s] between two tries to change the mode of a new database.
 _LOOK_S = 0.02
 
+_ORDER = select(OrderRow).where(OrderRow.name == bindparam("order"))
+_LOCKED_ORDER = _ORDER.with_for_update()
+
+# Tasks of orders, to be narrowed down by the order and the wire; indexes find them.
+TASKS = (
+    select(TaskRow)
+    .join(OrderRow, TaskRow.order_id == OrderRow.id)
+    .join(WireRow, and_(TaskRow.wire_id == WireRow.id, WireRow.product_id == OrderRow.product_id))
+)
+
 
 class ProductionDatabase:
     """The database's door: values in, values out."""
@@ -55,10 +64,10 @@ class ProductionDatabase:
         """
         try:
             self._engine = _engine(url)
-            with self._engine.connect() as connection:
+            with self._begun("DEFERRED") as connection:
                 is_newest = version_of(connection) == NEWEST
             if not is_newest:
-                with self._writing().begin() as connection:
+                with self._begun("IMMEDIATE") as connection:
                     upgrade(connection)
         except OrderError as error:
             raise OrderError(f"database {_shown(url)}: {error}") from error
@@ -84,14 +93,14 @@ class ProductionDatabase:
         Raises:
             OrderError: if there is an order of that name already.
         """
-        with self.transaction() as session:
-            if session.scalar(select(OrderRow).filter_by(name=order.name)):
+        with self.transaction() as connection:
+            if connection.execute(_ORDER, {"order": order.name}).first() is not None:
                 raise OrderError(
                     f"the database has an order {order.name} already: give another name (--order)"
                 )
-            row = add_order_rows(session, order)
-            add_preference_rows(session, row.id, preferences)
-            _set_abilities(session, abilities)
+            number = add_order_rows(connection, order)
+            add_preference_rows(connection, number, preferences)
+            _set_abilities(connection, abilities)
 
     def order(self, name: str) -> Order:
         """Return an order.
@@ -99,13 +108,13 @@ class ProductionDatabase:
         Raises:
             OrderError: if there is none of that name.
         """
-        with self.reading() as session:
-            return order_of_row(session, order_row(session, name))
+        with self.reading() as connection:
+            return order_of_row(connection, order_row(connection, name))
 
     def order_names(self) -> tuple[str, ...]:
         """Return the names of all orders, in the order in which they were stored."""
-        with self.reading() as session:
-            return tuple(session.scalars(select(OrderRow.name).order_by(OrderRow.id)))
+        with self.reading() as connection:
+            return _order_names(connection)
 
     def preferences(self, name: str) -> object:
         """Return the document of an order's preferences, None if it has none.
@@ -113,40 +122,47 @@ class ProductionDatabase:
         Raises:
             OrderError: if there is no order of that name.
         """
-        with self.reading() as session:
-            return preferences_of_rows(session, order_row(session, name).id)
+        with self.reading() as connection:
+            return preferences_of_rows(connection, order_row(connection, name).id)
 
     def abilities(self) -> tuple[Ability, ...]:
         """Return the abilities that are known, by name."""
-        with self.reading() as session:
-            rows = session.scalars(select(AbilityRow).order_by(AbilityRow.name))
-            return tuple(_ability(session, row) for row in rows)
+        with self.reading() as connection:
+            rows = connection.execute(select(AbilityRow).order_by(AbilityRow.name)).all()
+            return tuple(_ability(connection, row) for row in rows)
 
     def ability_calls(self) -> tuple[Call, ...]:
         """Return all calls of abilities that any run has recorded, in their order."""
-        with self.reading() as session:
-            return recorded_calls(session)
-
-    def _writing(self) -> Engine:
-        """Return an engine whose transactions wait for each other from their start (SQLite)."""
-        return self._engine.execution_options(remodel_begin="IMMEDIATE")
+        with self.reading() as connection:
+            return recorded_calls(connection)
 
     @contextmanager
-    def transaction(self) -> Iterator[Session]:
-        """Give a session whose changes are stored together, or not at all.
+    def transaction(self) -> Iterator[Connection]:
+        """Give a connection whose changes are stored together, or not at all.
 
         Raises:
             LostError: if the database does not answer.
             RecordLostError: if it is damaged, or lacks tables.
         """
-        with reported(), Session(self._writing(), future=True) as session, session.begin():
-            yield session
+        with reported(), self._begun("IMMEDIATE") as connection:
+            yield connection
 
     @contextmanager
-    def reading(self) -> Iterator[Session]:
-        """Give a session that changes nothing; raises what `transaction` raises."""
-        with reported(), Session(self._engine, future=True) as session:
-            yield session
+    def reading(self) -> Iterator[Connection]:
+        """Give a connection that changes nothing; raises what `transaction` raises."""
+        with reported(), self._begun("DEFERRED") as connection:
+            yield connection
+
+    @contextmanager
+    def _begun(self, kind: str) -> Iterator[Connection]:
+        """Give a connection with a transaction, of a kind that SQLite has.
+
+        Those that change something are IMMEDIATE: they wait for each other from their start.
+        """
+        with self._engine.begin() as connection:
+            if connection.dialect.name == "sqlite":
+                connection.exec_driver_sql(f"BEGIN {kind}")
+            yield connection
 
 
 def _engine(url: str) -> Engine:
@@ -158,7 +174,6 @@ def _engine(url: str) -> Engine:
     engine = create_engine(url, future=True, json_serializer=_compact, **(pool if is_file else {}))
     if is_sqlite:
         event.listen(engine, "connect", _prepare_sqlite)
-        event.listen(engine, "begin", _begin_sqlite)
     if is_file:
         _watch_file(engine)
     return engine
@@ -235,72 +250,55 @@ def _write_ahead(cursor: sqlite3.Cursor) -> None:
             return
 
 
-def _begin_sqlite(connection: Connection) -> None:
-    kind = connection.get_execution_options().get("remodel_begin", "DEFERRED")
-    connection.exec_driver_sql(f"BEGIN {kind}")
-
-
 def _shown(url: str) -> str:
     """Return a URL without its password."""
     head, at, tail = url.rpartition("@")
     return f"{head.rpartition(':')[0]}:***@{tail}" if at and ":" in head.split("//")[-1] else url
 
 
-def order_row(session: Session, name: str, *, lock: bool = False) -> OrderRow:
+def order_row(connection: Connection, name: str, *, lock: bool = False) -> Row:
     """Return an order's row, locked on request; OrderError if there is none of that name."""
-    asked = select(OrderRow).filter_by(name=name)
-    row = session.scalar(asked.with_for_update() if lock else asked)
+    asked = _LOCKED_ORDER if lock else _ORDER
+    row = connection.execute(asked, {"order": name}).first()
     if row is None:
-        known = ", ".join(session.scalars(select(OrderRow.name).order_by(OrderRow.id))) or "none"
+        known = ", ".join(_order_names(connection)) or "none"
         raise OrderError(f"the database has no order {name}; it has: {known}")
     return row
 
 
-def task_row(session: Session, order: int, task: str, *, lock: bool = False) -> TaskRow | None:
-    """Return the row of a task of an order, found by indexes and locked on request."""
-    asked = (
-        select(TaskRow)
-        .join(OrderRow, TaskRow.order_id == OrderRow.id)
-        .join(WireRow, TaskRow.wire_id == WireRow.id)
-        .where(
-            OrderRow.id == order, WireRow.product_id == OrderRow.product_id, WireRow.name == task
-        )
-    )
-    return session.scalar(asked.with_for_update(of=TaskRow) if lock else asked)
+def _order_names(connection: Connection) -> tuple[str, ...]:
+    return tuple(connection.scalars(select(OrderRow.name).order_by(OrderRow.id)))
 
 
-def _set_abilities(session: Session, abilities: Sequence[Ability]) -> None:
-    rows = {row.name: row for row in session.scalars(select(AbilityRow))}
+def _set_abilities(connection: Connection, abilities: Sequence[Ability]) -> None:
+    rows = {row.name: row for row in connection.execute(select(AbilityRow))}
     for ability in abilities:
         row = rows.get(ability.name)
-        if row is not None and _ability(session, row) == ability:
+        if row is not None and _ability(connection, row) == ability:
             continue
         if row is not None:
-            session.delete(row)
-            session.flush()
-        row = AbilityRow(name=ability.name, description=ability.description)
-        session.add(row)
-        session.flush()
-        session.add_all(
-            AbilityParameterRow(
-                ability_id=row.id,
-                position=position,
-                name=parameter.name,
-                type=parameter.type,
-                description=parameter.description,
-            )
+            connection.execute(delete(AbilityRow).where(AbilityRow.id == row.id))
+        values = {"name": ability.name, "description": ability.description}
+        (number,) = connection.execute(insert(AbilityRow), values).inserted_primary_key
+        parameters = [
+            {
+                "ability_id": number,
+                "position": position,
+                "name": parameter.name,
+                "type": parameter.type,
+                "description": parameter.description,
+            }
             for position, parameter in enumerate(ability.parameters)
-        )
+        ]
+        if parameters:
+            connection.execute(insert(AbilityParameterRow), parameters)
 
 
-def _ability(session: Session, row: AbilityRow) -> Ability:
-    parameters = session.scalars(
+def _ability(connection: Connection, row: Row) -> Ability:
+    rows = connection.execute(
         select(AbilityParameterRow)
-        .filter_by(ability_id=row.id)
+        .where(AbilityParameterRow.ability_id == row.id)
         .order_by(AbilityParameterRow.position)
     )
-    return Ability(
-        row.name,
-        row.description,
-        tuple(AbilityParameter(p.name, p.type, p.description) for p in parameters),
-    )
+    parameters = tuple(AbilityParameter(p.name, p.type, p.description) for p in rows)
+    return Ability(row.name, row.description, parameters)

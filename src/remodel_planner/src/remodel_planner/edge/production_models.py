@@ -19,7 +19,7 @@ from sqlalchemy import (
     String,
     UniqueConstraint,
 )
-from sqlalchemy.orm import declarative_base, relationship
+from sqlalchemy.orm import declarative_base
 
 from remodel_planner.edge.packed import PackedJson, PackedText
 
@@ -424,8 +424,6 @@ class ExecutionRow(Base):
     placed = Column(Boolean, nullable=False, comment="whether the cell found the wire placed")
     started_s = Column(Float, nullable=False, comment="[s] ROS time")
     ended_s = Column(Float, nullable=False, comment="[s] ROS time")
-    operations = relationship("AbilityRecordRow", order_by="AbilityRecordRow.id")
-    decision = relationship("DecisionRow", uselist=False)
 
 
 class AbilityRecordRow(Base):

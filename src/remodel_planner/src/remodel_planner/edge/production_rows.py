@@ -7,11 +7,11 @@ queries.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
-from sqlalchemy import select
-from sqlalchemy.orm import Session
+from sqlalchemy import insert, select
+from sqlalchemy.engine import Connection, Row
 
 from remodel_planner.core.production import (
     Cable,
@@ -46,99 +46,86 @@ from remodel_planner.edge.production_models import (
 )
 
 _Columns = dict[str, Any]
+# A mapped class; they have no common type.
+_Table = Any
 
 
-def add_order_rows(session: Session, order: Order) -> OrderRow:
-    """Add an order with its product, and an open task for each wire that lies in the cabinet."""
-    product = ProductRow(title=order.title, source=order.source)
-    session.add(product)
-    session.flush()
-    of = {"product_id": product.id}
-    session.bulk_insert_mappings(NoteRow, [{"text": text, **of} for text in order.notes])
-    nodes = _added(
-        session, {n.name: NodeRow(name=n.name, **_at(n.position), **of) for n in order.nodes}
+def add_order_rows(connection: Connection, order: Order) -> int:
+    """Add an order with its product, and an open task for each wire that lies in the cabinet.
+
+    Returns:
+        The number of the order's row.
+    """
+    product = _added(connection, ProductRow, {"title": order.title, "source": order.source})
+    of = {"product_id": product}
+    _add(connection, NoteRow, ({"text": text, **of} for text in order.notes))
+    _add(connection, NodeRow, ({"name": n.name, **_at(n.position), **of} for n in order.nodes))
+    nodes = _numbers(connection, NodeRow, product)
+    _add(connection, SegmentRow, (_segment_row(s, nodes, of) for s in order.segments))
+    segments = _numbers(connection, SegmentRow, product)
+    _add(connection, ClipRow, (_clip_row(clip, segments, nodes, of) for clip in order.clips))
+    _add(connection, CableRow, (_cable_row(cable, of) for cable in order.cables))
+    cables = _numbers(connection, CableRow, product)
+    _add(connection, ComponentRow, (_component_row(c, nodes, of) for c in order.components))
+    components = _numbers(connection, ComponentRow, product)
+    _add(
+        connection,
+        TerminalRow,
+        (
+            _terminal_row(terminal, components[component.name])
+            for component in order.components
+            for terminal in component.terminals
+        ),
     )
-    segments = _added(
-        session,
-        {
-            segment.name: SegmentRow(
-                name=segment.name,
-                kind=segment.kind.value,
-                start_node_id=nodes[segment.start],
-                end_node_id=nodes[segment.end],
-                length_m=segment.length_m,
-                **of,
-            )
-            for segment in order.segments
-        },
-    )
-    session.add_all(_clip_row(clip, segments, nodes, of) for clip in order.clips)
-    cables = _added(
-        session,
-        {
-            cable.name: CableRow(
-                name=cable.name,
-                kind=cable.kind,
-                length_m=cable.length_m,
-                shielded=cable.shielded,
-                source=cable.source,
-                **of,
-            )
-            for cable in order.cables
-        },
-    )
-    terminals = _add_components(session, order, nodes, of)
-    wires = _added(
-        session,
-        {wire.name: _wire_row(wire, terminals, cables, of) for wire in order.wires},
-    )
-    session.bulk_insert_mappings(
+    terminals = _terminal_numbers(connection, product)
+    _add(connection, WireRow, (_wire_row(wire, terminals, cables, of) for wire in order.wires))
+    wires = _numbers(connection, WireRow, product)
+    _add(
+        connection,
         RouteRow,
-        [
+        (
             {"wire_id": wires[wire.name], "position": i, "segment_id": segments[name]}
             for wire in order.wires
             for i, name in enumerate(wire.route)
-        ],
+        ),
     )
-    row = OrderRow(name=order.name, product_id=product.id)
-    session.add(row)
-    session.flush()
-    session.bulk_insert_mappings(
+    number = _added(connection, OrderRow, {"name": order.name, **of})
+    _add(
+        connection,
         TaskRow,
-        [
-            {"order_id": row.id, "wire_id": wires[wire.name], "state": "open", "cell": ""}
+        (
+            {"order_id": number, "wire_id": wires[wire.name], "state": "open", "cell": ""}
             for wire in order.in_cabinet().wires
-        ],
+        ),
     )
-    return row
+    return number
 
 
-def order_of_row(session: Session, row: OrderRow) -> Order:
+def order_of_row(connection: Connection, row: Row) -> Order:
     """Return the order of a row."""
-    product = session.get(ProductRow, row.product_id)
+    of_product = select(ProductRow).where(ProductRow.id == row.product_id)
+    product = connection.execute(of_product).one()
 
-    def rows(table: Any) -> list[Any]:  # noqa: ANN401 - the mapped classes have no common type
-        query = select(table).filter_by(product_id=product.id).order_by(table.id)
-        return list(session.scalars(query))
+    def rows(table: _Table) -> list[Row]:
+        query = select(table).where(table.product_id == product.id).order_by(table.id)
+        return connection.execute(query).all()
 
     nodes = {node.id: node.name for node in rows(NodeRow)}
     segments = {segment.id: segment for segment in rows(SegmentRow)}
     cables = {cable.id: cable for cable in rows(CableRow)}
     components = {component.id: component for component in rows(ComponentRow)}
-    terminals = list(
-        session.scalars(
-            select(TerminalRow)
-            .join(ComponentRow, TerminalRow.component_id == ComponentRow.id)
-            .where(ComponentRow.product_id == product.id)
-            .order_by(TerminalRow.id)
-        )
-    )
+    terminals = connection.execute(
+        select(TerminalRow)
+        .join(ComponentRow, TerminalRow.component_id == ComponentRow.id)
+        .where(ComponentRow.product_id == product.id)
+        .order_by(TerminalRow.id)
+    ).all()
     of_component: dict[int, list[Terminal]] = defaultdict(list)
     for terminal in terminals:
         of_component[terminal.component_id].append(_terminal(terminal))
     refs = {t.id: TerminalRef(components[t.component_id].name, t.name) for t in terminals}
     routes: dict[int, list[str]] = defaultdict(list)
-    for step in session.scalars(
+    for step in connection.execute(
         select(RouteRow)
         .join(WireRow, RouteRow.wire_id == WireRow.id)
         .where(WireRow.product_id == product.id)
@@ -192,91 +179,118 @@ def order_of_row(session: Session, row: OrderRow) -> Order:
     )
 
 
-def _added(session: Session, rows: Mapping[str, Any]) -> dict[str, int]:
-    """Add rows, and return their numbers by name."""
-    session.add_all(rows.values())
-    session.flush()
-    return {name: row.id for name, row in rows.items()}
+def _added(connection: Connection, table: _Table, values: _Columns) -> int:
+    """Add a row, and return its number."""
+    (number,) = connection.execute(insert(table), values).inserted_primary_key
+    return number
 
 
-def _add_components(
-    session: Session, order: Order, nodes: dict[str, int], of: _Columns
-) -> dict[TerminalRef, int]:
-    components = _added(
-        session,
-        {
-            component.name: ComponentRow(
-                name=component.name,
-                kind=component.kind,
-                role=component.role.value,
-                part_number=component.part_number,
-                mount=component.mount.value,
-                node_id=nodes.get(component.node),
-                **_posed(component.pose),
-                **of,
-            )
-            for component in order.components
-        },
+def _add(connection: Connection, table: _Table, rows: Iterable[_Columns]) -> None:
+    """Add rows that have the same columns."""
+    values = list(rows)
+    if values:
+        connection.execute(insert(table), values)
+
+
+def _numbers(connection: Connection, table: _Table, product: int) -> dict[str, int]:
+    """Return the numbers of a product's rows by name."""
+    asked = select(table.name, table.id).where(table.product_id == product)
+    return dict(connection.execute(asked).all())
+
+
+def _terminal_numbers(connection: Connection, product: int) -> dict[TerminalRef, int]:
+    asked = (
+        select(ComponentRow.name, TerminalRow.name, TerminalRow.id)
+        .join(ComponentRow, TerminalRow.component_id == ComponentRow.id)
+        .where(ComponentRow.product_id == product)
     )
-    rows = {
-        TerminalRef(component.name, terminal.name): _terminal_row(
-            terminal, components[component.name]
-        )
-        for component in order.components
-        for terminal in component.terminals
+    return {TerminalRef(*names): number for *names, number in connection.execute(asked)}
+
+
+def _segment_row(segment: Segment, nodes: Mapping[str, int], of: _Columns) -> _Columns:
+    return {
+        "name": segment.name,
+        "kind": segment.kind.value,
+        "start_node_id": nodes[segment.start],
+        "end_node_id": nodes[segment.end],
+        "length_m": segment.length_m,
+        **of,
     }
-    session.add_all(rows.values())
-    session.flush()
-    return {ref: row.id for ref, row in rows.items()}
 
 
-def _terminal_row(terminal: Terminal, component_id: int) -> TerminalRow:
+def _clip_row(
+    clip: Clip, segments: Mapping[str, int], nodes: Mapping[str, int], of: _Columns
+) -> _Columns:
+    return {
+        "name": clip.name,
+        "kind": clip.kind,
+        "segment_id": segments.get(clip.segment),
+        "along": clip.along,
+        "node_id": nodes.get(clip.node),
+        **_at(clip.position),
+        **of,
+    }
+
+
+def _cable_row(cable: Cable, of: _Columns) -> _Columns:
+    return {
+        "name": cable.name,
+        "kind": cable.kind,
+        "length_m": cable.length_m,
+        "shielded": cable.shielded,
+        "source": cable.source,
+        **of,
+    }
+
+
+def _component_row(component: Component, nodes: Mapping[str, int], of: _Columns) -> _Columns:
+    return {
+        "name": component.name,
+        "kind": component.kind,
+        "role": component.role.value,
+        "part_number": component.part_number,
+        "mount": component.mount.value,
+        "node_id": nodes.get(component.node),
+        **_posed(component.pose),
+        **of,
+    }
+
+
+def _terminal_row(terminal: Terminal, component_id: int) -> _Columns:
     x, y, z = terminal.approach or (None, None, None)
-    return TerminalRow(
-        component_id=component_id,
-        name=terminal.name,
-        side=terminal.side.value,
-        point=terminal.point,
-        kind=terminal.kind,
-        approach_x=x,
-        approach_y=y,
-        approach_z=z,
-        clearance_m=terminal.clearance_m,
-        insertion_force_limit_n=terminal.insertion_force_limit_n,
+    return {
+        "component_id": component_id,
+        "name": terminal.name,
+        "side": terminal.side.value,
+        "point": terminal.point,
+        "kind": terminal.kind,
+        "approach_x": x,
+        "approach_y": y,
+        "approach_z": z,
+        "clearance_m": terminal.clearance_m,
+        "insertion_force_limit_n": terminal.insertion_force_limit_n,
         **_posed(terminal.pose),
-    )
+    }
 
 
 def _wire_row(
-    wire: Wire, terminals: dict[TerminalRef, int], cables: dict[str, int], of: _Columns
-) -> WireRow:
-    return WireRow(
-        name=wire.name,
-        a_terminal_id=terminals[wire.a],
-        b_terminal_id=terminals[wire.b],
-        colour=wire.colour,
-        section_mm2=wire.section_mm2,
-        length_m=wire.length_m,
-        cable_id=cables.get(wire.cable),
-        core=wire.core,
-        source=wire.source,
+    wire: Wire, terminals: Mapping[TerminalRef, int], cables: Mapping[str, int], of: _Columns
+) -> _Columns:
+    return {
+        "name": wire.name,
+        "a_terminal_id": terminals[wire.a],
+        "b_terminal_id": terminals[wire.b],
+        "colour": wire.colour,
+        "section_mm2": wire.section_mm2,
+        "length_m": wire.length_m,
+        "cable_id": cables.get(wire.cable),
+        "core": wire.core,
+        "source": wire.source,
         **of,
-    )
+    }
 
 
-def _clip_row(clip: Clip, segments: dict[str, int], nodes: dict[str, int], of: _Columns) -> ClipRow:
-    return ClipRow(
-        name=clip.name,
-        kind=clip.kind,
-        segment_id=segments.get(clip.segment),
-        along=clip.along,
-        node_id=nodes.get(clip.node),
-        **_at(clip.position),
-        **of,
-    )
-
-
-def _component(row: ComponentRow, terminals: list[Terminal], nodes: dict[int, str]) -> Component:
+def _component(row: Row, terminals: list[Terminal], nodes: Mapping[int, str]) -> Component:
     return Component(
         row.name,
         row.kind,
@@ -289,7 +303,7 @@ def _component(row: ComponentRow, terminals: list[Terminal], nodes: dict[int, st
     )
 
 
-def _terminal(row: TerminalRow) -> Terminal:
+def _terminal(row: Row) -> Terminal:
     approach = (row.approach_x, row.approach_y, row.approach_z)
     return Terminal(
         row.name,
@@ -309,16 +323,14 @@ def _at(position: Vector | None) -> _Columns:
 
 
 def _posed(pose: Pose | None) -> _Columns:
-    if pose is None:
-        return {}
-    qx, qy, qz, qw = pose.orientation
-    return {**_at(pose.position), "qx": qx, "qy": qy, "qz": qz, "qw": qw}
+    qx, qy, qz, qw = pose.orientation if pose else (None, None, None, None)
+    return {**_at(pose.position if pose else None), "qx": qx, "qy": qy, "qz": qz, "qw": qw}
 
 
-def _position(row: NodeRow | ClipRow | ComponentRow | TerminalRow) -> Vector | None:
+def _position(row: Row) -> Vector | None:
     return None if row.x_m is None else (row.x_m, row.y_m, row.z_m)
 
 
-def _pose(row: ComponentRow | TerminalRow) -> Pose | None:
+def _pose(row: Row) -> Pose | None:
     position = _position(row)
     return None if position is None else Pose(position, (row.qx, row.qy, row.qz, row.qw))

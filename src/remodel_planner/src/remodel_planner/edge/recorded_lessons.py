@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from itertools import groupby
 
 from sqlalchemy import and_, select
-from sqlalchemy.orm import Session
+from sqlalchemy.engine import Connection
 
 from remodel_planner.core.condition import Value
 from remodel_planner.core.learning.context import terminal_features
@@ -33,10 +33,10 @@ _READ_AT_ONCE = 1000
 _Place = tuple[int, str, str]
 
 
-def recorded_calls(session: Session) -> tuple[Call, ...]:
+def recorded_calls(connection: Connection) -> tuple[Call, ...]:
     """Return all calls of abilities that any run has recorded, in their order."""
-    terminals = _terminal_features(session)
-    rows = session.execute(
+    terminals = _terminal_features(connection)
+    rows = connection.execute(
         select(
             AbilityRecordRow.ability,
             WireRow.product_id,
@@ -77,12 +77,12 @@ def recorded_calls(session: Session) -> tuple[Call, ...]:
     return tuple(calls)
 
 
-def recorded_responses(session: Session) -> tuple[TriedResponse, ...]:
+def recorded_responses(connection: Connection) -> tuple[TriedResponse, ...]:
     """Return what was done about faults in any run, and whether it helped, in order of the tasks.
 
     A response whose task is still under way is left out.
     """
-    rows = session.execute(
+    rows = connection.execute(
         select(
             ExecutionRow.run_id,
             ExecutionRow.task_id,
@@ -106,8 +106,8 @@ def recorded_responses(session: Session) -> tuple[TriedResponse, ...]:
     return tuple(responses)
 
 
-def _terminal_features(session: Session) -> dict[_Place, dict[str, Value]]:
-    rows = session.execute(
+def _terminal_features(connection: Connection) -> dict[_Place, dict[str, Value]]:
+    rows = connection.execute(
         select(
             ComponentRow.product_id,
             ComponentRow.name,

@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from datetime import datetime
 
-from sqlalchemy import exists, func, insert, select, text, update
-from sqlalchemy.orm import Session
+from sqlalchemy import bindparam, func, insert, select, text, update
+from sqlalchemy.engine import Connection
 
 from remodel_planner.core.learning.learned_responses import TriedResponse
 from remodel_planner.core.supervision.events import Event, RunBegun
@@ -21,9 +21,9 @@ from remodel_planner.core.supervision.state_form import snapshot_of, state_from
 from remodel_planner.edge.cell_ownership import require_owner
 from remodel_planner.edge.database_errors import record_lost
 from remodel_planner.edge.event_rows import KeptEvent, add_event, events_between, now
+from remodel_planner.edge.packed import packed_json
 from remodel_planner.edge.production_database import ProductionDatabase, order_row
 from remodel_planner.edge.production_models import (
-    CellRow,
     OrderRow,
     RunRow,
     RunSnapshotRow,
@@ -40,12 +40,29 @@ _READ_AT_ONCE = 1000
 # How many serial numbers an error names.
 _SHOWN = 10
 
-# One statement, so that no other owner can come between the check and the event.
+_RUN = select(RunRow).where(RunRow.id == bindparam("run"))
+_HEADS = (
+    select(RunRow.id, OrderRow.name, RunRow.cell, RunRow.started, RunRow.ended, RunRow.serial)
+    .join(OrderRow, RunRow.order_id == OrderRow.id)
+    .where(RunRow.events > 0)
+    .order_by(RunRow.id)
+)
+_HEADS_OF_PRODUCT = _HEADS.where(RunRow.serial == bindparam("serial"))
+_UNFINISHED = select(func.max(RunRow.id)).where(
+    RunRow.cell == bindparam("cell"), RunRow.ended.is_(False)
+)
+_SNAPSHOT = select(RunSnapshotRow).where(RunSnapshotRow.run_id == bindparam("run"))
+
+# One statement each, so that no other owner can come between the check and the change.
+_OWNS_CELL = "EXISTS (SELECT 1 FROM cells WHERE cells.name = runs.cell AND cells.token = :owner)"
+_TAKE_UP = text(f"UPDATE runs SET owner = :owner WHERE id = :run AND NOT ended AND {_OWNS_CELL}")
 _COUNT_EVENT = text(
     "UPDATE runs SET events = events + 1 WHERE id = :run AND owner = :owner AND NOT ended AND "
-    "events = :events AND "
-    "EXISTS (SELECT 1 FROM cells WHERE cells.name = runs.cell AND cells.token = :owner) "
-    "RETURNING events"
+    f"events = :events AND {_OWNS_CELL} RETURNING events"
+)
+_STORE_SNAPSHOT = text(
+    "INSERT INTO run_snapshots (run_id, events, data) VALUES (:run, :events, :data) "
+    "ON CONFLICT (run_id) DO UPDATE SET events = excluded.events, data = excluded.data"
 )
 
 
@@ -89,10 +106,10 @@ class RunLog:
             OrderError: if there is no such order, or other cells work on one to be done again.
             OwnerError: if another supervisor owns the cell now.
         """
-        with self._database.transaction() as session:
-            require_owner(session, event.cell, owner, lock=True)
-            order = order_row(session, event.order, lock=True)
-            others = session.scalars(
+        with self._database.transaction() as connection:
+            require_owner(connection, event.cell, owner, lock=True)
+            order = order_row(connection, event.order, lock=True)
+            others = connection.scalars(
                 select(RunRow.cell).where(
                     RunRow.order_id == order.id,
                     RunRow.ended.is_(False),
@@ -105,28 +122,27 @@ class RunLog:
                 )
             states = {"set aside", "done", "begun"} if again else {"set aside"}
             if not others:
-                session.execute(
+                connection.execute(
                     update(TaskRow)
                     .where(TaskRow.order_id == order.id, TaskRow.state.in_(states))
                     .values(state="open", cell="", token=0, lease_until=None)
                 )
             is_new = again or not order.units
-            order.units += is_new
-            serial = f"{order.name}-{order.units:04d}"
-            row = RunRow(
-                order_id=order.id,
-                started=now(),
-                cell=event.cell,
-                ended=False,
-                owner=owner,
-                events=1,
-                serial=serial,
-            )
-            session.add(row)
-            session.flush()
-            completed = replace(event, serial=serial, keep_panel=not is_new)
-            add_event(session, row.id, 0, completed)
-            return int(row.id), completed
+            units = order.units + is_new
+            connection.execute(update(OrderRow).where(OrderRow.id == order.id).values(units=units))
+            completed = replace(event, serial=f"{order.name}-{units:04d}", keep_panel=not is_new)
+            values = {
+                "order_id": order.id,
+                "started": now(),
+                "cell": event.cell,
+                "ended": False,
+                "owner": owner,
+                "events": 1,
+                "serial": completed.serial,
+            }
+            (number,) = connection.execute(insert(RunRow), values).inserted_primary_key
+            add_event(connection, number, 0, completed)
+            return int(number), completed
 
     def take_up(self, run: int, owner: int) -> None:
         """Take up a run that has not ended: from now on only this owner adds events to it.
@@ -139,15 +155,10 @@ class RunLog:
             OwnerError: if another supervisor owns the cell now, or the run has ended.
             RecordLostError: if the run is gone.
         """
-        with self._database.transaction() as session:
-            taken = session.execute(
-                update(RunRow)
-                .where(RunRow.id == run, RunRow.ended.is_(False), _owns_cell(owner))
-                .values(owner=owner)
-                .execution_options(synchronize_session=False)
-            )
+        with self._database.transaction() as connection:
+            taken = connection.execute(_TAKE_UP, {"run": run, "owner": owner})
             if not taken.rowcount:
-                raise _refusal(session, run, owner)
+                raise _refusal(connection, run, owner)
 
     def append(self, run: int, event: Event, before: RunState, owner: int) -> RunState:
         """Keep an event, and return the state after it.
@@ -164,15 +175,15 @@ class RunLog:
             RecordLostError: if the run is gone, or has not the events that led to `before`.
         """
         after = applied(event, before)
-        with self._database.transaction() as session:
+        with self._database.transaction() as connection:
             asked = {"run": run, "owner": owner, "events": before.events}
-            count = session.connection().execute(_COUNT_EVENT, asked).scalar()
+            count = connection.scalar(_COUNT_EVENT, asked)
             if count is None:
-                raise _refusal(session, run, owner, before.events)
-            add_event(session, run, count - 1, event)
-            project(session, run, event, before, after)
+                raise _refusal(connection, run, owner, before.events)
+            add_event(connection, run, count - 1, event)
+            project(connection, run, event, before, after)
             if count % SNAPSHOT_EVERY == 0:
-                _store_snapshot(session, run, count, after)
+                _store_snapshot(connection, run, count, after)
         return after
 
     def events(self, run: int, first: int = 0, *, charts: bool = True) -> Iterator[KeptEvent]:
@@ -197,8 +208,8 @@ class RunLog:
             RecordLostError: if events of the run are gone.
         """
         count = self._count(run)
-        with self._database.reading() as session:
-            row = session.get(RunSnapshotRow, run)
+        with self._database.reading() as connection:
+            row = connection.execute(_SNAPSHOT, {"run": run}).first()
             state = state_from(row.data) if row is not None else None
             first = row.events if state is not None else 0
         tail = self._between(run, first, count, charts=False)
@@ -206,23 +217,25 @@ class RunLog:
 
     def _count(self, run: int) -> int:
         """Return how many events a run has."""
-        with self._database.reading() as session:
-            count = session.scalar(select(RunRow.events).where(RunRow.id == run))
-        if not count:
+        with self._database.reading() as connection:
+            row = connection.execute(_RUN, {"run": run}).first()
+        if row is None or not row.events:
             known = ", ".join(str(head.number) for head in self.heads()) or "none"
             raise OrderError(f"there is no record of run {run}; there are {known}")
-        return int(count)
+        return int(row.events)
 
     def _between(self, run: int, first: int, end: int, *, charts: bool) -> Iterator[KeptEvent]:
         for start in range(first, end, _READ_AT_ONCE):
             stop = min(end, start + _READ_AT_ONCE)
-            with self._database.reading() as session:
-                batch = list(events_between(session, run, start, stop, charts=charts))
+            with self._database.reading() as connection:
+                batch = list(events_between(connection, run, start, stop, charts=charts))
             yield from batch
 
     def heads(self) -> tuple[RunHead, ...]:
         """Return the runs of which there is a record, the latest first."""
-        return self._heads()[::-1]
+        with self._database.reading() as connection:
+            rows = connection.execute(_HEADS).all()
+        return tuple(RunHead(*row) for row in reversed(rows))
 
     def runs_of(self, serial: str) -> tuple[RunHead, ...]:
         """Return the runs that wired a product, the first first.
@@ -230,37 +243,23 @@ class RunLog:
         Raises:
             OrderError: if there is no product of that serial number.
         """
-        heads = self._heads(RunRow.serial == serial) if serial else ()
-        if not heads:
+        with self._database.reading() as connection:
+            rows = connection.execute(_HEADS_OF_PRODUCT, {"serial": serial}).all()
+        if not serial or not rows:
             known = sorted({head.serial for head in self.heads()} - {""})
             shown = ", ".join(known[-_SHOWN:]) or "none"
             raise OrderError(f"there is no product {serial!r}; the last ones are: {shown}")
-        return heads
-
-    def _heads(self, *conditions: object) -> tuple[RunHead, ...]:
-        with self._database.reading() as session:
-            rows = session.execute(
-                select(RunRow, OrderRow.name)
-                .join(OrderRow, RunRow.order_id == OrderRow.id)
-                .where(RunRow.events > 0, *conditions)
-                .order_by(RunRow.id)
-            )
-            return tuple(
-                RunHead(row.id, order, row.cell, row.started, row.ended, row.serial)
-                for row, order in rows
-            )
+        return tuple(RunHead(*row) for row in rows)
 
     def tried_responses(self) -> tuple[TriedResponse, ...]:
         """Return what was done about faults in any run, and whether it helped."""
-        with self._database.reading() as session:
-            return recorded_responses(session)
+        with self._database.reading() as connection:
+            return recorded_responses(connection)
 
     def unfinished(self, cell: str) -> int | None:
         """Return the number of a cell's run that has not ended; None if all have."""
-        with self._database.reading() as session:
-            return session.scalar(
-                select(func.max(RunRow.id)).where(RunRow.cell == cell, RunRow.ended.is_(False))
-            )
+        with self._database.reading() as connection:
+            return connection.scalar(_UNFINISHED, {"cell": cell})
 
 
 def kept_run(url: str, run: int) -> tuple[KeptEvent, ...]:
@@ -276,30 +275,20 @@ def kept_run(url: str, run: int) -> tuple[KeptEvent, ...]:
         database.close()
 
 
-def _store_snapshot(session: Session, run: int, count: int, state: RunState) -> None:
+def _store_snapshot(connection: Connection, run: int, count: int, state: RunState) -> None:
     """Replace the snapshot of a run."""
-    values = {"events": count, "data": snapshot_of(state)}
-    replaced = session.execute(
-        update(RunSnapshotRow)
-        .where(RunSnapshotRow.run_id == run)
-        .values(**values)
-        .execution_options(synchronize_session=False)
-    )
-    if not replaced.rowcount:
-        session.execute(insert(RunSnapshotRow).values(run_id=run, **values))
+    values = {"run": run, "events": count, "data": packed_json(snapshot_of(state))}
+    connection.execute(_STORE_SNAPSHOT, values)
 
 
-def _owns_cell(owner: int) -> object:
-    """Return the condition that the cell of a run has this owner."""
-    return exists().where(CellRow.name == RunRow.cell, CellRow.token == owner)
-
-
-def _refusal(session: Session, run: int, owner: int, events: int | None = None) -> PlannerError:
+def _refusal(
+    connection: Connection, run: int, owner: int, events: int | None = None
+) -> PlannerError:
     """Return why nothing can be added to a run of which so many events are known."""
-    row = session.get(RunRow, run)
+    row = connection.execute(_RUN, {"run": run}).first()
     if row is None:
         return record_lost(f"no longer has run {run}")
-    require_owner(session, row.cell, owner)
+    require_owner(connection, row.cell, owner)
     if row.ended:
         return OwnerError(f"run {run} has ended: nothing can be added to it")
     if row.owner == owner and events is not None:

@@ -5,8 +5,8 @@ They follow from the events, and change in the same transactions.
 
 from __future__ import annotations
 
-from sqlalchemy import insert, select
-from sqlalchemy.orm import Session
+from sqlalchemy import bindparam, insert, select, text
+from sqlalchemy.engine import Connection
 
 from remodel_planner.core.supervision.attempts import INTERRUPTED
 from remodel_planner.core.supervision.events import (
@@ -20,25 +20,60 @@ from remodel_planner.core.supervision.events import (
 )
 from remodel_planner.core.supervision.state import RunState, Stage, TaskProgress
 from remodel_planner.edge.database_errors import record_lost
-from remodel_planner.edge.production_database import task_row
+from remodel_planner.edge.production_database import TASKS
 from remodel_planner.edge.production_models import (
     AbilityRecordRow,
     DecisionRow,
     ExecutionRow,
+    OrderRow,
     RunEventRow,
     RunRow,
-    TaskRow,
+    WireRow,
 )
 
 _OPERATION = OperationEnded.__name__
 _STORED = {Stage.DONE: "done", Stage.SET_ASIDE: "set aside"}
 
+_TASK = TASKS.join(RunRow, RunRow.order_id == OrderRow.id).where(
+    RunRow.id == bindparam("run"), WireRow.name == bindparam("task")
+)
+# A task stays as it is if another cell has taken it over, or it is done.
+_END_TASK = text(
+    "UPDATE tasks SET state = :state, cell = :cell, lease_until = NULL "
+    "WHERE id = :task AND cell IN ('', :cell) AND state <> 'done'"
+)
+# A task that had ended is to be done by a cell after all: it counts as begun.
+_REOPEN_TASK = text(
+    "UPDATE tasks SET state = 'begun', cell = :cell, lease_until = NULL "
+    "WHERE id = :task AND state = :state"
+)
+_ADD_EXECUTION = insert(ExecutionRow)
+_ADD_RECORD = insert(AbilityRecordRow)
+_ADD_DECISION = insert(DecisionRow)
+_END_RUN = text("UPDATE runs SET ended = :ended WHERE id = :run")
+_LAST_OPERATIONS = (
+    select(RunEventRow.position)
+    .where(RunEventRow.run_id == bindparam("run"), RunEventRow.kind == _OPERATION)
+    .order_by(RunEventRow.position.desc())
+    .limit(bindparam("count"))
+)
+# The last execution of a task, and what was decided about it.
+_LAST_EXECUTION = (
+    select(ExecutionRow.id, DecisionRow.id.label("decision"))
+    .outerjoin(DecisionRow, DecisionRow.execution_id == ExecutionRow.id)
+    .where(ExecutionRow.run_id == bindparam("run"), ExecutionRow.task_id == bindparam("task"))
+    .order_by(ExecutionRow.id.desc())
+    .limit(1)
+)
 
-def project(session: Session, run: int, event: Event, before: RunState, after: RunState) -> None:
+
+def project(
+    connection: Connection, run: int, event: Event, before: RunState, after: RunState
+) -> None:
     """Bring the tables up to date with an event.
 
     Args:
-        session: with the transaction that keeps the event.
+        connection: with the transaction that keeps the event.
         run: number of the run.
         event: that happened.
         before: the state in which it happened.
@@ -47,24 +82,20 @@ def project(session: Session, run: int, event: Event, before: RunState, after: R
     # What other cells do with a task is theirs to keep.
     if not isinstance(event, TaskElsewhere | TaskReturned):
         for name in _touched(event, before):
-            stage, stage_before = after.tasks[name].stage, before.tasks[name].stage
-            if stage is not stage_before and stage in _STORED:
-                _end_task(_row_of(session, run, name), _STORED[stage], after.cell)
-            elif stage is not stage_before and stage_before in _STORED:
-                _reopen_task(_row_of(session, run, name), _STORED[stage_before], after.cell)
+            _end_or_reopen(connection, run, before.tasks[name], after)
     current = before.tasks.get(before.current)
     if current is not None and current.stage is Stage.RUNNING:
         if isinstance(event, TaskEnded):
             end = (event.outcome, event.at_s, event.placed)
-            _add_execution(session, run, current, *end)
+            _add_execution(connection, run, current, *end)
         elif after.tasks[current.name].stage is not Stage.RUNNING:
             ended_s = max([current.began_s, *(o.ended_s for o in current.operations)])
-            _add_execution(session, run, current, INTERRUPTED, ended_s, False)
+            _add_execution(connection, run, current, INTERRUPTED, ended_s, False)
     match event:
         case Decided():
-            _add_decision(session, run, event)
+            _add_decision(connection, run, event)
         case RunEnded():
-            session.get(RunRow, run).ended = True
+            connection.execute(_END_RUN, {"run": run, "ended": True})
 
 
 def _touched(event: Event, before: RunState) -> set[str]:
@@ -75,45 +106,53 @@ def _touched(event: Event, before: RunState) -> set[str]:
     return names & before.tasks.keys()
 
 
-def _end_task(row: TaskRow, state: str, cell: str) -> None:
-    """Note that a cell has ended a task, unless another one has taken it over, or it is done."""
-    if row.cell in ("", cell) and row.state != _STORED[Stage.DONE]:
-        row.state, row.cell, row.lease_until = state, cell, None
+def _end_or_reopen(connection: Connection, run: int, before: TaskProgress, after: RunState) -> None:
+    """Note that a task has ended, or is to be done after all."""
+    stage = after.tasks[before.name].stage
+    if stage is before.stage:
+        return
+    if stage in _STORED:
+        change, state = _END_TASK, _STORED[stage]
+    elif before.stage in _STORED:
+        change, state = _REOPEN_TASK, _STORED[before.stage]
+    else:
+        return
+    task = _task_number(connection, run, before.name)
+    connection.execute(change, {"task": task, "state": state, "cell": after.cell})
 
 
-def _reopen_task(row: TaskRow, state: str, cell: str) -> None:
-    """Note that a task that had ended is to be done by a cell after all: it counts as begun."""
-    if row.state == state:
-        row.state, row.cell, row.lease_until = "begun", cell, None
-
-
-def _row_of(session: Session, run: int, task: str) -> TaskRow:
-    order = session.scalar(select(RunRow.order_id).where(RunRow.id == run))
-    row = task_row(session, order, task)
-    if row is None:
+def _task_number(connection: Connection, run: int, task: str) -> int:
+    number = connection.scalar(_TASK, {"run": run, "task": task})
+    if number is None:
         raise record_lost(f"no longer has task {task} of run {run}")
-    return row
+    return int(number)
 
 
 def _add_execution(
-    session: Session, run: int, task: TaskProgress, outcome: str, ended_s: float, placed: bool
+    connection: Connection,
+    run: int,
+    task: TaskProgress,
+    outcome: str,
+    ended_s: float,
+    placed: bool,
 ) -> None:
-    row = ExecutionRow(
-        run_id=run,
-        task_id=_row_of(session, run, task.name).id,
-        behavior=task.behavior,
-        attempt=task.attempts,
-        outcome=outcome,
-        placed=placed,
-        started_s=task.began_s,
-        ended_s=ended_s,
-    )
-    session.add(row)
-    session.flush()
-    positions = _operation_positions(session, run, len(task.operations))
+    values = {
+        "run_id": run,
+        "task_id": _task_number(connection, run, task.name),
+        "behavior": task.behavior,
+        "attempt": task.attempts,
+        "outcome": outcome,
+        "placed": placed,
+        "started_s": task.began_s,
+        "ended_s": ended_s,
+    }
+    (number,) = connection.execute(_ADD_EXECUTION, values).inserted_primary_key
+    if not task.operations:
+        return
+    positions = _operation_positions(connection, run, len(task.operations))
     records = [
         {
-            "execution_id": row.id,
+            "execution_id": number,
             "state_path": operation.state_path,
             "ability": operation.ability,
             "outcome": operation.outcome,
@@ -125,39 +164,29 @@ def _add_execution(
         }
         for operation, position in zip(task.operations, positions, strict=True)
     ]
-    if records:
-        session.execute(insert(AbilityRecordRow), records)
+    connection.execute(_ADD_RECORD, records)
 
 
-def _operation_positions(session: Session, run: int, count: int) -> list[int]:
+def _operation_positions(connection: Connection, run: int, count: int) -> list[int]:
     """Return the positions of the last operations of a run, in order."""
-    last = session.scalars(
-        select(RunEventRow.position)
-        .where(RunEventRow.run_id == run, RunEventRow.kind == _OPERATION)
-        .order_by(RunEventRow.position.desc())
-        .limit(count)
-    ).all()
+    last = connection.scalars(_LAST_OPERATIONS, {"run": run, "count": count}).all()
     if len(last) != count:
         raise record_lost(f"has lost operations of run {run}")
     return sorted(last)
 
 
-def _add_decision(session: Session, run: int, event: Decided) -> None:
+def _add_decision(connection: Connection, run: int, event: Decided) -> None:
     """Add a decision to the last execution of its task, unless that has one."""
-    execution = session.scalar(
-        select(ExecutionRow)
-        .where(
-            ExecutionRow.run_id == run,
-            ExecutionRow.task_id == _row_of(session, run, event.task).id,
-        )
-        .order_by(ExecutionRow.id.desc())
-        .limit(1)
-    )
-    if execution is not None and execution.decision is None:
-        execution.decision = DecisionRow(
-            fault=event.fault,
-            error_code=event.code,
-            evidence=event.text,
-            response=event.do.value,
-            because=event.because,
-        )
+    asked = {"run": run, "task": _task_number(connection, run, event.task)}
+    last = connection.execute(_LAST_EXECUTION, asked).first()
+    if last is None or last.decision is not None:
+        return
+    values = {
+        "execution_id": last.id,
+        "fault": event.fault,
+        "error_code": event.code,
+        "evidence": event.text,
+        "response": event.do.value,
+        "because": event.because,
+    }
+    connection.execute(_ADD_DECISION, values)

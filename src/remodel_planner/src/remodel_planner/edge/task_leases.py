@@ -11,13 +11,31 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-from sqlalchemy import select
-from sqlalchemy.orm import Session
+from sqlalchemy import bindparam, select, update
+from sqlalchemy.engine import Connection, Row
 
 from remodel_planner.edge.cell_ownership import database_time_s, require_owner
-from remodel_planner.edge.production_database import ProductionDatabase, order_row, task_row
-from remodel_planner.edge.production_models import CellRow, TaskRow
+from remodel_planner.edge.production_database import TASKS, ProductionDatabase, order_row
+from remodel_planner.edge.production_models import CellRow, OrderRow, TaskRow, WireRow
 from remodel_planner.errors import OrderError
+
+_TASK = TASKS.where(
+    OrderRow.name == bindparam("order"), WireRow.name == bindparam("task")
+).with_for_update(of=TaskRow)
+_CHANGE = update(TaskRow).where(TaskRow.id == bindparam("number"))
+_IS_OWNER = select(CellRow.name).where(
+    CellRow.name == bindparam("cell"), CellRow.token == bindparam("owner")
+)
+_BEGUN_ELSEWHERE = (
+    select(TaskRow.id)
+    .join(OrderRow, TaskRow.order_id == OrderRow.id)
+    .where(
+        OrderRow.name == bindparam("order"),
+        TaskRow.state != "open",
+        TaskRow.cell.not_in(("", bindparam("mine"))),
+    )
+    .limit(1)
+)
 
 
 class Holding(Enum):
@@ -75,55 +93,61 @@ class TaskLeases:
             OrderError: if the order has no such task.
             OwnerError: if another supervisor owns the cell now.
         """
-        with self._database.transaction() as session:
-            require_owner(session, self._cell, self._token)
-            row = self._row(session, task)
-            before, now = row.cell, database_time_s(session)
+        with self._database.transaction() as connection:
+            require_owner(connection, self._cell, self._token)
+            row = self._locked(connection, task)
+            now = database_time_s(connection)
             if row.state in (Holding.DONE.value, Holding.SET_ASIDE.value):
-                return Claim(Holding(row.state), before)
+                return Claim(Holding(row.state), row.cell)
             is_live = row.lease_until is not None and row.lease_until + self.lease_s / 3 > now
-            if before != self._cell and is_live:
-                return Claim(Holding.ELSEWHERE, before)
-            begun = row.state == "begun"
-            row.state, row.cell, row.token = "begun", self._cell, self._token
-            row.lease_until = now + self.lease_s
-            return Claim(Holding.MINE_IN_DOUBT if begun else Holding.MINE, before)
+            if row.cell != self._cell and is_live:
+                return Claim(Holding.ELSEWHERE, row.cell)
+            taken = {
+                "state": "begun",
+                "cell": self._cell,
+                "token": self._token,
+                "lease_until": now + self.lease_s,
+            }
+            connection.execute(_CHANGE, {"number": row.id, **taken})
+            is_begun = row.state == "begun"
+            return Claim(Holding.MINE_IN_DOUBT if is_begun else Holding.MINE, row.cell)
 
     def begun_elsewhere(self) -> bool:
         """Return whether another cell has begun, done or set aside a task of the order."""
-        with self._database.reading() as session:
-            order = order_row(session, self._order)
-            begun = select(TaskRow.id).where(
-                TaskRow.order_id == order.id,
-                TaskRow.state != "open",
-                TaskRow.cell.not_in(("", self._cell)),
-            )
-            return session.scalar(begun.limit(1)) is not None
+        with self._database.reading() as connection:
+            asked = {"order": self._order, "mine": self._cell}
+            return connection.execute(_BEGUN_ELSEWHERE, asked).first() is not None
 
     def renew(self, task: str) -> bool:
         """Keep a task for another lease; False if another cell or supervisor has taken it over."""
-        with self._database.transaction() as session:
-            row = self._row(session, task)
-            if not self._is_mine(session, row):
+        with self._database.transaction() as connection:
+            row = self._locked(connection, task)
+            if not self._is_mine(connection, row):
                 return False
-            row.token, row.lease_until = self._token, database_time_s(session) + self.lease_s
+            until = database_time_s(connection) + self.lease_s
+            kept = {"token": self._token, "lease_until": until}
+            connection.execute(_CHANGE, {"number": row.id, **kept})
             return True
 
     def give_back(self, task: str) -> None:
         """Let other cells have a task that was not done; it counts as one never begun."""
-        with self._database.transaction() as session:
-            row = self._row(session, task)
-            if self._is_mine(session, row):
-                row.state, row.cell, row.token, row.lease_until = "open", "", 0, None
+        with self._database.transaction() as connection:
+            row = self._locked(connection, task)
+            if self._is_mine(connection, row):
+                open_again = {"state": "open", "cell": "", "token": 0, "lease_until": None}
+                connection.execute(_CHANGE, {"number": row.id, **open_again})
 
-    def _is_mine(self, session: Session, row: TaskRow) -> bool:
+    def _is_mine(self, connection: Connection, row: Row) -> bool:
         """Return whether the cell has begun the task, and this supervisor owns the cell."""
-        token = session.scalar(select(CellRow.token).where(CellRow.name == self._cell))
-        return token == self._token and row.cell == self._cell and row.state == "begun"
+        if row.cell != self._cell or row.state != "begun":
+            return False
+        asked = {"cell": self._cell, "owner": self._token}
+        return connection.execute(_IS_OWNER, asked).first() is not None
 
-    def _row(self, session: Session, task: str) -> TaskRow:
-        order = order_row(session, self._order)
-        row = task_row(session, order.id, task, lock=True)
+    def _locked(self, connection: Connection, task: str) -> Row:
+        """Return the row of a task, which nobody else changes before the transaction has ended."""
+        row = connection.execute(_TASK, {"order": self._order, "task": task}).first()
         if row is None:
+            order_row(connection, self._order)
             raise OrderError(f"order {self._order} has no task {task}")
         return row

@@ -70,8 +70,6 @@ class WorkPlanner:
         experience: Experience,
         search_s: float,
         documents: Sequence[tuple[str, object]] = (),
-        escalated: Collection[int] = (),
-        undone: Collection[int] = (),
     ) -> None:
         """Take the order.
 
@@ -81,16 +79,12 @@ class WorkPlanner:
             experience: what runs have taught; it learns from this one too.
             search_s: [s] of wall time that a search for the best order gets.
             documents: preferences, parsed, with what to call them in errors.
-            escalated: error codes after which a behavior gives up at once, for its supervisor.
-            undone: those of them before which it undoes what the step that failed has left.
         """
         self.order = order
         self.use_case = use_case
         self.experience = experience
         self._search_s = search_s
         self._documents = documents
-        self._escalated = escalated
-        self._undone = undone
         self._adjustable = Adjustable(
             {each.name: {p.name: p.type for p in each.parameters} for each in read_abilities()},
             nested_charts(),
@@ -250,7 +244,7 @@ class WorkPlanner:
                 chart = observing_from(chart, int(values[VIEW]), self._adjustable)
             elif values:
                 chart = with_parameters(chart, where, values, self._adjustable)
-        return escalating(chart, self._escalated, self._undone) if self._escalated else chart
+        return escalating(chart)
 
     def _otherwise(self, task: PlannedTask, state_path: str) -> PlannedTask | None:
         return done_otherwise(self._place(task.name).prepared, task, state_path)

@@ -82,14 +82,7 @@ class WorkMaker:
             for wire in stored.wires
         }
         return Work(
-            planner=WorkPlanner(
-                order,
-                use_case,
-                experience,
-                self.search_s,
-                escalated=self.faults.codes_above_behaviors,
-                undone=self.faults.codes_to_undo,
-            ),
+            planner=WorkPlanner(order, use_case, experience, self.search_s),
             faults=self.faults,
             panel=panel,
             channels=channels,

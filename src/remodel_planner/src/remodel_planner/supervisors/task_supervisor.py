@@ -13,7 +13,6 @@ from remodel_planner.core.supervision.state import (
     PERSON_FIRST,
     PREEMPTED,
     SERVER_GONE,
-    STALE_OWNER,
 )
 from remodel_planner.errors import LostError, PlannerError
 from remodel_planner.supervisors.ports import (
@@ -24,6 +23,7 @@ from remodel_planner.supervisors.ports import (
     EventLoop,
     server_of,
 )
+from remodel_states.core.codes import Code
 
 # [s] wall time between two checks of what nobody reports, such as silence.
 _CHECK_S = 0.1
@@ -263,7 +263,7 @@ class TaskSupervisor:
 
         That a server refuses the goal of an earlier owner of the cell is as it should be.
         """
-        if operation.error_code not in PERSON_FIRST - {STALE_OWNER}:
+        if operation.error_code not in PERSON_FIRST - {Code.STALE_OWNER}:
             return True, otherwise
         try:
             self._report_stop(operation)

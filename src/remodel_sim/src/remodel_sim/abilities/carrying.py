@@ -7,9 +7,9 @@ import numpy as np
 from remodel_sim.abilities.motions import move_to
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.arm import ToolPose
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
+from remodel_states.core.codes import Code
 
 # A wire that hangs on something pulls at the hand with so much more than a free one, and longer
 # than it takes to speed the hand up [N], [s]. A free one pulls with no more than its bending

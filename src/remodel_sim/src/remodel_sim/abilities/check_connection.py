@@ -20,7 +20,6 @@ from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.abilities.viewpoints import camera_above
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.camera import Picture
-from remodel_sim.core.codes import Code
 from remodel_sim.core.component_shape import label_corners
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
@@ -37,6 +36,7 @@ from remodel_sim.core.vision.mouth_sight import (
     look_at_mouth,
     settle,
 )
+from remodel_states.core.codes import Code
 
 # Places of the lens beside a mouth [m]: out of its face, where the mouth is not hidden by the
 # housing's edge, and across, first the two that lie far apart.

@@ -28,7 +28,6 @@ from remodel_sim.abilities.motions import (
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.abilities.viewpoints import camera_above
 from remodel_sim.core.arm import ToolPose
-from remodel_sim.core.codes import Code
 from remodel_sim.core.course import world_from_clip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.fixtures import SLOPE_ABOVE_LIPS_M, lip_top
@@ -39,6 +38,7 @@ from remodel_sim.core.vision.colour import wire_likelihood
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.laid_wire import wire_around
 from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M, PAD_HEIGHT_M, PAD_LENGTH_M
+from remodel_states.core.codes import Code
 
 # The hand grips so far behind the clip's end: the pads clear its slopes.
 BEHIND_CLIP_M = PAD_LENGTH_M / 2 + 0.007

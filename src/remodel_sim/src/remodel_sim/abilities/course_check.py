@@ -11,7 +11,6 @@ import numpy.typing as npt
 from remodel_sim.abilities.motions import park
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.camera import Picture
-from remodel_sim.core.codes import Code
 from remodel_sim.core.course import places_in, world_from_clip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.fixtures import SLOPE_LENGTH_M
@@ -20,6 +19,7 @@ from remodel_sim.core.panel import Clip, Duct, Wire
 from remodel_sim.core.vision.colour import wire_likelihood
 from remodel_sim.core.vision.drawing import BLUE, ORANGE, Drawing
 from remodel_sim.core.vision.laid_wire import Passing, wire_past
+from remodel_states.core.codes import Code
 
 # Beside a clip the wire is looked at so far from its slopes; it is looked for so far aside [m].
 BESIDE_CLIP_M = 0.003

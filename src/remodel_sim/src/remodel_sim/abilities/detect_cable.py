@@ -18,13 +18,13 @@ from remodel_sim.abilities.looking import (
 )
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.book import TipSighting
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.goals import DetectGoal
 from remodel_sim.core.panel import End, Wire
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.wire_ends import trace_between, trace_from
+from remodel_states.core.codes import Code
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,13 +30,13 @@ from remodel_sim.abilities.motions import (
 from remodel_sim.abilities.place_cable import lay_down
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.arm import ToolPose
-from remodel_sim.core.codes import Code
 from remodel_sim.core.discard_goal import DiscardGoal
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import ExtractGoal, LocateGoal
 from remodel_sim.core.mouths import TerminalKey, mouth_of, nearest_terminal
 from remodel_sim.core.panel import End
+from remodel_states.core.codes import Code
 
 # A wire that is drawn out of clips or out of a duct pulls more than a free one; one that pulls more
 # than the grip holds safely hangs on something [N].

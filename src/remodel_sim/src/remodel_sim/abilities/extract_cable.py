@@ -26,13 +26,13 @@ from remodel_sim.abilities.pushing import tool_before
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.book import EndState, Grip
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goal_pose import pose_from
 from remodel_sim.core.goals import ExtractGoal
 from remodel_sim.core.panel import End
 from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M
+from remodel_states.core.codes import Code
 
 # An end that does not come at this force is stuck: the grip holds not much more.
 MAX_PULL_N = 25.0

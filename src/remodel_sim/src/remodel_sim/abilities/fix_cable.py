@@ -10,9 +10,9 @@ from remodel_sim.abilities.grasping import check_grip, let_go_fixed
 from remodel_sim.abilities.motions import wait
 from remodel_sim.abilities.proving import prove_by_pull
 from remodel_sim.abilities.station import Station, Steps
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import FixGoal
+from remodel_states.core.codes import Code
 
 
 @dataclass(frozen=True)

@@ -19,13 +19,13 @@ from remodel_sim.abilities.motions import (
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.arm import Arm, ToolPose
 from remodel_sim.core.book import EndState, Grip
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.layout import GRASP_DISTANCE_M, WORLD_FROM_PANEL
 from remodel_sim.core.mouths import TerminalKey
 from remodel_sim.core.panel import End, Wire, unit_x
 from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M, PAD_LENGTH_M
+from remodel_states.core.codes import Code
 
 # The pads stop so far above the plate.
 FLOOR_CLEARANCE_M = 0.0003

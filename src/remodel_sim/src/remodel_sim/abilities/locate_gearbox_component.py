@@ -14,7 +14,6 @@ from remodel_sim.abilities.motions import disengage, park
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.abilities.viewpoints import label_views
 from remodel_sim.core.camera import Picture
-from remodel_sim.core.codes import Code
 from remodel_sim.core.component_shape import label_corners
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
@@ -24,6 +23,7 @@ from remodel_sim.core.panel import Component
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.label_pose import ComponentSighting, Look, locate_component
 from remodel_sim.core.vision.labels import find_labels, search_label
+from remodel_states.core.codes import Code
 
 # Further than this from its place on the panel, something is wrong with the panel or the component.
 DISPLACED_M = 0.030

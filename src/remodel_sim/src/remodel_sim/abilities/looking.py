@@ -22,7 +22,6 @@ from remodel_sim.abilities.viewpoints import views_around
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.book import EndState, TipSighting
 from remodel_sim.core.camera import Picture
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.layout import GRASP_DISTANCE_M
@@ -30,6 +29,7 @@ from remodel_sim.core.panel import End
 from remodel_sim.core.vision.drawing import BLUE, ORANGE, Drawing
 from remodel_sim.core.vision.tracing import at_distance
 from remodel_sim.core.vision.wire_ends import EndSighting, find_ends, trace_from
+from remodel_states.core.codes import Code
 
 # The arm rings down before a picture is taken [s].
 STILL_S = 0.10

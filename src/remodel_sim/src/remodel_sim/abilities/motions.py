@@ -8,10 +8,10 @@ import numpy as np
 
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.arm import Arm, ToolPose
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose, wrap_angle
 from remodel_sim.core.motion import PEAK_OVER_MEAN, Line
+from remodel_states.core.codes import Code
 
 FREE_SPEED = 0.60  # [m/s], hand empty and high
 CARRY_SPEED = 0.30  # with a wire in the hand

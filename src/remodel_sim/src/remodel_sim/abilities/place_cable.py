@@ -24,13 +24,13 @@ from remodel_sim.abilities.pulling_out import pull_out
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.book import EndState, Grip
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.feeding import FORK_BEHIND_GRASP_M
 from remodel_sim.core.goal_pose import pose_from
 from remodel_sim.core.goals import PlaceGoal
 from remodel_sim.core.layout import WORLD_FROM_PANEL
 from remodel_sim.core.mouths import nearest_terminal
+from remodel_states.core.codes import Code
 
 # Within this distance the wire is carried low, between the rows; further it is lifted over them
 # [m].

@@ -18,12 +18,12 @@ from remodel_sim.abilities.pushing import (
     push_in,
 )
 from remodel_sim.abilities.station import Station, Steps
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goal_pose import pose_from
 from remodel_sim.core.goals import ConnectGoal
 from remodel_sim.core.mouths import mouth_of
+from remodel_states.core.codes import Code
 
 # Resistance so far before the pins are in whole is not the body's on the header's face: a connector
 # bends less than a wire.

@@ -37,7 +37,6 @@ from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.abilities.together import together
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.book import Grip
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose, wrap_angle
 from remodel_sim.core.motion import MAX_TURN_RATE, PEAK_OVER_MEAN
@@ -46,6 +45,7 @@ from remodel_sim.core.pin_goal import PlacePinGoal, pin_row
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.wire_ends import trace_from
 from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M
+from remodel_states.core.codes import Code
 
 # A pin may lie so far from its place, and the wire so far from a pose of the path [m]: nothing
 # holds the wire, so that it takes up to 10 mm of its coil's bow again when it is let go.

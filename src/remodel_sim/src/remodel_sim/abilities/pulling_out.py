@@ -9,10 +9,10 @@ import numpy as np
 from remodel_sim.abilities.motions import wait
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.arm import ToolPose
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.panel import unit_x
+from remodel_states.core.codes import Code
 
 PULL_SPEED = 0.04  # [m/s]
 # The tip is drawn so far out of the mouth.

@@ -11,12 +11,12 @@ from remodel_sim.abilities.place_cable import carry_over
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.book import Grip
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.layout import STANDOFF_M
 from remodel_sim.core.panel import Terminal, unit_x
 from remodel_sim.core.push_feel import PushFeel
+from remodel_states.core.codes import Code
 
 # The tip goes to the mouth faster than into the bore [m/s]: what stops it there must not hurt it.
 APPROACH_MOUTH_SPEED = 0.04

@@ -21,7 +21,6 @@ from remodel_sim.abilities.motions import CARRY_SPEED, disengage, held_tool
 from remodel_sim.abilities.place_cable import lay_down
 from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.core.book import Grip
-from remodel_sim.core.codes import Code
 from remodel_sim.core.course import clips_along, world_from_clip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
@@ -29,6 +28,7 @@ from remodel_sim.core.goal_pose import pose_from
 from remodel_sim.core.goals import RouteGoal
 from remodel_sim.core.mouths import mouth_of
 from remodel_sim.core.panel import Clip
+from remodel_states.core.codes import Code
 
 # A wire that is seen to stand off its clips is pressed in again so often.
 PRESSES = 2

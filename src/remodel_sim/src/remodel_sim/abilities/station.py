@@ -17,7 +17,6 @@ from remodel_sim.core.arm_volume import volume_of
 from remodel_sim.core.book import Book, Feed, Grip
 from remodel_sim.core.camera import Picture, View
 from remodel_sim.core.cell_design import RobotDesign
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.feeding import resting_place
 from remodel_sim.core.geometry import Array, Pose
@@ -26,6 +25,7 @@ from remodel_sim.core.scrap_bin import bin_of
 from remodel_sim.core.traffic import Traffic
 from remodel_sim.physics.plant import Plant
 from remodel_sim.physics.robot import TOUCH_GAP, Robot
+from remodel_states.core.codes import Code
 
 # Commands to the arm and checks of its sensors [1/s].
 TICK_HZ = 120.0

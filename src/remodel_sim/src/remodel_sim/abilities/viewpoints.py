@@ -12,10 +12,10 @@ from remodel_sim.abilities.motions import TRAVEL_Z, nearest_hand_yaw
 from remodel_sim.abilities.station import Station
 from remodel_sim.core.arm import TOOL_M, ToolPose
 from remodel_sim.core.camera import View
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose, wrap_angle
 from remodel_sim.physics.robot_description import CAMERA_MOUNT
+from remodel_states.core.codes import Code
 
 # The tool's height for a look from the hand: the lens is 84 mm above the tool centre.
 LOOK_Z = 0.12

@@ -13,9 +13,9 @@ from functools import cached_property
 
 import numpy as np
 
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose, wrap_angle
+from remodel_states.core.codes import Code
 
 # Hand and own fingers: from the flange to the middle of the wire in the grip
 # (physics/robot_description.py builds them so).

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from remodel_sim.core.book import Book
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import check_hands_empty, check_held, require_robot
 from remodel_sim.core.panel import Panel
+from remodel_states.core.codes import Code
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from remodel_sim.core.codes import Code
 from remodel_states.core import ability_error
+from remodel_states.core.codes import Code
 
 
 class CellError(Exception):

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.layout import WORLD_FROM_PANEL
+from remodel_states.core.codes import Code
 
 WORLD = "world"
 PANEL = "panel"

@@ -15,13 +15,13 @@ import numpy as np
 
 from remodel_sim.core.arm import Arm, ToolPose
 from remodel_sim.core.book import Book, EndState
-from remodel_sim.core.codes import Code
 from remodel_sim.core.course import clips_along
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose, wrap_angle
 from remodel_sim.core.layout import GRASP_DISTANCE_M, STANDOFF_M, WORLD_FROM_PANEL
 from remodel_sim.core.mouths import mouth_of, nearest_terminal
 from remodel_sim.core.panel import End, Panel, unit_x
+from remodel_states.core.codes import Code
 
 ROBOT = "robot_1"
 # What the grip holds safely by friction [N].

@@ -8,8 +8,8 @@ moves nothing when it continues. A goal without a token is not checked.
 
 from __future__ import annotations
 
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
+from remodel_states.core.codes import Code
 from remodel_states.core.goal_owner import NO_OWNER
 
 

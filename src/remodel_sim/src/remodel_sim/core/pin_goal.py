@@ -15,12 +15,12 @@ import numpy as np
 
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.book import Book, EndState
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.goals import check_reach, require, require_number
 from remodel_sim.core.layout import GRASP_DISTANCE_M, WORLD_FROM_PANEL
 from remodel_sim.core.panel import Panel, Wire
+from remodel_states.core.codes import Code
 
 # How much shorter than the wire the way between its pins may be [m]: the wire is drawn straight, so
 # each pin lies half of this beyond its place.

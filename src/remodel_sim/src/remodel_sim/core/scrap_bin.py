@@ -8,10 +8,10 @@ import numpy as np
 
 from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.cell_design import RobotDesign
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.layout import WORLD_FROM_PANEL
 from remodel_sim.core.panel import Panel
+from remodel_states.core.codes import Code
 
 # A cell whose file names no place has its bin so far beyond the plate's edge, and drops from so
 # high: a wire's end passes over the components there.

@@ -11,11 +11,11 @@ import rospy
 from remodel_sim.abilities.ability import CellAbility
 from remodel_sim.abilities.runner import occupy
 from remodel_sim.abilities.station import Found, Station
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import MemoryFileError
 from remodel_sim.core.goals import Goal
 from remodel_sim.ros.conversions import result_fields
 from remodel_states.core.ability_error import AbilityError
+from remodel_states.core.codes import Code
 from remodel_states.serving.running_goal import RunningGoal
 
 
@@ -88,6 +88,7 @@ class Job:
             self._end(Code.INTERNAL, f"{found.message}, but it is not kept: {error}", {})
             return
         fields = result_fields(found, self._running.goal)
+        self._running.report(found.message, 100.0)
         rospy.loginfo("%s: %s (%.1f s)", self, found.message, self._running.elapsed_s)
         self._finish(lambda: self._running.succeed(found.message, fields))
 

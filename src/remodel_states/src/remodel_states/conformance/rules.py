@@ -15,22 +15,13 @@ from actionlib_msgs.msg import GoalStatus
 from remodel_msgs.msg import ErrorCode
 
 from remodel_states.conformance.exchange import STATUS_NAMES, TERMINAL, Exchange, Result
+from remodel_states.core.contract_times import CANCEL_LIMIT_S, GRACE_S, SILENT_LIMIT_S
 
 CANCELLED = (GoalStatus.PREEMPTED, GoalStatus.RECALLED)
-
-# [s] ROS time that a server gets beyond a goal's timeout to report its end; the states give it the
-# same (ability_call).
-GRACE_S = 2.0
-
-# [s] Wall time from a cancel to the goal's end.
-CANCEL_LIMIT_S = 0.5
 
 # [s] ROS time by which the server's clock for a goal may differ from ours, and [1] of its duration.
 CLOCK_SLACK_S = 0.5
 CLOCK_SLACK = 0.1
-
-# [s] ROS time; what takes longer tells how far it is.
-SILENT_LIMIT_S = 1.0
 
 # [s] ROS time by which feedback that was sent before the result may be heard after it.
 LATE_S = 0.3

@@ -13,7 +13,8 @@ from remodel_states.conformance import rules
 from remodel_states.conformance.exchange import Exchange
 from remodel_states.conformance.goals import goals_for_nobody, senseless_goals
 from remodel_states.conformance.probe import Probe
-from remodel_states.conformance.rules import GRACE_S, Fault, Rule
+from remodel_states.conformance.rules import Fault, Rule
+from remodel_states.core.contract_times import GRACE_S
 
 # [s] ROS time in which a server refuses a goal, or is heard to work on it.
 ANSWER_LIMIT_S = 5.0

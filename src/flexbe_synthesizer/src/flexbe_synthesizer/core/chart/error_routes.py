@@ -1,22 +1,32 @@
-"""The map of `ext:on_error`: `100-199: Look again; 305: failed`."""
+"""The map of `ext:on_error`: `INSERTION_JAMMED: Withdraw; 100-199: Look again`.
+
+A name stands for one error code, or for a class of them; the table of names comes with the library
+(`Library.error_names`). A failure takes the first route that has its code.
+"""
 
 from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from flexbe_synthesizer.core.chart.model import ErrorRoute
 
+LARGEST_CODE = 32767
 ROUTES_RULE = (
-    "'CODE: target' or 'FIRST-LAST: target', several parted by ';', with codes from 1 to 32767 "
-    "(an int16 on the wire) of which each stands once"
+    "'CODE: target', 'FIRST-LAST: target' or 'NAME: target', several parted by ';', with codes "
+    f"from 1 to {LARGEST_CODE} (an int16 on the wire) and names of error codes or of classes of "
+    "them, of which each stands once"
 )
-_ROUTE = re.compile(r"\s*([0-9]{1,5})\s*(?:-\s*([0-9]{1,5})\s*)?:\s*(\S(?:.*\S)?)\s*\Z", re.DOTALL)
-_LARGEST = 32767
 FAILED_EVENT = "failed"
+_NUMBERS = r"([0-9]{1,5})\s*(?:-\s*([0-9]{1,5})\s*)?"
+_WORD = r"[A-Za-z][A-Za-z0-9_]*"
+_ROUTE = re.compile(rf"\s*(?:{_NUMBERS}|({_WORD})\s*):\s*(\S(?:.*\S)?)\s*\Z", re.DOTALL)
 # The second spelling is that of behaviors generated before 1.0: `failed 100-199`.
-_EVENT = re.compile(r"failed_([0-9]{1,5})(?:_([0-9]{1,5}))?|failed ([0-9]{1,5})(?:-([0-9]{1,5}))?")
+_EVENT = re.compile(
+    rf"failed_([0-9]{{1,5}})(?:_([0-9]{{1,5}}))?|failed ([0-9]{{1,5}})(?:-([0-9]{{1,5}}))?"
+    rf"|failed_({_WORD})"
+)
 
 
 def parse_routes(text: str) -> tuple[ErrorRoute, ...]:
@@ -26,8 +36,10 @@ def parse_routes(text: str) -> tuple[ErrorRoute, ...]:
         ValueError: if it does not follow ROUTES_RULE.
     """
     routes = tuple(map(_parse_route, text.split(";")))
-    ordered = sorted(routes, key=lambda route: route.first)
-    if any(before.last >= after.first for before, after in itertools.pairwise(ordered)):
+    ranges = sorted(filter(None, (_range(route.codes) for route in routes)))
+    if any(before[1] >= after[0] for before, after in itertools.pairwise(ranges)):
+        raise ValueError(text)
+    if len({route.codes for route in routes}) < len(routes):
         raise ValueError(text)
     return routes
 
@@ -36,15 +48,72 @@ def _parse_route(text: str) -> ErrorRoute:
     found = _ROUTE.match(text)
     if found is None:
         raise ValueError(text)
+    if found[3]:
+        return ErrorRoute(found[3], found[4])
     first, last = int(found[1]), int(found[2] or found[1])
-    if not 1 <= first <= last <= _LARGEST:
+    if not 1 <= first <= last <= LARGEST_CODE:
         raise ValueError(text)
-    return ErrorRoute(first, last, found[3])
+    return ErrorRoute(_spelled(first, last), found[4])
 
 
-def format_routes(routes: tuple[ErrorRoute, ...]) -> str:
+def is_error_name(text: str) -> bool:
+    """Return whether a text can name an error code, or a class of them, in a route."""
+    return re.fullmatch(_WORD, text) is not None
+
+
+def is_named(route: ErrorRoute) -> bool:
+    """Return whether a route names its codes, so that a table has to resolve them."""
+    return _range(route.codes) is None
+
+
+def _range(codes: str) -> tuple[int, int] | None:
+    """Return the first and last of codes that are spelled as numbers; None of a name."""
+    first, _, last = codes.partition("-")
+    return (int(first), int(last or first)) if first.isdecimal() else None
+
+
+def _spelled(first: int, last: int) -> str:
+    return str(first) if first == last else f"{first}-{last}"
+
+
+def codes_of_routes(
+    routes: Iterable[ErrorRoute], error_names: Mapping[str, Collection[int]]
+) -> tuple[tuple[int, ...], ...]:
+    """Return the codes that each route takes, ascending: those that no route before it has.
+
+    Args:
+        routes: in their order.
+        error_names: codes by the names of codes and classes; an unknown name has none.
+    """
+    taken: set[int] = set()
+    found = []
+    for route in routes:
+        numbers = _range(route.codes)
+        codes = range(numbers[0], numbers[1] + 1) if numbers else error_names.get(route.codes, ())
+        found.append(tuple(sorted(set(codes) - taken)))
+        taken.update(codes)
+    return tuple(found)
+
+
+def spans(codes: Iterable[int]) -> tuple[tuple[int, int], ...]:
+    """Return first and last of each row of ascending numbers without a gap."""
+    found: list[tuple[int, int]] = []
+    for code in codes:
+        if found and found[-1][1] == code - 1:
+            found[-1] = (found[-1][0], code)
+        else:
+            found.append((code, code))
+    return tuple(found)
+
+
+def format_codes(codes: Iterable[int]) -> str:
+    """Return ascending codes in numbers: `3-5, 7-10, 305`."""
+    return ", ".join(_spelled(*span) for span in spans(codes))
+
+
+def format_routes(routes: Iterable[ErrorRoute]) -> str:
     """Return the text that `parse_routes` reads as these routes."""
-    return "; ".join(f"{_codes(route)}: {route.target}" for route in routes)
+    return "; ".join(f"{route.codes}: {route.target}" for route in routes)
 
 
 def respelled(spelled: str, routes: tuple[ErrorRoute, ...]) -> str:
@@ -75,22 +144,15 @@ def route_event(route: ErrorRoute) -> str:
 
     It has no blank, because the FlexBE App drops the blanks of a state's outcomes.
     """
-    return f"{FAILED_EVENT}_{_codes(route).replace('-', '_')}"
+    return f"{FAILED_EVENT}_{route.codes.replace('-', '_')}"
 
 
-def _codes(route: ErrorRoute) -> str:
-    return format_codes(route.first, route.last)
-
-
-def format_codes(first: int, last: int) -> str:
-    """Return a range of codes as `ext:on_error` spells it: `305`, `100-199`."""
-    return str(first) if first == last else f"{first}-{last}"
-
-
-def read_route_event(text: str) -> tuple[int, int] | None:
-    """Return first and last code of the route that has the name, None if it is no such name."""
+def codes_of_event(text: str) -> str | None:
+    """Return the codes, as a route spells them, of the route event; None if it is no such name."""
     found = _EVENT.fullmatch(text)
     if found is None:
         return None
+    if found[5]:
+        return found[5]
     first, last = found[1] or found[3], found[2] or found[4]
-    return int(first), int(last or first)
+    return _spelled(int(first), int(last or first))

@@ -130,10 +130,15 @@ class Connection(Element):
 
 @dataclass(frozen=True, slots=True)
 class ErrorRoute:
-    """Where a failure leads whose error code lies in a range, both ends included."""
+    """Where a failure leads by its error code.
 
-    first: int
-    last: int
+    Attributes:
+        codes: a code, the first and last one of a range, or the name of a code or of a class of
+            codes: `305`, `100-199`, `INSERTION_JAMMED`, `above_behavior`.
+        target: a state, a behavior or an outcome.
+    """
+
+    codes: str
     target: str
 
 
@@ -144,8 +149,8 @@ class Node(Element):
     Attributes:
         attempts: how often it may be entered in one run; adds the event `exhausted`.
         timeout_s: how long one visit may take [s].
-        on_error: where the event `failed` leads for some values of the output `error_code`;
-            for all others its transition says so.
+        on_error: where the event `failed` leads for some values of the output `error_code`: the
+            first route that has the code; for all others its transition says so.
     """
 
     id: str

@@ -65,6 +65,7 @@ class Code(Enum):
     MISSING_TRANSITION = ("missing-transition", "an outcome of a state that leads nowhere")
     DUPLICATE_TRANSITION = ("duplicate-transition", "two transitions for one outcome of a state")
     UNKNOWN_TARGET = ("unknown-target", "a transition to what is neither a state nor an outcome")
+    UNKNOWN_ERROR_CODE = ("unknown-error-code", "no error code or class of codes of that name")
     UNREACHABLE_STATE = ("unreachable-state", "no path from the initial state leads there")
     NO_WAY_OUT = ("no-way-out", "a state from which no outcome can be reached")
     UNKNOWN_INPUT = ("unknown-input", "an input that the state or the chart does not have")

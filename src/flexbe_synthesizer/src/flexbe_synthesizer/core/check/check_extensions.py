@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from flexbe_synthesizer.core.chart import names
+from flexbe_synthesizer.core.chart.error_routes import codes_of_routes, is_named
 from flexbe_synthesizer.core.chart.model import AnyNode, Container, ContainerKind, walk_nodes
 from flexbe_synthesizer.core.chart.names import ERROR_CODE, FAILED
 from flexbe_synthesizer.core.chart.problem import Code, Problem
@@ -80,9 +81,26 @@ def _check_routes(entry: ResolvedNode, resolved: ResolvedChart) -> Iterator[Prob
         message += f"always write when it ends with '{FAILED}'; write it on each path to "
         message += f"'{FAILED}', or drop ext:on_error."
         yield Problem(position, Code.READ_BEFORE_WRITE, message)
+    yield from _check_codes(node, resolved.error_names)
     known = set(resolved.targets)
     for route in node.on_error:
         if route.target not in known:
             hint = names.allowed(route.target, resolved.targets)
             message = f"'{route.target}' is neither a state, a behavior nor an outcome; {hint}"
             yield Problem(position, Code.UNKNOWN_TARGET, message)
+
+
+def _check_codes(node: AnyNode, error_names: Mapping[str, tuple[int, ...]]) -> Iterator[Problem]:
+    """Yield a problem for each error route with an unknown name, or that no code can take."""
+    position = node.position("on_error")
+    for route, codes in zip(
+        node.on_error, codes_of_routes(node.on_error, error_names), strict=True
+    ):
+        if is_named(route) and route.codes not in error_names:
+            message = f"no error code, and no class of error codes, has the name '{route.codes}'; "
+            message += names.allowed(route.codes, error_names)
+            yield Problem(position, Code.UNKNOWN_ERROR_CODE, message)
+        elif not codes:
+            message = f"the route of '{route.codes}' is never taken: the routes before it take all "
+            message += "its error codes; put it before them."
+            yield Problem(position, Code.INVALID_VALUE, message)

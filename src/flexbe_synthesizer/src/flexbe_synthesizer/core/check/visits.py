@@ -50,11 +50,12 @@ def _total(weights: Sequence[Bound], mask: int) -> Bound:
     """Return the sum of the weights of a set of stretches."""
     total = 0
     while mask:
-        weight = weights[(mask & -mask).bit_length() - 1]
+        last = mask.bit_length() - 1
+        weight = weights[last]
         if weight is None:
             return None
         total += weight
-        mask &= mask - 1
+        mask ^= 1 << last
     return total
 
 
@@ -68,16 +69,16 @@ def _reaching(graph: Graph) -> Mapping[str, int]:
     steps = Steps(free)
     reaching[graph.initial] = 1
     for index, name in enumerate(graph.counted, start=1):
+        begun = 1 << index
         for edge in graph.leaving.get(name, ()):
             if edge.event != EXHAUSTED and edge.target in reaching:
-                reaching[edge.target] |= 1 << index
+                reaching[edge.target] |= begun
                 steps.look_at(edge.target)
     for name in steps:
+        mask = reaching[name]
         for edge in free.leaving.get(name, ()):
             old = reaching.get(edge.target)
-            if old is not None and reaching[name] & ~old:
-                reaching[edge.target] = (
-                    old | reaching[name] if old else reaching[name]
-                )  # a large one
+            if old is not None and old | mask != old:
+                reaching[edge.target] = old | mask
                 steps.look_at(edge.target)
     return reaching

@@ -6,12 +6,13 @@ All of it follows from the chart, and from what its states and nested behaviors 
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from flexbe_synthesizer.core.chart.error_routes import format_codes
+from flexbe_synthesizer.core.chart.error_routes import codes_of_routes, format_codes, is_named
 from flexbe_synthesizer.core.chart.model import ErrorRoute
 from flexbe_synthesizer.core.chart.names import FAILED
 from flexbe_synthesizer.core.chart.quick import quick
@@ -155,7 +156,7 @@ class _Times:
             if seconds is None:
                 return None
             longest = max(longest, seconds) if resolved.is_concurrent else longest + seconds
-        return longest
+        return _finite(longest)
 
     def _visit(self, entry: ResolvedNode) -> Seconds:
         """Return how long one visit to a node takes."""
@@ -192,7 +193,12 @@ def _product(visits: Bound, seconds: Seconds) -> Seconds:
     """Return how long so many visits take; no visit takes no time."""
     if visits == 0:
         return 0.0
-    return None if visits is None or seconds is None else visits * seconds
+    return None if visits is None or seconds is None else _finite(visits * seconds)
+
+
+def _finite(seconds: float) -> Seconds:
+    """Return a time, None for one that is too long for a number."""
+    return seconds if seconds < math.inf else None
 
 
 class _ErrorEnds:
@@ -220,7 +226,7 @@ class _ErrorEnds:
         ends = _ends(graph, leading)
         for name, entry in resolved.by_id.items():
             path = above + name
-            for event, codes, target in _coded(entry, graph):
+            for event, codes, target in _coded(entry, graph, resolved.error_names):
                 yield ErrorEnd(path, event, codes, target, self._listed(ends.get(target, 0)))
             if entry.body is not None:
                 inner: dict[str, int] = {}
@@ -250,7 +256,9 @@ def _ends(graph: Graph, leading: Mapping[str, int]) -> Mapping[str, int]:
     return ends
 
 
-def _coded(entry: ResolvedNode, graph: Graph) -> Iterator[tuple[str, str, str]]:
+def _coded(
+    entry: ResolvedNode, graph: Graph, error_names: Mapping[str, tuple[int, ...]]
+) -> Iterator[tuple[str, str, str]]:
     """Yield event, codes and target of each way in which a node is left with an error code."""
     # In a concurrency container a node has no transitions, and its conditions are the edges.
     leads = entry.node.transitions or graph.leaving.get(entry.node.id, ())
@@ -259,19 +267,22 @@ def _coded(entry: ResolvedNode, graph: Graph) -> Iterator[tuple[str, str, str]]:
         if event not in targets:
             continue
         if event == FAILED and entry.node.on_error:
-            yield from _routed(entry.node.on_error)
+            yield from _routed(entry.node.on_error, error_names)
             yield event, _OTHER, targets[event]
         else:
             yield event, _ANY, targets[event]
 
 
-def _routed(routes: Iterable[ErrorRoute]) -> Iterator[tuple[str, str, str]]:
+def _routed(
+    routes: Sequence[ErrorRoute], error_names: Mapping[str, tuple[int, ...]]
+) -> Iterator[tuple[str, str, str]]:
     """Yield event, codes and target of each target of error routes."""
     by_target: dict[str, list[str]] = {}
-    for route in routes:
-        by_target.setdefault(route.target, []).append(format_codes(route.first, route.last))
-    for target, codes in by_target.items():
-        yield FAILED, ", ".join(codes), target
+    for route, codes in zip(routes, codes_of_routes(routes, error_names), strict=True):
+        shown = f"{route.codes} ({format_codes(codes)})" if is_named(route) else format_codes(codes)
+        by_target.setdefault(route.target, []).append(shown)
+    for target, listed in by_target.items():
+        yield FAILED, ", ".join(listed), target
 
 
 def _assumed(resolved: ResolvedChart) -> Iterator[str]:
@@ -352,7 +363,10 @@ class _Texts(dict[str | tuple[str, ...], str]):
 
 
 def _number(bound: float | None) -> str:
-    return f'"{UNBOUNDED}"' if bound is None else repr(bound)
+    if bound is None:
+        return f'"{UNBOUNDED}"'
+    written = repr(bound)
+    return written if "." in written else written.replace("e", ".0e")  # YAML wants the point
 
 
 def _names(names: Iterable[str]) -> str:

@@ -12,12 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 
-from flexbe_synthesizer.core.chart.error_routes import (
-    FAILED_EVENT,
-    format_codes,
-    read_route_event,
-    route_event,
-)
+from flexbe_synthesizer.core.chart.error_routes import FAILED_EVENT, route_event
 from flexbe_synthesizer.core.chart.model import (
     AnyNode,
     Behavior,
@@ -292,7 +287,7 @@ def _arrows(chart: Chart, prefix: str, run: _Run) -> Iterator[_Arrow]:
 def _edge(arrow: _Arrow, chart: Chart, source: AnyNode, prefix: str, has_path: bool) -> str:
     """Return an arrow with its events as label; one out of a container starts at its ends."""
     color = _FAILURE if arrow.is_failure else _INK
-    width, text = 1.2, "<br/>".join(map(escape, _lines(arrow.events)))
+    width, text = 1.2, "<br/>".join(map(escape, _lines(arrow.events, source)))
     if arrow.steps:
         color, width = _FAILURE if arrow.is_failure else _TAKEN, 2.6
         text = f"<b>{', '.join(map(str, arrow.steps))}</b>  {text}"
@@ -316,10 +311,11 @@ def _edge(arrow: _Arrow, chart: Chart, source: AnyNode, prefix: str, has_path: b
     return f"  {start} -> {_entry_of(chart, prefix, arrow.target)} [{listed}];"
 
 
-def _lines(events: Sequence[str]) -> Iterator[str]:
+def _lines(events: Sequence[str], source: AnyNode) -> Iterator[str]:
     """Yield events line by line; routes of error codes together: `failed 3-5, 7-8`."""
-    yield from (event for event in events if read_route_event(event) is None)
-    codes = [format_codes(*route) for route in map(read_route_event, events) if route is not None]
+    routes = {route_event(route): route.codes for route in source.on_error}
+    yield from (event for event in events if event not in routes)
+    codes = [routes[event] for event in events if event in routes]
     for first in range(0, len(codes), _CODES_IN_LINE):
         word = "" if first else f"{FAILED_EVENT} "
         yield word + ", ".join(codes[first : first + _CODES_IN_LINE])

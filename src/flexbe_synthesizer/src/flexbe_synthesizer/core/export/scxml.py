@@ -12,21 +12,23 @@ its regions fulfil a condition. The flow of data is FlexBE's and is left out.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from types import MappingProxyType
 
 from lxml import etree
 
+from flexbe_synthesizer.core.chart.error_routes import codes_of_routes, spans
 from flexbe_synthesizer.core.chart.model import (
     AnyNode,
     Chart,
     Condition,
     Container,
     ContainerKind,
-    ErrorRoute,
     walk_nodes,
 )
 from flexbe_synthesizer.core.chart.names import EXHAUSTED, FAILED, TIMED_OUT
 
+ErrorNames = Mapping[str, tuple[int, ...]]
 NAMESPACE = "http://www.w3.org/2005/07/scxml"
 
 
@@ -34,8 +36,12 @@ class ScxmlError(ValueError):
     """A chart cannot be written as SCXML."""
 
 
-def chart_to_scxml(chart: Chart) -> str:
+def chart_to_scxml(chart: Chart, error_names: ErrorNames = MappingProxyType({})) -> str:
     """Return the SCXML document of a checked chart.
+
+    Args:
+        chart: what to write.
+        error_names: error codes by the names of codes and of classes of codes.
 
     Raises:
         ScxmlError: if two of its names cannot be told apart there.
@@ -52,7 +58,7 @@ def chart_to_scxml(chart: Chart) -> str:
         data = _add(root, "datamodel")
         for count in _counts(chart, ""):
             _add(data, "data", id=count, expr="0")
-    _add_sequence(root, chart, "")
+    _add_sequence(root, chart, "", error_names)
     for outcome in chart.outcomes:
         _add(root, "final", id=scxml_name(outcome.name))
     _expect_distinct(root)
@@ -105,17 +111,19 @@ def _entry(chart: Chart, prefix: str, target: str) -> str:
     return _id(prefix, target) + "._attempts" * is_counted
 
 
-def _add_sequence(parent: etree._Element, chart: Chart, prefix: str) -> None:
+def _add_sequence(
+    parent: etree._Element, chart: Chart, prefix: str, error_names: ErrorNames
+) -> None:
     """Append the nodes of a chart or container that are run one after another."""
     for node in chart.nodes:
         targets = {t.event: _entry(chart, prefix, t.target) for t in node.transitions}
         node_id = _id(prefix, node.id)
         if node.attempts is not None:
             _add_counter(parent, node_id, node.attempts, targets.pop(EXHAUSTED))
-        element = _add_node(parent, node, node_id, targets)
-        for route in node.on_error:
-            target = _entry(chart, prefix, route.target)
-            condition = _route_condition(route)
+        element = _add_node(parent, node, node_id, targets, error_names)
+        routed = codes_of_routes(node.on_error, error_names)
+        for route, codes in zip(node.on_error, routed, strict=True):
+            target, condition = _entry(chart, prefix, route.target), _has_code(codes)
             _add(element, "transition", event=f"{node_id}.{FAILED}", cond=condition, target=target)
         for event, target in targets.items():
             _add_exit(element, node, node_id, event, target)
@@ -131,7 +139,11 @@ def _add_counter(parent: etree._Element, node_id: str, attempts: int, exhausted:
 
 
 def _add_node(
-    parent: etree._Element, node: AnyNode, node_id: str, events: Collection[str]
+    parent: etree._Element,
+    node: AnyNode,
+    node_id: str,
+    events: Collection[str],
+    error_names: ErrorNames,
 ) -> etree._Element:
     """Append a node with all that is in it, but what its events lead to."""
     if not isinstance(node, Container):
@@ -141,12 +153,13 @@ def _add_node(
         for region in node.body.nodes:
             whens = (when for condition in node.body.conditions for when in condition.all_of)
             events = [scxml_name(when.event) for when in whens if when.state == region.id]
-            _add_region(element, region, _id(f"{node_id}.", region.id), events)
+            region_id = _id(f"{node_id}.", region.id)
+            _add_region(element, region, region_id, events, error_names)
     else:
         inside = f"{node_id}."
         initial = _entry(node.body, inside, node.body.initial)
         element = _add(parent, "state", id=node_id, initial=initial)
-        _add_sequence(element, node.body, inside)
+        _add_sequence(element, node.body, inside, error_names)
         for outcome in node.body.outcomes:
             final = _add(element, "final", id=_id(inside, outcome.name))
             _add(_add(final, "onentry"), "raise", event=_id(inside, outcome.name))
@@ -160,11 +173,15 @@ def _add_node(
 
 
 def _add_region(
-    parent: etree._Element, node: AnyNode, node_id: str, events: Collection[str]
+    parent: etree._Element,
+    node: AnyNode,
+    node_id: str,
+    events: Collection[str],
+    error_names: ErrorNames,
 ) -> None:
     """Append a node of a concurrency container: the node, and a final state for each event."""
     region = _add(parent, "state", id=f"{node_id}._region", initial=node_id)
-    element = _add_node(region, node, node_id, events)
+    element = _add_node(region, node, node_id, events, error_names)
     for event in events:
         _add(element, "transition", event=f"{node_id}.{event}", target=f"{node_id}._ended.{event}")
         _add(region, "final", id=f"{node_id}._ended.{event}")
@@ -191,6 +208,7 @@ def _holds(condition: Condition, node_id: str) -> str:
     return " && ".join(ended)
 
 
-def _route_condition(route: ErrorRoute) -> str:
+def _has_code(codes: Iterable[int]) -> str:
     code = "_event.data.error_code"
-    return f"{code} >= {route.first} && {code} <= {route.last}"
+    rows = (f"{code} >= {first} && {code} <= {last}" for first, last in spans(codes))
+    return " || ".join(rows)

@@ -19,6 +19,7 @@ class Library:
     """What was found on the ROS package path, the unusable with the reason.
 
     Attributes:
+        error_names: error codes by the names of codes and of classes of codes.
         text_of: returns the text of a behavior's file, empty if it cannot be read.
     """
 
@@ -26,6 +27,7 @@ class Library:
     behaviors: tuple[BehaviorClass, ...] = ()
     unreadable_states: tuple[Unreadable, ...] = ()
     unreadable_behaviors: tuple[Unreadable, ...] = ()
+    error_names: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     text_of: Callable[[BehaviorClass], str] = field(default=no_text, compare=False, repr=False)
 
     def find_states(self, name: str) -> tuple[StateClass | Unreadable, ...]:

@@ -100,7 +100,8 @@ class _Lookup:
                     if found is not None:
                         support[wanted] = found
         is_inner = chart is not self._chart
-        return ResolvedChart(chart, nodes, runs, support, by_id, is_inner, is_repeated)
+        error_names = self._library.error_names
+        return ResolvedChart(chart, nodes, runs, support, by_id, error_names, is_inner, is_repeated)
 
     def _node(self, node: AnyNode, is_repeated: bool) -> ResolvedNode:
         if isinstance(node, Container):

@@ -93,6 +93,12 @@ class Use:
         return frozenset(parameter.name for parameter in offered if parameter.takes_source)
 
     @cached_property
+    def taking_text(self) -> frozenset[str]:
+        """Return the parameters that are declared as strings."""
+        offered = self.signature.parameters if self.signature else ()
+        return frozenset(parameter.name for parameter in offered if parameter.type == "string")
+
+    @cached_property
     def time_limit(self) -> Parameter | None:
         """Return the parameter that limits a visit [s] to a state, None if its class has none."""
         declaration = self.declaration
@@ -133,6 +139,7 @@ class ResolvedChart:
 
     Attributes:
         runs: how it runs what is in it; the chart of a file is a sequence.
+        error_names: error codes by the names of codes and of classes of codes.
         is_inner: it is the content of a container.
         is_repeated: it is the content of a container that can be entered several times in a run,
             so that the attempts of a state in it may be spent before it is entered.
@@ -145,6 +152,7 @@ class ResolvedChart:
     runs: ContainerKind = ContainerKind.SEQUENCE
     support: Mapping[Support, StateClass] = field(default_factory=dict)
     by_id: Mapping[str, ResolvedNode] = field(default_factory=dict)
+    error_names: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     is_inner: bool = False
     is_repeated: bool = False
 
@@ -216,12 +224,8 @@ def arguments(node: AnyNode, is_timed: bool) -> dict[str, Literal]:
 def given_values(entry: ResolvedNode) -> dict[str, Literal]:
     """Return the values that a node gives to its class; texts where these are declared strings."""
     values = arguments(entry.node, entry.use.is_timed)
-    signature = entry.use.signature
-    if signature is None or not entry.node.params:
-        return values
-    kinds = {parameter.name: parameter.type for parameter in signature.parameters}
     for param in entry.node.params:
-        if kinds.get(param.name) == "string" and param.spelled:
+        if param.name in entry.use.taking_text and param.spelled:
             values[param.name] = as_declared(param.spelled, "string")
     return values
 

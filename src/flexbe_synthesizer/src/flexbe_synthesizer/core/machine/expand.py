@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 
 from flexbe_synthesizer.core.chart import names
-from flexbe_synthesizer.core.chart.error_routes import route_event
+from flexbe_synthesizer.core.chart.error_routes import codes_of_routes, route_event
 from flexbe_synthesizer.core.chart.model import ContainerKind
 from flexbe_synthesizer.core.chart.names import ERROR_CODE, EXHAUSTED, FAILED, TIMED_OUT
 from flexbe_synthesizer.core.library.data_flow import DataFlow
@@ -185,10 +185,9 @@ class _Expansion:
         """Return the state that leads a failure to where its code says."""
         routes = entry.node.on_error
         events = tuple(route_event(route) for route in routes)
-        ranges = ((r.first, r.last, event) for r, event in zip(routes, events, strict=True))
-        chooser = self._support(
-            Support.CHOOSER, outcomes=(*events, OTHER), conditions=choose_by_code(ranges, OTHER)
-        )
+        codes = codes_of_routes(routes, self._resolved.error_names)
+        conditions = choose_by_code(zip(events, codes, strict=True), OTHER)
+        chooser = self._support(Support.CHOOSER, outcomes=(*events, OTHER), conditions=conditions)
         exits = tuple(
             Exit(event, self._entry(route.target))
             for event, route in zip(events, routes, strict=True)

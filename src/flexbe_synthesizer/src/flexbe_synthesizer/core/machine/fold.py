@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
-from flexbe_synthesizer.core.chart.error_routes import FAILED_EVENT, read_route_event
+from flexbe_synthesizer.core.chart.error_routes import FAILED_EVENT, codes_of_event
 from flexbe_synthesizer.core.chart.model import (
     AnyNode,
     Behavior,
@@ -42,7 +42,7 @@ from flexbe_synthesizer.core.machine.machine import (
 )
 from flexbe_synthesizer.core.machine.machine import Container as Machinery
 from flexbe_synthesizer.core.machine.machine_reader import InexpressibleError
-from flexbe_synthesizer.core.machine.predicates import PREDICATES
+from flexbe_synthesizer.core.machine.predicates import PREDICATES, is_choice_by_code
 
 _KINDS = {
     Kind.STATE_MACHINE: ContainerKind.SEQUENCE,
@@ -276,8 +276,16 @@ def _is_chooser(child: Child, by_label: dict[str, Child]) -> bool:
         owner is not None
         and _is_a(child, "flexbe_states", "DecisionState")
         and bool(events)
-        and all(map(read_route_event, events))
+        and all(map(codes_of_event, events))
+        and is_choice_by_code(_source(child, "conditions"), events, child.exits[-1].outcome)
     )
+
+
+def _source(child: Child, name: str) -> str:
+    """Return the Python source of an argument of a state; empty if it has none."""
+    arguments = child.content.arguments if isinstance(child.content, StateUse) else ()
+    values = (pair.value for pair in arguments if pair.name == name)
+    return next((value.text for value in values if isinstance(value, Expression)), "")
 
 
 def _count_keys(container: Machinery) -> Iterator[str]:
@@ -322,7 +330,7 @@ def _with_routes(node: AnyNode, chooser: Child, entries: dict[str, str]) -> AnyN
     )
     routes = []
     for transition in routed:
-        codes = read_route_event(transition.event)
+        codes = codes_of_event(transition.event)
         if codes is not None:
-            routes.append(ErrorRoute(*codes, transition.target))
+            routes.append(ErrorRoute(codes, transition.target))
     return replace(node, transitions=transitions, on_error=tuple(routes))

@@ -5,7 +5,8 @@ Some states of FlexBE take a function. A chart never carries code, so it names o
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Iterable, Mapping, Sequence
 
 from flexbe_synthesizer.core.chart.literal import quote
 from flexbe_synthesizer.core.machine.machine import Expression
@@ -23,14 +24,23 @@ PREDICATES: Mapping[str, Expression] = {
 }
 
 
-def choose_by_code(ranges: Iterable[tuple[int, int, str]], otherwise: str) -> Expression:
+def choose_by_code(routes: Iterable[tuple[str, Sequence[int]]], otherwise: str) -> Expression:
     """Return a function from an error code to the name that goes with it.
 
     Args:
-        ranges: first code, last code and name of each range.
+        routes: name and codes of each route, at least one code, ascending.
         otherwise: name of all other codes, and of no code at all.
     """
     chosen = quote(otherwise)
-    for first, last, name in reversed(tuple(ranges)):
-        chosen = f"{quote(name)} if code in range({first}, {last + 1}) else {chosen}"
+    for name, codes in reversed(tuple(routes)):
+        is_row = codes[-1] - codes[0] == len(codes) - 1
+        listed = f"range({codes[0]}, {codes[-1] + 1})" if is_row else f"{tuple(codes)}"
+        chosen = f"{quote(name)} if code in {listed} else {chosen}"
     return Expression(f"lambda code: {chosen}")
+
+
+def is_choice_by_code(text: str, events: Iterable[str], otherwise: str) -> bool:
+    """Return whether Python source is a function of `choose_by_code` with these names."""
+    codes = r"(?:range\(\d+, \d+\)|\((?:\d+, )+\d+\))"
+    routes = "".join(rf"{re.escape(quote(event))} if code in {codes} else " for event in events)
+    return re.fullmatch(rf"lambda code: {routes}{re.escape(quote(otherwise))}", text) is not None

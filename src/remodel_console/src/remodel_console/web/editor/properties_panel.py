@@ -157,7 +157,7 @@ class PropertiesPanel:
             change = partial(chart_edit.routed, node_id=node.id, text=text)
             await self._change(f"{node.id}: on error {text or 'as failed'}", path[:-1], change)
 
-        hint = "100-199: Look again; 305: failed"
+        hint = "INSERTION_JAMMED: Withdraw; above_behavior: failed"
         self._entry("Failures by error code", format_routes(node.on_error), put, hint)
 
     def _transitions(self, node: AnyNode, scope: Chart, path: Path) -> None:

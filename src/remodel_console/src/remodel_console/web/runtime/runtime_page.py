@@ -10,8 +10,8 @@ from remodel_console.core.run.run_view import Phase, RunView
 from remodel_console.core.run.run_words import state_words
 from remodel_console.core.world import World
 from remodel_console.web.behavior_drawing import BehaviorDrawing
+from remodel_console.web.log_pane import LogPane
 from remodel_console.web.page import Page
-from remodel_console.web.runtime.log_pane import LogPane
 from remodel_console.web.runtime.run_panel import RunPanel, confirmation_of
 
 _ROOM = (900.0, 520.0)  # for the drawing on a common screen [pixels]

@@ -14,10 +14,10 @@ from remodel_planner.core.learning.context import context_of
 from remodel_planner.core.learning.duration_model import DurationModel
 from remodel_planner.core.learning.success_model import SuccessModel
 from remodel_planner.core.use_case.expectation import Expectation, FrozenExpectations
+from remodel_states.core.codes import Code
 
-# remodel_msgs/ErrorCode of calls that tell nothing about an ability: preempted, a goal that made
-# no sense, no server, a busy robot.
-TELL_NOTHING = frozenset({2, 3, 4, 6})
+# The codes of calls that tell nothing about an ability.
+TELL_NOTHING = frozenset({Code.PREEMPTED, Code.INVALID_GOAL, Code.SERVER_LOST, Code.BUSY})
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Call:
 
     Attributes:
         features: of the task that it was part of.
-        error_code: remodel_msgs/ErrorCode, 0 for none.
+        error_code: Code, 0 for none.
         elapsed_s: [s] ROS time.
         parameters: numbers of its goal, by name.
     """

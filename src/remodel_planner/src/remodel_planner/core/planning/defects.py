@@ -10,6 +10,7 @@ import itertools
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 
+from remodel_planner.core.cycle import cycle_in
 from remodel_planner.core.planning.modes import possible_modes
 from remodel_planner.core.planning.opening import opening_of
 from remodel_planner.core.planning.order import wire_order
@@ -142,7 +143,7 @@ def find_cycles(problem: Problem) -> Iterator[str]:
     after: dict[str, list[str]] = {wire.name: [] for wire in problem.wires}
     for before, later in wire_order(problem):
         after[before].append(later)
-    cycle = _first_cycle(after)
+    cycle = cycle_in(after)
     if cycle:
         yield "cyclic precedence: " + " before ".join(cycle)
     own = {(pin.after, pin.after_end) for pin in problem.pins if pin.before == pin.after}
@@ -150,29 +151,6 @@ def find_cycles(problem: Problem) -> Iterator[str]:
     for name, count in both_ways.items():
         if count > 1:
             yield f"cyclic precedence: the pins of wire {name} put each of its ends first"
-
-
-def _first_cycle(after: dict[str, list[str]]) -> list[str]:
-    """Return the nodes of a cycle, the first one again at the end, by depth-first search."""
-    colour: dict[str, int] = {}
-    for root in after:
-        path: list[tuple[str, Iterator[str]]] = []
-        if root not in colour:
-            colour[root] = 1
-            path.append((root, iter(after[root])))
-        while path:
-            node, successors = path[-1]
-            following = next(successors, None)
-            if following is None:
-                colour[node] = 2
-                path.pop()
-            elif following not in colour:
-                colour[following] = 1
-                path.append((following, iter(after[following])))
-            elif colour[following] == 1:
-                nodes = [name for name, _ in path]
-                return [*nodes[nodes.index(following) :], following]
-    return []
 
 
 def find_overweight(problem: Problem) -> Iterator[str]:

@@ -7,22 +7,6 @@ from dataclasses import dataclass
 from enum import Enum
 
 
-class Severity(Enum):
-    """How bad it is."""
-
-    RECOVERABLE = "recoverable"
-    SERIOUS = "serious"
-
-
-class Level(Enum):
-    """Who handles it first, from the least to the most."""
-
-    ACTION = "action"
-    BEHAVIOR = "behavior"
-    TASK = "task"
-    USE_CASE = "use_case"
-
-
 class Do(Enum):
     """What may be done about a failure."""
 
@@ -76,23 +60,17 @@ class Fault:
 
     Attributes:
         name: stable name.
-        family: perception, grasping, control or modelling.
         codes: error codes (remodel_msgs/ErrorCode) that tell of it.
         after: how often in a row one of its codes must have come in one task.
-        severity: how bad it is.
         symptoms: what is seen, felt or heard of it, a sentence.
-        first_level: who handles it first.
         responses: tried in this order; the last is lasting.
         stops_unattended: whether nothing may move after it until a person has been there.
     """
 
     name: str
-    family: str
     codes: frozenset[int]
     after: int
-    severity: Severity
     symptoms: str
-    first_level: Level
     responses: tuple[Response, ...]
     stops_unattended: bool = False
 
@@ -112,29 +90,6 @@ class FaultTable:
     def names(self) -> tuple[str, ...]:
         """The names of all faults, in order."""
         return tuple(self._faults)
-
-    @property
-    def codes_above_behaviors(self) -> frozenset[int]:
-        """The error codes whose faults neither an action nor a behavior is to handle first."""
-        codes = {code for fault in self._faults.values() for code in fault.codes}
-        return frozenset(
-            code
-            for code in codes
-            if (fault := self.diagnose([code])) is not None
-            and fault.first_level in (Level.TASK, Level.USE_CASE)
-        )
-
-    @property
-    def codes_to_undo(self) -> frozenset[int]:
-        """Those of codes_above_behaviors before which a behavior undoes what it has done.
-
-        What is serious is left as it is: the arm may be blocked, or its server not to be trusted.
-        """
-        return frozenset(
-            code
-            for code in self.codes_above_behaviors
-            if self.of(code).severity is Severity.RECOVERABLE
-        )
 
     def of(self, code: int) -> Fault:
         """Return the fault that an error code tells of by itself.

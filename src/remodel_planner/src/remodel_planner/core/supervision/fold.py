@@ -49,15 +49,7 @@ from remodel_planner.core.supervision.state import (
     TaskProgress,
     cause_of,
 )
-
-# remodel_msgs/ErrorCode: WIRE_NOT_FED; PREEMPTED; SERVER_LOST; OTHER_CABLE_HELD; EXTRACTION_STUCK;
-# WIRE_LEFT_BEHIND.
-_NOT_FED = 403
-_PREEMPTED_CODE = 2
-_LOST = 4
-_OTHER_CABLE_HELD = 203
-_STUCK = 306
-_LEFT_BEHIND = 405
+from remodel_states.core.codes import Code
 
 # The abilities that end with an empty hand.
 _EMPTYING = ("PlaceCable", "DiscardCable")
@@ -119,8 +111,8 @@ def _(event: FeedRefused, state: RunState) -> RunState:
         attempts=task.attempts + 1,
         operations=(refused,),
         codes=(*task.codes, event.code),
-        piece=event.code == _LEFT_BEHIND,
-        hand_in_doubt=event.code == _OTHER_CABLE_HELD,
+        piece=event.code == Code.WIRE_LEFT_BEHIND,
+        hand_in_doubt=event.code == Code.OTHER_CABLE_HELD,
     )
     return state.with_task(task, failures=state.failures + 1)
 
@@ -149,7 +141,7 @@ def _(event: TaskBegun, state: RunState) -> RunState:
 @_applied.register
 def _(event: OperationEnded, state: RunState) -> RunState:
     task, operation = state.tasks[event.task], event.operation
-    failed = operation.error_code not in (0, _PREEMPTED_CODE)
+    failed = operation.error_code not in (0, Code.PREEMPTED)
     operations = (*task.operations, operation)
     return state.with_task(
         replace(task, operations=operations, failures=task.failures + failed),
@@ -199,7 +191,7 @@ def _(event: Interrupted, state: RunState) -> RunState:
     if task.stopped_by or task.needs_person:
         return _for_a_person(state, task)
     if task.interruptions > INTERRUPTION_LIMIT:
-        task = replace(task, stage=Stage.FAILED, codes=(*task.codes, _LOST))
+        task = replace(task, stage=Stage.FAILED, codes=(*task.codes, Code.SERVER_LOST))
         return state.with_task(task, failures=state.failures + 1)
     then = _then_of_skipped(state, task)
     return state.with_task(replace(task, stage=Stage.READY, part=Part.CLEAR, then=then))
@@ -354,7 +346,7 @@ def _may_hold_something(task: TaskProgress) -> bool:
     last = task.operations[-1]
     if last.error_code in NOTHING_TO_LAY_DOWN or not last.error_code:
         return False
-    in_trouble = last.error_code in SERVER_TROUBLE or last.error_code == _OTHER_CABLE_HELD
+    in_trouble = last.error_code in SERVER_TROUBLE or last.error_code == Code.OTHER_CABLE_HELD
     return in_trouble or last.ability in _EMPTYING
 
 
@@ -408,7 +400,7 @@ def _is_to_be_inspected(do: Do, task: TaskProgress) -> bool:
 
 def _do(do: Do, state: RunState, task: TaskProgress, because: str) -> RunState:
     if do in _AFTER_INSPECTING:
-        is_there = task.piece and task.codes[-1:] != (_NOT_FED,)
+        is_there = task.piece and task.codes[-1:] != (Code.WIRE_NOT_FED,)
         part = Part.AGAIN if is_there else Part.WHOLE
         return state.with_task(replace(task, stage=Stage.DOUBTFUL, part=part, then=None))
     if do in _GIVES_PIECE_UP and _is_to_be_discarded(do, task):
@@ -432,7 +424,9 @@ def _is_to_be_discarded(do: Do, task: TaskProgress) -> bool:
         return False
     if do is not Do.SET_ASIDE:
         return True
-    return not (task.connected or task.unseen or task.undiscarded or _STUCK in task.codes)
+    return not (
+        task.connected or task.unseen or task.undiscarded or Code.EXTRACTION_STUCK in task.codes
+    )
 
 
 def _under_way(state: RunState, task: TaskProgress) -> RunState:

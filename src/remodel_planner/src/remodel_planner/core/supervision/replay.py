@@ -90,13 +90,19 @@ def replayed(events: Sequence[Event]) -> Iterator[Frame]:
         yield Frame(event, state, differs)
 
 
-def path_difference(attempt: Attempt, chart: Chart, nested: Mapping[str, Chart]) -> str:
+def path_difference(
+    attempt: Attempt,
+    chart: Chart,
+    nested: Mapping[str, Chart],
+    error_names: Mapping[str, tuple[int, ...]],
+) -> str:
     """Return how a behavior's record contradicts its chart; empty if it does not.
 
     Args:
         attempt: the behavior.
         chart: of the behavior.
         nested: charts of the behaviors in it, by type.
+        error_names: error codes by the names that charts use.
     """
     execution = attempt.execution
     if execution.outcome in (INTERRUPTED, PREEMPTED):
@@ -113,7 +119,7 @@ def path_difference(attempt: Attempt, chart: Chart, nested: Mapping[str, Chart])
         )
     if attempt.path and entered != asked:
         return f"the engine entered {entered}, operations are of {asked}"
-    outcome = trace(chart, operations, nested).outcome
+    outcome = trace(chart, operations, nested, error_names).outcome
     if outcome != execution.outcome:
         return f"the chart leads to {outcome}, the behavior ended {execution.outcome}"
     return ""

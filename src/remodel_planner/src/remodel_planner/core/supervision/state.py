@@ -9,29 +9,39 @@ from enum import Enum
 from remodel_planner.core.recovery.fault import Do
 from remodel_planner.core.run import Operation
 from remodel_planner.core.supervision.events import Asked, Decided, Part, RunEnded
+from remodel_states.core.codes import Code
 
 # How often a task may be interrupted before that counts as its failure, and how often in a row the
 # hand may fail to be emptied before nothing more is tried without a person.
 INTERRUPTION_LIMIT = 20
 STUCK_HAND_LIMIT = 2
 
-# remodel_msgs/ErrorCode: TIMEOUT, SERVER_LOST, INTERNAL, BUSY, SERVER_HUNG, CONTRADICTORY_RESULT.
-SERVER_TROUBLE = frozenset({1, 4, 5, 6, 7, 8})
+SERVER_TROUBLE = frozenset(
+    {
+        Code.TIMEOUT,
+        Code.SERVER_LOST,
+        Code.INTERNAL,
+        Code.BUSY,
+        Code.SERVER_HUNG,
+        Code.CONTRADICTORY_RESULT,
+    }
+)
 
-# remodel_msgs/ErrorCode: SERVER_LOST, SERVER_HUNG. After them nothing of the behavior moves any
-# more: the server may complete its goal when it wakes up.
-SERVER_GONE = frozenset({4, 7})
+# After them nothing of the behavior moves any more: the server may complete its goal when it wakes
+# up.
+SERVER_GONE = frozenset({Code.SERVER_LOST, Code.SERVER_HUNG})
 
-# remodel_msgs/ErrorCode: STALE_OWNER, SEVERAL_SERVERS, EXTRACTION_STUCK, MOTION_FAULT. The table of
-# faults has a person asked at once: nothing moves again, not even to lay down what is held, before
-# that person has answered.
-STALE_OWNER = 9
-PERSON_FIRST = frozenset({STALE_OWNER, 10, 306, 307})
+# The table of faults has a person asked at once: nothing moves again, not even to lay down what is
+# held, before that person has answered.
+PERSON_FIRST = frozenset(
+    {Code.STALE_OWNER, Code.SEVERAL_SERVERS, Code.EXTRACTION_STUCK, Code.MOTION_FAULT}
+)
 
-# remodel_msgs/ErrorCode: NOTHING_HELD and WIRE_NOT_FED, of a hand that has nothing to lay down;
-# INTERNAL, of a task that failed though no ability reported an error.
-NOTHING_TO_LAY_DOWN = (202, 403)
-UNTOLD = 5
+# Of a hand that has nothing to lay down.
+NOTHING_TO_LAY_DOWN = frozenset({Code.NOTHING_HELD, Code.WIRE_NOT_FED})
+
+# Of a task that failed though no ability reported an error.
+UNTOLD = Code.INTERNAL
 
 # Outcomes of a task's behavior: it did what it should; somebody stopped it.
 FINISHED = "finished"

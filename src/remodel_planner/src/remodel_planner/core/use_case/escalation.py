@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
 from dataclasses import replace
 
+from flexbe_synthesizer.core.chart.error_names import ABOVE_BEHAVIOR, SERIOUS
 from flexbe_synthesizer.core.chart.model import (
     AnyNode,
     Chart,
@@ -18,26 +18,23 @@ from remodel_planner.core.use_case.task_chart import marked
 _FAILED, _REFUSED = "failed", "command_error"
 
 
-def escalating(chart: Chart, codes: Collection[int], undone: Collection[int] = ()) -> Chart:
-    """Return a task's chart in which failures with some error codes are not tried again.
+def escalating(chart: Chart) -> Chart:
+    """Return a task's chart in which what a supervisor handles first is not tried again.
 
-    They lead to where the state is given up: to where a goal leads that is refused. Where a failure
-    is undone before the state is tried again, such as an insertion by an extraction, it is undone
-    before the state is given up as well: nobody carries away a wire that is jammed in its terminal.
-
-    Args:
-        chart: of a task.
-        codes: remodel_msgs/ErrorCode.
-        undone: those of them that are undone first, where the chart says how.
+    Such failures lead to where the state is given up: to where a goal leads that is refused. Where
+    a failure is undone before the state is tried again, such as an insertion by an extraction, it
+    is undone before the state is given up as well: nobody carries away a wire that is jammed in its
+    terminal. What is serious is left as it is: the arm may be blocked, or its server not to be
+    trusted.
     """
     nodes = {node.id: node for node in chart.nodes}
     leaving: list[AnyNode] = []
     last: dict[str, State] = {}
     for node in chart.nodes:
-        undoing = _undoing(node, nodes) if set(undone) & set(codes) else None
+        undoing = _undoing(node, nodes)
         if undoing is not None:
             last[undoing.id] = _at_last(undoing)
-        leaving.append(_leaving(node, codes, undone, last[undoing.id].id if undoing else ""))
+        leaving.append(_leaving(node, last[undoing.id].id if undoing else ""))
     connections = tuple(
         Connection(each.output_state_id, each.output, last[each.input_state_id].id, each.input)
         for each in chart.connections
@@ -75,30 +72,19 @@ def _at_last(undoing: State) -> State:
     return replace(undoing, id=f"{undoing.id} and give up", transitions=transitions)
 
 
-def _leaving(node: AnyNode, codes: Collection[int], undone: Collection[int], undo: str) -> AnyNode:
-    """Return a node that leaves with some codes; by way of the node `undo` if there is one."""
+def _leaving(node: AnyNode, undo: str) -> AnyNode:
+    """Return a node that is left with such codes; by way of the node `undo` if there is one."""
     if not isinstance(node, State) or node.on_error:
         return node
     targets = _targets(node)
     up = targets.get(_REFUSED)
     if up is None or _FAILED not in targets or targets[_FAILED] == up:
         return node
-    first = set(undone) & set(codes) if undo else set()
-    routes = [ErrorRoute(low, high, up) for low, high in _ranges(set(codes) - first)]
-    routes += [ErrorRoute(low, high, undo) for low, high in _ranges(first)]
-    return replace(node, on_error=tuple(sorted(routes, key=lambda route: route.first)))
+    if not undo:
+        return replace(node, on_error=(ErrorRoute(ABOVE_BEHAVIOR, up),))
+    routes = (ErrorRoute(SERIOUS, up), ErrorRoute(ABOVE_BEHAVIOR, undo))
+    return replace(node, on_error=routes)
 
 
 def _targets(node: State) -> dict[str, str]:
     return {transition.event: transition.target for transition in node.transitions}
-
-
-def _ranges(codes: Collection[int]) -> Iterator[tuple[int, int]]:
-    """Yield first and last of each row of numbers without a gap."""
-    first = None
-    for code in sorted(codes):
-        if first is None:
-            first = code
-        if code + 1 not in codes:
-            yield first, code
-            first = None

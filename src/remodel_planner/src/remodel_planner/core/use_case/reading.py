@@ -7,10 +7,10 @@ is referred to must be there, and looking and decomposing must come to an end.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
 from remodel_planner.core.condition import Condition, Test
+from remodel_planner.core.cycle import cycle_in
 from remodel_planner.core.learning.bounds import Bounds, settings
 from remodel_planner.core.recovery.policy import policy_from
 from remodel_planner.core.use_case.designs import designs_from
@@ -240,14 +240,14 @@ def _circles(use_case: UseCase) -> Iterator[str]:
     }
     for name, action in use_case.actions.items():
         parts[name] = {looks[fact].name for fact, _ in action.needs}
-    cycle = _cycle(parts)
+    cycle = cycle_in(parts)
     if cycle:
         yield "decomposition without end: " + " needs ".join(cycle)
         return
     for action in use_case.actions.values():
         needs = [fact for fact, _ in action.needs]
         undoes = {f: _forgotten(looks[f], looks).intersection(needs) for f in needs}
-        cycle = _cycle(undoes)
+        cycle = cycle_in(undoes)
         if cycle:
             yield f"{action.name} is never ready: looking at {' undoes '.join(cycle)}"
 
@@ -258,12 +258,3 @@ def _forgotten(action: Action, looks: dict[str, Action]) -> set[str]:
     for fact, _ in action.needs:
         forgotten |= _forgotten(looks[fact], looks)
     return forgotten - {fact for fact, _ in action.reveals}
-
-
-def _cycle(graph: dict[str, set[str]]) -> list[str]:
-    """Return the nodes of a cycle, the first one again at the end; or nothing."""
-    try:
-        TopologicalSorter(graph).prepare()
-    except CycleError as error:
-        return list(reversed(error.args[1]))
-    return []

@@ -11,7 +11,6 @@ import numpy.typing as npt
 
 from remodel_sim.core.book import TipSighting
 from remodel_sim.core.camera import Picture
-from remodel_sim.core.codes import Code
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.panel import End, Wire
@@ -19,6 +18,7 @@ from remodel_sim.core.vision.cables.polyline import arc_lengths
 from remodel_sim.core.vision.colour import wire_likelihood
 from remodel_sim.core.vision.ferrules import Ferrule, find_ferrules
 from remodel_sim.core.vision.tracing import trace
+from remodel_states.core.codes import Code
 
 # An end is looked for within this distance of where the cell left it [m].
 SEARCH_M = 0.15
