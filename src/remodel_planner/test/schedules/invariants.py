@@ -17,8 +17,9 @@ from remodel_planner.core.supervision.events import (
     TaskBegun,
 )
 from remodel_planner.core.supervision.fold import state_after
-from remodel_planner.core.supervision.state import PERSON_FIRST, STALE_OWNER, RunState, Stage
+from remodel_planner.core.supervision.state import PERSON_FIRST, RunState, Stage
 from remodel_planner.edge.run_log import RunLog
+from remodel_states.core.codes import Code
 from remodel_states.testing.ledger import Deed, Entry
 from schedules.simulation import Simulation
 from schedules.site import Motion, Site
@@ -146,7 +147,7 @@ class Invariants:
             self.simulation.violated(f"{motion.what} begins without an owner")
 
     def _on_result(self, motion: Motion, code: int) -> None:
-        if code in PERSON_FIRST - {STALE_OWNER}:
+        if code in PERSON_FIRST - {Code.STALE_OWNER}:
             self.stopped[motion.station] = f"{motion.what} ended with {code}"
 
     def on_engine_death(self, station: Station) -> None:
