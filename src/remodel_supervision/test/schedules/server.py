@@ -10,7 +10,8 @@ from dataclasses import dataclass, field
 from remodel_msgs.msg import ErrorCode
 
 from remodel_states.core.ability_error import AbilityError
-from remodel_states.serving.ownership import admitted, owner_of
+from remodel_states.core.goal_owner import owner_of
+from remodel_states.serving.ownership import admitted
 from remodel_states.testing.faults import Behaves, Fault, at_goal
 from remodel_states.testing.operations import operation_of, perform
 from schedules.node import Node
