@@ -45,7 +45,7 @@ rostest: build ## Tests of running nodes, each on a roscore of its own
 lint: .venv/.ready ## Style, types of the pure cores, and XML
 	@ruff format --check .
 	@ruff check .
-	@mypy src/*/src/*/core src/remodel_planner/src/remodel_planner/supervisors src/flexbe/flexbe_core/src/flexbe_core/engine
+	@mypy src/*/src/*/core src/remodel_supervision/src/remodel_supervision/supervisors src/flexbe/flexbe_core/src/flexbe_core/engine
 	@find src '(' -name '*.xml' -o -name '*.launch' -o -name '*.xsd' -o -path '*/rostest/*.test' ')' -print0 | \
 	  xargs -0 python3 -c 'import sys; from lxml import etree; [etree.parse(file) for file in sys.argv[1:]]'
 
@@ -53,7 +53,7 @@ bench-engine: build build/bench-venv/.ready ## Measure the engine, with peers; f
 	@$(SOURCED) benchmarks/engine/run.py --py-trees build/bench-venv/bin/python
 
 schedules: build ## Simulate schedules of kills, stalls and commands (BENCH="--count 10000 --seed 0")
-	@$(SOURCED) PYTHONPATH="src/remodel_planner/test:$$PYTHONPATH" python3 -m schedules $(BENCH)
+	@$(SOURCED) PYTHONPATH="src/remodel_supervision/test:$$PYTHONPATH" python3 -m schedules $(BENCH)
 
 chaos: build ## Disturb running orders at random moments (BENCH="--faults 100 --seed 77 --postgresql")
 	@$(SOURCED) benchmarks/supervision/chaos.py $(BENCH)

@@ -15,7 +15,7 @@ export ROS_MASTER_URI=http://127.0.0.1:$port ROS_IP=127.0.0.1 ROS_LOG_DIR=$out/l
 export REMODEL_DATABASE=sqlite:///$out/production.sqlite
 export ROS_PACKAGE_PATH=$out/remodel_order_behaviors:$ROS_PACKAGE_PATH
 
-rosrun remodel_planner import "$design" --order demo
+rosrun remodel_planner planner import "$design" --order demo
 
 roslaunch -p "$port" remodel_planner order.launch output:="$out" database:="$REMODEL_DATABASE" >"$out/nodes.log" 2>&1 &
 nodes=$!
@@ -26,4 +26,4 @@ stop_nodes() {
 trap stop_nodes EXIT
 
 echo "cell, synthesizer and engine are starting (log: out/demo/nodes.log)"
-rosrun remodel_planner run_order demo --wait 60 --wires "$wires" --output "$out"
+rosrun remodel_planner planner run_order demo --wait 60 --wires "$wires" --output "$out"

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from sqlalchemy import Column, Table
 
-from remodel_planner.edge.production_models import Base
+from remodel_production.edge.database.production_models import Base
 
 DOCS = Path(__file__).parents[1] / "docs"
 PAGE, PICTURE = DOCS / "production-database.md", DOCS / "production-database.svg"

@@ -13,10 +13,10 @@ import csv
 import time
 from pathlib import Path
 
-from remodel_planner.core.cable_tree.dzn import parse_cable_tree
-from remodel_planner.core.cable_tree.order import broken_constraints, cost_of
-from remodel_planner.edge.cable_tree_kernel import Feasibility
-from remodel_planner.edge.cable_tree_planner import sequence
+from remodel_cable_tree.core.dzn import parse_cable_tree
+from remodel_cable_tree.core.order import broken_constraints, cost_of
+from remodel_cable_tree.edge.cable_tree_kernel import Feasibility
+from remodel_cable_tree.edge.cable_tree_planner import sequence
 
 
 def main() -> None:

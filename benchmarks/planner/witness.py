@@ -16,11 +16,14 @@ import sys
 import tempfile
 from pathlib import Path
 
-from remodel_planner.core.planning import hddl, pddl
-from remodel_planner.core.planning.instance import problem_from
-from remodel_planner.core.planning.symbolic import steps_of, symbols_of
-from remodel_planner.edge.order_planner import plan_problem
-from remodel_planner.testing.random_panel import random_panel
+from remodel_pddl.core import hddl, pddl
+from remodel_pddl.core.symbolic import steps_of, symbols_of
+from remodel_planning.core.problem.instance import problem_from
+from remodel_planning.edge.order_planner import plan_problem
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "src/remodel_planning/test"))
+
+from random_panel import random_panel
 
 _WIRES = 10
 _PLANNING_S = 1.0

@@ -7,6 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TypeVar
 
+import chart_run
+
+from flexbe_synthesizer.core.chart.model import State
 from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.abilities.extract_cable import extract_cable
 from remodel_sim.abilities.fix_cable import fix_cable
@@ -26,7 +29,9 @@ from remodel_sim.core.panel import End, Wire
 G = TypeVar("G", bound=goals.Goal)
 T = TypeVar("T")
 
+# How often an observation is tried, as in charts of tasks.
 ATTEMPTS = 3
+FINISHED = "finished"
 # What the states of the charts ask for when the chart says nothing [N].
 FORCE_LIMIT_N = 8.0
 PULL_TEST_N = 5.0
@@ -105,26 +110,40 @@ def pick(cell: Cell, wire: Wire, end: End) -> None:
 
 
 def connect(cell: Cell, wire: Wire, end: End, history: History) -> None:
-    """Place an end as the chart Place Connector does (Figure 3 of Deliverable 5.1).
-
-    Locate, insert, fix; after a failed insertion or fixing extract and locate again. Raises what
-    ended it: the last failure, or one of ExtractCable, or a rejected goal.
-    """
+    """Place an end by running the chart Place Connector; raises the last failure if it fails."""
     terminal = wire.goes_to(end)
-    for attempt in range(1, ATTEMPTS + 1):
-        history.attempts[end] = attempt
-        socket = _again(history, lambda: locate(cell, *terminal))
-        try:
-            insert(cell, wire, end, terminal, socket)
+    run = chart_run.place_connector()
+    sockets: list[Pose] = []
+    failures: list[AbilityError] = []
+
+    def act(state: State) -> None:
+        if state.type == "LocateGearboxComponentState":
+            sockets.append(locate(cell, *terminal))
+        elif state.type == "InsertCableState":
+            insert(cell, wire, end, terminal, sockets[-1])
+        elif state.type == "FixCableState":
             do(cell, fix_cable, goals.FixGoal(goals.ROBOT, wire.id, *terminal, PULL_TEST_N))
-        except AbilityError as error:
-            if isinstance(error, RejectedError) or attempt == ATTEMPTS:
-                raise
-            history.failures.append(error)
-            goal = goals.ExtractGoal(goals.ROBOT, wire.id, *terminal, socket)
+        elif state.type == "ExtractCableState":
+            goal = goals.ExtractGoal(goals.ROBOT, wire.id, *terminal, sockets[-1])
             do(cell, extract_cable, goal)
         else:
-            return
+            raise KeyError(f"{state.id} is of type {state.type}, which the cell cannot run")
+
+    def perform(state: State) -> tuple[str, int]:
+        try:
+            act(state)
+        except AbilityError as error:
+            failures.append(error)
+            is_refused = isinstance(error, RejectedError)
+            return chart_run.REFUSED if is_refused else chart_run.FAILED, error.code
+        return "", 0
+
+    outcome = run.run(perform)
+    history.attempts[end] = run.visits["InsertCable"]
+    last = failures.pop() if outcome != FINISHED else None
+    history.failures += failures
+    if last is not None:
+        raise last
 
 
 def place(cell: Cell, wire: Wire, history: History) -> None:

@@ -13,8 +13,8 @@ from remodel_msgs.msg import RunUseCaseAction, RunUseCaseActionGoal, RunUseCaseG
 from remodel_msgs.srv import CommandRun, CommandTask
 from std_msgs.msg import Bool
 
-from remodel_planner.ros.action_server import ActionServer, Goal
 from remodel_states.edge.exported_tables import read_abilities
+from remodel_supervision.ros.action_server import ActionServer, Goal
 
 _BY = "chaos"
 

@@ -46,18 +46,19 @@ from verdict import (
     is_explained,
 )
 
-from remodel_planner.commands import explain_run, replay
-from remodel_planner.core.panel_layout import CutWire, PanelRules, lay_out
-from remodel_planner.core.supervision.events import Event
-from remodel_planner.core.supervision.fold import state_after
-from remodel_planner.core.supervision.state import Stage
-from remodel_planner.edge.catalogue_file import read_catalogue
-from remodel_planner.edge.package_files import catalogue_file, use_case_folder
-from remodel_planner.edge.production_database import ProductionDatabase
-from remodel_planner.edge.run_log import RunLog
-from remodel_planner.edge.use_case_files import VARIABLE
-from remodel_planner.ros.action_server import ActionServer
+from remodel_planner.commands.runs import explain_run, replay
+from remodel_planning.edge.package_files import use_case_folder
+from remodel_planning.edge.use_case_files import VARIABLE
+from remodel_production.core.panel.panel_layout import CutWire, PanelRules, lay_out
+from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.edge.package_files import catalogue_file
 from remodel_states.edge.exported_tables import read_faults
+from remodel_supervision.core.runs.events import Event
+from remodel_supervision.core.runs.fold import state_after
+from remodel_supervision.core.runs.state import Stage
+from remodel_supervision.edge.run_log import RunLog
+from remodel_supervision.ros.action_server import ActionServer
 
 # How the policies are called; the first is that of the table of faults.
 TABLE, RETRY = "table", "retry three times"

@@ -40,7 +40,7 @@ from chaos_records import LIMIT_S, Records, Score, Struck
 from production_server import PostgresServer, Server, SqliteFile
 from stack import ORDER, TroubleError, free_port, stack, wait_until
 
-from remodel_planner.errors import LostError
+from remodel_production.errors import LostError
 
 HERE = Path(__file__).parent
 

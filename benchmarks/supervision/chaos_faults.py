@@ -18,8 +18,8 @@ from production_server import Server
 from second_station import SecondStation
 from stack import ORDER, Stack, TroubleError, wait_until
 
-from remodel_planner.core.supervision.events import Command, Commanded
-from remodel_planner.core.supervision.state import Stage
+from remodel_supervision.core.runs.events import Command, Commanded
+from remodel_supervision.core.runs.state import Stage
 
 SUPERVISOR = "use_case_supervisor"
 _ENGINE, _ACTION_SERVER = "behavior", "behavior_action_server"

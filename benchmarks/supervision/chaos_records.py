@@ -12,8 +12,12 @@ from typing import TypeVar
 
 from stack import TroubleError, wait_until
 
-from remodel_planner.commands import replay
-from remodel_planner.core.supervision.events import (
+from remodel_planner.commands.runs import replay
+from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.errors import LostError
+from remodel_states.testing.ledger import account
+from remodel_states.testing.world_file import WorldFile
+from remodel_supervision.core.runs.events import (
     Command,
     Commanded,
     Ending,
@@ -22,13 +26,9 @@ from remodel_planner.core.supervision.events import (
     Part,
     TaskBegun,
 )
-from remodel_planner.core.supervision.state import RunState, Stage
-from remodel_planner.edge.event_rows import KeptEvent
-from remodel_planner.edge.production_database import ProductionDatabase
-from remodel_planner.edge.run_log import RunLog
-from remodel_planner.errors import LostError
-from remodel_states.testing.ledger import account
-from remodel_states.testing.world_file import WorldFile
+from remodel_supervision.core.runs.state import RunState, Stage
+from remodel_supervision.edge.event_rows import KeptEvent
+from remodel_supervision.edge.run_log import RunLog
 
 T = TypeVar("T")
 

@@ -6,10 +6,10 @@ import hashlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from remodel_planner.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
-from remodel_planner.core.recovery.fault import Do
-from remodel_planner.core.run import Operation
-from remodel_planner.core.supervision.events import (
+from remodel_planning.core.use_case.fault import Do
+from remodel_production.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
+from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.events import (
     Decided,
     Event,
     OperationEnded,

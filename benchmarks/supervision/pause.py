@@ -20,7 +20,7 @@ from random import Random
 import rospy
 from stack import free_port, stack
 
-from remodel_planner.core.supervision.events import Ending
+from remodel_supervision.core.runs.events import Ending
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parents[1] / "src/remodel_planner/test/rostest"))

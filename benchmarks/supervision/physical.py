@@ -6,7 +6,7 @@ from random import Random
 
 from trial import Trial
 
-from remodel_planner.core.panel_layout import CutWire
+from remodel_production.core.panel.panel_layout import CutWire
 
 # Kind of remodel_msgs/InjectFault -> whether it can be put right without a person. A blocked bore
 # stays blocked. The shares and shifts are such as a cell meets: a mount that gives way by

@@ -24,16 +24,16 @@ from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal
 from remodel_msgs.srv import CommandRun
 from stack import ORDER, TroubleError, stack, wait_until
 
-from remodel_planner.core.supervision.events import (
+from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_supervision.core.runs.events import (
     Decided,
     OperationEnded,
     Planned,
     TaskBegun,
     TaskEnded,
 )
-from remodel_planner.edge.production_database import ProductionDatabase
-from remodel_planner.edge.run_log import KeptEvent, RunLog
-from remodel_planner.ros.action_server import ActionServer
+from remodel_supervision.edge.run_log import KeptEvent, RunLog
+from remodel_supervision.ros.action_server import ActionServer
 
 HERE = Path(__file__).parent
 DESIGN = "/usr/share/qelectrotech/examples/industrial.qet"

@@ -22,13 +22,13 @@ from long_run import long_order, long_run
 from sqlalchemy import event
 from sqlalchemy.engine import Engine
 
-from remodel_planner.core.production import Order
-from remodel_planner.core.supervision.fold import state_after
-from remodel_planner.core.supervision.state import RunState
-from remodel_planner.edge.cell_ownership import CellOwnership, Owned
-from remodel_planner.edge.database_backup import back_up
-from remodel_planner.edge.production_database import ProductionDatabase
-from remodel_planner.edge.run_log import RunLog
+from remodel_production.core.production import Order
+from remodel_production.edge.database.cell_ownership import CellOwnership, Owned
+from remodel_production.edge.database.database_backup import back_up
+from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_supervision.core.runs.fold import state_after
+from remodel_supervision.core.runs.state import RunState
+from remodel_supervision.edge.run_log import RunLog
 
 # [s], [MB], [MB]: resume, its memory, and the database, for 5,000 tasks.
 _TARGETS = (0.5, 100.0, 40.0)

@@ -14,11 +14,11 @@ from stack import Stack
 from trial import Trial
 from verdict import cell_s
 
-from remodel_planner.core.supervision.events import Event, TaskBegun
-from remodel_planner.core.supervision.fold import state_after
-from remodel_planner.edge.run_log import RunLog
-from remodel_planner.ros.cell import Cell
 from remodel_states.testing.world_file import WorldFile
+from remodel_supervision.core.runs.events import Event, TaskBegun
+from remodel_supervision.core.runs.fold import state_after
+from remodel_supervision.edge.run_log import RunLog
+from remodel_supervision.ros.peers.cell import Cell
 
 HERE = Path(__file__).parent
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-from remodel_planner.core.recovery.fault import Do
-from remodel_planner.core.run import Operation
-from remodel_planner.core.supervision.events import (
+from remodel_planning.core.use_case.fault import Do
+from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.events import (
     Decided,
     Ending,
     Event,

@@ -13,9 +13,9 @@ from remodel_msgs import msg, srv
 from sensor_msgs.msg import Image
 
 from remodel_console.edge.jpeg import as_jpeg
-from remodel_planner.core.recovery.fault import Do
-from remodel_planner.core.run import Operation
-from remodel_planner.core.supervision.events import (
+from remodel_planning.core.use_case.fault import Do
+from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.events import (
     Answer,
     Answered,
     Asked,
@@ -33,10 +33,10 @@ from remodel_planner.core.supervision.events import (
     TaskBegun,
     TaskEnded,
 )
-from remodel_planner.core.supervision.fold import state_after
-from remodel_planner.core.supervision.state import FINISHED
-from remodel_planner.ros.state_publisher import RunView, StatePublisher
-from remodel_planner.supervisors.ports import Doing
+from remodel_supervision.core.runs.fold import state_after
+from remodel_supervision.core.runs.state import FINISHED
+from remodel_supervision.ros.server.state_publisher import RunView, StatePublisher
+from remodel_supervision.supervisors.ports import Doing
 
 WIRES = (
     ("W1", "Q1/1 to X3/2, BU, 1.5 mm2"),

@@ -14,7 +14,7 @@ from fake_supervisor import FakeSupervisor
 
 from remodel_console.core.use_case.use_case import Phase, TaskPhase
 from remodel_console.ros.run_subscriber import RunSubscriber
-from remodel_planner.core.supervision.events import (
+from remodel_supervision.core.runs.events import (
     Command,
     Commanded,
     Part,
@@ -22,7 +22,7 @@ from remodel_planner.core.supervision.events import (
     TaskBegun,
     TaskEnded,
 )
-from remodel_planner.core.supervision.state import FINISHED
+from remodel_supervision.core.runs.state import FINISHED
 
 LIMIT_S = 60.0
 DONE, ASIDE, RUNS, WAITS = (

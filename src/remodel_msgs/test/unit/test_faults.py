@@ -7,8 +7,8 @@ import pytest
 import yaml
 
 CONFIG = Path(__file__).parents[2] / "config"
-TABLE = yaml.safe_load((CONFIG / "faults.yaml").read_text())
-FAULTS = TABLE["faults"]
+TABLES = [yaml.safe_load((CONFIG / f"{name}.yaml").read_text()) for name in ("faults", "abilities")]
+FAULTS = [row for table in TABLES for row in table.get("faults", [])]
 ACTIONS = {file.stem for file in CONFIG.parent.glob("action/*.action")}
 
 FAMILIES = {"perception", "grasping", "control", "modelling"}

@@ -1,1 +1,1 @@
-"""From production knowledge to tasks, charts and finished wires."""
+"""The planner as one command, and what launches it with a cell."""

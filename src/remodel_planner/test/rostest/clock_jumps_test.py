@@ -14,7 +14,7 @@ import rostest
 from order_client import OrderClient, import_order, wait_until
 from rosgraph_msgs.msg import Clock
 
-from remodel_planner.core.supervision.events import Decided, Ending
+from remodel_supervision.core.runs.events import Decided, Ending
 
 OUTPUT = Path(sys.argv[1])
 

@@ -23,7 +23,7 @@ from order_client import (
 from remodel_msgs.msg import UseCaseState
 from rosgraph_msgs.msg import Log
 
-from remodel_planner.core.supervision.events import Ending
+from remodel_supervision.core.runs.events import Ending
 
 OUTPUT = Path(sys.argv[1])
 DATABASE = OUTPUT / "production.sqlite"

@@ -34,7 +34,7 @@ from remodel_msgs.msg import (
 )
 from std_msgs.msg import Bool
 
-from remodel_planner.core.supervision.events import Blocked, Ending, Interrupted, RunEnded
+from remodel_supervision.core.runs.events import Blocked, Ending, Interrupted, RunEnded
 
 OUTPUT = Path(sys.argv[1])
 

@@ -13,10 +13,11 @@ from playwright.sync_api import expect
 from remodel_msgs.srv import InjectFault
 
 from remodel_console.testing.browser_test import BrowserTest
-from remodel_planner.core.panel_layout import PanelRules, lay_out
-from remodel_planner.edge.catalogue_file import read_catalogue
-from remodel_planner.edge.package_files import catalogue_file, use_case_folder
-from remodel_planner.edge.production_database import ProductionDatabase
+from remodel_planning.edge.package_files import use_case_folder
+from remodel_production.core.panel.panel_layout import PanelRules, lay_out
+from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.edge.package_files import catalogue_file
 
 DESIGN = "/usr/share/qelectrotech/examples/tableau_domestique.qet"
 OUTPUT = Path(sys.argv[1])
@@ -30,7 +31,7 @@ class OperatorTest(BrowserTest):
         """Import an order, and have an operator asked at once about an end that jams."""
         (OUTPUT / "use_cases").mkdir(parents=True)
         cls.addClassCleanup(shutil.rmtree, OUTPUT, ignore_errors=True)
-        line = ["rosrun", "remodel_planner", "import", DESIGN, "--order", "house"]
+        line = ["rosrun", "remodel_planner", "planner", "import", DESIGN, "--order", "house"]
         subprocess.run([*line, "--database", DATABASE], check=True, timeout=60)
         use_case = yaml.safe_load((use_case_folder() / "switchgear.yaml").read_text())
         use_case["recovery"] = {"responses": {"insertion_jammed": [{"do": "ask_operator"}]}}

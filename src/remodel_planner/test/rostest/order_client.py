@@ -16,13 +16,13 @@ import rospy
 from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal, UseCaseState
 from remodel_msgs.srv import CommandRun, CommandTask, GetTasks
 
-from remodel_planner.core.supervision.events import Event
-from remodel_planner.core.supervision.state import RunState
-from remodel_planner.edge.production_database import ProductionDatabase
-from remodel_planner.edge.run_log import RunLog
-from remodel_planner.ros.state_publisher import STATE
+from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_states.testing.ledger import Account, account
 from remodel_states.testing.world_file import WorldFile
+from remodel_supervision.core.runs.events import Event
+from remodel_supervision.core.runs.state import RunState
+from remodel_supervision.edge.run_log import RunLog
+from remodel_supervision.ros.server.state_publisher import STATE
 
 ORDER = "house"
 DESIGN = "/usr/share/qelectrotech/examples/tableau_domestique.qet"
@@ -49,7 +49,7 @@ def wait_until(holds: Callable[[], object], what: str, limit_s: float = LIMIT_S)
 
 def planner(*line: str, database: str) -> subprocess.CompletedProcess[str]:
     """Run a command of the planner to its end."""
-    command = ["rosrun", "remodel_planner", *line, "--database", database]
+    command = ["rosrun", "remodel_planner", "planner", *line, "--database", database]
     return subprocess.run(command, capture_output=True, text=True, timeout=LIMIT_S, check=False)
 
 

@@ -39,7 +39,7 @@ class OwnLaunch:
 
     def order(self, database, *options, name="order.log"):
         """Start `run_order`, and return its process; it prints to a file of the folder."""
-        line = ["rosrun", "remodel_planner", "run_order", ORDER, "--database", database]
+        line = ["rosrun", "remodel_planner", "planner", "run_order", ORDER, "--database", database]
         return self._popen([*line, "--output", str(self._folder / "report"), *options], name)
 
     def printed(self, name="order.log"):

@@ -15,7 +15,7 @@ from lxml import html
 from remodel_msgs.msg import InsertCableActionFeedback, UseCaseState
 from remodel_msgs.srv import GetGroundTruth, InjectFault
 
-from remodel_planner.edge.production_database import ProductionDatabase
+from remodel_production.edge.database.production_database import ProductionDatabase
 
 DESIGN = "/usr/share/qelectrotech/examples/tableau_domestique.qet"
 OUTPUT = Path(sys.argv[1])
@@ -25,7 +25,7 @@ LIMIT_S = 240
 
 def line(*words):
     """Return the words of a command of the planner."""
-    return ["rosrun", "remodel_planner", *words, "--database", DATABASE]
+    return ["rosrun", "remodel_planner", "planner", *words, "--database", DATABASE]
 
 
 class RunOrderTest(unittest.TestCase):

@@ -20,8 +20,8 @@ from order_client import (
     wait_until,
 )
 
-from remodel_planner.core.supervision.events import Decided, Ending, TaskBegun
 from remodel_states.testing.ledger import Deed
+from remodel_supervision.core.runs.events import Decided, Ending, TaskBegun
 
 OUTPUT = Path(sys.argv[1])
 

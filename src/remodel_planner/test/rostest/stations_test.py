@@ -10,12 +10,12 @@ import rostest
 from order_client import import_order, wait_until
 from own_launch import OwnLaunch
 
-from remodel_planner.core.supervision.events import Blocked, Ending, Interrupted, RunEnded
-from remodel_planner.edge.cell_ownership import live_owners
-from remodel_planner.edge.production_database import ProductionDatabase
-from remodel_planner.edge.run_log import RunLog
+from remodel_production.edge.database.cell_ownership import live_owners
+from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_states.testing.ledger import Deed, account
 from remodel_states.testing.world_file import WorldFile
+from remodel_supervision.core.runs.events import Blocked, Ending, Interrupted, RunEnded
+from remodel_supervision.edge.run_log import RunLog
 
 OUTPUT = Path(sys.argv[1])
 LAUNCH = Path(__file__).parent / "station.launch"

@@ -27,9 +27,9 @@ from remodel_msgs.msg import (
 )
 from remodel_msgs.srv import AnswerQuestion, CommandRun, GetRun, GetTasks, InjectFault, ListRuns
 
-from remodel_planner.ros.ability_watch import ABILITIES
 from remodel_states.testing.ledger import account
 from remodel_states.testing.world_file import WorldFile
+from remodel_supervision.ros.peers.ability_watch import ABILITIES
 
 DESIGN = "/usr/share/qelectrotech/examples/tableau_domestique.qet"
 OUTPUT = Path(sys.argv[1])
@@ -38,7 +38,7 @@ DATABASE = f"sqlite:///{OUTPUT}/production.sqlite"
 
 def planner(*line):
     """Run a command of the planner to its end."""
-    line = ["rosrun", "remodel_planner", *line, "--database", DATABASE]
+    line = ["rosrun", "remodel_planner", "planner", *line, "--database", DATABASE]
     return subprocess.run(line, capture_output=True, text=True, timeout=60, check=False)
 
 

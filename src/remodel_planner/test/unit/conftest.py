@@ -1,87 +1,11 @@
-"""Databases for tests: SQLite in a file, and PostgreSQL on a server of its own."""
+"""What the tests of this package share with those of others."""
 
-import os
-import shutil
-import subprocess
 import sys
-import tempfile
 from pathlib import Path
 
-import pytest
-from sqlalchemy import create_engine, text
+sys.path.insert(0, str(Path(__file__).parents[3] / "remodel_planner/test/unit"))
+sys.path.insert(0, str(Path(__file__).parents[3] / "remodel_production/test"))
+sys.path.insert(0, str(Path(__file__).parents[3] / "remodel_planning/test"))
+sys.path.insert(0, str(Path(__file__).parents[3] / "remodel_supervision/test/unit"))
 
-# What several tests share is imported by its name.
-sys.path.insert(0, str(Path(__file__).parent))
-
-from house import HOUSE
-from supervisor_bench import Bench
-
-from remodel_planner.edge.production_database import ProductionDatabase
-
-PROGRAMS = Path("/usr/lib/postgresql")
-
-
-def run(folder, *line):
-    """Run a program of PostgreSQL, which refuses to be run by root."""
-    as_postgres = {"user": "postgres", "group": "postgres", "extra_groups": []}
-    user = as_postgres if os.geteuid() == 0 else {}
-    subprocess.run(line, check=True, timeout=60, cwd=folder, stdout=subprocess.DEVNULL, **user)
-
-
-@pytest.fixture(scope="session")
-def postgres_url():
-    """Start a server that listens on a socket in a folder of its own, and end it afterwards."""
-    programs = max(PROGRAMS.glob("*/bin"))
-    folder = Path(tempfile.mkdtemp(prefix="remodel_pg_"))
-    if os.geteuid() == 0:
-        shutil.chown(folder, "postgres", "postgres")
-    data = str(folder / "data")
-    settings = f"-c listen_addresses= -c unix_socket_directories={folder} -c fsync=off"
-    try:
-        run(folder, programs / "initdb", "-D", data, "-U", "test", "-A", "trust", "-N")
-        log = str(folder / "log")
-        run(folder, programs / "pg_ctl", "start", "-w", "-D", data, "-l", log, "-o", settings)
-        try:
-            yield f"postgresql+psycopg2://test@/postgres?host={folder}"
-        finally:
-            run(folder, programs / "pg_ctl", "stop", "-w", "-m", "immediate", "-D", data)
-    finally:
-        shutil.rmtree(folder)
-
-
-@pytest.fixture(params=["sqlite", "postgresql"])
-def url(request, tmp_path):
-    """Return the URL of an empty database, of each kind in turn."""
-    if request.param == "sqlite":
-        return f"sqlite:///{tmp_path}/production.sqlite"
-    url = request.getfixturevalue("postgres_url")
-    engine = create_engine(url)
-    with engine.begin() as connection:
-        connection.execute(text("DROP SCHEMA public CASCADE"))
-        connection.execute(text("CREATE SCHEMA public"))
-    engine.dispose()
-    return url
-
-
-@pytest.fixture(scope="session")
-def house_file(tmp_path_factory):
-    """Return an SQLite file with the order HOUSE, which is quicker to copy than to migrate."""
-    file = tmp_path_factory.mktemp("house") / "production.sqlite"
-    database = ProductionDatabase(f"sqlite:///{file}")
-    database.add_order(HOUSE)
-    database.close()
-    return file
-
-
-@pytest.fixture
-def house_url(house_file, tmp_path):
-    """Return the URL of a database with the order HOUSE."""
-    return f"sqlite:///{shutil.copy(house_file, tmp_path)}"
-
-
-@pytest.fixture
-def bench(house_url):
-    """Return a supervisor of the order HOUSE, with everything beside it faked but the database."""
-    bench = Bench(house_url)
-    yield bench
-    bench.database.close()
+from databases import postgres_url, url  # noqa: F401 - fixtures

@@ -15,13 +15,13 @@ from remodel_planner.commands import (
     import_design,
     layout,
     plan,
-    run_order,
     tasks,
 )
-from remodel_planner.edge.production_database import ProductionDatabase
-from remodel_planner.errors import OrderError
+from remodel_planner.commands.runs import run_order
+from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.errors import OrderError
 
-DESIGNS = Path(__file__).parent / "designs"
+DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"
 DESIGN = Path("/usr/share/qelectrotech/examples/tableau_domestique.qet")
 
 
@@ -92,7 +92,7 @@ def test_a_format_can_be_forced(tmp_path, database, capsys):
 
 
 def test_a_file_that_is_larger_than_any_design_is_refused(tmp_path, database, capsys, monkeypatch):
-    monkeypatch.setattr("remodel_planner.edge.design_files._MOST_BYTES", 5000)
+    monkeypatch.setattr("remodel_production.edge.design_files._MOST_BYTES", 5000)
     file = tmp_path / "large.csv"
     file.write_text("From,To\n" * 1000)
     assert f"{file}: is larger than 0 MB" in refused_import(file, database, capsys)

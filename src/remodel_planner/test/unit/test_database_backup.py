@@ -10,12 +10,12 @@ from house import HOUSE, owner_of
 from sqlalchemy import text
 
 from remodel_planner.commands import backup, restore
-from remodel_planner.core.supervision.events import Interrupted, RunBegun
-from remodel_planner.core.supervision.fold import state_after
-from remodel_planner.edge import database_backup
-from remodel_planner.edge.cell_ownership import CellOwnership
-from remodel_planner.edge.production_database import ProductionDatabase
-from remodel_planner.edge.run_log import RunLog
+from remodel_production.edge.database import database_backup
+from remodel_production.edge.database.cell_ownership import CellOwnership
+from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_supervision.core.runs.events import Interrupted, RunBegun
+from remodel_supervision.core.runs.fold import state_after
+from remodel_supervision.edge.run_log import RunLog
 
 BEGUN = RunBegun("house", "switchgear", "cell", ("W1", "W2"))
 

@@ -7,16 +7,16 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pddl.parser.domain import DomainParser
 from pddl.parser.problem import ProblemParser
+from random_panel import random_panel
 
+from remodel_pddl.core import hddl, pddl
+from remodel_pddl.core.symbolic import steps_of, symbols_of
 from remodel_planner.commands import export as export_command
 from remodel_planner.commands import plan as plan_command
-from remodel_planner.core.planning import hddl, pddl
-from remodel_planner.core.planning.instance import problem_from
-from remodel_planner.core.planning.problem import Plan
-from remodel_planner.core.planning.symbolic import steps_of, symbols_of
-from remodel_planner.edge.order_planner import plan_problem
-from remodel_planner.errors import InstanceError
-from remodel_planner.testing.random_panel import random_panel
+from remodel_planning.core.problem.instance import problem_from
+from remodel_planning.core.problem.problem import Plan
+from remodel_planning.edge.order_planner import plan_problem
+from remodel_production.errors import InstanceError
 
 # The action's static function, and which of its parameters that takes.
 COSTS = {

@@ -10,6 +10,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from random_panel import random_panel
 
 from remodel_planner.commands import charts as charts_command
 from remodel_planner.commands import check as check_command
@@ -18,9 +19,8 @@ from remodel_planner.commands import explain as explain_command
 from remodel_planner.commands import plan as plan_command
 from remodel_planner.commands import sequence as sequence_command
 from remodel_planner.commands import tasks as tasks_command
-from remodel_planner.testing.random_panel import random_panel
 
-DATA = Path(__file__).parent / "data"
+DATA = Path(__file__).parents[3] / "remodel_cable_tree/test/unit/data"
 WAIT_S = 20.0
 
 
@@ -216,7 +216,7 @@ def test_plans_that_are_not_valid_are_not_worked_on(instance, capsys, command):
     assert not drawing.exists()
 
 
-CABINET = Path(__file__).parents[2] / "examples" / "cabinet.yaml"
+CABINET = Path(__file__).parents[3] / "remodel_planning" / "examples" / "cabinet.yaml"
 
 
 def test_tasks_of_an_order_are_told(instance, capsys):
@@ -250,7 +250,7 @@ def test_an_order_is_planned_checked_explained_and_charted(tmp_path, capsys):
 @pytest.mark.parametrize("arguments", [["check", "--help"], ["tasks", str(CABINET)]])
 def test_a_closed_pipe_ends_a_command_quietly(arguments):
     program = (
-        "import sys; from remodel_planner.commands.entry import run; "
+        "import sys; from remodel_planner.commands.options.entry import run; "
         f"from remodel_planner.commands.{arguments[0]} import main; run(main)"
     )
     reader, writer = os.pipe()
@@ -267,7 +267,7 @@ def test_a_closed_pipe_ends_a_command_quietly(arguments):
     assert (done.returncode, done.stderr) == (141, "")
 
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+EXAMPLES = Path(__file__).parents[3] / "remodel_planning" / "examples"
 
 
 def test_a_plan_with_five_broken_preferences_is_explained_in_words(tmp_path, capsys):

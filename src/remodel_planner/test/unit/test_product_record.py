@@ -8,8 +8,9 @@ import pytest
 from house import HOUSE, owner_of
 
 from remodel_planner.commands import product
-from remodel_planner.core.run import Operation
-from remodel_planner.core.supervision.events import (
+from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.events import (
     Answer,
     Answered,
     Asked,
@@ -22,9 +23,8 @@ from remodel_planner.core.supervision.events import (
     TaskBegun,
     TaskEnded,
 )
-from remodel_planner.core.supervision.fold import state_after
-from remodel_planner.edge.production_database import ProductionDatabase
-from remodel_planner.edge.run_log import RunLog
+from remodel_supervision.core.runs.fold import state_after
+from remodel_supervision.edge.run_log import RunLog
 
 AT_B = (("component_id", "Q2"), ("terminal_id", "T1"))
 INSERTED = Operation(

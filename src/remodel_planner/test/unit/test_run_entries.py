@@ -3,15 +3,15 @@
 from remodel_msgs.msg import RunEntry
 from test_run_story import STORY
 
-from remodel_planner.core.run import Operation
-from remodel_planner.core.supervision.events import (
+from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.events import (
     OperationEnded,
     Part,
     RunBegun,
     TaskBegun,
     TaskEnded,
 )
-from remodel_planner.ros.run_entries import entries_of
+from remodel_supervision.ros.server.run_entries import entries_of
 
 BEGUN = RunBegun("house", "switchgear", "cell", ("W1", "W2"))
 

@@ -6,13 +6,13 @@ import pytest
 from house import HOUSE, owner_of
 from remodel_msgs.msg import OperatorQuestion, UseCaseState
 
-from remodel_planner.commands import run_follower
-from remodel_planner.commands.run_follower import RunFollower
-from remodel_planner.core.supervision.events import Ending, RunBegun, RunEnded
-from remodel_planner.core.supervision.fold import state_after
-from remodel_planner.edge.production_database import ProductionDatabase
-from remodel_planner.edge.run_log import RunLog
-from remodel_planner.errors import CellError
+from remodel_planner.commands.runs import run_follower
+from remodel_planner.commands.runs.run_follower import RunFollower
+from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_supervision.core.runs.events import Ending, RunBegun, RunEnded
+from remodel_supervision.core.runs.fold import state_after
+from remodel_supervision.edge.run_log import RunLog
+from remodel_supervision.errors import CellError
 
 
 class FakeGoal:

@@ -5,9 +5,7 @@ from pathlib import Path
 
 from lxml import html
 
-from remodel_planner.core.production import Component, Order, TerminalRef, Wire
-from remodel_planner.core.run import Execution, Operation
-from remodel_planner.core.run_report import (
+from remodel_planner.core.reports.run_report import (
     Drawing,
     Picture,
     Report,
@@ -16,6 +14,8 @@ from remodel_planner.core.run_report import (
     report_data,
     timeline,
 )
+from remodel_production.core.production import Component, Order, TerminalRef, Wire
+from remodel_supervision.core.run import Execution, Operation
 
 TEMPLATE = (Path(__file__).parents[2] / "templates" / "report.html.j2").read_text()
 COLOURS = {"InsertCable": "#ffb703"}

@@ -3,10 +3,13 @@
 import pytest
 from house import HOUSE, owner_of
 
-from remodel_planner.commands import explain, replay
-from remodel_planner.core.recovery.fault import Do
-from remodel_planner.core.run import Operation
-from remodel_planner.core.supervision.events import (
+from remodel_planner.commands import explain
+from remodel_planner.commands.runs import replay
+from remodel_planning.core.use_case.fault import Do
+from remodel_planning.edge.fault_file import read_faults
+from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.events import (
     Answer,
     Answered,
     Asked,
@@ -26,10 +29,8 @@ from remodel_planner.core.supervision.events import (
     TaskElsewhere,
     TaskEnded,
 )
-from remodel_planner.core.supervision.fold import state_after
-from remodel_planner.edge.fault_file import read_faults
-from remodel_planner.edge.production_database import ProductionDatabase
-from remodel_planner.edge.run_log import RunLog
+from remodel_supervision.core.runs.fold import state_after
+from remodel_supervision.edge.run_log import RunLog
 
 FAULTS = read_faults()
 CHART = """<statemachine name="Place Wire" initial="Insert">

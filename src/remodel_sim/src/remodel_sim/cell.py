@@ -13,7 +13,7 @@ from remodel_sim.core.book import Book, EndState, Feed
 from remodel_sim.core.cell_design import CellDesign
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import check_hands_empty, check_not_in_cell
-from remodel_sim.core.ownership import NO_OWNER, check_owner
+from remodel_sim.core.ownership import check_owner
 from remodel_sim.core.panel import End, Panel
 from remodel_sim.core.placed_wires import PlacedWires
 from remodel_sim.core.traffic import Traffic
@@ -21,6 +21,7 @@ from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.plant import Plant
 from remodel_states.core.codes import Code
+from remodel_states.core.goal_owner import NO_OWNER
 
 T = TypeVar("T")
 

@@ -149,7 +149,7 @@ class CellTest(unittest.TestCase):
         connector = {**self.at_terminal(), "connector_id": "P1", "force_limit": 30.0}
         connector["socket_pose"] = self.locate()
         cases = [
-            ("InsertCable", self.insertion(socket), ErrorCode.INVALID_GOAL, "not finite"),
+            ("InsertCable", self.insertion(socket), ErrorCode.INVALID_GOAL, "socket_pose holds"),
             ("LocateGearboxComponent", {"component_id": "Q9"}, ErrorCode.UNKNOWN_NAME, "X1, "),
             ("DetectCable", {"cable_id": "W1", "timeout": -1.0}, ErrorCode.INVALID_GOAL, "timeout"),
             ("DetectCable", {"cable_id": "W2"}, ErrorCode.WIRE_NOT_FED, "W1"),
@@ -163,9 +163,7 @@ class CellTest(unittest.TestCase):
                 self.assertEqual(result.error_code, code)
                 self.assertIn(words, result.error_message)
                 self.assertEqual(result.id, f"test-{name}")
-        self.assertEqual(
-            insert.client.get_goal_status_text(), "socket_pose: position is not finite"
-        )
+        self.assertEqual(insert.client.get_goal_status_text(), "socket_pose holds NaN or infinity")
 
     def test_goals_and_requests_of_an_older_owner_are_refused(self):
         self.call("feed_wire", srv.FeedWire, "W1", "A", 17)

@@ -10,13 +10,13 @@ from remodel_sim.abilities.ability import cell_abilities
 from remodel_sim.abilities.runner import advance
 from remodel_sim.cell import Cell
 from remodel_sim.core.errors import AbilityError, MemoryFileError
-from remodel_sim.core.ownership import NO_OWNER
 from remodel_sim.core.panel import End
 from remodel_sim.core.placed_wires import ParkedWire, PlacedWires
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.job import Job
 from remodel_states.core.codes import Code
+from remodel_states.core.goal_owner import NO_OWNER
 from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.serving.running_goal import RunningGoal
 

@@ -1,8 +1,9 @@
 import pytest
 
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.ownership import NO_OWNER, check_owner, owner_of
+from remodel_sim.core.ownership import check_owner
 from remodel_states.core.codes import Code
+from remodel_states.core.goal_owner import NO_OWNER, owner_of
 
 
 @pytest.mark.parametrize(

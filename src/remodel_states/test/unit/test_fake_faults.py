@@ -6,7 +6,8 @@ import pytest
 from remodel_msgs.msg import ErrorCode
 
 from remodel_states.core.ability_error import AbilityError
-from remodel_states.serving.ownership import admitted, owner_of
+from remodel_states.core.goal_owner import owner_of
+from remodel_states.serving.ownership import admitted
 from remodel_states.testing.faults import Cure, Fault, at_goal, when_fed, when_mended
 from remodel_states.testing.ledger import Deed, Entry, account
 

@@ -1,4 +1,4 @@
-"""`rosrun remodel_planner backup FILE`: back the production database up while it is in use."""
+"""`planner backup FILE`: back the production database up while it is in use."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ import argparse
 import sys
 from pathlib import Path
 
-from remodel_planner.commands.database_option import add_database_option
-from remodel_planner.edge.database_backup import back_up
-from remodel_planner.errors import PlannerError
+from remodel_planner.commands.options.database_option import add_database_option
+from remodel_production.edge.database.database_backup import back_up
+from remodel_production.errors import PlannerError
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Write the backup, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="backup",
+        prog="planner backup",
         description="Back the production database up as it is at one moment; it may be in use. "
         "PostgreSQL needs pg_dump.",
         epilog="Exit code: 0 done, 1 refused or failed, 2 wrong usage.",

@@ -1,4 +1,4 @@
-"""`rosrun remodel_planner charts ORDER PLAN.json`: make a state chart of each task of a plan."""
+"""`planner charts ORDER PLAN.json`: make a state chart of each task of a plan."""
 
 from __future__ import annotations
 
@@ -6,17 +6,21 @@ import argparse
 import sys
 from pathlib import Path
 
-from remodel_planner.commands.problem_files import add_problem_options, read_order, read_plan
-from remodel_planner.core.planning.checker import check
-from remodel_planner.core.use_case.planned_tasks import planned_tasks
-from remodel_planner.edge.chart_folder import keep_chart
-from remodel_planner.errors import PlannerError
+from remodel_planner.commands.options.problem_files import (
+    add_problem_options,
+    read_order,
+    read_plan,
+)
+from remodel_planning.core.plan.checker import check
+from remodel_planning.core.task_charts.planned_tasks import planned_tasks
+from remodel_planning.edge.chart_folder import keep_chart
+from remodel_production.errors import PlannerError
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Write the charts, print one line a task, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="charts",
+        prog="planner charts",
         description="Write the state chart of each task, in the order of a plan. A chart that is "
         "there already, unchanged, is left alone.",
         epilog="Exit code: 0 written, 1 the plan is not valid, 2 wrong usage, 3 a file is "

@@ -1,4 +1,4 @@
-"""`rosrun remodel_planner check INSTANCE.json PLAN.json`: judge a plan."""
+"""`planner check INSTANCE.json PLAN.json`: judge a plan."""
 
 from __future__ import annotations
 
@@ -7,15 +7,19 @@ import json
 import sys
 from pathlib import Path
 
-from remodel_planner.commands.problem_files import add_problem_options, read_plan, read_problem
-from remodel_planner.core.planning.checker import Verdict, check
-from remodel_planner.errors import PlannerError
+from remodel_planner.commands.options.problem_files import (
+    add_problem_options,
+    read_plan,
+    read_problem,
+)
+from remodel_planning.core.plan.checker import Verdict, check
+from remodel_production.errors import PlannerError
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Judge the plan, print the verdict as JSON, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="check",
+        prog="planner check",
         description="Check a plan against its problem with code that the search does not share.",
         epilog="Exit code: 0 valid, 1 not valid, 2 wrong usage, 3 a file is malformed.",
     )

@@ -1,4 +1,4 @@
-"""`rosrun remodel_planner draw INSTANCE.json PLAN.json`: draw a plan."""
+"""`planner draw INSTANCE.json PLAN.json`: draw a plan."""
 
 from __future__ import annotations
 
@@ -6,17 +6,21 @@ import argparse
 import sys
 from pathlib import Path
 
-from remodel_planner.commands.problem_files import add_problem_options, read_plan, read_problem
-from remodel_planner.core.planning.checker import check
-from remodel_planner.core.planning.drawing import draw_plan
-from remodel_planner.edge.text_file import write_text
-from remodel_planner.errors import PlannerError
+from remodel_planner.commands.options.problem_files import (
+    add_problem_options,
+    read_plan,
+    read_problem,
+)
+from remodel_planning.core.plan.checker import check
+from remodel_planning.core.plan.drawing import draw_plan
+from remodel_production.edge.text_file import write_text
+from remodel_production.errors import PlannerError
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Write the drawing, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="draw",
+        prog="planner draw",
         description="Draw what each arm does when, and the panel with its wires in their order.",
         epilog="Exit code: 0 drawn, 1 the plan is not valid, 2 wrong usage, 3 a file is malformed "
         "or cannot be written.",

@@ -1,4 +1,4 @@
-"""`rosrun remodel_planner explain INSTANCE.json PLAN.json`: say why a plan is as it is."""
+"""`planner explain INSTANCE.json PLAN.json`: say why a plan is as it is."""
 
 from __future__ import annotations
 
@@ -8,29 +8,34 @@ from pathlib import Path
 
 import numpy as np
 
-from remodel_planner.commands.problem_files import add_problem_options, read_plan, read_problem
-from remodel_planner.core.planning.checker import check
-from remodel_planner.core.planning.explanation import explain
-from remodel_planner.core.planning.listing import Listing, listing_of
-from remodel_planner.core.planning.problem import Plan, Problem
-from remodel_planner.core.planning.tables import tables_of
-from remodel_planner.edge.anytime_planner import AnytimePlanner
-from remodel_planner.edge.search_kernel import Kernel
-from remodel_planner.errors import PlannerError
+from remodel_planner.commands.options.problem_files import (
+    add_problem_options,
+    read_plan,
+    read_problem,
+)
+from remodel_planning.core.plan.checker import check
+from remodel_planning.core.plan.explanation import explain
+from remodel_planning.core.plan.listing import Listing, listing_of
+from remodel_planning.core.problem.problem import Plan, Problem
+from remodel_planning.core.search.tables import tables_of
+from remodel_planning.edge.anytime_planner import AnytimePlanner
+from remodel_planning.edge.search_kernel import Kernel
+from remodel_production.errors import PlannerError
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Print the explanation of a plan, or of a run, and return the exit code."""
     words = sys.argv[1:] if arguments is None else arguments
     if words and words[0].isdigit():
-        from remodel_planner.commands import explain_run  # the database takes long to load
+        from remodel_planner.commands.runs import explain_run  # the database takes long to load
 
         return explain_run.main(words)
     parser = argparse.ArgumentParser(
-        prog="explain",
+        prog="planner explain",
         description="Say what a plan costs, which preferences it breaks, why, and what keeping "
         "each of them would cost.",
-        usage="explain RUN [--database URL]\n       explain [OPTIONS] [INSTANCE] PLAN",
+        usage="planner explain RUN [--database URL]\n"
+        "       planner explain [OPTIONS] [INSTANCE] PLAN",
         epilog="With the number of a run, what was done in it, what failed, what was decided and "
         "why. Exit code: 0 explained, 1 the plan is not valid, 2 wrong usage, 3 a file is "
         "malformed.",

@@ -1,4 +1,4 @@
-"""`rosrun remodel_planner export INSTANCE --format pddl`: write a problem for other planners."""
+"""`planner export INSTANCE --format pddl`: write a problem for other planners."""
 
 from __future__ import annotations
 
@@ -7,15 +7,19 @@ import json
 import sys
 from pathlib import Path
 
-from remodel_planner.commands.problem_files import add_problem_options, read_plan, read_problem
-from remodel_planner.core.planning import hddl, pddl
-from remodel_planner.core.planning.checker import check
-from remodel_planner.core.planning.instance import problem_data
-from remodel_planner.core.planning.plan_form import plan_data
-from remodel_planner.core.planning.problem import Plan, Problem
-from remodel_planner.core.planning.symbolic import steps_of, symbols_of
-from remodel_planner.edge.text_file import write_text
-from remodel_planner.errors import PlannerError
+from remodel_pddl.core import hddl, pddl
+from remodel_pddl.core.symbolic import steps_of, symbols_of
+from remodel_planner.commands.options.problem_files import (
+    add_problem_options,
+    read_plan,
+    read_problem,
+)
+from remodel_planning.core.plan.checker import check
+from remodel_planning.core.problem.instance import problem_data
+from remodel_planning.core.problem.plan_form import plan_data
+from remodel_planning.core.problem.problem import Plan, Problem
+from remodel_production.edge.text_file import write_text
+from remodel_production.errors import PlannerError
 
 _SYMBOLIC = {"pddl": pddl, "hddl": hddl}
 _NUMERIC = "planbench"
@@ -24,7 +28,7 @@ _NUMERIC = "planbench"
 def main(arguments: list[str] | None = None) -> int:
     """Write the files, name them, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="export",
+        prog="planner export",
         description="Write a problem, and a plan of it if one is given. As PDDL with action costs "
         "or as HDDL, a problem of one arm: domain.FORMAT, problem.FORMAT, plan.txt; costs of plans "
         "are equal, to the unit. As planbench, any problem in the form of docs/planning.md: "

@@ -1,4 +1,4 @@
-"""`rosrun remodel_planner import FILE`: read a design file into the production database."""
+"""`planner import FILE`: read a design file into the production database."""
 
 from __future__ import annotations
 
@@ -8,26 +8,26 @@ import sys
 from collections import Counter
 from pathlib import Path
 
-from remodel_planner.commands.database_option import add_database_option
-from remodel_planner.commands.design_orders import add_design_options, design_order
-from remodel_planner.core.board.cabinet import laid_out
-from remodel_planner.core.imports.account import Imported
-from remodel_planner.core.imports.formats import DesignFormat, format_of, import_design
-from remodel_planner.core.production import Order
-from remodel_planner.core.use_case.preparation import prepare
-from remodel_planner.edge.ability_files import read_abilities
-from remodel_planner.edge.catalogue_file import read_catalogue
-from remodel_planner.edge.design_files import read_design, read_mappings
-from remodel_planner.edge.package_files import catalogue_file
-from remodel_planner.edge.production_database import ProductionDatabase
-from remodel_planner.edge.yaml_file import read_yaml
-from remodel_planner.errors import DesignError, PlannerError, blamed
+from remodel_planner.commands.options.database_option import add_database_option
+from remodel_planner.commands.options.design_orders import add_design_options, design_order
+from remodel_planning.core.decomposition.preparation import prepare
+from remodel_planning.edge.yaml_file import read_yaml
+from remodel_production.core.board.cabinet import laid_out
+from remodel_production.core.imports.formats import DesignFormat, format_of, import_design
+from remodel_production.core.imports.shared.account import Imported
+from remodel_production.core.production import Order
+from remodel_production.edge.ability_files import read_abilities
+from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.edge.design_files import read_design, read_mappings
+from remodel_production.edge.package_files import catalogue_file
+from remodel_production.errors import DesignError, PlannerError, blamed
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Import, say what was read, guessed and left out, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="import",
+        prog="planner import",
         description="Read a design file into the production database: a QElectroTech project, a "
         "KBL or WireViz harness, or a from-to list (CSV).",
         epilog="Exit code: 0 imported, 1 refused (nothing is stored), 2 wrong usage.",

@@ -1,4 +1,4 @@
-"""`rosrun remodel_planner layout ORDER`: draw where an order's components and wires are."""
+"""`planner layout ORDER`: draw where an order's components and wires are."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ import argparse
 import sys
 from pathlib import Path
 
-from remodel_planner.commands.database_option import add_database_option
-from remodel_planner.core.board.board import board_of
-from remodel_planner.core.board.drawing import draw_board
-from remodel_planner.edge.production_database import ProductionDatabase
-from remodel_planner.edge.text_file import write_text
-from remodel_planner.errors import PlannerError
+from remodel_planner.commands.options.database_option import add_database_option
+from remodel_production.core.board.board import board_of
+from remodel_production.core.board.drawing import draw_board
+from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.edge.text_file import write_text
+from remodel_production.errors import PlannerError
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Write the drawing, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="layout",
+        prog="planner layout",
         description="Draw the board of an order: components, ducts or bundles, clips and wires.",
         epilog="Exit code: 0 drawn, 1 no such order or a file cannot be written, 2 wrong usage.",
     )

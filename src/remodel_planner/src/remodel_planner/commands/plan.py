@@ -1,4 +1,4 @@
-"""`rosrun remodel_planner plan INSTANCE.json`: plan the wiring of a panel."""
+"""`planner plan INSTANCE.json`: plan the wiring of a panel."""
 
 from __future__ import annotations
 
@@ -7,23 +7,23 @@ import sys
 import time
 from pathlib import Path
 
-from remodel_planner.commands.limits import seconds, seed
-from remodel_planner.commands.problem_files import add_problem_options, read_problem
-from remodel_planner.commands.stop_signals import stop_on_signals
-from remodel_planner.core.planning.plan_form import plan_data
-from remodel_planner.core.planning.planned import Planned
-from remodel_planner.core.planning.tables import tables_of
-from remodel_planner.edge.anytime_planner import AnytimePlanner, Limits
-from remodel_planner.edge.json_file import write_json
-from remodel_planner.edge.order_planner import require_valid
-from remodel_planner.edge.search_kernel import Kernel
-from remodel_planner.errors import PlannerError
+from remodel_planner.commands.options.limits import seconds, seed
+from remodel_planner.commands.options.problem_files import add_problem_options, read_problem
+from remodel_planner.commands.options.stop_signals import stop_on_signals
+from remodel_planning.core.problem.plan_form import plan_data
+from remodel_planning.core.search.planned import Planned
+from remodel_planning.core.search.tables import tables_of
+from remodel_planning.edge.anytime_planner import AnytimePlanner, Limits
+from remodel_planning.edge.json_file import write_json
+from remodel_planning.edge.order_planner import require_valid
+from remodel_planning.edge.search_kernel import Kernel
+from remodel_production.errors import PlannerError
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Plan, check the plan, write it, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="plan",
+        prog="planner plan",
         description="Plan the wiring of a panel with one or two arms. The first plan is written at "
         "once and replaced by better ones only when the time is over, the target is reached, or "
         "the command gets SIGINT or SIGTERM.",

@@ -1,4 +1,4 @@
-"""`rosrun remodel_planner product SERIAL`: export what was done to a product."""
+"""`planner product SERIAL`: export what was done to a product."""
 
 from __future__ import annotations
 
@@ -7,18 +7,23 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from remodel_planner.commands.database_option import add_database_option
-from remodel_planner.core.product_record import ProductEntry, as_csv, as_json, product_entries
-from remodel_planner.edge.production_database import ProductionDatabase
-from remodel_planner.edge.run_log import RunLog
-from remodel_planner.edge.text_file import write_text
-from remodel_planner.errors import PlannerError
+from remodel_planner.commands.options.database_option import add_database_option
+from remodel_planner.core.reports.product_record import (
+    ProductEntry,
+    as_csv,
+    as_json,
+    product_entries,
+)
+from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.edge.text_file import write_text
+from remodel_production.errors import PlannerError
+from remodel_supervision.edge.run_log import RunLog
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Write the record of a product, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="product",
+        prog="planner product",
         description="Export what was done to a product: each operation with its run, attempt, "
         "goal, parameters, measurements and result, and each answer of an operator. "
         "docs/production-database.md explains the columns.",

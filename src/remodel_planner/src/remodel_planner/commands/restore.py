@@ -1,4 +1,4 @@
-"""`rosrun remodel_planner restore FILE`: put a backup in the place of the production database."""
+"""`planner restore FILE`: put a backup in the place of the production database."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ import argparse
 import sys
 from pathlib import Path
 
-from remodel_planner.commands.database_option import add_database_option
-from remodel_planner.edge.database_backup import restore
-from remodel_planner.errors import PlannerError
+from remodel_planner.commands.options.database_option import add_database_option
+from remodel_production.edge.database.database_backup import restore
+from remodel_production.errors import PlannerError
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Restore the backup, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="restore",
+        prog="planner restore",
         description="Verify a backup of the production database, and put it in its place. It is "
         "refused while a supervisor owns a cell of that database. PostgreSQL needs psql.",
         epilog="Exit code: 0 done, 1 refused or failed, 2 wrong usage.",

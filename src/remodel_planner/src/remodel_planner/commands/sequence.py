@@ -1,4 +1,4 @@
-"""`rosrun remodel_planner sequence INSTANCE.dzn`: order the insertions of a cable tree."""
+"""`planner sequence INSTANCE.dzn`: order the insertions of a cable tree."""
 
 from __future__ import annotations
 
@@ -8,15 +8,16 @@ import sys
 from dataclasses import asdict
 from pathlib import Path
 
-from remodel_planner.commands.limits import seconds, seed
-from remodel_planner.commands.stop_signals import stop_on_signals
-from remodel_planner.core.cable_tree.dzn import parse_cable_tree
-from remodel_planner.core.cable_tree.order import broken_constraints, cost_of
-from remodel_planner.core.cable_tree.problem import CableTree
-from remodel_planner.edge.cable_tree_kernel import Feasibility
-from remodel_planner.edge.cable_tree_planner import sequence
-from remodel_planner.edge.text_file import read_text
-from remodel_planner.errors import KernelError, PlannerError
+from remodel_cable_tree.core.dzn import parse_cable_tree
+from remodel_cable_tree.core.order import broken_constraints, cost_of
+from remodel_cable_tree.core.problem import CableTree
+from remodel_cable_tree.edge.cable_tree_kernel import Feasibility
+from remodel_cable_tree.edge.cable_tree_planner import sequence
+from remodel_planner.commands.options.limits import seconds, seed
+from remodel_planner.commands.options.stop_signals import stop_on_signals
+from remodel_planning.errors import KernelError
+from remodel_production.edge.text_file import read_text
+from remodel_production.errors import PlannerError
 
 _STATUS = {
     Feasibility.NONE: "unsatisfiable",
@@ -28,7 +29,7 @@ _STATUS = {
 def main(arguments: list[str] | None = None) -> int:
     """Search, judge what is found, print it, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="sequence",
+        prog="planner sequence",
         description="Find the order in which the ends of a harness's cables are inserted (Cable "
         "Tree Wiring). SIGINT or SIGTERM stops the search and prints the best order so far.",
         epilog="Exit code: 0 found, or proved that there is none; 1 refused (the file is "

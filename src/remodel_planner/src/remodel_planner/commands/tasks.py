@@ -1,19 +1,19 @@
-"""`rosrun remodel_planner tasks ORDER`: say how the tasks of an order decompose."""
+"""`planner tasks ORDER`: say how the tasks of an order decompose."""
 
 from __future__ import annotations
 
 import argparse
 import sys
 
-from remodel_planner.commands.problem_files import add_problem_options, read_order
-from remodel_planner.core.use_case.outline import outline
-from remodel_planner.errors import PlannerError
+from remodel_planner.commands.options.problem_files import add_problem_options, read_order
+from remodel_planning.core.decomposition.outline import outline
+from remodel_production.errors import PlannerError
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Print the decompositions, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="tasks",
+        prog="planner tasks",
         description="Say of what actions each task of an order consists, how long they are "
         "expected to take, and which methods were rejected, and why.",
         epilog="Exit code: 0 told, 1 refused (a file is malformed, or no method does a task), "

@@ -1,1 +1,1 @@
-"""Pure planning: values in, values out."""
+"""What commands tell: values in, values out."""

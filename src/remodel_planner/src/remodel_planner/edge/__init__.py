@@ -1,1 +1,1 @@
-"""The rooms that touch disk and database."""
+"""The files of reports."""

@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from remodel_planner.core.run_report import Report, render_html, report_data
+from remodel_planner.core.reports.run_report import Report, render_html, report_data
 from remodel_planner.edge.package_files import report_template
 from remodel_states.edge.exported_tables import read_abilities
 

@@ -8,20 +8,9 @@ moves nothing when it continues. A goal without a token is not checked.
 
 from __future__ import annotations
 
-import re
-
 from remodel_sim.core.errors import AbilityError
 from remodel_states.core.codes import Code
-
-NO_OWNER = 0
-# A token is a uint64: 20 digits at most.
-_PREFIX = re.compile(r"([0-9]{1,20}):")
-
-
-def owner_of(goal_id: str) -> int:
-    """Return the owner's token in front of a goal's id, NO_OWNER if there is none."""
-    prefix = _PREFIX.match(goal_id)
-    return int(prefix[1]) if prefix else NO_OWNER
+from remodel_states.core.goal_owner import NO_OWNER
 
 
 def check_owner(owner: int, newest: int) -> None:

@@ -11,12 +11,12 @@ from remodel_sim.abilities.ability import CellAbility
 from remodel_sim.abilities.station import Station
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import Goal, require, require_number
-from remodel_sim.core.ownership import owner_of
 from remodel_sim.ros.job import Job
 from remodel_sim.ros.owner import Owner
 from remodel_states.ability_server import AbilityServer
 from remodel_states.core.ability_tables import Ability
 from remodel_states.core.codes import Code
+from remodel_states.core.goal_owner import owner_of
 from remodel_states.serving.running_goal import RunningGoal
 
 MAX_TIMEOUT_S = 3600.0

@@ -88,6 +88,7 @@ class Job:
             self._end(Code.INTERNAL, f"{found.message}, but it is not kept: {error}", {})
             return
         fields = result_fields(found, self._running.goal)
+        self._running.report(found.message, 100.0)
         rospy.loginfo("%s: %s (%.1f s)", self, found.message, self._running.elapsed_s)
         self._finish(lambda: self._running.succeed(found.message, fields))
 

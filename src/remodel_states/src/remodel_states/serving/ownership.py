@@ -14,12 +14,6 @@ from remodel_msgs.msg import ErrorCode
 from remodel_states.core.ability_error import AbilityError
 
 
-def owner_of(goal_id: str) -> int:
-    """Return the token in front of a goal's id; 0 if there is none."""
-    token, colon, _ = goal_id.partition(":")
-    return int(token) if colon and token.isascii() and token.isdecimal() else 0
-
-
 def admitted(owners: Mapping[str, int], cell: str, token: int) -> dict[str, int]:
     """Return the newest token of each cell, after one was shown to a cell.
 

@@ -86,7 +86,7 @@ class RunningGoal:
         """
         share = max(self._latest[1], min(percentage, 100.0))
         self._latest = (message, share)
-        if time.monotonic() - self._reported_s >= _QUIET_S:
+        if share == 100.0 or time.monotonic() - self._reported_s >= _QUIET_S:
             self._publish()
 
     def check(self) -> None:
@@ -128,8 +128,8 @@ class RunningGoal:
             message: what was done, for a person.
             found: fields of the result.
         """
-        self._latest = (message, 100.0)
-        self._publish()
+        if self._latest != (message, 100.0):
+            self.report(message, 100.0)
         result = self._result(id=self.goal.id, success=True, message=message)
         self._handle.set_succeeded(self._filled(result, found), message)
 

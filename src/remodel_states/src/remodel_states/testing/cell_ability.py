@@ -13,7 +13,8 @@ from remodel_msgs.msg import ErrorCode
 from remodel_states.ability_server import AbilityServer, Done
 from remodel_states.core.ability_error import AbilityError
 from remodel_states.core.ability_tables import Ability
-from remodel_states.serving.ownership import admitted, owner_of
+from remodel_states.core.goal_owner import owner_of
+from remodel_states.serving.ownership import admitted
 from remodel_states.serving.robot import Robot
 from remodel_states.serving.running_goal import RunningGoal
 from remodel_states.testing.course import Course, CourseOfGoal

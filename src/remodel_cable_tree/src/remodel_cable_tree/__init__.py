@@ -1,0 +1,1 @@
+"""Cable Tree Wiring: in which order the ends of a harness's cables are inserted."""

@@ -1,0 +1,1 @@
+"""The kernel's library, and the clock of a search."""

@@ -1,0 +1,1 @@
+"""Problems and plans in the languages of other planners: PDDL, HDDL, PlanBench."""

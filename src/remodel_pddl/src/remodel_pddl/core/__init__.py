@@ -1,0 +1,1 @@
+"""The problem in symbols, which pddl and hddl write."""

@@ -1,0 +1,1 @@
+"""What several commands read: options, files of problems, signals to stop."""

@@ -1,0 +1,41 @@
+"""Orders of the production database as tasks of a use case, common to the commands that plan."""
+
+from __future__ import annotations
+
+import argparse
+
+from remodel_planning.core.orders.board_order import board_order, kind_of
+from remodel_planning.core.orders.work_order import WorkOrder
+from remodel_planning.core.use_case.model import UseCase
+from remodel_planning.edge.use_case_files import default_use_case, find_use_case
+from remodel_production.core.board.board import board_of
+from remodel_production.core.production import Order
+
+
+def add_design_options(parser: argparse.ArgumentParser) -> None:
+    """Add --use-case and --arms."""
+    parser.add_argument(
+        "--use-case",
+        metavar="NAME",
+        help="by which an order of the database is done (default: by what its design is, "
+        "docs/use-cases.md)",
+    )
+    parser.add_argument(
+        "--arms",
+        type=int,
+        choices=(1, 2),
+        default=2,
+        help="that place an order of the database (default 2)",
+    )
+
+
+def design_order(stored: Order, options: argparse.Namespace) -> tuple[WorkOrder, UseCase]:
+    """Return the tasks of an imported order, and the use case by which they are done.
+
+    Raises:
+        PlannerError: if the use case takes no designs, or nothing of the order is to be placed.
+    """
+    board = board_of(stored)
+    asked = options.use_case
+    use_case = find_use_case(asked) if asked else default_use_case(kind_of(board))
+    return board_order(board, use_case, options.arms), use_case

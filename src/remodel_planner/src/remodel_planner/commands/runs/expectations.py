@@ -1,0 +1,84 @@
+"""`planner expectations USE_CASE`: say what runs have taught about abilities."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections import Counter
+
+from remodel_planner.commands.options.database_option import add_database_option
+from remodel_planning.core.use_case.bounds import frozen_setting
+from remodel_planning.core.use_case.model import UseCase
+from remodel_planning.edge.use_case_files import find_use_case
+from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.errors import PlannerError
+from remodel_supervision.core.learning.learned_expectations import Call, LearnedExpectations
+from remodel_supervision.core.learning.learned_parameters import LearnedParameters, setting_of
+from remodel_supervision.edge.recorded_lessons import ability_calls
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Print a line for each ability and section, and return the exit code."""
+    parser = argparse.ArgumentParser(
+        prog="planner expectations",
+        description="Say how long abilities are expected to take and how often to succeed, as the "
+        "use case states it and as recorded runs have taught, and with which parameters; with 90 % "
+        "of the belief.",
+        epilog="Exit code: 0 told, 1 no such use case or database, 2 wrong usage.",
+    )
+    parser.add_argument("use_case", metavar="USE_CASE", help="such as switchgear")
+    add_database_option(parser)
+    options = parser.parse_args(arguments)
+    try:
+        use_case = find_use_case(options.use_case)
+        database = ProductionDatabase(options.database)
+        try:
+            calls = ability_calls(database)
+        finally:
+            database.close()
+    except PlannerError as error:
+        print(f"expectations: {error}", file=sys.stderr)
+        return 1
+    _tell(use_case, calls)
+    for ability in use_case.learned:
+        _tell_settings(use_case, ability, calls)
+    return 0
+
+
+def _tell(use_case: UseCase, calls: tuple[Call, ...]) -> None:
+    learned = LearnedExpectations(use_case.expectations, calls)
+    telling = [call for call in calls if call.tells]
+    counts = Counter((call.ability, call.features["section_mm2"]) for call in telling)
+    print(f"{'ability':<24}{'mm2':>5}{'calls':>7}   {'stated':<16}learned")
+    for ability in use_case.expectations.stated:
+        sections = sorted(section for name, section in counts if name == ability)
+        for section in sections or [_default_section(use_case)]:
+            features = {"section_mm2": section}
+            stated = use_case.expectations.expect(ability, features)
+            expected = learned.expect(ability, features)
+            low, high = learned.belief(ability, features).interval()
+            print(
+                f"{ability:<24}{section:>5g}{counts[ability, section]:>7}   "
+                f"{stated.duration_s:>5.1f} s {stated.success:>6.1%}  "
+                f"{expected.duration_s:>5.1f} s {expected.success:>6.1%}  ({low:.0%} to {high:.0%})"
+            )
+
+
+def _tell_settings(use_case: UseCase, ability: str, calls: tuple[Call, ...]) -> None:
+    """Print what is believed about the settings that were tried of an ability's parameters."""
+    bounds = use_case.learned[ability]
+    tried = Counter(setting_of(bounds, call) for call in calls if call.ability == ability)
+    beliefs = LearnedParameters(calls).beliefs(ability, {}, bounds)
+    for setting in filter(tried.__contains__, beliefs):
+        text = ", ".join(f"{name} {value:g}" for name, value in setting)
+        frozen = "frozen" if setting == frozen_setting(bounds) else ""
+        low, high = beliefs[setting].interval()
+        print(
+            f"{ability + ' ' + text:<29}{tried[setting]:>7}   {frozen:<16}"
+            f"{'':>7} {beliefs[setting].mean:>6.1%}  ({low:.0%} to {high:.0%})"
+        )
+
+
+def _default_section(use_case: UseCase) -> float:
+    characteristic = use_case.task_characteristics.get("section_mm2")
+    return float(characteristic.default) if characteristic else 0.0

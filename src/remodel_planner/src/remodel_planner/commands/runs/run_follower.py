@@ -1,0 +1,191 @@
+"""Ask the use case supervisor for a run, and report on it, line by line, until it has ended."""
+
+from __future__ import annotations
+
+import sys
+import time
+import uuid
+
+import rospy
+from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal, UseCaseState
+from tqdm import tqdm
+
+from remodel_planner.core.reports.run_report import failure_line
+from remodel_planning.core.use_case.fault import Do
+from remodel_production.core.production import Order, Wire
+from remodel_supervision.core.run import Execution
+from remodel_supervision.core.runs.attempts import Attempt, Attempts
+from remodel_supervision.core.runs.events import Part, Planned
+from remodel_supervision.core.runs.fold import state_after
+from remodel_supervision.core.runs.state import RunState, Stage
+from remodel_supervision.edge.run_log import RunLog
+from remodel_supervision.errors import CellError
+from remodel_supervision.ros.action_server import ActionServer, Goal
+from remodel_supervision.ros.server.state_publisher import STATE
+
+# [s] wall time that the supervisor's node, with all that it needs, gets to come up.
+_START_LIMIT_S = 60.0
+
+# [s] wall time between two reads of what has happened; and that a supervisor may be silent.
+_READ_S = 0.2
+_SILENCE_LIMIT_S = 60.0
+
+# What is done about a failed task, for a person.
+_RESPONSES = {
+    Do.RETRY: "inspecting, then doing what is left",
+    Do.RETRY_WITH: "trying again with other parameters",
+    Do.LOOK_AGAIN: "inspecting from another viewpoint",
+    Do.OTHER_METHOD: "trying another method",
+    Do.NEW_PART: "feeding a new wire",
+    Do.REPLAN: "its turn comes later",
+    Do.SET_ASIDE: "set aside",
+    Do.ASK_OPERATOR: "asking the operator",
+    Do.STOP: "stopping",
+}
+
+
+class RunFollower:
+    """Asks for a run and reports on it while it is under way; a supervisor that dies may respawn.
+
+    What happens is read from the run's log, each event once; the supervisor's state reports which
+    run it is, that its supervisor is alive, and what it waits for.
+
+    Attributes:
+        number: of the run.
+        attempts: that have ended.
+    """
+
+    def __init__(self, log: RunLog, order: Order) -> None:
+        """Connect to the supervisor; `log` has its runs."""
+        self._log = log
+        self._order = order
+        self._wires = {wire.name: wire for wire in order.wires}
+        self._server = ActionServer(
+            "remodel/run_use_case", RunUseCaseAction, "remodel_planner planner use_case_supervisor"
+        )
+        self._published: UseCaseState | None = None
+        self._heard_s = time.monotonic()
+        self._held = ""
+        self._events = 0
+        self._state = RunState()
+        self._ended = Attempts()
+        self.number = 0
+        self.attempts: tuple[Attempt, ...] = ()
+        rospy.Subscriber(STATE, UseCaseState, self._on_state)
+
+    def run(self, again: bool) -> RunState:
+        """Have the order done, and return how it ended.
+
+        Raises:
+            CellError: if the supervisor refuses, or dies and does not respawn.
+        """
+        goal = self._requested(again)
+        total = len(self._order.wires)
+        with tqdm(total=total, unit="wire", file=sys.stdout, leave=False, disable=None) as bar:
+            while True:
+                goal.wait(_READ_S)
+                state, lines = self._news()
+                for line in lines:
+                    bar.write(line)
+                bar.update(sum(task.stage.is_lasting for task in state.tasks.values()) - bar.n)
+                if state.ended is not None:
+                    return state
+                self._require_supervisor()
+
+    def _requested(self, again: bool) -> Goal:
+        """Send the goal until a supervisor has begun the run; one may die before it does.
+
+        What a supervisor publishes of an earlier run, which it does until a new one begins, is not
+        this run.
+        """
+        earlier = max((head.number for head in self._log.heads()), default=0)
+        request = RunUseCaseGoal(
+            id=f"run_order {uuid.uuid4().hex[:8]}",
+            order=self._order.name,
+            tasks=len(self._order.wires),
+            again=again,
+        )
+        end = time.monotonic() + _START_LIMIT_S
+        while time.monotonic() < end:
+            self._server.wait(_START_LIMIT_S)
+            goal = self._server.send(request)
+            while self._server.is_there and time.monotonic() < end:
+                if goal.wait(_READ_S) and not goal.succeeded and not goal.lost:
+                    raise CellError(goal.ending)
+                now = self._published
+                if now is not None and now.run > earlier and now.order == self._order.name:
+                    self.number = now.run
+                    return goal
+        raise CellError(f"no run began within {_START_LIMIT_S:.0f} s")
+
+    def _require_supervisor(self) -> None:
+        silent_s = time.monotonic() - self._heard_s
+        if silent_s > _SILENCE_LIMIT_S:
+            raise CellError(
+                f"the use case supervisor has been silent for {silent_s:.0f} s; once it is "
+                f"restarted, it resumes run {self.number} by itself"
+            )
+
+    def _news(self) -> tuple[RunState, list[str]]:
+        """Return the run's state, and lines about what has ended since the last call."""
+        kept = tuple(self._log.events(self.number, first=self._events))
+        self._events += len(kept)
+        events = [each.event for each in kept]
+        lines = [f"plan: {' '.join(event.tasks)}" for event in events if isinstance(event, Planned)]
+        for event in events:
+            self._ended.add(event)
+        state = self._state = state_after(events, self._state)
+        attempts = self._ended.ended
+        if attempts and state.current and state.tasks[state.current].stage is Stage.FAILED:
+            attempts = attempts[:-1]  # what is done about it comes next
+        lines += [_line(attempt, self._wires) for attempt in attempts[len(self.attempts) :]]
+        self.attempts = attempts
+        return state, lines + self._hold_lines()
+
+    def _hold_lines(self) -> list[str]:
+        """Return a line if the run waits for a person, and it is another reason than before."""
+        now = self._published
+        held = _hold_line(now) if now is not None and now.run == self.number else ""
+        is_new = held not in ("", self._held)
+        self._held = held
+        return [held] if is_new else []
+
+    def _on_state(self, state: UseCaseState) -> None:
+        self._published, self._heard_s = state, time.monotonic()
+
+
+def _hold_line(state: UseCaseState) -> str:
+    """Return what a run waits for that a person has to do; empty if it waits for nobody."""
+    if state.phase == UseCaseState.PROTECTIVE_STOP:
+        return (
+            f"protective stop by {state.stopped_by}; release it, then "
+            "rosservice call /remodel/use_case/resume"
+        )
+    if state.phase == UseCaseState.ASKING:
+        question = state.question
+        limit = f", within {question.timeout:.0f} s" if question.timeout else ""
+        return f"question {question.number} about {question.task}{limit}: {question.text}"
+    return state.message if state.phase == UseCaseState.PAUSED else ""
+
+
+def _line(attempt: Attempt, wires: dict[str, Wire]) -> str:
+    wire, execution = wires[attempt.execution.wire], attempt.execution
+    result = "placed" if execution.placed else f"NOT placed ({execution.outcome})"
+    if attempt.because:
+        result = f"interrupted ({attempt.because})"
+    if attempt.part is Part.CLEAR:
+        result = "hand emptied"
+    if execution.attempt > 1:
+        result += f" at attempt {execution.attempt}"
+    if attempt.decision:
+        result += f", {_RESPONSES[attempt.decision.do]} ({attempt.decision.because})"
+    head = (
+        f"{wire.name:>4}  {wire.a!s:>12} to {wire.b!s:<14} {wire.colour} "
+        f"{wire.section_mm2:g} mm2  {result}, {_insertions(execution)}, {execution.cell_s:.1f} s"
+    )
+    return "\n".join([head, *(f"        {failure_line(f)}" for f in execution.failures)])
+
+
+def _insertions(execution: Execution) -> str:
+    count = execution.tries("InsertCable")
+    return f"{count} insertion" + ("" if count == 1 else "s")

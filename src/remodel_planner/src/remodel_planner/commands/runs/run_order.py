@@ -1,0 +1,135 @@
+"""`planner run_order ORDER`: have an order's wires placed, and report."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+import rospy
+
+from flexbe_core.ros.master import START_LIMIT_S, NoMasterError, join_interruptibly, require_master
+from remodel_planner.commands.options.database_option import add_database_option
+from remodel_planner.commands.runs.run_follower import RunFollower
+from remodel_planner.commands.runs.storyteller import Storyteller
+from remodel_planner.core.reports.run_report import Report
+from remodel_planner.edge.report_files import write_report
+from remodel_production.core.panel.panel_layout import PanelRules, lay_out
+from remodel_production.core.production import Order
+from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.edge.package_files import catalogue_file
+from remodel_production.errors import PlannerError
+from remodel_supervision.core.runs.attempts import Attempt
+from remodel_supervision.core.runs.events import Ending, Part
+from remodel_supervision.core.runs.state import RunState, Stage
+from remodel_supervision.edge.run_log import RunLog
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Have the wires placed, print one line an attempt, write the report, return the exit code."""
+    parser = argparse.ArgumentParser(
+        prog="planner run_order",
+        description="Have the wires of an order placed by the use case supervisor, and report.",
+        epilog="Exit code: 0 all wires placed, 1 not all, 2 wrong usage or no such order, 3 ROS "
+        "master, cell, engine, synthesizer or supervisor is not there or refuses, 130 interrupted.",
+    )
+    parser.add_argument("order", help="name of the order in the production database")
+    parser.add_argument("--wires", type=int, default=6, help="how many, from the first (default 6)")
+    parser.add_argument(
+        "--again", action="store_true", help="place wires again that are placed already"
+    )
+    parser.add_argument(
+        "--output",
+        type=Path,
+        default=Path("out/run"),
+        help="folder of the report, and of the supervisor's pictures (default out/run)",
+    )
+    parser.add_argument(
+        "--wait",
+        type=float,
+        default=START_LIMIT_S,
+        metavar="S",
+        help=f"how long a ROS master may take to answer (default {START_LIMIT_S:g})",
+    )
+    add_database_option(parser)
+    options = parser.parse_args(rospy.myargv()[1:] if arguments is None else arguments)
+    if options.wires < 1:
+        parser.error(f"--wires must be at least 1, found {options.wires}")
+    try:
+        database = ProductionDatabase(options.database)
+        order = database.order(options.order).in_cabinet().first(options.wires)
+        layout = lay_out(order, read_catalogue(catalogue_file()), PanelRules())
+    except PlannerError as error:
+        print(f"run_order: {error}", file=sys.stderr)
+        return 2
+    try:
+        require_master(options.wait)
+        join_interruptibly("run_order")
+    except NoMasterError as error:
+        print(f"run_order: {error}", file=sys.stderr)
+        return 3
+    except KeyboardInterrupt:
+        return 130
+    print(f"order {order.name}: {len(order.wires)} wires, {len(order.components)} components")
+    follower = RunFollower(RunLog(database), order)
+    started = time.monotonic()
+    try:
+        state = follower.run(options.again)
+    except PlannerError as error:
+        print(f"run_order: {error}", file=sys.stderr)
+        return 3
+    except KeyboardInterrupt:
+        print("run_order: interrupted; the supervisor goes on with the order", file=sys.stderr)
+        return 130
+    finally:
+        database.close()
+    wall_s = time.monotonic() - started
+    lengths = {cut.wire.name: cut.length for cut in layout.wires}
+    pictures = options.output / "runs" / str(follower.number)
+    report = _report(order, lengths, follower.attempts, state, pictures, wall_s)
+    page = write_report(report, options.output)
+    _sum_up(report, page)
+    print(
+        "story: rosrun remodel_planner planner explain "
+        f"{follower.number} --database {options.database}"
+    )
+    if report.stopped:
+        print(f"run_order: {report.stopped}", file=sys.stderr)
+        return 3
+    return 0 if report.complete else 1
+
+
+def _report(
+    order: Order,
+    lengths: dict[str, float],
+    attempts: tuple[Attempt, ...],
+    state: RunState,
+    pictures: Path,
+    wall_s: float,
+) -> Report:
+    teller = Storyteller(pictures)
+    told = [attempt for attempt in attempts if attempt.part is not Part.CLEAR]
+    wires = {wire.name: wire for wire in order.wires}
+    stories = tuple(
+        teller.story(attempt, wires[attempt.execution.wire], lengths[attempt.execution.wire])
+        for attempt in told
+    )
+    overview = teller.overview(attempts[-1]) if attempts else ()
+    is_stopped = state.ended is not None and state.ended.ending is Ending.STOPPED
+    stopped = state.ended.because if is_stopped and state.ended else ""
+    here = {attempt.execution.wire for attempt in attempts}
+    done = [name for name, task in state.tasks.items() if task.stage is Stage.DONE]
+    before = sum(name not in here for name in done)
+    return Report(order, len(order.wires), wall_s, stories, overview, stopped, before)
+
+
+def _sum_up(report: Report, page: Path) -> None:
+    before = f" ({report.before} of them before)" if report.before else ""
+    print(
+        f"{report.placed} of {report.planned} wires placed{before}, {report.first_pass} without a "
+        f"failed operation; {report.failures} failed operations; "
+        f"{report.cell_s:.0f} s in the cell, {report.wall_s:.0f} s on the clock"
+    )
+    print(f"report: {page}")

@@ -1,6 +1,0 @@
-"""Cable Tree Wiring: in which order the ends of a harness's cables are inserted.
-
-problem    what is to be ordered; dzn reads it from MiniZinc data
-order      what an order breaks and costs: the judge, and the plain reference of the kernel
-rounds     how much the search does at which temperature, for a limit of time
-"""

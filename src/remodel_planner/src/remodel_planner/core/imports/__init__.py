@@ -1,5 +1,0 @@
-"""Design files in, orders out: one file for each format, and what the formats share.
-
-Each importer returns an order with an account of what it read, guessed and left out, or raises
-DesignError. None of them touches the disk.
-"""

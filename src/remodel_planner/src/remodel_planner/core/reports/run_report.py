@@ -1,0 +1,213 @@
+"""The report of a run: values in, HTML and plain data out.
+
+The page stands alone (pictures and drawings are in it), so that it can be mailed or archived.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+
+from jinja2 import Environment, StrictUndefined
+
+from remodel_production.core.production import Order, Wire
+from remodel_supervision.core.run import Execution, Operation
+
+# Of an ability without a colour of its own.
+_OTHER_COLOUR = "#adb5bd"
+
+# What wires of each IEC 60757 colour look like on the page.
+WIRE_COLOURS = {
+    "BK": "#1a1a1a",
+    "BN": "#7b4b2a",
+    "RD": "#d62828",
+    "OG": "#f77f00",
+    "YE": "#fcbf49",
+    "GN": "#2a9d4a",
+    "BU": "#1d5fd1",
+    "VT": "#7b2cbf",
+    "GY": "#8d99ae",
+    "WH": "#ffffff",
+    "PK": "#ff8fab",
+    "TQ": "#2ec4b6",
+    "GNYE": "#9bc53d",
+}
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A camera picture as a data URI, with what it shows."""
+
+    caption: str
+    uri: str
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A drawn chart (SVG text) with the path taken, and its name."""
+
+    caption: str
+    svg: str
+
+
+@dataclass(frozen=True)
+class WireStory:
+    """All that the report tells of one attempt at a wire."""
+
+    wire: Wire
+    length_m: float
+    execution: Execution
+    drawings: tuple[Drawing, ...]
+    pictures: tuple[Picture, ...]
+
+    @property
+    def label(self) -> str:
+        """The wire's name, and the attempt if it is not the first."""
+        attempt = self.execution.attempt
+        return self.wire.name if attempt == 1 else f"{self.wire.name}, attempt {attempt}"
+
+    @property
+    def anchor(self) -> str:
+        """What the page's links lead to."""
+        return f"{self.wire.name}-{self.execution.attempt}"
+
+
+@dataclass(frozen=True)
+class Report:
+    """A run, told to a person.
+
+    Attributes:
+        planned: number of wires that were to be placed.
+        wall_s: [s] wall time from the first task's start to the last one's end.
+        overview: pictures of the whole cell.
+        stopped: why the run ended before its time; empty if it did not.
+        before: number of those wires that earlier runs, or other cells, have placed.
+    """
+
+    order: Order
+    planned: int
+    wall_s: float
+    stories: tuple[WireStory, ...]
+    overview: tuple[Picture, ...]
+    stopped: str = ""
+    before: int = 0
+
+    @property
+    def placed(self) -> int:
+        """The number of wires placed; this run's by the cell's ground truth."""
+        return self.before + sum(story.execution.placed for story in self.stories)
+
+    @property
+    def first_pass(self) -> int:
+        """The number of wires placed at the first attempt without one failed operation."""
+        first = (story.execution for story in self.stories if story.execution.attempt == 1)
+        return sum(execution.placed and not execution.failures for execution in first)
+
+    @property
+    def failures(self) -> int:
+        """The number of operations that failed, recovered from or not."""
+        return sum(len(story.execution.failures) for story in self.stories)
+
+    @property
+    def complete(self) -> bool:
+        """Whether every planned wire is placed."""
+        return self.placed == self.planned
+
+    @property
+    def cell_s(self) -> float:
+        """[s] ROS time that the executions took together."""
+        return sum(story.execution.cell_s for story in self.stories)
+
+
+@dataclass(frozen=True)
+class Bar:
+    """An operation in the timeline; x and width in percent of its row."""
+
+    x: float
+    width: float
+    colour: str
+    failed: bool
+    title: str
+
+
+def timeline(
+    stories: tuple[WireStory, ...], colours: Mapping[str, str]
+) -> dict[str, tuple[Bar, ...]]:
+    """Return for each story's label its operations as bars over the longest one's duration."""
+    longest = max((story.execution.cell_s for story in stories), default=0.0)
+    scale = 100 / longest if longest else 0.0
+    rows = {}
+    for story in stories:
+        start = story.execution.started_s
+        rows[story.label] = tuple(
+            Bar(
+                round((operation.ended_s - operation.elapsed_s - start) * scale, 3),
+                round(max(operation.elapsed_s * scale, 0.2), 3),
+                colours.get(operation.ability, _OTHER_COLOUR),
+                operation.error_code != 0,
+                f"{operation.ability}: {operation.outcome or 'left'}, {operation.elapsed_s:.1f} s",
+            )
+            for operation in story.execution.operations
+        )
+    return rows
+
+
+def render_html(template: str, report: Report, colours: Mapping[str, str]) -> str:
+    """Return the page.
+
+    Args:
+        template: text of templates/report.html.j2.
+        report: what to tell.
+        colours: ability -> its colour in the timeline, where a failed operation is outlined in red.
+    """
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
+    return environment.from_string(template).render(
+        report=report,
+        bars=timeline(report.stories, colours),
+        ability_colours=colours,
+        wire_colours=WIRE_COLOURS,
+    )
+
+
+def report_data(report: Report) -> Mapping[str, object]:
+    """Return the report as plain data for JSON, without pictures and drawings."""
+    return {
+        "order": report.order.name,
+        "source": report.order.source,
+        "planned": report.planned,
+        "placed": report.placed,
+        "first_pass": report.first_pass,
+        "failures": report.failures,
+        "complete": report.complete,
+        "stopped": report.stopped,
+        "wall_s": round(report.wall_s, 1),
+        "cell_s": round(report.cell_s, 1),
+        "wires": [_story_data(story) for story in report.stories],
+        "notes": list(report.order.notes),
+    }
+
+
+def _story_data(story: WireStory) -> Mapping[str, object]:
+    execution = story.execution
+    return {
+        "wire": story.wire.name,
+        "a": str(story.wire.a),
+        "b": str(story.wire.b),
+        "colour": story.wire.colour,
+        "section_mm2": story.wire.section_mm2,
+        "length_m": story.length_m,
+        "source": story.wire.source,
+        "behavior": execution.behavior,
+        "attempt": execution.attempt,
+        "outcome": execution.outcome,
+        "placed": execution.placed,
+        "insertions": execution.tries("InsertCable"),
+        "failures": [failure_line(operation) for operation in execution.failures],
+        "cell_s": round(execution.cell_s, 2),
+        "operations": [asdict(operation) for operation in execution.operations],
+    }
+
+
+def failure_line(operation: Operation) -> str:
+    """Return what failed and why, in one line."""
+    return f"{operation.ability}, error {operation.error_code}: {operation.text}"

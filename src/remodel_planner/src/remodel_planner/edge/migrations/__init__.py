@@ -1,1 +1,0 @@
-"""Migrations of the production knowledge database, run by edge/database_versions.py."""

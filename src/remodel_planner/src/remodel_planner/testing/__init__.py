@@ -1,1 +1,0 @@
-"""Problems to test and measure planners with."""

@@ -1,0 +1,1 @@
+"""Planning: use cases, orders as problems, the search for plans, and charts of tasks."""

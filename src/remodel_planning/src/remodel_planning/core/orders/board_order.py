@@ -1,0 +1,164 @@
+"""A laid-out design as an order of a use case, which says what its tasks are: wires, or branches.
+
+Lengths are in mm in the board's frame. Of what the design says, a task states what the use case has
+a characteristic for: `section_mm2`, `colour`, `cable`, `core`, `length_mm` and `left_end_mm` (the
+least x of its ends) of a wire, `role` and `part_number` of a component.
+"""
+
+from __future__ import annotations
+
+from remodel_planning.core.condition import Value
+from remodel_planning.core.orders.branch_order import branch_order
+from remodel_planning.core.orders.surroundings import Surroundings, in_mm
+from remodel_planning.core.orders.work_order import Access, Clip, Task, Way, WorkOrder
+from remodel_planning.core.problem.problem import Terminal
+from remodel_planning.core.use_case.designs import DesignKind, DesignTasks
+from remodel_planning.core.use_case.model import UseCase, declared
+from remodel_planning.core.use_case.plain_name import take_name
+from remodel_production.core.board.board import Board
+from remodel_production.core.imports.shared.assembly import unique_name
+from remodel_production.core.production import Component, Role, TerminalRef, Wire
+from remodel_production.core.production import Terminal as DesignTerminal
+from remodel_production.errors import OrderError
+
+
+def kind_of(board: Board) -> DesignKind:
+    """Tell what a board is for: a harness has segments of its own, or connectors alone."""
+    has_devices = any(device.component.role is Role.DEVICE for device in board.devices)
+    return DesignKind.CABINET if board.is_cabinet and has_devices else DesignKind.HARNESS
+
+
+def board_order(board: Board, use_case: UseCase, arms: int) -> WorkOrder:
+    """Return the order that does all tasks of a use case that lie on a board.
+
+    Args:
+        board: of any size.
+        use_case: by which the tasks are done.
+        arms: 1 or 2.
+
+    Raises:
+        OrderError: if the use case takes no designs, or not this one, or nothing lies on the board.
+    """
+    name, designs = board.order.name, use_case.designs
+    if designs is None:
+        raise OrderError(
+            f"use case {use_case.name} takes no imported designs: it says nothing under `designs` "
+            "(docs/use-cases.md); choose another one by --use-case"
+        )
+    if not board.ways:
+        raise OrderError(
+            f"order {name} has no wire with both ends on the plate: all {len(board.order.wires)} "
+            "lead away, and there is nothing to plan"
+        )
+    if designs.tasks is DesignTasks.BRANCHES:
+        return branch_order(board, use_case, designs, arms)
+    points = (in_mm(point) for way in board.ways.values() for point in way)
+    return _Wiring(board, use_case, Surroundings(points, designs, arms)).order()
+
+
+class _Wiring:
+    """One pass over the wires of one board."""
+
+    def __init__(self, board: Board, use_case: UseCase, surroundings: Surroundings) -> None:
+        self._board = board
+        self._use_case = use_case
+        self._around = surroundings
+        self._wires = [wire for wire in board.order.wires if wire.name in board.ways]
+        self._names = self._terminal_names()
+        taken: set[str] = set()
+        self._task_names = {wire.name: take_name(wire.name, taken) for wire in self._wires}
+
+    def order(self) -> WorkOrder:
+        slots = self._slots()
+        used = {ref.component for ref in self._names}
+        components = [d.component for d in self._board.devices if d.component.name in used]
+        return WorkOrder(
+            name=self._board.order.name,
+            use_case=self._use_case.name,
+            arms=self._around.arms,
+            components={component.name: self._said(component) for component in components},
+            terminals=tuple(
+                Terminal(name, ref.component, in_mm(self._board.mouths[ref]))
+                for ref, name in self._names.items()
+            ),
+            tasks=tuple(self._task(wire, slots[wire.name]) for wire in self._wires),
+            access={
+                self._names[ref]: _access(component, terminal)
+                for component in components
+                for terminal in component.terminals
+                if (ref := TerminalRef(component.name, terminal.name)) in self._names
+            },
+        )
+
+    def _terminal_names(self) -> dict[TerminalRef, str]:
+        """Return a name for each terminal; those that read the same stay apart."""
+        names: dict[TerminalRef, str] = {}
+        taken: set[str] = set()
+        for wire in self._wires:
+            for ref in (wire.a, wire.b):
+                names[ref] = unique_name(str(ref), taken)
+                taken.add(names[ref])
+        return names
+
+    def _slots(self) -> dict[str, int]:
+        """Return x of each wire's slot [mm]: the magazine holds the wires by their middles."""
+        middle = {wire.name: sum(self._ends_x(wire)) for wire in self._wires}
+        ranked = sorted(middle, key=lambda name: middle[name])
+        left, pitch = self._around.left, (self._around.right - self._around.left) / len(ranked)
+        return {name: round(left + (i + 0.5) * pitch) for i, name in enumerate(ranked)}
+
+    def _ends_x(self, wire: Wire) -> tuple[int, int]:
+        a, b = (in_mm(self._board.mouths[ref])[0] for ref in (wire.a, wire.b))
+        return a, b
+
+    def _task(self, wire: Wire, slot_x: int) -> Task:
+        order, arms, ends = self._board.order, self._around.arms, self._ends_x(wire)
+        able = [arm.reach_mm for arm in self._around.able(*ends)]
+        # A wire that no arm can place alone is handed over; either one may pick it.
+        low = min((reach[0] for reach in able), default=arms[-1].reach_mm[0])
+        high = max((reach[1] for reach in able), default=arms[0].reach_mm[1])
+        path = tuple(map(in_mm, self._board.ways[wire.name]))
+        clips = order.clips_of(wire) if wire.route else ()
+        nearer = self._around.nearer(*ends)
+        return Task(
+            name=self._task_names[wire.name],
+            terminals=(self._names[wire.a], self._names[wire.b]),
+            slot_mm=(min(high, max(low, slot_x)), self._around.slot_y),
+            characteristics=self._stated(wire),
+            ways=(
+                Way(
+                    path,
+                    tuple(Clip(clip.name, in_mm(self._board.clips[clip.name])) for clip in clips),
+                    tuple(sorted(set(wire.route))),
+                ),
+            ),
+            meeting_mm=None if able else self._around.meeting(path),
+            preferred_arm=nearer.name if nearer else None,
+        )
+
+    def _stated(self, wire: Wire) -> dict[str, Value]:
+        said: dict[str, Value] = {
+            "section_mm2": wire.section_mm2,
+            "colour": wire.colour,
+            "cable": wire.cable,
+            "core": wire.core,
+            "length_mm": round(1e3 * self._board.length_of(wire)),
+            "left_end_mm": min(self._ends_x(wire)),
+        }
+        return declared(said, self._use_case.task_characteristics)
+
+    def _said(self, component: Component) -> dict[str, Value]:
+        said: dict[str, Value] = {
+            "role": component.role.value,
+            "part_number": component.part_number,
+        }
+        return declared(said, self._use_case.component_characteristics)
+
+
+def _access(component: Component, terminal: DesignTerminal) -> Access:
+    return Access(
+        terminal.insertion_force_limit_n,
+        terminal.clearance_m,
+        terminal.approach,
+        component.type_of(terminal),
+    )

@@ -1,0 +1,261 @@
+"""What is to be done: the tasks of an order with what they say about themselves, no durations.
+
+The form is told in docs/use-cases.md. Lengths are integers in mm, as in core.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import pairwise
+
+from remodel_planning.core.condition import Features, Value, is_number
+from remodel_planning.core.problem.fields import Fields
+from remodel_planning.core.problem.instance import arm_from, characteristics_of, terminal_from
+from remodel_planning.core.problem.problem import Arm, End, Point, Terminal, Under, Wish
+from remodel_planning.core.use_case.context import terminal_features
+
+FORMAT = "remodel-order-1"
+
+# Of the length of a direction, for what rounding leaves.
+_UNIT_TOLERANCE = 1e-3
+
+
+@dataclass(frozen=True)
+class Clip:
+    """A clip, or any place that holds what is routed through it."""
+
+    name: str
+    position_mm: Point
+
+
+@dataclass(frozen=True)
+class Way:
+    """A way on which something may be routed, from end a to end b.
+
+    Attributes:
+        segments: names of the duct segments, which no two arms use at the same time.
+    """
+
+    path_mm: tuple[Point, ...]
+    clips: tuple[Clip, ...] = ()
+    segments: tuple[str, ...] = ()
+
+    @cached_property
+    def length_m(self) -> float:
+        """Its length [m]."""
+        return sum(math.dist(a, b) for a, b in pairwise(self.path_mm)) / 1e3
+
+    @property
+    def reversed(self) -> Way:
+        """The same way from its end to its beginning."""
+        return Way(self.path_mm[::-1], self.clips[::-1], self.segments)
+
+    def legs(self) -> tuple[Way, ...]:
+        """Return the parts from clip to clip, and the rest after the last clip."""
+        legs, rest = [], replace(self, clips=())
+        for clip in self.clips:
+            leg, rest = rest.split(clip.position_mm)
+            legs.append(leg)
+        return (*legs, rest)
+
+    def split(self, point: Point) -> tuple[Way, Way]:
+        """Return the parts before and after the place of the way that is nearest to a point."""
+        leg, place = min(
+            ((i, _nearest(a, b, point)) for i, (a, b) in enumerate(pairwise(self.path_mm))),
+            key=lambda found: math.dist(found[1], point),
+        )
+        before = Way((*self.path_mm[: leg + 1], place), (), self.segments)
+        after = Way((place, *self.path_mm[leg + 1 :]), (), self.segments)
+        nearer = [
+            before.distance(c.position_mm) <= after.distance(c.position_mm) for c in self.clips
+        ]
+        clips = tuple(zip(self.clips, nearer, strict=True))
+        return (
+            replace(before, clips=tuple(clip for clip, is_before in clips if is_before)),
+            replace(after, clips=tuple(clip for clip, is_before in clips if not is_before)),
+        )
+
+    def distance(self, point: Point) -> float:
+        """Return how far [mm] a point is from the way."""
+        return min(math.dist(_nearest(a, b, point), point) for a, b in pairwise(self.path_mm))
+
+
+def _nearest(a: Point, b: Point, point: Point) -> Point:
+    """Return the point of the leg from a to b that is nearest to a point, to the mm."""
+    length = math.dist(a, b)
+    along = sum((p - q) * (r - q) for p, q, r in zip(point, a, b, strict=True))
+    part = min(1.0, max(0.0, along / length**2)) if length else 0.0
+    return (round(a[0] + part * (b[0] - a[0])), round(a[1] + part * (b[1] - a[1])))
+
+
+@dataclass(frozen=True)
+class Task:
+    """One thing to be placed: a wire, a cable, a branch of a harness, a hose.
+
+    Attributes:
+        terminals: names, of end a and of end b.
+        slot_mm: where it is picked.
+        ways: at least one.
+        meeting_mm: where one arm may hand it to the other; None: nowhere.
+        first: the end to be inserted first; None: the planner chooses.
+        values: for the inputs and parameters of states, such as poses.
+    """
+
+    name: str
+    terminals: tuple[str, str]
+    slot_mm: Point
+    characteristics: dict[str, Value]
+    ways: tuple[Way, ...]
+    meeting_mm: Point | None = None
+    preferred_arm: str | None = None
+    first: End | None = None
+    values: tuple[tuple[str, object], ...] = ()
+
+
+@dataclass(frozen=True)
+class Access:
+    """How an end goes into a terminal; what nobody says is None.
+
+    Attributes:
+        force_limit_n: [N] that an insertion must not exceed.
+        clearance_m: [m] around the mouth that belongs to it.
+        approach: unit vector along which an end goes in, in the component's frame.
+        kind: of the terminal, such as the article of its contact; empty if it is not known.
+    """
+
+    force_limit_n: float | None = None
+    clearance_m: float | None = None
+    approach: tuple[float, float, float] | None = None
+    kind: str = ""
+
+    @property
+    def features(self) -> Features:
+        """What an end's success may depend on, as far as it is known."""
+        return terminal_features(self.kind, self.approach)
+
+
+@dataclass(frozen=True)
+class WorkOrder:
+    """Tasks, and where they are to be done.
+
+    Attributes:
+        components: their characteristics, by name.
+        access: to terminals, by name.
+    """
+
+    name: str
+    use_case: str
+    arms: tuple[Arm, ...]
+    components: dict[str, dict[str, Value]]
+    terminals: tuple[Terminal, ...]
+    tasks: tuple[Task, ...]
+    unders: tuple[Under, ...] = ()
+    wishes: tuple[Wish, ...] = ()
+    access: dict[str, Access] = field(default_factory=dict)
+
+
+def is_order(data: object) -> bool:
+    """Tell whether a parsed document means to be an order."""
+    return isinstance(data, dict) and data.get("format") == FORMAT
+
+
+def order_from(data: object) -> WorkOrder:
+    """Build the order that a parsed document describes.
+
+    Raises:
+        InstanceError: naming the first field that is missing or malformed.
+    """
+    fields = Fields(data, "")
+    fields.only(
+        *("format", "name", "use_case", "arms", "components", "terminals", "tasks"),
+        *("under", "soft_before"),
+    )
+    fields.choice("format", (FORMAT,))
+    return WorkOrder(
+        fields.text("name"),
+        fields.text("use_case"),
+        tuple(arm_from(item, item) for item in fields.objects("arms")),
+        _components(fields),
+        tuple(terminal_from(item) for item in fields.objects("terminals")),
+        tuple(_task(item) for item in fields.objects("tasks")),
+        tuple(
+            Under(item.text("before"), item.text("after"))
+            for item in (fields.objects("under") if fields.has("under") else ())
+        ),
+        tuple(
+            Wish(item.text("before"), item.text("after"), item.number("weight"))
+            for item in (fields.objects("soft_before") if fields.has("soft_before") else ())
+        ),
+        {item.text("id"): _access(item) for item in fields.objects("terminals")},
+    )
+
+
+def _access(item: Fields) -> Access:
+    return Access(
+        _amount(item, "force_limit_n"),
+        _amount(item, "clearance_m"),
+        _direction(item) if item.has("approach") else None,
+        item.text("kind") if item.has("kind") else "",
+    )
+
+
+def _amount(item: Fields, key: str) -> float | None:
+    if not item.has(key):
+        return None
+    value = item.value(key)
+    if not is_number(value) or not 0 < value < math.inf:
+        raise item.fail(key, "a number above 0")
+    return float(value)
+
+
+def _direction(item: Fields) -> tuple[float, float, float]:
+    value = item.value("approach")
+    is_vector = isinstance(value, list) and len(value) == 3 and all(map(is_number, value))
+    if not is_vector or abs(math.hypot(*value) - 1) > _UNIT_TOLERANCE:
+        raise item.fail("approach", "three numbers, of a vector of length 1")
+    x, y, z = map(float, value)
+    return x, y, z
+
+
+def _components(fields: Fields) -> dict[str, dict[str, Value]]:
+    components: dict[str, dict[str, Value]] = {}
+    for item in fields.objects("components"):
+        item.only("id", "characteristics")
+        if item.text("id") in components:
+            raise item.fail("id", "a name of its own")
+        components[item.text("id")] = dict(characteristics_of(item))
+    return components
+
+
+def _task(item: Fields) -> Task:
+    item.only(
+        *("id", "a", "b", "slot", "characteristics", "ways", "meeting", "prefer_arm", "first"),
+        "values",
+    )
+    ways = tuple(_way(way) for way in item.objects("ways"))
+    if not ways:
+        raise item.fail("ways", "at least one way")
+    values = item.inner("values") if item.has("values") else None
+    return Task(
+        item.text("id"),
+        (item.text("a"), item.text("b")),
+        item.pair("slot"),
+        dict(characteristics_of(item)),
+        ways,
+        item.pair("meeting") if item.has("meeting") else None,
+        item.text("prefer_arm") if item.has("prefer_arm") else None,
+        End("ab".index(item.choice("first", ("a", "b")))) if item.has("first") else None,
+        tuple((key, values.value(key)) for key in values.keys()) if values else (),  # noqa: SIM118 - not a dict
+    )
+
+
+def _way(item: Fields) -> Way:
+    item.only("path", "clips", "segments")
+    clips = item.objects("clips") if item.has("clips") else []
+    return Way(
+        item.pairs("path"),
+        tuple(Clip(clip.text("id"), clip.pair("at")) for clip in clips),
+        item.texts("segments") if item.has("segments") else (),
+    )

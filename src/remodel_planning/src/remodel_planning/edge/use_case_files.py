@@ -1,0 +1,92 @@
+"""Use cases on disk."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import jsonschema
+
+from remodel_planning.core.use_case.designs import DesignKind
+from remodel_planning.core.use_case.model import UseCase
+from remodel_planning.core.use_case.reading import use_case_from
+from remodel_planning.edge.json_file import read_json
+from remodel_planning.edge.package_files import use_case_folder, use_case_schema
+from remodel_planning.edge.yaml_file import read_yaml
+from remodel_planning.errors import UseCaseError
+from remodel_production.errors import InstanceError
+
+# Folders with use cases of the user's own, before those of the package; separated as PATH is.
+VARIABLE = "REMODEL_USE_CASES"
+
+
+def find_use_case(name: str) -> UseCase:
+    """Return the use case of a name.
+
+    Raises:
+        UseCaseError: if there is none, or its file is malformed.
+    """
+    files = _files()
+    for file in files:
+        if file.stem == name:
+            return read_use_case(file)
+    names = ", ".join(sorted({file.stem for file in files})) or "none"
+    raise UseCaseError(
+        f"no use case {name}; there are {names}: name one of them, or add its folder to {VARIABLE}"
+    )
+
+
+def default_use_case(kind: DesignKind) -> UseCase:
+    """Return the use case by which designs of a kind are done; the user's own come first.
+
+    Raises:
+        UseCaseError: if there is none, or the file of one is malformed.
+    """
+    for file in _files():
+        data = _parsed(file)
+        designs = data.get("designs") if isinstance(data, dict) else None
+        if isinstance(designs, dict) and designs.get("default_for") == kind.value:
+            return read_use_case(file)
+    raise UseCaseError(
+        f"no use case says `designs: {{default_for: {kind.value}}}`: name one by --use-case"
+    )
+
+
+def _files() -> list[Path]:
+    folders = [Path(part) for part in os.environ.get(VARIABLE, "").split(os.pathsep) if part]
+    return [f for folder in [*folders, use_case_folder()] for f in sorted(folder.glob("*.yaml"))]
+
+
+def read_use_case(file: Path) -> UseCase:
+    """Return the use case in a file, which bears its name.
+
+    Raises:
+        UseCaseError: naming the file, and what is wrong where.
+    """
+    data = _parsed(file)
+    schema = jsonschema.Draft202012Validator(read_json(use_case_schema()))
+    findings = [_told(error) for error in sorted(schema.iter_errors(data), key=_place)]
+    if not findings and data["name"] != file.stem:
+        findings = [f"name: expected {file.stem}, as the file is called, found {data['name']}"]
+    if findings:
+        raise UseCaseError(f"{file}: " + "\n  ".join(findings))
+    try:
+        return use_case_from(data)
+    except UseCaseError as error:
+        raise UseCaseError(f"{file}: {error}") from error
+
+
+def _parsed(file: Path) -> object:
+    try:
+        return read_yaml(file)
+    except InstanceError as error:
+        raise UseCaseError(f"{file}: {error}") from error
+
+
+def _told(error: jsonschema.ValidationError) -> str:
+    deepest = jsonschema.exceptions.best_match([error])
+    return f"{_place(deepest) or 'the document'}: {deepest.message}"
+
+
+def _place(error: jsonschema.ValidationError) -> str:
+    return ".".join(map(str, error.absolute_path))

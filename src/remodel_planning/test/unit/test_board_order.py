@@ -1,0 +1,235 @@
+"""Imported designs become orders of use cases: cabinets and harnesses, planned and charted."""
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import yaml
+
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from flexbe_synthesizer.core.check.check import check_chart
+from flexbe_synthesizer.edge.package_path import find_packages, read_library
+from remodel_planning.core.decomposition.preparation import prepare
+from remodel_planning.core.orders.board_order import board_order, kind_of
+from remodel_planning.core.problem.defects import require_sound
+from remodel_planning.core.task_charts.planned_tasks import planned_tasks
+from remodel_planning.core.use_case.designs import DesignKind
+from remodel_planning.edge.order_planner import plan_problem
+from remodel_planning.edge.use_case_files import VARIABLE, default_use_case, find_use_case
+from remodel_planning.errors import UseCaseError
+from remodel_production.core.board.board import board_of
+from remodel_production.core.imports.formats import format_of, import_design
+from remodel_production.core.imports.wire_list_mapping import mapping_from
+from remodel_production.core.production import (
+    Component,
+    Mount,
+    Node,
+    Order,
+    Side,
+    Terminal,
+    TerminalRef,
+    Wire,
+)
+from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_production.errors import InstanceError, OrderError
+
+CONFIG = Path(__file__).parents[3] / "remodel_production" / "config"
+DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"
+MAPPINGS = tuple(mapping_from(f.read_text()) for f in sorted((CONFIG / "wire_lists").iterdir()))
+QET = Path("/usr/share/qelectrotech/examples")
+NAMES = ("industrial", "tableau_domestique", "Projet_vierge")
+CABINET, FORMBOARD, BRANCHES = map(
+    find_use_case, ("cabinet", "automotive_formboard", "branched_harness")
+)
+
+
+def imported(file):
+    data = file.read_bytes()
+    catalogue = read_catalogue(CONFIG / "catalogue.yaml")
+    form = format_of(data, MAPPINGS)
+    return import_design(data, form, file.stem, file.name, catalogue, MAPPINGS).order
+
+
+def loom():
+    return imported(DESIGNS / "loom.kbl")
+
+
+def project(name):
+    return imported(QET / f"{name}.qet")
+
+
+def order(*pairs, section_mm2=2.5, outside=()):
+    """Return an order of wires given as ("Q1:B1", "Q2:T1"); B opens to the bottom."""
+    terminals, wires = {}, []
+    for number, pair in enumerate(pairs, start=1):
+        refs = [TerminalRef(*text.split(":")) for text in pair]
+        for ref in refs:
+            side = Side.TOP if ref.terminal.startswith("T") else Side.BOTTOM
+            terminals.setdefault(ref.component, []).append(Terminal(ref.terminal, side))
+        wires.append(Wire(f"W{number}", *refs, "BK", section_mm2, "test"))
+    components = tuple(
+        Component(name, "", tuple(used), Mount.FIELD if name in outside else Mount.PLATE)
+        for name, used in terminals.items()
+    )
+    return Order("test", "", "", components, tuple(wires))
+
+
+def work(stored, use_case=CABINET, arms=2):
+    return board_order(board_of(stored), use_case, arms)
+
+
+def problem(stored, use_case=CABINET, arms=2):
+    return prepare(work(stored, use_case, arms), use_case).preferred.problem
+
+
+@pytest.mark.parametrize("arms", [1, 2])
+@pytest.mark.parametrize("name", NAMES)
+def test_every_project_is_a_sound_planning_problem(name, arms):
+    found = problem(project(name), arms=arms)
+    require_sound(found)
+    assert len(found.wires) == len(project(name).in_cabinet().wires)
+    assert [arm.name for arm in found.arms] == ["robot_1", "robot_2"][:arms]
+
+
+def test_a_harness_is_routed_clip_by_clip_and_handed_over():
+    made = work(loom(), FORMBOARD)
+    task = next(task for task in made.tasks if task.name == "11")
+    assert task.ways[0].segments == ("S1", "S2")
+    assert task.meeting_mm is not None
+    wire = next(wire for wire in loom().wires if wire.name == "11")
+    names = [clip.name for clip in loom().clips_of(wire)]
+    assert names
+    assert [clip.name for clip in task.ways[0].clips] == names
+    assert problem(loom(), FORMBOARD).wire["11"].handover.position_mm == task.meeting_mm
+
+
+def test_a_harness_is_mounted_trunk_first_then_each_branch_from_its_fork():
+    made = work(loom(), BRANCHES, arms=1)
+    tasks = {task.name: task for task in made.tasks}
+    assert {name: task.terminals for name, task in tasks.items()} == {
+        "trunk": ("X2:trunk", "X1:trunk"),
+        "X3": ("X3 begin:X3", "X3:X3"),
+    }
+    assert [clip.name for clip in tasks["trunk"].ways[0].clips] == ["CL3", "CL2", "CL1"]
+    assert tasks["X3"].ways[0].clips == ()  # the clip at the fork holds the trunk
+    assert tasks["X3"].slot_mm == tasks["X3"].ways[0].path_mm[0]
+    assert tasks["X3"].characteristics == {"part": "branch", "level": 1}
+    assert made.components["X3 begin"] == {"kind": "root"}
+    assert [(under.before, under.after) for under in made.unders] == [("trunk", "X3")]
+    prepare(made, BRANCHES)
+
+
+def test_connectors_that_share_a_node_have_branches_of_their_own():
+    harness = loom()
+    moved = tuple(replace(c, node="N2") if c.name == "X3" else c for c in harness.components)
+    tasks = {t.name: t for t in work(replace(harness, components=moved), BRANCHES).tasks}
+    assert set(tasks) == {"trunk", "N4", "X3"}
+    assert tasks["N4"].terminals == ("N4 begin:N4", "N4 end:N4")
+    assert tasks["X3"].ways[0].segments == ()
+
+
+def test_what_has_no_branches_is_refused():
+    with pytest.raises(OrderError, match="industrial has no segments that say them; choose"):
+        work(project("industrial"), BRANCHES)
+    harness = loom()
+    for node in ("", "N9"):
+        loose = tuple(replace(c, node=node) if c.name == "X3" else c for c in harness.components)
+        apart = replace(harness, components=loose, nodes=(*harness.nodes, Node("N9", None)))
+        with pytest.raises(OrderError, match="loom: X3 sit at no node of the harness's segments"):
+            work(apart, BRANCHES)
+
+
+def test_tools_zones_and_characteristics_follow_from_sections_and_places():
+    one = problem(order(("Q1:B1", "Q2:T1"), ("Q1:B2", "Q2:T2")), arms=1)
+    first, arm = one.wires[0], one.arms[0]
+    assert (first.tool, first.heavy, first.preferred_arm) == ("medium_gripper", True, None)
+    said = dict(first.characteristics)
+    assert (said["section_mm2"], said["colour"], said["cable"]) == (2.5, "BK", "")
+    ends = [one.terminal[name].position_mm for name in first.terminals]
+    assert said["left_end_mm"] == min(x for x, _ in ends)
+    assert said["length_mm"] > max(abs(a - b) for a, b in zip(*ends, strict=True))
+    assert all(arm.reaches(terminal.position_mm) for terminal in one.terminals)
+    assert {wire.slot_mm[1] for wire in one.wires} == {arm.station_mm[1]}
+
+
+def test_terminals_whose_names_read_the_same_stay_apart():
+    refs = (TerminalRef("A:1", "2"), TerminalRef("A", "1:2"))
+    components = tuple(
+        Component(ref.component, "", (Terminal(ref.terminal, Side.TOP),)) for ref in refs
+    )
+    wires = (Wire("W1", *refs, "", 7.0, "test"),)
+    made = work(Order("test", "", "", components, wires))
+    assert [terminal.name for terminal in made.terminals] == ["A:1:2", "A:1:2#2"]
+    assert made.tasks[0].characteristics["section_mm2"] == 7.0
+    assert "colour" not in made.tasks[0].characteristics
+
+
+def test_wires_whose_names_differ_in_capitals_alone_have_tasks_of_their_own():
+    found = order(("Q1:B1", "Q2:T1"), ("Q1:B2", "Q2:T2"))
+    wires = tuple(replace(w, name=n) for w, n in zip(found.wires, ("l1", "L1"), strict=True))
+    assert [task.name for task in work(replace(found, wires=wires)).tasks] == ["l1", "L1#2"]
+
+
+def test_what_cannot_be_an_order_is_refused():
+    away = order(("Q1:B1", "M1:T1"), outside=("M1",))
+    with pytest.raises(OrderError, match="no wire with both ends on the plate: all 1 lead away"):
+        work(away)
+    hoses = find_use_case("medical_hoses")
+    with pytest.raises(OrderError, match="medical_hoses takes no imported designs"):
+        work(project("industrial"), hoses)
+    thick = order(("Q1:B1", "Q2:T1"), section_mm2=400.0)
+    with pytest.raises(InstanceError, match=r"task W1: section_mm2 is 400\.0, and must be"):
+        problem(thick)
+
+
+def test_the_default_use_case_follows_from_the_design_and_the_users_own_come_first(
+    tmp_path, monkeypatch
+):
+    assert kind_of(board_of(loom())) is DesignKind.HARNESS
+    assert kind_of(board_of(project("industrial"))) is DesignKind.CABINET
+    assert default_use_case(DesignKind.HARNESS).name == "automotive_formboard"
+    assert default_use_case(DesignKind.CABINET).name == "cabinet"
+    own = yaml.safe_load(
+        (
+            (Path(__file__).parents[3] / "remodel_planning/config/use_cases") / "cabinet.yaml"
+        ).read_text()
+    )
+    own |= {"name": "own", "designs": {**own["designs"], "arms": ["left", "right"]}}
+    (tmp_path / "own.yaml").write_text(yaml.safe_dump(own))
+    monkeypatch.setenv(VARIABLE, str(tmp_path))
+    use_case = default_use_case(DesignKind.CABINET)
+    assert [arm.name for arm in work(order(("Q1:B1", "Q2:T1")), use_case).arms] == ["left", "right"]
+    monkeypatch.setattr("remodel_planning.edge.use_case_files.use_case_folder", lambda: tmp_path)
+    with pytest.raises(UseCaseError, match=r"no use case says `designs: \{default_for: harness\}`"):
+        default_use_case(DesignKind.HARNESS)
+
+
+@pytest.fixture(scope="module")
+def library():
+    packages, _ = find_packages(os.environ["ROS_PACKAGE_PATH"])
+    return read_library([p for p in packages if p.name == "remodel_states"])[0]
+
+
+@pytest.mark.parametrize("arms", [1, 2])
+@pytest.mark.parametrize(
+    ("file", "use_case"),
+    [
+        (DESIGNS / "loom.kbl", FORMBOARD),
+        (DESIGNS / "loom.kbl", BRANCHES),
+        (DESIGNS / "harness.yml", FORMBOARD),
+        (DESIGNS / "eplan.csv", CABINET),
+        (QET / "tableau_domestique.qet", CABINET),
+    ],
+    ids=lambda value: value.name,
+)
+def test_the_synthesizer_accepts_the_charts_of_every_format(file, use_case, arms, library):
+    board = board_of(imported(file))
+    prepared = prepare(board_order(board, use_case, arms), use_case)
+    plan = plan_problem(prepared.preferred.problem, 0.02).plan
+    tasks = list(planned_tasks(prepared, plan))
+    assert {task.name for task in tasks} == {task.name for task in prepared.order.tasks}
+    for task in tasks[:5]:
+        text = write_chart(task.chart)
+        assert check_chart(parse_chart(text, "x.xml"), library, {}).problems == ()

@@ -1,0 +1,1 @@
+"""Pure knowledge: orders, catalogues, designs and boards; values in, values out."""

@@ -1,0 +1,170 @@
+"""Where components, terminals, segments and wires of an order are, in the plane that is wired."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+
+from remodel_production.core.board.cabinet import is_cabinet, laid_out, on_plate
+from remodel_production.core.board.formboard import Point, flattened
+from remodel_production.core.production import Component, Order, Segment, Side, TerminalRef, Wire
+
+# [m] of a connector on a formboard, which designs do not say.
+_CAVITY_PITCH_M = 0.005
+_CONNECTOR_DEPTH_M = 0.030
+# A device on a rail reaches from one of its rows of terminals to the other.
+_LEAST_SIZE_M = 0.010
+
+
+@dataclass(frozen=True)
+class PlacedDevice:
+    """A component as a rectangle [m]: its centre and its size."""
+
+    component: Component
+    centre: Point
+    size: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Board:
+    """The board of an order; lengths in [m], x to the right, y up.
+
+    Attributes:
+        order: with all places and routes.
+        mouths: of the terminals.
+        lines: ends of the segments, by name.
+        clips: places of the clips, by name.
+        ways: of the wires on the board, by name, from end a to end b.
+        is_cabinet: whether the segments are ducts.
+    """
+
+    order: Order
+    devices: tuple[PlacedDevice, ...]
+    mouths: Mapping[TerminalRef, Point]
+    lines: Mapping[str, tuple[Point, Point]]
+    clips: Mapping[str, Point]
+    ways: Mapping[str, tuple[Point, ...]]
+    is_cabinet: bool
+
+    def length_of(self, wire: Wire) -> float:
+        """Return the length [m] of a wire, or that of its way if the design does not say."""
+        return way_length(self.ways[wire.name]) if wire.length_m is None else wire.length_m
+
+
+def way_length(way: tuple[Point, ...]) -> float:
+    """Return the length [m] of a polyline."""
+    return sum(math.dist(p, q) for p, q in pairwise(way))
+
+
+def board_of(order: Order) -> Board:
+    """Return the board of an order: a plate with ducts, or a formboard for a harness.
+
+    Wires that lead away are not on it.
+    """
+    order = laid_out(order)
+    has_ducts = is_cabinet(order)
+    return _plate(order) if has_ducts or not order.segments else _formboard(order)
+
+
+def _plate(order: Order) -> Board:
+    inside = order.in_cabinet()
+    nodes = {n.name: n.position[:2] for n in order.nodes if n.position is not None}
+    devices, mouths = [], {}
+    for component in inside.components:
+        if component.pose is None or not on_plate(component):
+            continue
+        x, y, _ = component.pose.position
+        spots = [t.pose.position for t in component.terminals if t.pose is not None]
+        for terminal in component.terminals:
+            dx, dy, _ = terminal.pose.position if terminal.pose else (0.0, 0.0, 0.0)
+            mouths[TerminalRef(component.name, terminal.name)] = (x + dx, y + dy)
+        half = max((abs(spot[0]) for spot in spots), default=0.0) + _LEAST_SIZE_M / 2
+        height = 2 * max((abs(spot[1]) for spot in spots), default=_LEAST_SIZE_M)
+        devices.append(PlacedDevice(component, (x, y), (2 * half, height)))
+    lines = {s.name: (nodes[s.start], nodes[s.end]) for s in order.segments}
+    ways = {w.name: _through_ducts(order, w, mouths, lines) for w in inside.wires}
+    return Board(order, tuple(devices), mouths, lines, {}, ways, True)
+
+
+def _through_ducts(
+    order: Order,
+    wire: Wire,
+    mouths: Mapping[TerminalRef, Point],
+    lines: Mapping[str, tuple[Point, Point]],
+) -> tuple[Point, ...]:
+    """Return a wire's way: up or down into a duct, from node to node, and out of a duct."""
+    a, b = mouths[wire.a], mouths[wire.b]
+    if not wire.route:
+        return a, b
+    into, out = lines[wire.route[0]][0][1], lines[wire.route[-1]][0][1]
+    way = order.way_of(wire)
+    nodes = [lines[segment.name][1 if is_forward else 0] for segment, is_forward in way[:-1]]
+    return _straightened((a, (a[0], into), *nodes, (b[0], out), b))
+
+
+def _formboard(order: Order) -> Board:
+    nodes = flattened([node.name for node in order.nodes], order.segments)
+    left = min(x for x, _ in nodes.values())
+    low = min(y for _, y in nodes.values())
+    devices, mouths = [], {}
+    loose_x = left
+    at_node: Counter[str] = Counter()
+    for component in order.components:
+        size = (max(1, len(component.terminals)) * _CAVITY_PITCH_M, _CONNECTOR_DEPTH_M)
+        centre = nodes.get(component.node)
+        if centre is None:
+            # The design says no node: it lies below the harness.
+            centre = (loose_x + size[0] / 2, low - 4 * _CONNECTOR_DEPTH_M)
+            loose_x += size[0] + _CONNECTOR_DEPTH_M
+        else:
+            # Of those at one node, each lies below the one before.
+            below = at_node[component.node] * 1.2 * _CONNECTOR_DEPTH_M
+            at_node[component.node] += 1
+            centre = (centre[0], centre[1] - below)
+        devices.append(PlacedDevice(component, centre, size))
+        for index, terminal in enumerate(component.terminals):
+            x = centre[0] + (index - (len(component.terminals) - 1) / 2) * _CAVITY_PITCH_M
+            up = 1 if terminal.side is Side.TOP else -1
+            mouth = (x, centre[1] + up * _CONNECTOR_DEPTH_M / 2)
+            mouths[TerminalRef(component.name, terminal.name)] = mouth
+    lines = {s.name: (nodes[s.start], nodes[s.end]) for s in order.segments}
+    clips = {
+        clip.name: nodes[clip.node] if clip.node else _along(lines[clip.segment], clip.along)
+        for clip in order.clips
+    }
+    ways = {wire.name: _along_bundles(order, wire, mouths, nodes) for wire in order.wires}
+    return Board(order, tuple(devices), mouths, lines, clips, ways, False)
+
+
+def _along_bundles(
+    order: Order, wire: Wire, mouths: Mapping[TerminalRef, Point], nodes: Mapping[str, Point]
+) -> tuple[Point, ...]:
+    way: list[tuple[Segment, bool]] = order.way_of(wire) if wire.route else []
+    passed = []
+    for index, (segment, is_forward) in enumerate(way):
+        first, last = (segment.start, segment.end)[:: 1 if is_forward else -1]
+        passed += [nodes[first], nodes[last]] if not index else [nodes[last]]
+    return (mouths[wire.a], *passed, mouths[wire.b])
+
+
+def _along(line: tuple[Point, Point], along: float) -> Point:
+    (x1, y1), (x2, y2) = line
+    return x1 + along * (x2 - x1), y1 + along * (y2 - y1)
+
+
+def _straightened(points: tuple[Point, ...]) -> tuple[Point, ...]:
+    """Return a polyline along the axes without points at which it goes straight on."""
+    kept: list[Point] = []
+    for point in points:
+        if kept and kept[-1] == point:
+            continue
+        if len(kept) > 1 and any(
+            kept[-2][axis] == kept[-1][axis] == point[axis] for axis in (0, 1)
+        ):
+            kept[-1] = point
+        else:
+            kept.append(point)
+    return tuple(kept)

@@ -1,0 +1,273 @@
+"""Lay out a cabinet: components in rows on rails, ducts around the rows, wires through the ducts.
+
+    ─── D0 ───┬  Ducts lie above each row and below the last one, and up both sides. Each is cut
+    │ Q1  Q2  │  into segments between nodes. A wire leaves its terminal up or down into the duct
+    ├── D1 ───┤  there, takes the shortest way through the ducts' graph, and leaves it in the same
+    │ X1  K1  │  manner.
+    └── D2 ───┘
+
+Components keep the places that the design gives, if it gives one to each of them. Else they are put
+in a line in which those that are wired to each other are near, and the line is broken into rows.
+All of it is deterministic. Frame: x to the right, y up, z out of the plate; origin at the plate's
+lower left corner.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+from remodel_production.core.board.duct_graph import DuctGraph
+from remodel_production.core.production import (
+    Component,
+    Mount,
+    Node,
+    Order,
+    Pose,
+    Segment,
+    SegmentKind,
+    Side,
+    TerminalRef,
+    Vector,
+)
+
+
+@dataclass(frozen=True)
+class CabinetRules:
+    """Sizes in [m]: those usual for devices on 35 mm rails (EN 60715) and for slotted ducts."""
+
+    terminal_pitch: float = 0.008
+    margin: float = 0.002
+    narrowest: float = 0.010
+    height: float = 0.090  # of a device, across the rail
+    gap: float = 0.002
+    row_pitch: float = 0.220
+    duct: float = 0.060  # width
+    segment: float = 0.200  # longest piece of a duct
+    tail: float = 0.060  # of a wire, at each end, for its bend and its ferrule
+    aspect: float = 1.3  # of the plate: its width by its height
+    passes: int = 40  # of pulling together those that are wired to each other
+
+
+def laid_out(order: Order, rules: CabinetRules | None = None) -> Order:
+    """Return the order with the places, ducts, routes and lengths that its design leaves open.
+
+    A design with segments of its own, such as a harness, comes back as it is. Wires that lead away
+    get no route, and components outside no place.
+    """
+    inside = order.in_cabinet()
+    if order.segments or not inside.wires:
+        return order
+    return _Cabinet(order, inside, rules or CabinetRules()).order()
+
+
+@dataclass(frozen=True)
+class _Row:
+    """A row by the height of its rail, and its components with their centres from left to right."""
+
+    y: float
+    places: tuple[tuple[Component, float], ...]
+
+
+class _Cabinet:
+    """One pass over one order; every method fills what the next one needs."""
+
+    def __init__(self, order: Order, inside: Order, rules: CabinetRules) -> None:
+        self._order = order
+        self._rules = rules
+        used = {component.name for component in inside.components}
+        # With all their terminals, also those of wires that lead away.
+        self._members = [c for c in order.components if c.name in used]
+        self._wires = inside.wires
+        posed = all(component.pose is not None for component in self._members)
+        self._rows = self._given_rows() if posed else self._computed_rows()
+        lefts = [x - self._width(c) / 2 for row in self._rows for c, x in row.places]
+        rights = [x + self._width(c) / 2 for row in self._rows for c, x in row.places]
+        self._left = min(lefts) - rules.duct
+        self._right = max(rights) + rules.duct
+        self._ducts = self._duct_heights()
+
+    def order(self) -> Order:
+        places: dict[str, Component] = {}
+        taps: dict[TerminalRef, tuple[float, int]] = {}
+        mouths: dict[TerminalRef, tuple[float, float]] = {}
+        for index, row in enumerate(self._rows):
+            for component, x in row.places:
+                placed = self._placed(component, x, row.y)
+                places[component.name] = placed
+                for terminal in placed.terminals:
+                    ref = TerminalRef(component.name, terminal.name)
+                    dx, dy, _ = _position(terminal.pose)
+                    mouths[ref] = (x + dx, row.y + dy)
+                    taps[ref] = (x + dx, index + (terminal.side is Side.BOTTOM))
+        nodes, segments = self._graph()
+        graph = DuctGraph(nodes, segments)
+        wires = []
+        routed = {wire.name for wire in self._wires}
+        for wire in self._order.wires:
+            if wire.name not in routed:
+                wires.append(wire)
+                continue
+            (ax, a_duct), (bx, b_duct) = taps[wire.a], taps[wire.b]
+            ay, by = self._ducts[a_duct], self._ducts[b_duct]
+            route, length = graph.way((ax, ay), (bx, by))
+            down = abs(mouths[wire.a][1] - ay) + abs(mouths[wire.b][1] - by)
+            total = round(length + down + 2 * self._rules.tail, 3)
+            wires.append(replace(wire, route=route, length_m=wire.length_m or total))
+        return replace(
+            self._order,
+            components=tuple(places.get(c.name, c) for c in self._order.components),
+            wires=tuple(wires),
+            nodes=nodes,
+            segments=segments,
+        )
+
+    def _width(self, component: Component) -> float:
+        most = max(sum(t.side is side for t in component.terminals) for side in Side)
+        needed = most * self._rules.terminal_pitch + 2 * self._rules.margin
+        return max(needed, self._rules.narrowest)
+
+    def _given_rows(self) -> list[_Row]:
+        """Return the rows by the places of the design: those at about one height are one row."""
+        placed = [(component, *_position(component.pose)[:2]) for component in self._members]
+        placed.sort(key=lambda place: (-place[2], place[1], place[0].name))
+        rows: list[_Row] = []
+        for component, x, y in placed:
+            if rows and rows[-1].y - y < self._rules.height:
+                rows[-1] = replace(rows[-1], places=(*rows[-1].places, (component, x)))
+            else:
+                rows.append(_Row(y, ((component, x),)))
+        return [
+            replace(row, places=tuple(sorted(row.places, key=lambda place: place[1])))
+            for row in rows
+        ]
+
+    def _computed_rows(self) -> list[_Row]:
+        line = self._line()
+        total = sum(self._width(component) + self._rules.gap for component in line)
+        widest = max(self._width(component) for component in line)
+        width = max(widest, math.sqrt(total * self._rules.row_pitch * self._rules.aspect))
+        count = max(1, math.ceil(total / width))
+        rows: list[list[Component]] = [[]]
+        filled = 0.0
+        for component in line:
+            own = self._width(component) + self._rules.gap
+            # Rows end where their share of the whole is over, so that all are about as long.
+            if rows[-1] and filled + own / 2 > total * len(rows) / count:
+                rows.append([])
+            rows[-1].append(component)
+            filled += own
+        height = len(rows) * self._rules.row_pitch
+        return [
+            _Row(height - (index + 0.5) * self._rules.row_pitch, self._along(members))
+            for index, members in enumerate(rows)
+        ]
+
+    def _along(self, members: Sequence[Component]) -> tuple[tuple[Component, float], ...]:
+        places = []
+        x = self._rules.duct
+        for component in members:
+            width = self._width(component)
+            places.append((component, x + width / 2))
+            x += width + self._rules.gap
+        return tuple(places)
+
+    def _line(self) -> list[Component]:
+        """Return the components in a line, those that are wired to each other near each other.
+
+        Each is drawn towards the mean of those that it is wired to; of all lines seen, the one with
+        the least way between wired ones is taken. The first one is that of the design.
+        """
+        partners: dict[str, list[str]] = defaultdict(list)
+        for wire in self._wires:
+            a, b = wire.a.component, wire.b.component
+            if a != b:
+                partners[a].append(b)
+                partners[b].append(a)
+        line = list(self._members)
+        best, least = line, math.inf
+        for _ in range(self._rules.passes):
+            place = self._centres(line)
+            way = sum(
+                abs(place[wire.a.component] - place[wire.b.component]) for wire in self._wires
+            )
+            if way < least - 1e-9:
+                best, least = line, way
+            pull = {
+                name: sum(place[other] for other in others) / len(others)
+                for name, others in partners.items()
+            }
+            line = sorted(line, key=lambda c: (place[c.name] + pull.get(c.name, place[c.name])) / 2)
+        return best
+
+    def _centres(self, line: Sequence[Component]) -> dict[str, float]:
+        places = {}
+        x = 0.0
+        for component in line:
+            width = self._width(component)
+            places[component.name] = x + width / 2
+            x += width + self._rules.gap
+        return places
+
+    def _placed(self, component: Component, x: float, y: float) -> Component:
+        """Return a component with its own pose and those of its terminals."""
+        terminals = {}
+        for side in Side:
+            members = [t for t in component.terminals if t.side is side]
+            up = 1 if side is Side.TOP else -1
+            for index, terminal in enumerate(members):
+                dx = (index - (len(members) - 1) / 2) * self._rules.terminal_pitch
+                mouth = Pose((round(dx, 6), up * self._rules.height / 2, 0.0))
+                terminals[terminal.name] = replace(
+                    terminal,
+                    pose=terminal.pose or mouth,
+                    approach=terminal.approach or (0.0, -float(up), 0.0),
+                )
+        return replace(
+            component,
+            pose=component.pose or Pose((round(x, 6), round(y, 6), 0.0)),
+            terminals=tuple(terminals[terminal.name] for terminal in component.terminals),
+        )
+
+    def _duct_heights(self) -> list[float]:
+        """Return y of the horizontal ducts, from the upmost."""
+        ys = [row.y for row in self._rows]
+        half = self._rules.row_pitch / 2
+        between = [(above + below) / 2 for above, below in pairwise(ys)]
+        return [round(y, 6) for y in (ys[0] + half, *between, ys[-1] - half)]
+
+    def _graph(self) -> tuple[tuple[Node, ...], tuple[Segment, ...]]:
+        width = self._right - self._left
+        pieces = max(1, math.ceil(width / self._rules.segment))
+        nodes, segments = [], []
+        for k, y in enumerate(self._ducts):
+            for j in range(pieces + 1):
+                x = self._left + width * j / pieces
+                nodes.append(Node(f"D{k}/{j}", (round(x, 6), y, 0.0)))
+            for j in range(pieces):
+                piece = round(width / pieces, 6)
+                start, end = f"D{k}/{j}", f"D{k}/{j + 1}"
+                segments.append(Segment(f"D{k}.{j}", start, end, piece, SegmentKind.DUCT))
+        for k, (above, below) in enumerate(pairwise(self._ducts)):
+            for name, j in (("L", 0), ("R", pieces)):
+                start, end = f"D{k}/{j}", f"D{k + 1}/{j}"
+                length = round(above - below, 6)
+                segments.append(Segment(f"{name}{k}", start, end, length, SegmentKind.DUCT))
+        return tuple(nodes), tuple(segments)
+
+
+def is_cabinet(order: Order) -> bool:
+    """Tell whether an order has ducts, as `laid_out` makes them."""
+    return any(segment.kind is SegmentKind.DUCT for segment in order.segments)
+
+
+def on_plate(component: Component) -> bool:
+    """Tell whether a component has a place on the plate."""
+    return component.mount is Mount.PLATE and component.pose is not None
+
+
+def _position(pose: Pose | None) -> Vector:
+    return (0.0, 0.0, 0.0) if pose is None else pose.position

@@ -1,0 +1,56 @@
+"""What an import read, guessed and left out, with places in the file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from remodel_production.core.production import Order
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """Something of the file that is not in the order, and why."""
+
+    source: str
+    reason: str
+
+    def __str__(self) -> str:
+        """Return the line for a person."""
+        return f"{self.source}: left out, {self.reason}"
+
+
+@dataclass(frozen=True)
+class Account:
+    """What an import read, guessed and left out.
+
+    Attributes:
+        unit: what the format calls a connection, in the plural.
+        connections: number of connections in the file. Each became a wire, was joined with others
+            into wires, or was left out.
+        joined: number of connections that were joined into wires.
+        wires_joined: number of wires that those became.
+        guesses: one line for each thing that the file does not say.
+        left_out: the other connections.
+        ignored: what is no connection, and is not in the order.
+    """
+
+    unit: str
+    connections: int
+    guesses: tuple[str, ...]
+    left_out: tuple[LeftOut, ...]
+    ignored: tuple[LeftOut, ...] = ()
+    joined: int = 0
+    wires_joined: int = 0
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Guesses and what was left out, a line each."""
+        return (*self.guesses, *map(str, self.left_out), *map(str, self.ignored))
+
+
+@dataclass(frozen=True)
+class Imported:
+    """An order, and the account of how it came about."""
+
+    order: Order
+    account: Account

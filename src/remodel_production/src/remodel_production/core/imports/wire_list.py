@@ -1,0 +1,303 @@
+"""Import a from-to list: a CSV file with one wire a line, and a mapping of its columns."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from remodel_production.core.catalogue import Catalogue
+from remodel_production.core.imports.shared.account import Account, Imported, LeftOut
+from remodel_production.core.imports.shared.assembly import Connection, Device, assemble
+from remodel_production.core.imports.shared.guesses import Guesses
+from remodel_production.core.imports.shared.text_encoding import decode
+from remodel_production.core.imports.shared.units import length_m, number
+from remodel_production.core.imports.wire_list_mapping import Field, WireListMapping
+from remodel_production.core.production import Cable, Order, Pose, TerminalRef
+from remodel_production.errors import DesignError
+
+_SEPARATORS = (";", "\t", ",", "|")
+# Reports begin with titles; below that many lines, no headings are looked for.
+_HEADINGS_WITHIN = 30
+_MOST_ROWS = 50_000
+_MOST_LENGTH = 50_000  # characters of a cell
+
+
+@dataclass(frozen=True)
+class _Row:
+    line: int
+    cells: list[str]
+
+
+@dataclass(frozen=True)
+class _Table:
+    """The rows under the headings.
+
+    Attributes:
+        columns: number of each field's column.
+        width: number of headings.
+    """
+
+    mapping: WireListMapping
+    columns: dict[Field, int]
+    width: int
+    rows: tuple[_Row, ...]
+
+
+def import_wire_list(
+    data: bytes,
+    name: str,
+    source: str,
+    catalogue: Catalogue,
+    mappings: Sequence[WireListMapping],
+) -> Imported:
+    """Read a list.
+
+    Args:
+        data: content of the file.
+        name: of the order to make.
+        source: name of the file, for the record.
+        catalogue: of what the list leaves unsaid.
+        mappings: of which the one is taken whose columns the list has; of several the one with
+            most columns.
+
+    Raises:
+        DesignError: if no mapping fits, or a line cannot be read.
+    """
+    table, guessed_encoding = _table(data, mappings)
+    names = {**catalogue.colour_names, **(table.mapping.colours or {})}
+    reader = _Reader(table, replace(catalogue, colour_names=names))
+    if guessed_encoding:
+        reader.guesses.add(f"the file is no UTF-8: read as {guessed_encoding}")
+    return reader.read(name, source)
+
+
+def fits(data: bytes, mappings: Sequence[WireListMapping]) -> bool:
+    """Tell whether the data is a list that one of the mappings fits."""
+    try:
+        _table(data, mappings)
+    except DesignError:
+        return False
+    return True
+
+
+def _table(data: bytes, mappings: Sequence[WireListMapping]) -> tuple[_Table, str]:
+    """Return the list by the mapping that fits best, and the encoding if it was guessed."""
+    best: tuple[int, _Table, str] | None = None
+    headings = ""
+    for mapping in mappings:
+        text, guessed = decode(data, mapping.encoding)
+        headings = headings or next((line for line in text.splitlines() if line.strip()), "")
+        separators = (mapping.separator,) if mapping.separator else _SEPARATORS
+        for separator in separators:
+            table = _table_of(text, mapping, separator)
+            if table is not None and (best is None or len(table.columns) > best[0]):
+                best = len(table.columns), table, guessed
+    if best is None:
+        wanted = "; ".join(
+            f"{mapping.name}: "
+            + ", ".join("/".join(names) for names in mapping.columns.values()).lower()
+            for mapping in mappings
+        )
+        raise DesignError(
+            f"no line of the first {_HEADINGS_WITHIN} has the headings of a wire list; found "
+            f"{headings[:120]!r}; known headings: {wanted}; give the columns with --mapping"
+        )
+    return best[1], best[2]
+
+
+def _table_of(text: str, mapping: WireListMapping, separator: str) -> _Table | None:
+    """Return the rows under the first line that has the mapping's headings."""
+    lines = text.splitlines(keepends=True)
+    for skipped, line in enumerate(lines[:_HEADINGS_WITHIN]):
+        headings = next(csv.reader([line], delimiter=separator), [])
+        columns = mapping.found_in(headings)
+        if columns is not None:
+            body = "".join(lines[skipped + 1 :])
+            rows = tuple(_rows(body, separator, skipped + 1))
+            return _Table(mapping, columns, len(headings), rows)
+    return None
+
+
+def _rows(text: str, separator: str, lines_before: int) -> Iterator[_Row]:
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True)
+    line = lines_before + 1
+    try:
+        for count, cells in enumerate(reader, start=1):
+            if count > _MOST_ROWS:
+                raise DesignError(f"line {line}: more than {_MOST_ROWS} lines: split the list")
+            if any(len(cell) > _MOST_LENGTH for cell in cells):
+                raise DesignError(f"line {line}: a cell is longer than {_MOST_LENGTH} characters")
+            if any(cell.strip() for cell in cells):
+                yield _Row(line, [" ".join(cell.split()) for cell in cells])
+            line = lines_before + reader.line_num + 1
+    except csv.Error as error:
+        raise DesignError(
+            f"line {line}: is no CSV: {error}; a cell with a quote is quoted, with the quote twice"
+        ) from error
+
+
+class _Reader:
+    """One pass over one list."""
+
+    def __init__(self, table: _Table, catalogue: Catalogue) -> None:
+        self._table = table
+        self.guesses = Guesses(catalogue)
+        self._left_out: list[LeftOut] = []
+        self._devices: dict[str, Device] = {}
+        self._placed_at: dict[str, int] = {}
+        self._cables: dict[str, Cable] = {}
+        self._seen: dict[tuple[str, TerminalRef, TerminalRef], int] = {}
+
+    def read(self, name: str, source: str) -> Imported:
+        connections = [c for row in self._table.rows if (c := self._connection(row)) is not None]
+        if not connections:
+            raise DesignError(
+                f"none of its {len(self._table.rows)} lines names both ends of a wire"
+                + (f"; the first: {self._left_out[0]}" if self._left_out else "")
+            )
+        assembly = assemble(self._devices.values(), connections)
+        account = Account(
+            "lines",
+            len(self._table.rows),
+            (*self.guesses.lines, *assembly.guesses),
+            tuple(self._left_out),
+        )
+        order = Order(
+            name,
+            self._table.mapping.name,
+            source,
+            assembly.components,
+            assembly.wires,
+            account.notes,
+            tuple(self._cables.values()),
+        )
+        return Imported(order, account)
+
+    def _connection(self, row: _Row) -> Connection | None:
+        """Return the wire of a line, or None if it is left out."""
+        source = f"line {row.line}"
+        if len(row.cells) > self._table.width and any(row.cells[self._table.width :]):
+            raise DesignError(
+                f"{source}: {len(row.cells)} cells found; there are {self._table.width} headings: "
+                "quote cells that contain the separator"
+            )
+        a = self._end(row, Field.FROM, Field.FROM_COMPONENT, Field.FROM_TERMINAL)
+        b = self._end(row, Field.TO, Field.TO_COMPONENT, Field.TO_TERMINAL)
+        name = self._cell(row, Field.WIRE)
+        if a is None or b is None:
+            end = "first" if a is None else "second"
+            self._left_out.append(LeftOut(source, f"its {end} end is not given"))
+            return None
+        if a == b:
+            self._left_out.append(LeftOut(source, f"both its ends are at {a}"))
+            return None
+        first, second = sorted((a, b), key=str)
+        before = self._seen.setdefault((name, first, second), row.line)
+        if before != row.line:
+            self._left_out.append(LeftOut(source, f"the same wire is in line {before}"))
+            return None
+        self._device(a, row, Field.FROM_X, Field.FROM_Y)
+        self._device(b, row, Field.TO_X, Field.TO_Y)
+        self._force_limit(a, row, Field.FROM_FORCE_LIMIT)
+        self._force_limit(b, row, Field.TO_FORCE_LIMIT)
+        return Connection(
+            a,
+            b,
+            self.guesses.colour(self._cell(row, Field.COLOUR), source),
+            self._section(row, source),
+            source,
+            name,
+            self._length(row, source),
+            self._cable(row, source),
+            self._cell(row, Field.CORE),
+        )
+
+    def _cell(self, row: _Row, field: Field) -> str:
+        column = self._table.columns.get(field)
+        return row.cells[column] if column is not None and column < len(row.cells) else ""
+
+    def _end(
+        self, row: _Row, whole: Field, component: Field, terminal: Field
+    ) -> TerminalRef | None:
+        name, clamp = self._cell(row, component), self._cell(row, terminal)
+        text = self._cell(row, whole)
+        if not name and text:
+            head, separator, tail = text.rpartition(self._table.mapping.terminal_separator)
+            name, clamp = (head, tail) if separator and head else (text, clamp)
+        name, clamp = name.strip(), clamp.strip()
+        if not name:
+            return None
+        if not clamp:
+            clamp = "1"
+            self.guesses.add(f"line {row.line}: no terminal of {name} is given, 1 taken")
+        return TerminalRef(name, clamp)
+
+    def _device(self, end: TerminalRef, row: _Row, x: Field, y: Field) -> None:
+        """Note a component, and its place if the line has one."""
+        place = self._cell(row, x), self._cell(row, y)
+        known = self._devices.setdefault(end.component, Device(end.component))
+        if not any(place):
+            return
+        unit = self._table.mapping.position_unit
+        x_m, y_m = (_position(text, unit) for text in place)
+        if x_m is None or y_m is None:
+            raise DesignError(
+                f"line {row.line}: place of {end.component}: {place} found; two lengths are needed"
+            )
+        pose = Pose((x_m, y_m, 0.0))
+        if known.pose is not None and known.pose != pose:
+            raise DesignError(
+                f"line {row.line}: {end.component} is at {place}, and elsewhere in line "
+                f"{self._placed_at[end.component]}: give it one place"
+            )
+        self._devices[end.component] = replace(known, pose=pose)
+        self._placed_at.setdefault(end.component, row.line)
+
+    def _force_limit(self, end: TerminalRef, row: _Row, field: Field) -> None:
+        """Note with which force an end may be pushed in, if the line says it."""
+        text = self._cell(row, field)
+        if not text:
+            return
+        limit_n = number(text)
+        if limit_n is None or limit_n <= 0:
+            raise DesignError(
+                f"line {row.line}: force limit of {end}: {text!r} found; a number of newtons above "
+                "0 is needed"
+            )
+        known = self._devices[end.component]
+        before = known.force_limits_n.get(end.terminal, limit_n)
+        if before != limit_n:
+            raise DesignError(
+                f"line {row.line}: force limit of {end}: {limit_n:g} N found, and {before:g} N in "
+                "another line: give it one"
+            )
+        limits = {**known.force_limits_n, end.terminal: limit_n}
+        self._devices[end.component] = replace(known, force_limits_n=limits)
+
+    def _section(self, row: _Row, source: str) -> float:
+        text = self._cell(row, Field.SECTION)
+        return self.guesses.section(text, source, self._table.mapping.section_unit)
+
+    def _length(self, row: _Row, source: str) -> float | None:
+        text = self._cell(row, Field.LENGTH)
+        length = length_m(text, self._table.mapping.length_unit) if text else None
+        if text and length is None and number(text) != 0.0:
+            self.guesses.add(f"{source}: length {text!r} not understood, none taken")
+        return length
+
+    def _cable(self, row: _Row, source: str) -> str:
+        name = self._cell(row, Field.CABLE)
+        if name:
+            self._cables.setdefault(name, Cable(name, "", None, False, source))
+        return name
+
+
+def _position(text: str, unit: str) -> float | None:
+    """Return a coordinate [m], which may be zero or negative, unlike a length."""
+    value = number(text)
+    if value is None:
+        return None
+    scale = length_m("1", unit)
+    return None if scale is None else value * scale

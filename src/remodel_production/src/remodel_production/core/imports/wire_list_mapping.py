@@ -1,0 +1,172 @@
+"""Which column of a from-to list means what: the YAML that comes with a list, and its form.
+
+format: remodel-wire-list-1
+name: what lists of this kind are called
+columns:                    # a column's heading, or a list of headings of which one is there
+  from: Source              # component and terminal in one cell, or
+  from_component: From Tag  # ... in two
+  from_terminal: From Terminal
+  to: Target                # likewise to_component, to_terminal
+  wire: Number              # and, all optional: colour, section, length, cable, core, and the
+  ...                       # place of the components: from_x, from_y, to_x, to_y, and the most
+  ...                       # with which an end may be pushed in [N]: from_force_limit, to_...
+units: {section: mm2, length: mm, position: mm}       # of numbers without one
+terminal_separator: ":"     # the last one in a cell separates component and terminal
+separator: ";"              # of cells; if it is not given, the one that fits the headings
+encoding: cp1252            # if it is not given: by the file's mark, else UTF-8
+colours: {hellblau: BU}     # names besides those of the catalogue
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+from remodel_production.core.imports.shared.units import is_length_unit
+from remodel_production.core.imports.shared.yaml_tree import Value, parse_yaml
+from remodel_production.errors import DesignError
+
+FORMAT = "remodel-wire-list-1"
+
+
+class Field(Enum):
+    """What a column can mean; the value is the word of the mapping."""
+
+    FROM = "from"
+    FROM_COMPONENT = "from_component"
+    FROM_TERMINAL = "from_terminal"
+    TO = "to"
+    TO_COMPONENT = "to_component"
+    TO_TERMINAL = "to_terminal"
+    WIRE = "wire"
+    COLOUR = "colour"
+    SECTION = "section"
+    LENGTH = "length"
+    CABLE = "cable"
+    CORE = "core"
+    FROM_X = "from_x"
+    FROM_Y = "from_y"
+    TO_X = "to_x"
+    TO_Y = "to_y"
+    FROM_FORCE_LIMIT = "from_force_limit"
+    TO_FORCE_LIMIT = "to_force_limit"
+
+
+_ENDS = (
+    (Field.FROM, Field.FROM_COMPONENT, Field.FROM_TERMINAL),
+    (Field.TO, Field.TO_COMPONENT, Field.TO_TERMINAL),
+)
+_KEYS = ("format", "name", "columns", "units", "terminal_separator", "separator", "encoding")
+_SECTION_UNITS = ("mm2", "awg")
+
+
+@dataclass(frozen=True)
+class WireListMapping:
+    """Which column of a list means what.
+
+    Attributes:
+        columns: headings in lower case; one of each field's headings names its column.
+        section_unit: of sections without one, "mm2" or "awg".
+        length_unit: of lengths without one.
+        position_unit: of positions.
+        separator: of cells; empty if it is to be found.
+        encoding: of the file; empty if it is to be found.
+        colours: codes by names in lower case.
+    """
+
+    name: str
+    columns: Mapping[Field, tuple[str, ...]]
+    section_unit: str = "mm2"
+    length_unit: str = "mm"
+    position_unit: str = "mm"
+    terminal_separator: str = ":"
+    separator: str = ""
+    encoding: str = ""
+    colours: Mapping[str, str] | None = None
+
+    def found_in(self, headings: list[str]) -> dict[Field, int] | None:
+        """Return the number of each field's column, or None if an end of the wires has none."""
+        lower = [heading.strip().lower() for heading in headings]
+        found = {
+            column: lower.index(name)
+            for column, names in self.columns.items()
+            for name in names[::-1]
+            if name in lower
+        }
+        has_ends = all(whole in found or component in found for whole, component, _ in _ENDS)
+        return found if has_ends else None
+
+
+def mapping_from(text: str) -> WireListMapping:
+    """Read a mapping.
+
+    Raises:
+        DesignError: naming the line, what was found, and what is allowed.
+    """
+    root = parse_yaml(text).mapping("the mapping")
+    _refuse_unknown(root, (*_KEYS, "colours"), "the mapping")
+    if "format" not in root or root["format"].data != FORMAT:
+        found = root["format"].shown if "format" in root else "none"
+        raise DesignError(f"line 1: format {found} found; `format: {FORMAT}` is needed")
+    if "columns" not in root:
+        raise DesignError("line 1: `columns` is missing; it says which column means what")
+    units = root["units"].mapping("units") if "units" in root else {}
+    _refuse_unknown(units, ("section", "length", "position"), "units")
+    colours = root["colours"].mapping("colours") if "colours" in root else {}
+    return WireListMapping(
+        _text(root, "name", "wire list"),
+        _columns(root["columns"]),
+        _unit(units, "section", "mm2"),
+        _unit(units, "length", "mm"),
+        _unit(units, "position", "mm"),
+        _text(root, "terminal_separator", ":"),
+        _text(root, "separator", "").replace("tab", "\t"),
+        _text(root, "encoding", ""),
+        {name.lower(): code.text.upper() for name, code in colours.items()},
+    )
+
+
+def _columns(value: Value) -> dict[Field, tuple[str, ...]]:
+    columns = value.mapping("columns")
+    _refuse_unknown(columns, [field.value for field in Field], "columns")
+    found = {}
+    for key, heading in columns.items():
+        names = [heading] if heading.is_scalar else heading.items(f"column {key}")
+        if not names or not all(name.is_scalar and name.text.strip() for name in names):
+            raise DesignError(f"{heading.where}: column {key}: give a heading, or a list of them")
+        found[Field(key)] = tuple(name.text.strip().lower() for name in names)
+    for whole, component, _ in _ENDS:
+        if whole not in found and component not in found:
+            raise DesignError(
+                f"{value.where}: columns: neither `{whole.value}` nor `{component.value}` is "
+                "given; each wire has two ends"
+            )
+    return found
+
+
+def _unit(units: dict[str, Value], key: str, default: str) -> str:
+    unit = units[key].text.lower() if key in units else default
+    allowed = unit in _SECTION_UNITS if key == "section" else is_length_unit(unit)
+    if not allowed:
+        known = "mm2, awg" if key == "section" else "mm, cm, m, in, ft"
+        raise DesignError(f"{units[key].where}: unit of {key}: {unit} found; allowed: {known}")
+    return unit
+
+
+def _text(entries: dict[str, Value], key: str, default: str) -> str:
+    if key not in entries:
+        return default
+    if not entries[key].is_scalar or not entries[key].text:
+        raise DesignError(f"{entries[key].where}: {key}: a text is needed")
+    return entries[key].text
+
+
+def _refuse_unknown(
+    entries: dict[str, Value], known: tuple[str, ...] | list[str], what: str
+) -> None:
+    for key, value in entries.items():
+        if key not in known:
+            raise DesignError(
+                f"{value.where}: {what}: key {key} is not known; allowed: {', '.join(known)}"
+            )

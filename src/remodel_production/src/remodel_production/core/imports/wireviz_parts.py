@@ -1,0 +1,224 @@
+"""Connectors and cables of a WireViz file: their pins and cores, and how a file refers to them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from remodel_production.core.imports.shared.units import length_m
+from remodel_production.core.imports.shared.yaml_tree import Value
+from remodel_production.core.imports.wireviz_colours import COLOUR_CODES, core_colours
+from remodel_production.errors import DesignError
+
+SHIELD = "s"
+
+_RANGE = re.compile(r"(\d+)\s*-\s*(\d+)")
+# A connector has hundreds of pins and a cable hundreds of cores at most.
+_MOST_PINS = 2000
+
+
+@dataclass(frozen=True)
+class Pinout:
+    """What a connector or a cable has, by its key and, for some, by a label or a colour.
+
+    Attributes:
+        what: for errors, such as "connector X1".
+        noun: "pin" or "core".
+        labels: of the keys, in their order; empty where there is none.
+        colours: likewise, of cores.
+        extra: keys besides, such as the shield.
+    """
+
+    what: str
+    noun: str
+    keys: tuple[str, ...]
+    labels: tuple[str, ...] = ()
+    colours: tuple[str, ...] = ()
+    extra: tuple[str, ...] = ()
+
+    def expanded(self, reference: Value) -> list[str]:
+        """Return the keys that a reference means: one, a range "1-4" or "4-1", or a list of them.
+
+        Raises:
+            DesignError: if the part has no such pin or core.
+        """
+        references = [reference] if reference.is_scalar else reference.items(self.what)
+        return [key for item in references for key in self._keys_of(item)]
+
+    def _keys_of(self, reference: Value) -> list[str]:
+        text = reference.text.strip()
+        match = _RANGE.fullmatch(text)
+        if match is None or text in self.keys or text in self.labels:
+            return [self._key_of(text, reference)]
+        first, last = int(match[1]), int(match[2])
+        if abs(last - first) >= _MOST_PINS:
+            raise DesignError(f"{reference.where}: {self.what}: {text} are too many")
+        step = 1 if first <= last else -1
+        return [self._key_of(str(n), reference) for n in range(first, last + step, step)]
+
+    def _key_of(self, text: str, reference: Value) -> str:
+        if text in self.keys or text in self.extra:
+            return text
+        for names, what in ((self.labels, "label"), (self.colours, "colour")):
+            found = [key for key, name in zip(self.keys, names, strict=False) if name == text]
+            if len(found) == 1:
+                return found[0]
+            if found:
+                raise DesignError(
+                    f"{reference.where}: {self.what}: {what} {text} stands for {self.noun}s "
+                    f"{', '.join(found)}: name one of them by its number"
+                )
+        known = ", ".join((*self.keys[:20], *self.extra)) or "none"
+        names_known = ", ".join(name for name in self.labels if name)
+        raise DesignError(
+            f"{reference.where}: {self.what} has no {self.noun} {text or 'without a name'}; it has "
+            f"{known}" + (f"; labels: {names_known}" if names_known else "")
+        )
+
+
+@dataclass(frozen=True)
+class ConnectorPart:
+    """A connector, or the template of some."""
+
+    pinout: Pinout
+    kind: str
+    part_number: str
+    is_simple: bool
+    loops: int
+    line: int
+
+
+@dataclass(frozen=True)
+class CablePart:
+    """A cable or bundle, or the template of some.
+
+    Attributes:
+        gauge: as the file has it; empty if it has none.
+        length_m: [m]; None if the file has none.
+        length: as the file has it.
+        is_bundle: whether its cores are single wires.
+    """
+
+    pinout: Pinout
+    kind: str
+    gauge: str
+    length_m: float | None
+    length: str
+    is_shielded: bool
+    is_bundle: bool
+    line: int
+
+    def colour_of(self, core: str) -> str:
+        """Return a core's colour as the file has it; empty if it has none."""
+        index = self.pinout.keys.index(core) if core in self.pinout.keys else -1
+        return self.pinout.colours[index] if 0 <= index < len(self.pinout.colours) else ""
+
+
+def connector_part(name: str, value: Value) -> ConnectorPart:
+    """Read the attributes of a connector.
+
+    Raises:
+        DesignError: if its pins are not said, or contradict each other.
+    """
+    what = f"connector {name}"
+    attributes = value.mapping(what)
+    is_simple = _text(attributes, "style") == "simple"
+    pins = _texts(attributes, "pins", what)
+    labels = _texts(attributes, "pinlabels", what)
+    said = _count(attributes, "pincount", what) or max(len(pins), len(labels))
+    count = said or (1 if is_simple else 0)
+    if not count:
+        raise DesignError(f"{value.where}: {what}: give its pincount, pins or pinlabels")
+    if max(len(pins), len(labels)) > count:
+        raise DesignError(
+            f"{value.where}: {what}: pincount is {count}; there are {len(pins)} pins and "
+            f"{len(labels)} pinlabels"
+        )
+    keys = pins or [str(n) for n in range(1, count + 1)]
+    _refuse_doubles(keys, "pin", what, value)
+    return ConnectorPart(
+        Pinout(what, "pin", tuple(keys), tuple(labels)),
+        " ".join(filter(None, (_text(attributes, "type"), _text(attributes, "subtype")))),
+        _text(attributes, "mpn") or _text(attributes, "pn"),
+        is_simple,
+        len(attributes["loops"].items("loops")) if "loops" in attributes else 0,
+        value.line,
+    )
+
+
+def cable_part(name: str, value: Value) -> CablePart:
+    """Read the attributes of a cable.
+
+    Raises:
+        DesignError: if its cores are not said, or its colour code is not known.
+    """
+    what = f"cable {name}"
+    attributes = value.mapping(what)
+    colours = _texts(attributes, "colors", what)
+    count = _count(attributes, "wirecount", what) or len(colours)
+    code = _text(attributes, "color_code").upper()
+    if not count:
+        raise DesignError(f"{value.where}: {what}: give its wirecount or colors")
+    if code and code not in COLOUR_CODES:
+        where = attributes["color_code"].where
+        raise DesignError(
+            f"{where}: {what}: color_code {code} is not known; allowed: {', '.join(COLOUR_CODES)}"
+        )
+    if code and not colours:
+        colours = core_colours(code, count)
+    colours = [colours[i % len(colours)] for i in range(count)] if colours else []
+    length = _text(attributes, "length")
+    is_shielded = "shield" in attributes and attributes["shield"].data not in (None, False)
+    return CablePart(
+        Pinout(
+            what,
+            "core",
+            tuple(str(n) for n in range(1, count + 1)),
+            tuple(_texts(attributes, "wirelabels", what)),
+            tuple(colours),
+            (SHIELD,) if is_shielded else (),
+        ),
+        _text(attributes, "type") or _text(attributes, "mpn") or _text(attributes, "pn"),
+        _text(attributes, "gauge"),
+        length_m(length) if length else None,
+        length,
+        is_shielded,
+        _text(attributes, "category") == "bundle",
+        value.line,
+    )
+
+
+def _text(attributes: dict[str, Value], key: str) -> str:
+    """Return a scalar attribute on one line; empty if it is not there, or not a scalar."""
+    value = attributes.get(key)
+    return " ".join(value.text.split()) if value is not None and value.is_scalar else ""
+
+
+def _texts(attributes: dict[str, Value], key: str, what: str) -> list[str]:
+    if key not in attributes:
+        return []
+    items = attributes[key].items(f"{what}, {key}")
+    if len(items) > _MOST_PINS:
+        raise DesignError(f"{attributes[key].where}: {what}, {key}: at most {_MOST_PINS} allowed")
+    return [item.text.strip() for item in items]
+
+
+def _count(attributes: dict[str, Value], key: str, what: str) -> int:
+    if key not in attributes or attributes[key].data is None:
+        return 0
+    count = attributes[key].data
+    if not isinstance(count, int) or isinstance(count, bool) or not 0 < count <= _MOST_PINS:
+        raise DesignError(
+            f"{attributes[key].where}: {what}: {key}: {attributes[key].shown} found; a number from "
+            f"1 to {_MOST_PINS} is needed"
+        )
+    return count
+
+
+def _refuse_doubles(keys: Sequence[str], noun: str, what: str, value: Value) -> None:
+    seen: set[str] = set()
+    for key in keys:
+        if key in seen:
+            raise DesignError(f"{value.where}: {what}: {noun} {key} is given twice: keep one")
+        seen.add(key)

@@ -1,0 +1,1 @@
+"""The production database: its models and versions, and orders as rows."""

@@ -1,0 +1,55 @@
+"""Bring a database to this program's version, by migrations/versions."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from sqlalchemy import inspect, text
+from sqlalchemy.engine import Connection
+
+from remodel_production.errors import OrderError
+
+NEWEST = "0006"
+_VERSION_TABLE = "alembic_version"
+# Any number that no other program takes a lock by, in one database.
+_LOCK = 5_151_002
+
+
+def version_of(connection: Connection) -> str | None:
+    """Return the database's version; None if it has none."""
+    if not inspect(connection).has_table(_VERSION_TABLE):
+        return None
+    version = connection.scalar(text(f"SELECT version_num FROM {_VERSION_TABLE}"))
+    return None if version is None else str(version)
+
+
+def upgrade(connection: Connection) -> None:
+    """Bring a database to the newest version, from any that it knows or from nothing.
+
+    Args:
+        connection: with a transaction that the migrations become part of.
+
+    Raises:
+        OrderError: if the database is of a version that this program does not know.
+    """
+    if connection.dialect.name == "postgresql":
+        # One program at a time; the lock is given back at the transaction's end.
+        connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": _LOCK})
+    version = version_of(connection)
+    if version == NEWEST:
+        return
+    # Alembic takes longer to load than a database to open, and is needed once in its life.
+    from alembic import command
+    from alembic.config import Config
+    from alembic.script import ScriptDirectory
+
+    config = Config()
+    config.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
+    config.attributes["connection"] = connection
+    known = {script.revision for script in ScriptDirectory.from_config(config).walk_revisions()}
+    if version is not None and version not in known:
+        raise OrderError(
+            f"is of version {version}; this program knows versions {', '.join(sorted(known))}: "
+            "use the program that made it, or give another database (--database)"
+        )
+    command.upgrade(config, "head")

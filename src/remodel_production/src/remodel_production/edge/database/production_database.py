@@ -1,0 +1,300 @@
+"""The production knowledge database: orders, what they are made of, and what was done.
+
+SQLite by default, PostgreSQL by URL. Every change is one transaction, so that nothing is stored by
+half. docs/production-database.md tells and draws the tables.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sqlite3
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from sqlalchemy import and_, bindparam, create_engine, delete, event, insert, select
+from sqlalchemy.engine import Connection, Engine, Row, make_url
+from sqlalchemy.exc import DisconnectionError, SQLAlchemyError
+from sqlalchemy.pool import QueuePool
+
+from remodel_production.core.ability import Ability, AbilityParameter
+from remodel_production.core.production import Order
+from remodel_production.edge.database.database_errors import record_lost, reported
+from remodel_production.edge.database.database_versions import NEWEST, upgrade, version_of
+from remodel_production.edge.database.preference_rows import (
+    add_preference_rows,
+    preferences_of_rows,
+)
+from remodel_production.edge.database.production_models import (
+    AbilityParameterRow,
+    AbilityRow,
+    OrderRow,
+    TaskRow,
+    WireRow,
+)
+from remodel_production.edge.database.production_rows import add_order_rows, order_of_row
+from remodel_production.errors import OrderError, RecordLostError
+
+# [s] that a program waits for another one's transaction; an import takes one second.
+_WAIT_S = 30
+
+# [s] between two tries to change the mode of a new database.
+_LOOK_S = 0.02
+
+_ORDER = select(OrderRow).where(OrderRow.name == bindparam("order"))
+_LOCKED_ORDER = _ORDER.with_for_update()
+
+# Tasks of orders, to be narrowed down by the order and the wire; indexes find them.
+TASKS = (
+    select(TaskRow)
+    .join(OrderRow, TaskRow.order_id == OrderRow.id)
+    .join(WireRow, and_(TaskRow.wire_id == WireRow.id, WireRow.product_id == OrderRow.product_id))
+)
+
+
+class ProductionDatabase:
+    """The database's door: values in, values out."""
+
+    def __init__(self, url: str) -> None:
+        """Connect, and bring the database to this program's version.
+
+        Raises:
+            OrderError: if there is no database at the URL, or a newer program has made it.
+        """
+        try:
+            self._engine = _engine(url)
+            with self._begun("DEFERRED") as connection:
+                is_newest = version_of(connection) == NEWEST
+            if not is_newest:
+                with self._begun("IMMEDIATE") as connection:
+                    upgrade(connection)
+        except OrderError as error:
+            raise OrderError(f"database {_shown(url)}: {error}") from error
+        except RecordLostError as error:
+            raise RecordLostError(f"database {_shown(url)}: {error}") from error
+        except (SQLAlchemyError, ImportError) as error:
+            raise OrderError(f"database {_shown(url)}: {str(error).splitlines()[0]}") from error
+
+    def close(self) -> None:
+        """Close the connections to the database."""
+        self._engine.dispose()
+
+    def add_order(
+        self, order: Order, preferences: object = None, abilities: Sequence[Ability] = ()
+    ) -> None:
+        """Store an order, whole or not at all.
+
+        Args:
+            order: to store.
+            preferences: parsed document of the user's preferences of its plan; None for none.
+            abilities: of the cell; those that are known already are brought up to date.
+
+        Raises:
+            OrderError: if there is an order of that name already.
+        """
+        with self.transaction() as connection:
+            if connection.execute(_ORDER, {"order": order.name}).first() is not None:
+                raise OrderError(
+                    f"the database has an order {order.name} already: give another name (--order)"
+                )
+            number = add_order_rows(connection, order)
+            add_preference_rows(connection, number, preferences)
+            _set_abilities(connection, abilities)
+
+    def order(self, name: str) -> Order:
+        """Return an order.
+
+        Raises:
+            OrderError: if there is none of that name.
+        """
+        with self.reading() as connection:
+            return order_of_row(connection, order_row(connection, name))
+
+    def order_names(self) -> tuple[str, ...]:
+        """Return the names of all orders, in the order in which they were stored."""
+        with self.reading() as connection:
+            return _order_names(connection)
+
+    def preferences(self, name: str) -> object:
+        """Return the document of an order's preferences, None if it has none.
+
+        Raises:
+            OrderError: if there is no order of that name.
+        """
+        with self.reading() as connection:
+            return preferences_of_rows(connection, order_row(connection, name).id)
+
+    def abilities(self) -> tuple[Ability, ...]:
+        """Return the abilities that are known, by name."""
+        with self.reading() as connection:
+            rows = connection.execute(select(AbilityRow).order_by(AbilityRow.name)).all()
+            return tuple(_ability(connection, row) for row in rows)
+
+    @contextmanager
+    def transaction(self) -> Iterator[Connection]:
+        """Give a connection whose changes are stored together, or not at all.
+
+        Raises:
+            LostError: if the database does not answer.
+            RecordLostError: if it is damaged, or lacks tables.
+        """
+        with reported(), self._begun("IMMEDIATE") as connection:
+            yield connection
+
+    @contextmanager
+    def reading(self) -> Iterator[Connection]:
+        """Give a connection that changes nothing; raises what `transaction` raises."""
+        with reported(), self._begun("DEFERRED") as connection:
+            yield connection
+
+    @contextmanager
+    def _begun(self, kind: str) -> Iterator[Connection]:
+        """Give a connection with a transaction, of a kind that SQLite has.
+
+        Those that change something are IMMEDIATE: they wait for each other from their start.
+        """
+        with self._engine.begin() as connection:
+            if connection.dialect.name == "sqlite":
+                connection.exec_driver_sql(f"BEGIN {kind}")
+            yield connection
+
+
+def _engine(url: str) -> Engine:
+    made = make_url(url)
+    is_sqlite = made.get_backend_name() == "sqlite"
+    is_file = is_sqlite and made.database not in (None, "", ":memory:")
+    # Connections are kept: SQLite copies its log into the file when the last one is closed.
+    pool = {"poolclass": QueuePool, "connect_args": {"check_same_thread": False}}
+    engine = create_engine(url, future=True, json_serializer=_compact, **(pool if is_file else {}))
+    if is_sqlite:
+        event.listen(engine, "connect", _prepare_sqlite)
+    if is_file:
+        _watch_file(engine)
+    return engine
+
+
+def _compact(value: object) -> str:
+    return json.dumps(value, separators=(",", ":"), ensure_ascii=False)
+
+
+def _watch_file(engine: Engine) -> None:
+    """Report a database file that is gone or emptied, and open one that was put in its place.
+
+    SQLite would begin an empty one, or go on with what it remembers of the one that is gone.
+    """
+    file = engine.url.database or ""
+    opened = False
+
+    def before_connect(*_: object) -> None:
+        if opened:
+            _identity(file)
+
+    def on_connect(_connection: object, record: Any) -> None:  # noqa: ANN401 - the pool's
+        nonlocal opened
+        opened = True
+        record.info["file"] = _identity(file)
+
+    def on_checkout(_connection: object, record: Any, _proxy: object) -> None:  # noqa: ANN401
+        if record.info["file"] != _identity(file):
+            raise DisconnectionError
+
+    event.listen(engine, "do_connect", before_connect)
+    event.listen(engine, "connect", on_connect)
+    event.listen(engine, "checkout", on_checkout)
+
+
+def _identity(file: str) -> tuple[int, int]:
+    """Return what identifies a database file; RecordLostError if there is none of that name.
+
+    It is not opened: closing it would release the locks that SQLite has on it in this process.
+    """
+    try:
+        status = os.stat(file)
+    except FileNotFoundError:
+        raise record_lost(f"{file} is gone") from None
+    if not status.st_size:
+        raise record_lost(f"{file} is empty")
+    return status.st_dev, status.st_ino
+
+
+def _prepare_sqlite(connection: object, _record: object) -> None:
+    """Set what SQLite forgets with each connection; the driver is not to begin transactions."""
+    connection.isolation_level = None  # type: ignore[attr-defined]
+    cursor = connection.cursor()  # type: ignore[attr-defined]
+    for setting in ("foreign_keys=ON", f"busy_timeout={_WAIT_S * 1000}"):
+        cursor.execute(f"PRAGMA {setting}")
+    _write_ahead(cursor)
+    cursor.close()
+
+
+def _write_ahead(cursor: sqlite3.Cursor) -> None:
+    """Have SQLite write ahead. A new database changes its mode once, with nobody else in it.
+
+    SQLite does not wait for the others then, whatever busy_timeout says, so this does.
+    """
+    late_s = time.monotonic() + _WAIT_S
+    while True:
+        try:
+            cursor.execute("PRAGMA journal_mode=WAL")
+        except sqlite3.OperationalError as error:
+            if "locked" not in str(error) or time.monotonic() > late_s:
+                raise
+            time.sleep(_LOOK_S)
+        else:
+            return
+
+
+def _shown(url: str) -> str:
+    """Return a URL without its password."""
+    head, at, tail = url.rpartition("@")
+    return f"{head.rpartition(':')[0]}:***@{tail}" if at and ":" in head.split("//")[-1] else url
+
+
+def order_row(connection: Connection, name: str, *, lock: bool = False) -> Row:
+    """Return an order's row, locked on request; OrderError if there is none of that name."""
+    asked = _LOCKED_ORDER if lock else _ORDER
+    row = connection.execute(asked, {"order": name}).first()
+    if row is None:
+        known = ", ".join(_order_names(connection)) or "none"
+        raise OrderError(f"the database has no order {name}; it has: {known}")
+    return row
+
+
+def _order_names(connection: Connection) -> tuple[str, ...]:
+    return tuple(connection.scalars(select(OrderRow.name).order_by(OrderRow.id)))
+
+
+def _set_abilities(connection: Connection, abilities: Sequence[Ability]) -> None:
+    rows = {row.name: row for row in connection.execute(select(AbilityRow))}
+    for ability in abilities:
+        row = rows.get(ability.name)
+        if row is not None and _ability(connection, row) == ability:
+            continue
+        if row is not None:
+            connection.execute(delete(AbilityRow).where(AbilityRow.id == row.id))
+        values = {"name": ability.name, "description": ability.description}
+        (number,) = connection.execute(insert(AbilityRow), values).inserted_primary_key
+        parameters = [
+            {
+                "ability_id": number,
+                "position": position,
+                "name": parameter.name,
+                "type": parameter.type,
+                "description": parameter.description,
+            }
+            for position, parameter in enumerate(ability.parameters)
+        ]
+        if parameters:
+            connection.execute(insert(AbilityParameterRow), parameters)
+
+
+def _ability(connection: Connection, row: Row) -> Ability:
+    rows = connection.execute(
+        select(AbilityParameterRow)
+        .where(AbilityParameterRow.ability_id == row.id)
+        .order_by(AbilityParameterRow.position)
+    )
+    parameters = tuple(AbilityParameter(p.name, p.type, p.description) for p in rows)
+    return Ability(row.name, row.description, parameters)

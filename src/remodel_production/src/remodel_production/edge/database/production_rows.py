@@ -1,0 +1,336 @@
+"""Orders to rows and back: the codec of the production knowledge database.
+
+Rows are read table by table for a whole product, so that an order of a thousand wires takes a dozen
+queries.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from sqlalchemy import insert, select
+from sqlalchemy.engine import Connection, Row
+
+from remodel_production.core.production import (
+    Cable,
+    Clip,
+    Component,
+    Mount,
+    Node,
+    Order,
+    Pose,
+    Role,
+    Segment,
+    SegmentKind,
+    Side,
+    Terminal,
+    TerminalRef,
+    Vector,
+    Wire,
+)
+from remodel_production.edge.database.production_models import (
+    CableRow,
+    ClipRow,
+    ComponentRow,
+    NodeRow,
+    NoteRow,
+    OrderRow,
+    ProductRow,
+    RouteRow,
+    SegmentRow,
+    TaskRow,
+    TerminalRow,
+    WireRow,
+)
+
+_Columns = dict[str, Any]
+# A mapped class; they have no common type.
+_Table = Any
+
+
+def add_order_rows(connection: Connection, order: Order) -> int:
+    """Add an order with its product, and an open task for each wire that lies in the cabinet.
+
+    Returns:
+        The number of the order's row.
+    """
+    product = _added(connection, ProductRow, {"title": order.title, "source": order.source})
+    of = {"product_id": product}
+    _add(connection, NoteRow, ({"text": text, **of} for text in order.notes))
+    _add(connection, NodeRow, ({"name": n.name, **_at(n.position), **of} for n in order.nodes))
+    nodes = _numbers(connection, NodeRow, product)
+    _add(connection, SegmentRow, (_segment_row(s, nodes, of) for s in order.segments))
+    segments = _numbers(connection, SegmentRow, product)
+    _add(connection, ClipRow, (_clip_row(clip, segments, nodes, of) for clip in order.clips))
+    _add(connection, CableRow, (_cable_row(cable, of) for cable in order.cables))
+    cables = _numbers(connection, CableRow, product)
+    _add(connection, ComponentRow, (_component_row(c, nodes, of) for c in order.components))
+    components = _numbers(connection, ComponentRow, product)
+    _add(
+        connection,
+        TerminalRow,
+        (
+            _terminal_row(terminal, components[component.name])
+            for component in order.components
+            for terminal in component.terminals
+        ),
+    )
+    terminals = _terminal_numbers(connection, product)
+    _add(connection, WireRow, (_wire_row(wire, terminals, cables, of) for wire in order.wires))
+    wires = _numbers(connection, WireRow, product)
+    _add(
+        connection,
+        RouteRow,
+        (
+            {"wire_id": wires[wire.name], "position": i, "segment_id": segments[name]}
+            for wire in order.wires
+            for i, name in enumerate(wire.route)
+        ),
+    )
+    number = _added(connection, OrderRow, {"name": order.name, **of})
+    _add(
+        connection,
+        TaskRow,
+        (
+            {"order_id": number, "wire_id": wires[wire.name], "state": "open", "cell": ""}
+            for wire in order.in_cabinet().wires
+        ),
+    )
+    return number
+
+
+def order_of_row(connection: Connection, row: Row) -> Order:
+    """Return the order of a row."""
+    of_product = select(ProductRow).where(ProductRow.id == row.product_id)
+    product = connection.execute(of_product).one()
+
+    def rows(table: _Table) -> list[Row]:
+        query = select(table).where(table.product_id == product.id).order_by(table.id)
+        return connection.execute(query).all()
+
+    nodes = {node.id: node.name for node in rows(NodeRow)}
+    segments = {segment.id: segment for segment in rows(SegmentRow)}
+    cables = {cable.id: cable for cable in rows(CableRow)}
+    components = {component.id: component for component in rows(ComponentRow)}
+    terminals = connection.execute(
+        select(TerminalRow)
+        .join(ComponentRow, TerminalRow.component_id == ComponentRow.id)
+        .where(ComponentRow.product_id == product.id)
+        .order_by(TerminalRow.id)
+    ).all()
+    of_component: dict[int, list[Terminal]] = defaultdict(list)
+    for terminal in terminals:
+        of_component[terminal.component_id].append(_terminal(terminal))
+    refs = {t.id: TerminalRef(components[t.component_id].name, t.name) for t in terminals}
+    routes: dict[int, list[str]] = defaultdict(list)
+    for step in connection.execute(
+        select(RouteRow)
+        .join(WireRow, RouteRow.wire_id == WireRow.id)
+        .where(WireRow.product_id == product.id)
+        .order_by(RouteRow.wire_id, RouteRow.position)
+    ):
+        routes[step.wire_id].append(segments[step.segment_id].name)
+    return Order(
+        row.name,
+        product.title,
+        product.source,
+        tuple(_component(c, of_component[c.id], nodes) for c in components.values()),
+        tuple(
+            Wire(
+                wire.name,
+                refs[wire.a_terminal_id],
+                refs[wire.b_terminal_id],
+                wire.colour,
+                wire.section_mm2,
+                wire.source,
+                wire.length_m,
+                "" if wire.cable_id is None else cables[wire.cable_id].name,
+                wire.core,
+                tuple(routes[wire.id]),
+            )
+            for wire in rows(WireRow)
+        ),
+        tuple(note.text for note in rows(NoteRow)),
+        tuple(Cable(c.name, c.kind, c.length_m, c.shielded, c.source) for c in cables.values()),
+        tuple(Node(node.name, _position(node)) for node in rows(NodeRow)),
+        tuple(
+            Segment(
+                s.name,
+                nodes[s.start_node_id],
+                nodes[s.end_node_id],
+                s.length_m,
+                SegmentKind(s.kind),
+            )
+            for s in segments.values()
+        ),
+        tuple(
+            Clip(
+                clip.name,
+                clip.kind,
+                "" if clip.segment_id is None else segments[clip.segment_id].name,
+                clip.along,
+                nodes.get(clip.node_id, ""),
+                _position(clip),
+            )
+            for clip in rows(ClipRow)
+        ),
+    )
+
+
+def _added(connection: Connection, table: _Table, values: _Columns) -> int:
+    """Add a row, and return its number."""
+    (number,) = connection.execute(insert(table), values).inserted_primary_key
+    return number
+
+
+def _add(connection: Connection, table: _Table, rows: Iterable[_Columns]) -> None:
+    """Add rows that have the same columns."""
+    values = list(rows)
+    if values:
+        connection.execute(insert(table), values)
+
+
+def _numbers(connection: Connection, table: _Table, product: int) -> dict[str, int]:
+    """Return the numbers of a product's rows by name."""
+    asked = select(table.name, table.id).where(table.product_id == product)
+    return dict(connection.execute(asked).all())
+
+
+def _terminal_numbers(connection: Connection, product: int) -> dict[TerminalRef, int]:
+    asked = (
+        select(ComponentRow.name, TerminalRow.name, TerminalRow.id)
+        .join(ComponentRow, TerminalRow.component_id == ComponentRow.id)
+        .where(ComponentRow.product_id == product)
+    )
+    return {TerminalRef(*names): number for *names, number in connection.execute(asked)}
+
+
+def _segment_row(segment: Segment, nodes: Mapping[str, int], of: _Columns) -> _Columns:
+    return {
+        "name": segment.name,
+        "kind": segment.kind.value,
+        "start_node_id": nodes[segment.start],
+        "end_node_id": nodes[segment.end],
+        "length_m": segment.length_m,
+        **of,
+    }
+
+
+def _clip_row(
+    clip: Clip, segments: Mapping[str, int], nodes: Mapping[str, int], of: _Columns
+) -> _Columns:
+    return {
+        "name": clip.name,
+        "kind": clip.kind,
+        "segment_id": segments.get(clip.segment),
+        "along": clip.along,
+        "node_id": nodes.get(clip.node),
+        **_at(clip.position),
+        **of,
+    }
+
+
+def _cable_row(cable: Cable, of: _Columns) -> _Columns:
+    return {
+        "name": cable.name,
+        "kind": cable.kind,
+        "length_m": cable.length_m,
+        "shielded": cable.shielded,
+        "source": cable.source,
+        **of,
+    }
+
+
+def _component_row(component: Component, nodes: Mapping[str, int], of: _Columns) -> _Columns:
+    return {
+        "name": component.name,
+        "kind": component.kind,
+        "role": component.role.value,
+        "part_number": component.part_number,
+        "mount": component.mount.value,
+        "node_id": nodes.get(component.node),
+        **_posed(component.pose),
+        **of,
+    }
+
+
+def _terminal_row(terminal: Terminal, component_id: int) -> _Columns:
+    x, y, z = terminal.approach or (None, None, None)
+    return {
+        "component_id": component_id,
+        "name": terminal.name,
+        "side": terminal.side.value,
+        "point": terminal.point,
+        "kind": terminal.kind,
+        "approach_x": x,
+        "approach_y": y,
+        "approach_z": z,
+        "clearance_m": terminal.clearance_m,
+        "insertion_force_limit_n": terminal.insertion_force_limit_n,
+        **_posed(terminal.pose),
+    }
+
+
+def _wire_row(
+    wire: Wire, terminals: Mapping[TerminalRef, int], cables: Mapping[str, int], of: _Columns
+) -> _Columns:
+    return {
+        "name": wire.name,
+        "a_terminal_id": terminals[wire.a],
+        "b_terminal_id": terminals[wire.b],
+        "colour": wire.colour,
+        "section_mm2": wire.section_mm2,
+        "length_m": wire.length_m,
+        "cable_id": cables.get(wire.cable),
+        "core": wire.core,
+        "source": wire.source,
+        **of,
+    }
+
+
+def _component(row: Row, terminals: list[Terminal], nodes: Mapping[int, str]) -> Component:
+    return Component(
+        row.name,
+        row.kind,
+        tuple(terminals),
+        Mount(row.mount),
+        Role(row.role),
+        row.part_number,
+        _pose(row),
+        nodes.get(row.node_id, ""),
+    )
+
+
+def _terminal(row: Row) -> Terminal:
+    approach = (row.approach_x, row.approach_y, row.approach_z)
+    return Terminal(
+        row.name,
+        Side(row.side),
+        row.point,
+        row.kind,
+        _pose(row),
+        None if row.approach_x is None else approach,
+        row.clearance_m,
+        row.insertion_force_limit_n,
+    )
+
+
+def _at(position: Vector | None) -> _Columns:
+    x, y, z = position or (None, None, None)
+    return {"x_m": x, "y_m": y, "z_m": z}
+
+
+def _posed(pose: Pose | None) -> _Columns:
+    qx, qy, qz, qw = pose.orientation if pose else (None, None, None, None)
+    return {**_at(pose.position if pose else None), "qx": qx, "qy": qy, "qz": qz, "qw": qw}
+
+
+def _position(row: Row) -> Vector | None:
+    return None if row.x_m is None else (row.x_m, row.y_m, row.z_m)
+
+
+def _pose(row: Row) -> Pose | None:
+    position = _position(row)
+    return None if position is None else Pose(position, (row.qx, row.qy, row.qz, row.qw))

@@ -1,0 +1,230 @@
+"""Boards: cabinets with rows and ducts, formboards, and the drawings of both."""
+
+import math
+from collections import Counter
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from lxml import etree
+
+from remodel_production.core.board.board import board_of, way_length
+from remodel_production.core.board.cabinet import CabinetRules, laid_out
+from remodel_production.core.board.drawing import draw_board
+from remodel_production.core.board.duct_graph import DuctGraph
+from remodel_production.core.board.formboard import flattened, limbs
+from remodel_production.core.imports.kbl import import_kbl
+from remodel_production.core.imports.qet import import_qet
+from remodel_production.core.production import (
+    Component,
+    Mount,
+    Node,
+    Order,
+    Pose,
+    Segment,
+    Side,
+    Terminal,
+    TerminalRef,
+    Wire,
+)
+from remodel_production.edge.catalogue_file import read_catalogue
+
+CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
+EXAMPLES = Path("/usr/share/qelectrotech/examples")
+RULES = CabinetRules()
+NAMES = (
+    "industrial",
+    "tableau_domestique",
+    "Projet_vierge",
+    "weneedpolonez-Polonez_MR89_wiring_diagram",
+)
+
+
+def project(name):
+    return import_qet((EXAMPLES / f"{name}.qet").read_bytes(), name, name, CATALOGUE).order
+
+
+def loom():
+    text = (Path(__file__).parent / "designs" / "loom.kbl").read_bytes()
+    return import_kbl(text, "loom", "loom.kbl", CATALOGUE).order
+
+
+def order(*pairs, field=()):
+    """Return an order of wires given as ("Q1:B1", "Q2:T1"); B opens to the bottom."""
+    terminals, wires = {}, []
+    for number, pair in enumerate(pairs, start=1):
+        refs = [TerminalRef(*text.split(":")) for text in pair]
+        for ref in refs:
+            side = Side.TOP if ref.terminal.startswith("T") else Side.BOTTOM
+            terminals.setdefault(ref.component, []).append(Terminal(ref.terminal, side))
+        wires.append(Wire(f"W{number}", *refs, "BK", 2.5, "test"))
+    components = tuple(
+        Component(name, "", tuple(used), Mount.FIELD if name in field else Mount.PLATE)
+        for name, used in terminals.items()
+    )
+    return Order("test", "", "test.qet", components, tuple(wires))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_two_devices_overlap_and_none_lies_in_a_duct(name):
+    board = board_of(project(name))
+    for first, second in pairwise(sorted(board.devices, key=lambda d: (d.centre[1], d.centre[0]))):
+        if first.centre[1] == second.centre[1]:
+            apart = second.centre[0] - first.centre[0]
+            assert apart >= (first.size[0] + second.size[0]) / 2 - RULES.gap
+    for start, end in board.lines.values():
+        if start[1] == end[1]:
+            assert all(
+                abs(d.centre[1] - start[1]) >= (d.size[1] + RULES.duct) / 2 for d in board.devices
+            )
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_wire_runs_through_ducts_that_hang_together(name):
+    board = board_of(project(name))
+    segments = {segment.name: segment for segment in board.order.segments}
+    for wire in board.order.wires:
+        if wire.name not in board.ways:
+            assert not wire.route
+            continue
+        for before, after in pairwise(segments[step] for step in wire.route):
+            assert {before.start, before.end} & {after.start, after.end}
+        assert len(set(wire.route)) == len(wire.route)
+        way = board.ways[wire.name]
+        assert (way[0], way[-1]) == (board.mouths[wire.a], board.mouths[wire.b])
+        assert all(p[0] == q[0] or p[1] == q[1] for p, q in pairwise(way))
+        assert wire.length_m == pytest.approx(way_length(way) + 2 * RULES.tail, abs=2e-3)
+
+
+def test_a_layout_is_the_same_each_time_and_stays_when_it_is_there():
+    first = laid_out(project("industrial"))
+    assert first == laid_out(project("industrial"))
+    assert laid_out(first) is first
+
+
+def test_rows_are_about_as_long_as_each_other():
+    board = board_of(project("industrial"))
+    rows = Counter()
+    for device in board.devices:
+        rows[device.centre[1]] += device.size[0]
+    assert len(rows) > 3
+    assert max(rows.values()) < 1.25 * min(rows.values())
+
+
+def test_a_wire_takes_the_shortest_way():
+    # One row: bottom to top leads around the nearer side.
+    laid = laid_out(order(("Q1:B1", "Q2:T1"), ("Q2:T2", "Q9:T1"), ("Q9:T2", "Q8:T1")))
+    assert laid.wires[0].route[1] == "L0"
+    same_duct = laid.wires[1]
+    x = {c.name: c.pose.position[0] for c in laid.components}
+    assert same_duct.length_m == pytest.approx(
+        abs(x["Q9"] - x["Q2"]) + 2 * (RULES.row_pitch - RULES.height) / 2 + 2 * RULES.tail, abs=0.01
+    )
+
+
+def test_places_of_the_design_are_kept_and_make_rows():
+    given = order(("Q1:B1", "Q2:T1"), ("Q1:B2", "Q3:T1"))
+    places = {"Q1": (0.1, 0.8, 0.0), "Q2": (0.1, 0.3, 0.0), "Q3": (0.4, 0.31, 0.0)}
+    posed = tuple(
+        Component(c.name, "", c.terminals, pose=Pose(places[c.name])) for c in given.components
+    )
+    laid = laid_out(Order("test", "", "", posed, given.wires))
+    assert {c.name: c.pose.position for c in laid.components} == places
+    heights = sorted({node.position[1] for node in laid.nodes})
+    assert heights == pytest.approx([0.2, 0.555, 0.91], abs=0.01)
+    assert [wire.route for wire in laid.wires] == [("D1.0",), ("D1.0", "D1.1", "D1.2")]
+
+
+def test_wires_that_lead_away_have_no_route_and_what_is_outside_no_place():
+    laid = laid_out(order(("Q1:B1", "Q2:T1"), ("Q2:B1", "M1:T1"), field=("M1",)))
+    assert [bool(wire.route) for wire in laid.wires] == [True, False]
+    assert [c.pose is None for c in laid.components] == [False, False, True]
+
+
+def test_an_order_whose_wires_all_lead_away_has_no_layout():
+    away = order(("Q1:B1", "M1:T1"), field=("M1",))
+    assert laid_out(away) is away
+
+
+def test_points_off_the_ducts_and_ducts_apart_are_told():
+    spots = (("A", 0, 0), ("B", 1, 0), ("C", 0, 2), ("D", 1, 2))
+    nodes = tuple(Node(name, (float(x), float(y), 0.0)) for name, x, y in spots)
+    graph = DuctGraph(nodes, (Segment("S", "A", "B", 1.0), Segment("T", "C", "D", 1.0)))
+    with pytest.raises(ValueError, match="no duct at"):
+        graph.way((3.0, 0.0), (0.5, 0.0))
+    with pytest.raises(ValueError, match="do not lead"):
+        graph.way((0.5, 0.0), (0.5, 2.0))
+
+
+def test_a_formboard_keeps_the_lengths_of_a_tree():
+    segments = [
+        *(Segment("1", "A", "B", 0.4), Segment("2", "B", "C", 0.3), Segment("3", "B", "D", 0.2)),
+        *(Segment("4", "D", "E", 0.1), Segment("5", "D", "F", 0.05), Segment("6", "X", "Y", 0.5)),
+    ]
+    places = flattened("ABCDEFXY", segments)
+    for segment in segments:
+        distance = math.dist(places[segment.start], places[segment.end])
+        assert distance == pytest.approx(segment.length_m)
+    assert len({(round(x, 6), round(y, 6)) for x, y in places.values()}) == 8
+
+
+def test_a_ring_of_segments_is_cut_open():
+    ring = [Segment(str(i), "ABC"[i], "BCA"[i], 1.0) for i in range(3)]
+    assert set(flattened("ABC", ring)) == set("ABC")
+
+
+def test_every_segment_of_a_tree_is_in_one_limb_and_the_trunk_is_the_longest_way():
+    segments = [
+        *(Segment("1", "A", "B", 0.4), Segment("2", "B", "C", 0.3), Segment("3", "B", "D", 0.2)),
+        *(Segment("4", "D", "E", 0.1), Segment("5", "D", "F", 0.05), Segment("6", "X", "Y", 0.5)),
+    ]
+    found = limbs("ABCDEFXYZ", segments)
+    steps = sorted(tuple(sorted(pair)) for limb in found for pair in pairwise(limb.nodes))
+    assert steps == sorted((segment.start, segment.end) for segment in segments)
+    assert {limb.nodes[0] + limb.nodes[-1] for limb in found if limb.parent is None} <= {
+        *("AC", "CA", "AE", "EA", "XY", "YX")
+    }
+    for limb in found:
+        if limb.parent is not None:
+            assert limb.nodes[0] in found[limb.parent].nodes
+            assert limb.level == found[limb.parent].level + 1
+
+
+def test_a_harness_lies_on_a_formboard_with_its_clips():
+    board = board_of(loom())
+    assert not board.is_cabinet
+    assert set(board.clips) == {"CL1", "CL2", "CL3"}
+    assert set(board.ways) == {"11", "SL1.31"}
+    start, end = board.lines["S1"]
+    assert math.dist(board.clips["CL1"], start) == pytest.approx(0.1)
+    assert math.dist(start, end) == pytest.approx(0.4)
+
+
+def test_a_connector_without_a_node_lies_below_the_harness():
+    harness = loom()
+    loose = tuple(
+        Component(c.name, c.kind, c.terminals) if c.name == "X3" else c for c in harness.components
+    )
+    board = board_of(Order("loom", "", "", loose, harness.wires, nodes=harness.nodes,
+                           segments=harness.segments, clips=harness.clips))  # fmt: skip
+    centres = {device.component.name: device.centre for device in board.devices}
+    assert centres["X3"][1] < min(centres["X1"][1], centres["X2"][1])
+
+
+@pytest.mark.parametrize("order_of", [loom, lambda: project("industrial")])
+def test_a_drawing_shows_every_device_and_every_wire(order_of):
+    board = board_of(order_of())
+    text = draw_board(board)
+    assert text == draw_board(board_of(order_of()))
+    svg = etree.fromstring(text.encode())
+    space = {"s": "http://www.w3.org/2000/svg"}
+    labels = Counter(node.text for node in svg.findall("s:text", space))
+    assert labels == Counter(device.component.name for device in board.devices)
+    drawn = [title.text.split(":")[0] for title in svg.iterfind("s:g/s:title", space)]
+    assert sorted(drawn) == sorted(name.split(":")[0] for name in board.ways)
+    _, _, width, height = map(float, svg.get("viewBox").split())
+    points = " ".join(line.get("points") for line in svg.iterfind("s:g/s:polyline", space))
+    for pair in points.split():
+        x, y = map(float, pair.split(","))
+        assert 0 <= x <= width
+        assert 0 <= y <= height

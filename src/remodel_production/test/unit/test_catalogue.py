@@ -1,0 +1,61 @@
+"""The catalogue's form is checked, and its rules are applied in their order."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from remodel_production.core.catalogue import Place, catalogue_from
+from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_production.errors import CatalogueError
+
+FILE = Path(__file__).parents[2] / "config" / "catalogue.yaml"
+
+
+def data(**changes):
+    return {**yaml.safe_load(FILE.read_text()), **changes}
+
+
+def test_the_first_pattern_that_matches_decides():
+    catalogue = read_catalogue(FILE)
+    folder = "embed://import/20_manufacturers_articles/x"
+    assert catalogue.place(f"{folder}/breaker.elmt", "simple") is Place.PLATE
+    assert catalogue.place("embed://import/99_assembly_plan/x.elmt", "master") is Place.DRAWING
+
+
+def test_reports_and_thumbnails_are_no_devices_in_any_collection():
+    catalogue = read_catalogue(FILE)
+    assert catalogue.place("embed://import/other/x.elmt", "next_report") is Place.REFERENCE
+    assert catalogue.place("embed://import/other/x.elmt", "thumbnail") is Place.DRAWING
+
+
+def test_without_a_pattern_an_element_is_mounted_on_the_plate():
+    assert read_catalogue(FILE).place("embed://import/other/x.elmt", "simple") is Place.PLATE
+
+
+@pytest.mark.parametrize(
+    ("broken", "said"),
+    [
+        ([], "expected a mapping"),
+        ({}, "placement: KeyError"),
+        (data(placement=[{"pattern": "*", "place": "moon"}]), "'moon' is not a valid Place"),
+        (data(wires={1.5: {"diameter": 0.003}}), "wires: KeyError"),
+        (data(wires={"thick": {}}), "could not convert string to float"),
+        (data(terminals=[]), "terminals: .*no rule with part '\\*' for role device"),
+        (
+            data(terminals=[{"role": "device", "part": "*", "force_limit": 0, "clearance": 0}]),
+            "terminals: .*force_limit 0, clearance 0: the one must be above 0",
+        ),
+        (data(default_section="wide"), "colours and defaults: ValueError"),
+    ],
+)
+def test_a_malformed_catalogue_is_refused_by_place(broken, said):
+    with pytest.raises(CatalogueError, match=said):
+        catalogue_from(broken)
+
+
+def test_a_file_that_is_no_yaml_is_refused(tmp_path):
+    file = tmp_path / "catalogue.yaml"
+    file.write_text("a: [")
+    with pytest.raises(CatalogueError, match=r"catalogue\.yaml"):
+        read_catalogue(file)

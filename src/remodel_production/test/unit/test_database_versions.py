@@ -1,0 +1,81 @@
+"""New databases get the tables of the models; those of unknown versions are refused."""
+
+import pytest
+from alembic.autogenerate import compare_metadata
+from alembic.config import Config
+from alembic.migration import MigrationContext
+from alembic.script import ScriptDirectory
+from sqlalchemy import create_engine, inspect, text
+
+from remodel_production.edge.database import database_versions
+from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.edge.database.production_models import Base
+from remodel_production.errors import OrderError
+
+
+def execute(url, *statements):
+    """Execute statements, and return the rows of the last one."""
+    engine = create_engine(url)
+    with engine.begin() as connection:
+        for statement in statements:
+            result = connection.execute(text(statement))
+        rows = [tuple(row) for row in result] if result.returns_rows else []
+    engine.dispose()
+    return rows
+
+
+def open_and_close(url):
+    ProductionDatabase(url).close()
+
+
+def test_the_migrations_make_what_the_models_say(url):
+    open_and_close(url)
+    engine = create_engine(url)
+    with engine.connect() as connection:
+        context = MigrationContext.configure(connection, opts={"compare_type": True})
+        assert compare_metadata(context, Base.metadata) == []
+        checks = {
+            table: {check["name"] for check in inspect(connection).get_check_constraints(table)}
+            for table in Base.metadata.tables
+        }
+    engine.dispose()
+    assert "ck_clips_place" in checks["clips"]
+    assert "ck_wires_section" in checks["wires"]
+
+
+def test_the_newest_version_is_that_of_the_last_migration():
+    config = Config()
+    folder = database_versions.__file__.replace("database_versions.py", "migrations")
+    config.set_main_option("script_location", folder)
+    assert ScriptDirectory.from_config(config).get_current_head() == database_versions.NEWEST
+
+
+def test_a_database_of_a_newer_program_is_refused_and_left_alone(url):
+    open_and_close(url)
+    execute(url, "UPDATE alembic_version SET version_num = '0999'")
+    with pytest.raises(OrderError, match=r"is of version 0999; .* versions 0006"):
+        ProductionDatabase(url)
+    assert execute(url, "SELECT version_num FROM alembic_version") == [("0999",)]
+
+
+def test_an_open_database_is_opened_again_without_migrating(url, monkeypatch):
+    open_and_close(url)
+    monkeypatch.setattr("remodel_production.edge.database.production_database.upgrade", None)
+    open_and_close(url)
+
+
+def test_every_table_and_column_has_a_comment():
+    for table in Base.metadata.tables.values():
+        assert table.comment, table.name
+        assert all(column.comment for column in table.columns), table.name
+
+
+def test_a_migration_that_fails_changes_nothing(url):
+    # The migration makes other tables before it finds that this one is there.
+    execute(url, "CREATE TABLE wires (id INTEGER)", "INSERT INTO wires VALUES (7)")
+    with pytest.raises(OrderError, match="wires"):
+        ProductionDatabase(url)
+    engine = create_engine(url)
+    assert inspect(engine).get_table_names() == ["wires"]
+    engine.dispose()
+    assert execute(url, "SELECT id FROM wires") == [(7,)]

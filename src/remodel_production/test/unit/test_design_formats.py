@@ -1,0 +1,156 @@
+"""Files are recognised by their content, and quantities are read as people write them."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from remodel_production.core.imports.formats import DesignFormat, format_of, import_design
+from remodel_production.core.imports.shared.assembly import Connection, Device, assemble
+from remodel_production.core.imports.shared.colours import colour_code
+from remodel_production.core.imports.shared.units import awg_mm2, length_m, number, section_mm2
+from remodel_production.core.imports.wire_list_mapping import mapping_from
+from remodel_production.core.production import Side, TerminalRef
+from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_production.errors import DesignError
+
+CONFIG = Path(__file__).parents[2] / "config"
+CATALOGUE = read_catalogue(CONFIG / "catalogue.yaml")
+MAPPINGS = tuple(mapping_from(f.read_text()) for f in sorted((CONFIG / "wire_lists").iterdir()))
+DESIGNS = Path(__file__).parent / "designs"
+FORMATS = {".kbl": DesignFormat.KBL, ".yml": DesignFormat.WIREVIZ, ".csv": DesignFormat.WIRE_LIST}
+
+
+@pytest.mark.parametrize("file", sorted(DESIGNS.iterdir()), ids=lambda file: file.name)
+def test_every_example_is_recognised_and_accounted_for(file):
+    data = file.read_bytes()
+    form = format_of(data, MAPPINGS)
+    assert form is FORMATS[file.suffix]
+    imported = import_design(data, form, "x", file.name, CATALOGUE, MAPPINGS)
+    account = imported.account
+    direct = len(imported.order.wires) - account.wires_joined
+    assert account.connections == direct + account.joined + len(account.left_out)
+
+
+def test_a_qelectrotech_project_is_recognised_in_any_encoding():
+    text = '<?xml version="1.0" encoding="{}"?>\n<project><diagram/></project>'
+    for encoding in ("utf-8", "utf-16"):
+        assert format_of(text.format(encoding).encode(encoding), ()) is DesignFormat.QET
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (b" \n", "the file is empty"),
+        (b"PK\x03\x04...", "is a ZIP archive; unpack it"),
+        (b"\x89PNG\r\n\x1a\n\x00\x00", "a zero byte found"),
+        (b"<html/>", "the root element is <html>; what is read: QElectroTech projects"),
+        (b"<!DOCTYPE a [<!ENTITY b 'c'>]><project>&b;</project>", "document type a found"),
+        (b"dear colleague,\n", "line 1: 'dear colleague,' begins no format that is read"),
+    ],
+)
+def test_what_is_none_of_the_formats_is_refused_with_what_was_found(data, said):
+    with pytest.raises(DesignError, match=re.escape(said)):
+        format_of(data, MAPPINGS)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        *(
+            ("1.5", 1.5),
+            ("1,5", 1.5),
+            ("1.234,5", 1234.5),
+            ("1,234.5", 1234.5),
+            ("1.234.567", 1234567),
+        ),
+        *(("-2", -2.0), (" 1 000 ", 1000.0), (".5", 0.5), ("2e-3", 0.002)),
+        *(("", None), ("abc", None), ("1-2", None), ("nan", None), ("1e999", None), ("--1", None)),
+    ],
+)
+def test_numbers(text, value):
+    assert number(text) == value
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        *(
+            ("1,5 mm²", "mm2", 1.5),
+            ("2.5mm2", "mm2", 2.5),
+            ("0.75", "mm2", 0.75),
+            ("6 qmm", "mm2", 6),
+        ),
+        *(("AWG 14", "mm2", 2.08), ("14 AWG", "mm2", 2.08), ("#12 AWG", "mm2", 3.31)),
+        *(
+            ("12", "awg", 3.31),
+            ("2/0", "awg", 67.4),
+            ("0", "awg", 53.5),
+            ("BLK_14AWG", "awg", 2.08),
+        ),
+        *(("", "mm2", None), ("thick", "awg", None), ("-1", "mm2", None), ("0", "mm2", None)),
+        *(("5000", "mm2", None), ("99 AWG", "mm2", None), ("1.5 mm", "mm2", 1.5)),
+    ],
+)
+def test_sections(text, unit, value):
+    assert section_mm2(text, unit) == value
+
+
+def test_american_gauges_are_those_of_the_standard():
+    # ASTM B258: 24 AWG 0.205 mm2, 10 AWG 5.26 mm2, 4/0 AWG 107 mm2.
+    assert [awg_mm2(gauge) for gauge in ("24", "10", "4/0")] == [0.205, 5.26, 107.0]
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        *(("350", "mm", 0.35), ("0,35 m", "mm", 0.35), ("2 ft", "m", 0.6096), ('10"', "m", 0.254)),
+        *(("", "m", None), ("long", "m", None), ("3 ells", "m", None), ("1e9", "m", None)),
+    ],
+)
+def test_lengths(text, unit, value):
+    assert length_m(text, unit) == value
+
+
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        *(
+            ("BU", "BU"),
+            ("bleu", "BU"),
+            ("#ff0000", "RD"),
+            ("GNYE", "GNYE"),
+            ("green-yellow", "GNYE"),
+        ),
+        *(("sw/vi", "BKVT"), ("rtge", "RDYE"), ("RD/WH/BU", "RDWHBU"), ("GRN/YEL_12AWG", "GNYE")),
+        *(("plaid", None), ("bu plaid", None), ("", None), ("#123456", None)),
+    ],
+)
+def test_colours(text, code):
+    assert colour_code(text, CATALOGUE) == code
+
+
+def connection(a, b, name=""):
+    refs = [TerminalRef(*text.split(":")) for text in (a, b)]
+    return Connection(*refs, "BK", 1.0, f"at {a}", name)
+
+
+def test_shared_points_get_clamps_whose_names_nothing_else_has():
+    connections = [connection("A:1", "B:1"), connection("A:1", "B:2"), connection("A:1.1", "B:3")]
+    assembly = assemble([Device("A"), Device("B"), Device("C")], connections)
+    assert [str(wire.a) for wire in assembly.wires] == ["A:1.2", "A:1.3", "A:1.1"]
+    assert [c.name for c in assembly.components] == ["A", "B"]
+    assert assembly.components[1].terminal("2").side is Side.BOTTOM
+
+
+def test_doubled_names_of_wires_are_told_apart_without_taking_others_names():
+    connections = [connection(f"A:{n}", f"B:{n}", name) for n, name in enumerate("xxy")]
+    connections += [connection("A:8", "B:8", "x#2"), connection("A:9", "B:9")]
+    assembly = assemble([Device("A"), Device("B")], connections)
+    assert [wire.name for wire in assembly.wires] == ["x", "x#3", "y", "x#2", "W5"]
+    assert assembly.guesses[0] == "at A:1: name x occurs before, at at A:0; named x#3"
+
+
+def test_more_connections_than_any_design_has_are_refused():
+    with pytest.raises(DesignError, match="50001 connections found; at most 50000"):
+        assemble([], [connection("A:1", "B:1")] * 50001)

@@ -1,0 +1,190 @@
+"""The importer of KBL harnesses: references, routes and clips, and what is refused."""
+
+import math
+import re
+from pathlib import Path
+
+import pytest
+
+from remodel_production.core.imports.kbl import import_kbl
+from remodel_production.core.imports.kbl_routes import ordered_route
+from remodel_production.core.production import Clip, Role, Segment
+from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_production.errors import DesignError
+
+CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
+TEXT = (Path(__file__).parent / "designs" / "loom.kbl").read_text()
+
+
+def read(*changes):
+    """Read the loom with (old, new) pieces of its text exchanged."""
+    text = TEXT
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    return import_kbl(text.encode(), "loom", "loom.kbl", CATALOGUE)
+
+
+def test_connections_become_wires_by_their_references():
+    order = read().order
+    wire, core = order.wires
+    assert order.title == "L-100 Loom"
+    assert (wire.name, str(wire.a), str(wire.b)) == ("11", "X1:1", "X2:X2-1")
+    assert (wire.colour, wire.section_mm2, wire.length_m, wire.cable) == ("RDYE", 0.75, 0.7455, "")
+    assert (core.name, str(core.a), str(core.b)) == ("SL1.31", "X3:1", "X1:2")
+    assert (core.colour, core.section_mm2, core.cable, core.core) == ("WH", 0.35, "SL1", "31")
+    assert [(cable.name, cable.kind, cable.shielded) for cable in order.cables] == [
+        ("SL1", "LiYCY", True)
+    ]
+
+
+def test_what_an_assembly_part_is_made_of_is_not_read_twice():
+    imported = read()
+    assert imported.account.connections == 3
+    assert [component.name for component in imported.order.components] == ["X1", "X2", "X3"]
+
+
+def test_connectors_without_wires_stay_and_wires_without_connections_are_told():
+    bare = '<Connector_occurrence id="x4"><Id>X4</Id><Part>housing2</Part></Connector_occurrence>'
+    imported = read(('<Connector_occurrence id="x1">', f'{bare}<Connector_occurrence id="x1">'),
+                    ("<Wire>w2</Wire>", ""))  # fmt: skip
+    assert [c.name for c in imported.order.components] == ["X4", "X1", "X2", "X3"]
+    assert imported.order.components[0].terminals == ()
+    (ignored,) = imported.account.ignored
+    assert str(ignored) == "line 60, wire 12: left out, it connects nothing"
+
+
+def test_connectors_have_places_nodes_and_contacts():
+    x1, x2, x3 = read().order.components
+    assert (x1.kind, x1.role, x1.part_number, x1.node) == ("pump", Role.CONNECTOR, "H-2", "N1")
+    assert x1.pose.position == (0.0, 0.0, 0.0)
+    assert x1.terminal("1").kind == "T-063"
+    assert (x2.kind, x2.node, x2.pose.position) == ("ring terminal", "N3", (0.7, 0.0, 0.1))
+    assert (x3.node, x3.pose.position) == ("N4", (0.4, 0.2, 0.0))
+    assert x3.pose.orientation == pytest.approx((0, 0, math.sqrt(0.5), math.sqrt(0.5)))
+
+
+def test_routes_lead_from_a_to_b_whatever_their_order_in_the_file():
+    order = read().order
+    assert [wire.route for wire in order.wires] == [("S1", "S2"), ("S3", "S1")]
+
+
+def test_routes_become_ordered_lists_of_clips():
+    order = read().order
+    there, back = ([clip.name for clip in order.clips_of(wire)] for wire in order.wires)
+    assert there == ["CL1", "CL2", "CL3"]
+    assert back == ["CL3", "CL2", "CL1"]
+    assert order.clips[1] == Clip("CL1", "edge clip", "S1", 0.25)  # the absolute place binds
+
+
+def test_lengths_of_segments_are_physical_else_virtual_else_the_distance():
+    imported = read()
+    lengths = {segment.name: segment.length_m for segment in imported.order.segments}
+    assert lengths == {"S1": 0.4, "S2": 0.32, "S3": pytest.approx(0.2)}
+    assert "line 79: length of segment S3 not given, 0.200 m taken" in imported.account.guesses
+
+
+def test_a_wire_without_a_length_gets_that_of_its_route():
+    imported = read()
+    assert imported.order.wires[1].length_m == pytest.approx(0.6)
+    assert any("length not given, that of its route taken" in g for g in imported.account.guesses)
+
+
+def test_a_connection_with_one_end_is_left_out_with_its_place():
+    (left_out,) = read().account.left_out
+    assert str(left_out) == "line 37, connection con3: left out, 1 of its ends have a contact point"
+
+
+def test_namespaces_and_cases_do_not_matter():
+    plain = [("kbl:KBL_container", "KBL_Container"), ("xmlns:kbl", "xmlns")]
+    changed = read(*plain, ("kbl:", ""), ("Referenced_components", "referenced_components"))
+    assert changed.order == read().order
+
+
+def test_a_route_that_ends_elsewhere_is_taken_and_told():
+    imported = read(("<Segments>seg2 seg1</Segments>", "<Segments>seg2</Segments>"))
+    assert imported.order.wires[0].route == ("S2",)
+    assert (
+        "line 29, connection K1: its route leads from N2 to N3, and its connectors sit at N1 and "
+        "N3; the route is taken"
+    ) in imported.account.guesses
+
+
+def test_a_route_with_a_gap_is_left_out_and_named():
+    apart = '<Segment id="seg9"><Start_node>n1</Start_node><End_node>n4</End_node></Segment>'
+    imported = read(
+        ("<Segments>seg1 seg3</Segments>", "<Segments>seg2 seg9</Segments>"),
+        ('<Unit id="mm">', f'{apart}<Unit id="mm">'),
+    )
+    (ignored,) = imported.account.ignored
+    assert ignored.source == "line 33, connection K2, its route"
+    assert ignored.reason == "its segments S2, seg9 are no way: they form 2 separate ways"
+    assert imported.order.wires[1].route == ()
+
+
+def test_a_box_at_two_nodes_has_wires_from_both():
+    both = read(
+        (">f3<", ">f3 x1<"), ("<Segments>seg2 seg1</Segments>", "<Segments>seg2</Segments>")
+    )
+    assert both.order.wires[0].route == ("S2",)
+    assert not any("its connectors sit at" in guess for guess in both.account.guesses)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("<Wire>w1</Wire>", "<Wire>w9</Wire>", "line 29: Wire of Connection K1 refers to w9"),
+        (">cp3<", ">cp9<", "Contact_point of Extremities e2 refers to cp9"),
+        (">cp3<", ">t1<", "refers to Terminal_occurrence t1, which is no contact point"),
+        ("<Start_node>n2", "<Start_node>n9", "Start_node of Segment S2 refers to n9"),
+        ("<Start_node>n2</Start_node>", "", "Segment S2 has 0 nodes as Start_node"),
+        ('id="seg2"', 'id="seg1"', "id seg1 of a <Segment> is there before, at line 72"),
+        ('<Routing id="r2"><Routed_wire>core1', '<Routing id="r2"><Routed_wire>con1', "K1 has a r"),
+        ("<Location>0.75", "<Location>1.5", "Location 1.5; a number from 0 to 1 is needed"),
+        ("<Position_on_wire>0.0", "<Position_on_wire>end", "Position_on_wire 'end'"),
+        ("<Coordinates>400.0", "<Coordinates>far", "two or three numbers are needed"),
+        ("kbl:KBL_container", "kbl:Other", "the root element is <Other>"),
+        ("</kbl:KBL_container>", "", "is no XML"),
+        ("<Harness", "<!-- --><Harness2", "is no XML"),
+    ],
+)
+def test_a_broken_container_is_refused_with_the_place(old, new, said):
+    with pytest.raises(DesignError, match=re.escape(said)):
+        read((old, new))
+
+
+def test_a_container_without_connections_is_refused():
+    with pytest.raises(DesignError, match="none of its 3 connections joins two contact points"):
+        read(("Contact_point>cp", "Contact>cp"), ("</Contact_point>", "</Contact>"))
+
+
+SEGMENTS = [
+    Segment("S1", "A", "B", 1.0),
+    Segment("S2", "C", "B", 1.0),
+    Segment("S3", "C", "D", 1.0),
+]
+
+
+@pytest.mark.parametrize(
+    ("segments", "said"),
+    [
+        ([*SEGMENTS, SEGMENTS[0]], "passes segment S1 twice"),
+        ([*SEGMENTS, Segment("S4", "D", "A", 1.0)], "they form a cycle"),
+        ([SEGMENTS[0], SEGMENTS[2]], "they form 2 separate ways"),
+        ([*SEGMENTS, Segment("S4", "B", "E", 1.0)], "3 of its segments meet at node B"),
+        (
+            [*SEGMENTS, Segment("S4", "E", "F", 1.0), Segment("S5", "F", "E", 1.0)],
+            "do not hang together",
+        ),
+    ],
+)
+def test_segments_that_are_no_way_are_told(segments, said):
+    assert said in ordered_route(segments, (), ())
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 0, 1), (1, 2, 0), (2, 1, 0)])
+def test_segments_in_any_order_are_one_way(order):
+    segments = [SEGMENTS[i] for i in order]
+    names = [segment.name for segment in ordered_route(segments, ["A"], ["D"])]
+    assert names == ["S1", "S2", "S3"]
+    assert ordered_route(segments, (), ["A"]) == tuple(SEGMENTS[::-1])

@@ -1,0 +1,196 @@
+"""Orders go into the database and come back equal."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+from sqlalchemy import create_engine, text
+
+from remodel_production.core.ability import Ability, AbilityParameter
+from remodel_production.core.production import (
+    Cable,
+    Clip,
+    Component,
+    Mount,
+    Node,
+    Order,
+    Pose,
+    Role,
+    Segment,
+    SegmentKind,
+    Side,
+    Terminal,
+    TerminalRef,
+    Wire,
+)
+from remodel_production.edge.database.database_versions import NEWEST
+from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.errors import OrderError
+
+ORDER = Order(
+    "house",
+    "A house",
+    "house.qet",
+    (
+        Component("Q1", "breaker", (Terminal("B1", Side.BOTTOM), Terminal("B2", Side.BOTTOM))),
+        Component("Q2", "switch", (Terminal("T1", Side.TOP), Terminal("T2", Side.TOP))),
+    ),
+    (
+        Wire("W1", TerminalRef("Q1", "B1"), TerminalRef("Q2", "T1"), "BU", 1.5, "line 1"),
+        Wire("W2", TerminalRef("Q1", "B2"), TerminalRef("Q2", "T2"), "BK", 2.5, "line 2"),
+    ),
+    ("a guess",),
+)
+
+
+TURNED = Pose((1.0, 2.0, 3.0), (0.0, 0.0, 1.0, 0.0))
+HARNESS = Order(
+    "loom",
+    "A loom",
+    "loom.kbl",
+    (
+        Component(
+            "X1",
+            "plug",
+            (Terminal("1", Side.TOP, "", "contact 4711", TURNED, (0.0, 0.0, -1.0), 0.02, 60.0),),
+            Mount.FIELD,
+            Role.CONNECTOR,
+            "P-1",
+            TURNED,
+            "N1",
+        ),
+        Component("X2", "plug", (Terminal("1", Side.BOTTOM),), node="N3"),
+    ),
+    (
+        Wire(
+            "C1.1",
+            TerminalRef("X1", "1"),
+            TerminalRef("X2", "1"),
+            "GNYE",
+            0.35,
+            "line 3",
+            0.7,
+            "C1",
+            "1",
+            ("S1", "S2"),
+        ),
+    ),
+    (),
+    (Cable("C1", "LiYCY", 0.8, True, "line 4"),),
+    (Node("N1", (0.0, 0.1, 0.2)), Node("N2", None), Node("N3", None)),
+    (Segment("S1", "N1", "N2", 0.3), Segment("S2", "N3", "N2", 0.4, SegmentKind.DUCT)),
+    (Clip("K1", "clip", "S2", 0.25), Clip("K2", "clip", "S2", 0.75), Clip("K3", "", node="N2")),
+)
+
+
+@pytest.fixture
+def database(url):
+    database = ProductionDatabase(url)
+    yield database
+    database.close()
+
+
+def rows(url, query):
+    engine = create_engine(url)
+    with engine.connect() as connection:
+        found = [tuple(row) for row in connection.execute(text(query))]
+    engine.dispose()
+    return found
+
+
+def test_an_order_comes_back_equal(database):
+    database.add_order(ORDER)
+    assert database.order("house") == ORDER
+
+
+def test_a_harness_comes_back_equal_with_its_routes(database):
+    database.add_order(HARNESS)
+    loom = database.order("loom")
+    assert loom == HARNESS
+    assert [clip.name for clip in loom.clips_of(loom.wires[0])] == ["K3", "K2", "K1"]
+
+
+def test_preferences_come_back_as_they_were(database):
+    wish = {"name": "blue first", "pick": {"colour": "BU"}, "before": {"colour": "BK"}, "weight": 2}
+    document = {
+        "format": "remodel-preferences-1",
+        "weights": {"heavy": 12, "zone": 0},
+        "prefer": [wish],
+        "require": [{"name": "away", "arm": "R", "x_mm": [0, 100]}],
+    }
+    database.add_order(ORDER, document)
+    database.add_order(HARNESS)
+    assert database.preferences("house") == document
+    assert database.preferences("loom") is None
+
+
+def test_preferences_that_are_no_document_are_refused_with_the_order(database):
+    with pytest.raises(OrderError, match="sections are needed"):
+        database.add_order(ORDER, ["prefer"])
+    with pytest.raises(OrderError, match="no order house"):
+        database.order("house")
+
+
+def test_abilities_are_kept_up_to_date(database):
+    place = Ability("Place", "place it", (AbilityParameter("id", "string", "whose"),))
+    parameters = (AbilityParameter("id", "string", "what"), AbilityParameter("f", "float64", ""))
+    pick = Ability("Pick", "pick it", parameters)
+    database.add_order(ORDER, abilities=(place,))
+    database.add_order(HARNESS, abilities=(pick, Ability("Place", "lay it", ())))
+    assert database.abilities() == (pick, Ability("Place", "lay it", ()))
+
+
+def test_an_order_survives_its_process(database, url):
+    database.add_order(ORDER)
+    database.close()
+    again = ProductionDatabase(url)
+    assert again.order("house") == ORDER
+    again.close()
+
+
+def test_a_second_order_of_the_same_name_is_refused_whole(database, url):
+    database.add_order(ORDER)
+    with pytest.raises(OrderError, match="an order house already"):
+        database.add_order(ORDER)
+    assert rows(url, "SELECT count(*) FROM wires") == [(2,)]
+
+
+def test_an_unknown_order_is_refused_with_those_there_are(database):
+    database.add_order(ORDER)
+    with pytest.raises(OrderError, match="no order hosue; it has: house"):
+        database.order("hosue")
+
+
+def test_no_database_at_the_url_is_an_order_error():
+    with pytest.raises(OrderError, match="unable to open database file"):
+        ProductionDatabase("sqlite:////nonexistent/folder/production.sqlite")
+
+
+def test_sqlite_writes_ahead_and_keeps_foreign_keys(tmp_path):
+    url = f"sqlite:///{tmp_path}/production.sqlite"
+    database = ProductionDatabase(url)
+    with database._engine.connect() as connection:
+        assert connection.exec_driver_sql("PRAGMA journal_mode").scalar() == "wal"
+        assert connection.exec_driver_sql("PRAGMA foreign_keys").scalar() == 1
+    database.close()
+
+
+def test_two_programs_may_open_a_new_database_at_once(url):
+    with ThreadPoolExecutor(4) as pool:
+        for database in pool.map(ProductionDatabase, [url] * 4):
+            database.close()
+    assert rows(url, "SELECT version_num FROM alembic_version") == [(NEWEST,)]
+
+
+@pytest.mark.parametrize(
+    "url", ["nonsense", "oracle9://x", "postgresql+psycopg2://u:secret@/d?host=/no"]
+)
+def test_a_url_that_is_none_is_an_order_error_without_its_password(url):
+    with pytest.raises(OrderError, match="database ") as caught:
+        ProductionDatabase(url)
+    assert "secret" not in str(caught.value)
+
+
+def test_the_first_wires_take_only_the_terminals_they_need():
+    first = ORDER.first(1)
+    assert [wire.name for wire in first.wires] == ["W1"]
+    assert [[t.name for t in c.terminals] for c in first.components] == [["B1"], ["T1"]]

@@ -1,0 +1,284 @@
+"""The importer of QElectroTech projects, on small drawings and on a real one."""
+
+import re
+from pathlib import Path
+
+import pytest
+from lxml import etree
+
+from remodel_production.core.imports.qet import import_qet
+from remodel_production.core.production import Mount, Side, TerminalRef
+from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_production.errors import DesignError
+
+CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
+EXAMPLES = Path("/usr/share/qelectrotech/examples")
+
+COLLECTION = """
+<collection><category name="import">
+  <category name="20_manufacturers_articles"><element name="breaker.elmt">
+    <definition link_type="master" type="element"><description>
+      <terminal uuid="{t1}" x="-10" y="-20" orientation="n"/>
+      <terminal uuid="{t2}" x="10" y="-20" orientation="n"/>
+      <terminal uuid="{b1}" x="-10" y="20" orientation="s"/>
+      <terminal uuid="{b2}" x="10" y="20" orientation="s"/>
+    </description></definition></element></category>
+  <category name="500_home_installation"><element name="lamp.elmt">
+    <definition link_type="simple" type="element"><description>
+      <terminal uuid="{l}" x="0" y="0" orientation="n"/>
+    </description></definition></element></category>
+  <category name="100_folio_referencing"><element name="arrow.elmt">
+    <definition link_type="next_report" type="element"><description>
+      <terminal uuid="{r}" x="0" y="0" orientation="w"/>
+    </description></definition></element></category>
+  <category name="relays"><element name="contact.elmt">
+    <definition link_type="slave" type="element"><description>
+      <terminal uuid="{c1}" x="0" y="-10" orientation="n"/>
+      <terminal uuid="{c2}" x="0" y="10" orientation="s"/>
+    </description></definition></element></category>
+</category></collection>
+"""
+BREAKER = "embed://import/20_manufacturers_articles/breaker.elmt"
+LAMP = "embed://import/500_home_installation/lamp.elmt"
+ARROW = "embed://import/100_folio_referencing/arrow.elmt"
+CONTACT = "embed://import/relays/contact.elmt"
+TERMINALS = {
+    BREAKER: ((-10, -20, 0), (10, -20, 0), (-10, 20, 2), (10, 20, 2)),
+    LAMP: ((0, 0, 0),),
+    ARROW: ((0, 0, 3),),
+    CONTACT: ((0, -10, 0), (0, 10, 2)),
+}
+
+
+def element(kind, uuid, label="", link="", first_id=0):
+    terminals = "".join(
+        f'<terminal id="{first_id + n}" x="{x}" y="{y}" orientation="{o}"/>'
+        for n, (x, y, o) in enumerate(TERMINALS[kind])
+    )
+    return (
+        f'<element type="{kind}" uuid="{uuid}"><terminals>{terminals}</terminals>'
+        f'<elementInformations><elementInformation name="label">{label}</elementInformation>'
+        f"</elementInformations>"
+        f"<links_uuids>{f'<link_uuid uuid={link!r}/>' if link else ''}</links_uuids></element>"
+    )
+
+
+def wire(element1, terminal1, element2, terminal2, more=""):
+    return (
+        f'<conductor element1="{element1}" terminal1="{{{terminal1}}}" element2="{element2}" '
+        f'terminal2="{{{terminal2}}}" {more}/>'
+    )
+
+
+def project(*folios):
+    diagrams = "".join(
+        f"<diagram><elements>{''.join(elements)}</elements>\n"
+        f"<conductors>{chr(10).join(conductors)}</conductors></diagram>"
+        for elements, conductors in folios
+    )
+    return f'<project title="Test" version="0.90">{diagrams}{COLLECTION}</project>'.encode()
+
+
+def read(*folios):
+    imported = import_qet(project(*folios), "test", "test.qet", CATALOGUE)
+    return imported.order, imported.account
+
+
+def ends(order):
+    return [(str(wire.a), str(wire.b)) for wire in order.wires]
+
+
+TWO = [element(BREAKER, "q1", "Q1"), element(BREAKER, "q2", "Q2")]
+
+
+def test_a_conductor_between_two_devices_is_a_wire():
+    attributes = 'conductor_section="1.5mm²" conductor_color="Bleu"'
+    order, account = read((TWO, [wire("q1", "b2", "q2", "t1", attributes)]))
+    assert ends(order) == [("Q1:B2", "Q2:T1")]
+    assert (order.wires[0].colour, order.wires[0].section_mm2) == ("BU", 1.5)
+    assert order.components[0].terminal("B2").side is Side.BOTTOM
+    assert not account.guesses
+    assert not account.left_out
+
+
+def test_terminals_numbered_on_the_folio_are_understood():
+    elements = [element(BREAKER, "q1", "Q1"), element(BREAKER, "q2", "Q2", first_id=4)]
+    order, _ = read((elements, ['<conductor terminal1="3" terminal2="4" num="2,5 mm2"/>']))
+    assert ends(order) == [("Q1:B2", "Q2:T1")]
+    assert order.wires[0].section_mm2 == 2.5
+
+
+def test_elements_without_uuids_are_told_apart_on_one_line():
+    elements = [element(BREAKER, "q1", "Q1"), element(BREAKER, "q2", "Q2", first_id=4)]
+    elements = [re.sub(' uuid="[^"]*"', "", text) for text in elements]
+    order, _ = read((elements, ['<conductor terminal1="3" terminal2="4"/>']))
+    assert ends(order) == [("Q1:B2", "Q2:T1")]
+
+
+def test_a_conductor_to_the_field_is_a_wire_that_leads_away():
+    elements = [*TWO, element(LAMP, "e1")]
+    conductors = [wire("q1", "b1", "q2", "t1"), wire("q2", "b1", "e1", "l")]
+    order, account = read((elements, conductors))
+    assert ends(order) == [("Q1:B1", "Q2:T1"), ("Q2:B1", "lamp:T1")]
+    assert ends(order.in_cabinet()) == [("Q1:B1", "Q2:T1")]
+    assert order.components[-1].mount is Mount.FIELD
+    assert not account.left_out
+
+
+def test_a_contact_is_part_of_its_master():
+    contact = element(CONTACT, "k1a", "K1", link="q1")
+    conductors = [wire("q1", "b1", "k1a", "c1"), wire("k1a", "c2", "q2", "t1")]
+    order, _ = read(([*TWO, contact], conductors))
+    assert ends(order) == [("Q1:B1", "Q1:T3"), ("Q1:B3", "Q2:T1")]
+    assert [component.name for component in order.components] == ["Q1", "Q2"]
+
+
+def test_a_contact_whose_master_is_missing_is_a_device_of_its_own():
+    contact = element(CONTACT, "k1a", "K1", link="gone")
+    order, _ = read(([*TWO, contact], [wire("q1", "b1", "k1a", "c1")]))
+    assert ends(order) == [("Q1:B1", "K1:T1")]
+
+
+def test_terminals_of_a_definition_that_lie_outwards_are_those_of_the_instance():
+    drawn = element(BREAKER, "q1", "Q1").replace('y="-20"', 'y="-16"').replace('y="20"', 'y="16"')
+    order, _ = read(([drawn, TWO[1]], [wire("q1", "b2", "q2", "t1")]))
+    assert ends(order) == [("Q1:B2", "Q2:T1")]
+
+
+def test_a_format_that_is_newer_is_read_and_told():
+    text = project((TWO, [wire("q1", "b1", "q2", "t1")])).replace(b'"0.90"', b'"0.100.0"')
+    imported = import_qet(text, "test", "test.qet", CATALOGUE)
+    assert imported.account.guesses[0] == "line 1: format 0.100.0; read as 0.90"
+
+
+def test_a_potential_goes_on_through_linked_references():
+    one = ([element(BREAKER, "q1", "Q1"), element(ARROW, "r1", link="r2")], [])
+    two = ([element(BREAKER, "q2", "Q2"), element(ARROW, "r2", link="r1")], [])
+    three = ([element(BREAKER, "q3", "Q3"), element(ARROW, "r3", link="r4")], [])
+    one[1].append(wire("q1", "b1", "r1", "r"))
+    two[0].append(element(ARROW, "r4", link="r3"))
+    two[1].extend([wire("r2", "r", "q2", "t1"), wire("r2", "r", "r4", "r")])
+    three[1].append(wire("q3", "t1", "r3", "r"))
+    order, account = read(one, two, three)
+    assert ends(order) == [("Q1:B1", "Q2:T1.1"), ("Q2:T1.2", "Q3:T1")]
+    assert (account.connections, account.joined, account.wires_joined) == (4, 4, 2)
+
+
+def test_a_reference_that_leads_nowhere_is_left_out():
+    elements = [*TWO, element(ARROW, "r1")]
+    conductors = [wire("q1", "b1", "q2", "t1"), wire("q1", "b2", "r1", "r")]
+    _, account = read((elements, conductors))
+    assert account.left_out[0].source == "folio 1, line 3"
+    assert "no second device" in account.left_out[0].reason
+
+
+def test_a_point_with_two_wires_becomes_two_terminals():
+    conductors = [wire("q1", "b1", "q2", "t1"), wire("q1", "b1", "q2", "t2")]
+    order, account = read((TWO, conductors))
+    assert ends(order) == [("Q1:B1.1", "Q2:T1"), ("Q1:B1.2", "Q2:T2")]
+    assert any("Q1:B1 is given 2 clamps" in guess for guess in account.guesses)
+
+
+def test_what_the_file_does_not_say_is_guessed_aloud():
+    elements = [element(BREAKER, "q1"), element(BREAKER, "q2")]
+    order, account = read((elements, [wire("q1", "b1", "q2", "t1")]))
+    assert ends(order) == [("breaker:B1", "breaker#2:T1")]
+    assert (order.wires[0].colour, order.wires[0].section_mm2) == ("BK", 2.5)
+    assert len(account.guesses) == 4
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (b"not xml at all", "is no XML"),
+        (b"", "is no XML"),
+        (b"<html/>", "root element is <html>"),
+        (b"<project/>", "at least one <diagram>"),
+        (b'<!DOCTYPE p [<!ENTITY a "b">]><project>&a;</project>', "line 1: document type p found"),
+        (project(([element(LAMP, "e1")], [])), "none of its 0 conductors"),
+        (project((TWO, [wire("q1", "zz", "q2", "t1")])), "terminal {zz} is not in the definition"),
+        (project((TWO, [wire("q9", "b1", "q2", "t1")])), "element q9 is not in the project"),
+        (project((TWO, [wire("q1", "b1", "q1", "b1")])), "both its ends are at the same terminal"),
+        (project(([*TWO, TWO[0]], [])), "element q1 is there before, at line 1"),
+        (project((TWO, [wire("q1", "b1", "q2", "t1")])).replace(b'x="-10"', b'x="left"'), "'left'"),
+    ],
+)
+def test_what_is_no_project_is_refused_with_the_reason(text, said):
+    with pytest.raises(DesignError, match=re.escape(said)):
+        import_qet(text, "test", "test.qet", CATALOGUE)
+
+
+def test_a_number_for_two_terminals_of_a_folio_is_named():
+    elements = [element(BREAKER, "q1", "Q1"), element(BREAKER, "q2", "Q2", first_id=3)]
+    conductors = [
+        '<conductor terminal1="2" terminal2="6"/>',
+        '<conductor terminal1="0" terminal2="3"/>',
+    ]
+    _, account = read((elements, conductors))
+    assert account.left_out[0].reason == "terminal 3 is there twice, at line 1 and line 1"
+
+
+# Drawings of parts for other projects: elements, and no conductor.
+WITHOUT_CONDUCTORS = {"ShellyParts.qet", "pinball_williams_em.qet"}
+
+
+@pytest.mark.parametrize("file", sorted(EXAMPLES.glob("*.qet")), ids=lambda file: file.stem)
+def test_every_conductor_of_every_shipped_project_is_accounted_for(file):
+    text = file.read_bytes()
+    project = etree.fromstring(text)
+    if file.name in WITHOUT_CONDUCTORS:
+        assert not project.findall("diagram/conductors/conductor")
+        with pytest.raises(DesignError, match="0 conductors joins two devices"):
+            import_qet(text, "real", file.name, CATALOGUE)
+        return
+    imported = import_qet(text, "real", file.name, CATALOGUE)
+    order, account = imported.order, imported.account
+    direct = len(order.wires) - account.wires_joined
+    assert account.connections == len(project.findall("diagram/conductors/conductor"))
+    assert account.connections == direct + account.joined + len(account.left_out)
+    used = [end for wire in order.wires for end in (wire.a, wire.b)]
+    known = {TerminalRef(c.name, t.name) for c in order.components for t in c.terminals}
+    assert len(used) == len(set(used))
+    assert set(used) == known
+
+
+def test_without_references_wires_and_devices_are_conductors_and_elements():
+    for name in ("schema_indus", "741", "convertisseur", "lmdg"):
+        text = (EXAMPLES / f"{name}.qet").read_bytes()
+        project = etree.fromstring(text)
+        order = import_qet(text, name, name, CATALOGUE).order
+        numbers = {
+            (folio, terminal.get("id")): element
+            for folio, diagram in enumerate(project.findall("diagram"))
+            for element in diagram.findall("elements/element")
+            for terminal in element.findall("terminals/terminal")
+        }
+        conductors = [
+            (folio, conductor)
+            for folio, diagram in enumerate(project.findall("diagram"))
+            for conductor in diagram.findall("conductors/conductor")
+        ]
+        wired = {
+            numbers[folio, conductor.get(end)]
+            for folio, conductor in conductors
+            for end in ("terminal1", "terminal2")
+        }
+        assert len(order.wires) == len(conductors)
+        assert len(order.components) == len(wired)
+
+
+def test_the_household_panel_has_its_fifty_eight_wires():
+    text = (EXAMPLES / "tableau_domestique.qet").read_bytes()
+    order = import_qet(text, "house", "tableau_domestique.qet", CATALOGUE).order.in_cabinet()
+    assert len(order.wires) == 58
+    assert str(order.wires[0].a) == "HDA245S:B2"
+    assert str(order.wires[0].b) == "Q1:T2.1"
+
+
+def test_the_industrial_project_has_all_its_conductors():
+    text = (EXAMPLES / "industrial.qet").read_bytes()
+    imported = import_qet(text, "industrial", "industrial.qet", CATALOGUE)
+    account = imported.account
+    assert account.connections == 671
+    assert (account.joined, account.wires_joined, len(account.left_out)) == (324, 213, 2)
+    assert len(imported.order.wires) == 558

@@ -1,0 +1,181 @@
+"""The importer of from-to lists, with the mappings that come with the package."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from remodel_production.core.imports.wire_list import import_wire_list
+from remodel_production.core.imports.wire_list_mapping import mapping_from
+from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_production.errors import DesignError
+
+CONFIG = Path(__file__).parents[2] / "config"
+CATALOGUE = read_catalogue(CONFIG / "catalogue.yaml")
+MAPPINGS = tuple(
+    mapping_from(file.read_text()) for file in sorted((CONFIG / "wire_lists").glob("*.yaml"))
+)
+DESIGNS = Path(__file__).parent / "designs"
+
+
+def read(data, *mappings):
+    data = data if isinstance(data, bytes) else data.encode()
+    return import_wire_list(data, "test", "test.csv", CATALOGUE, mappings or MAPPINGS)
+
+
+def rows(imported):
+    return [
+        (w.name, str(w.a), str(w.b), w.colour, w.section_mm2, w.length_m)
+        for w in imported.order.wires
+    ]
+
+
+def test_an_eplan_like_list_in_windows_encoding_with_decimal_commas():
+    imported = read((DESIGNS / "eplan.csv").read_bytes())
+    assert imported.order.title == "EPLAN connection list"
+    assert rows(imported) == [
+        ("101", "=A1+C1-K1:A1", "=A1+C1-X1:3.1", "BU", 1.5, 0.35),
+        ("102", "=A1+C1-K1:A2", "=A1+C1-X1:4", "GNYE", 2.5, 1.2),
+        ("101#2", "=A1+C1-X1:3.2", "=A1+C1-F1:2", "BK", 2.08, None),
+        ("W4", "=A1+C1-X1:7", "+M1:U", "BN", 0.75, 12.0),
+    ]
+    assert [(cable.name, cable.source) for cable in imported.order.cables] == [("W7", "line 5")]
+    assert imported.account.guesses[:3] == (
+        "the file is no UTF-8: read as cp1252",
+        "line 4: colour 'hellblau', BK taken",
+        "line 4: name 101 occurs before, at line 2; named 101#2",
+    )
+    assert [str(item) for item in imported.account.left_out] == [
+        "line 6: left out, its second end is not given"
+    ]
+
+
+def test_an_autocad_like_report_with_titles_layers_and_quotes():
+    imported = read((DESIGNS / "autocad_electrical.csv").read_bytes())
+    assert rows(imported) == [
+        ("1", "CR1:A1.1", "TB1:1", "BK", 2.08, 0.508),
+        ("1#2", "CR1:A1.2", "LT1:X1", "BK", 2.08, None),
+        ("24", "M1, spare:13", "TB1:2", "GNYE", 3.31, 0.9144),
+    ]
+    assert [str(item) for item in imported.account.left_out] == [
+        "line 8: left out, the same wire is in line 7"
+    ]
+
+
+def test_an_elecdes_like_schedule_with_tabs_and_cores():
+    imported = read((DESIGNS / "elecdes.csv").read_bytes())
+    assert rows(imported) == [
+        ("C100-1", "JB1:1", "PLC1:DI0", "RDWH", 1.5, None),
+        ("C100-2", "JB1:2", "PLC1:DI1", "BK", 1.5, None),
+        ("W3", "JB1:3", "PLC1:1", "BK", 1.5, None),
+    ]
+    assert [(w.cable, w.core) for w in imported.order.wires[:2]] == [("C100", "1"), ("C100", "2")]
+    assert "line 6: no terminal of PLC1 is given, 1 taken" in imported.account.guesses
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+@pytest.mark.parametrize("separator", [",", ";", "\t", "|"])
+def test_encodings_and_separators_are_found(encoding, separator):
+    text = "Wire,From,To,Section\nÄ1,K1:1,X1:2,2.5\n".replace(",", separator)
+    imported = read(text.encode(encoding))
+    assert rows(imported) == [("Ä1", "K1:1", "X1:2", "BK", 2.5, None)]
+
+
+def test_a_list_with_places_has_them():
+    text = "From,To,From x,From y,To x,To y\nK1:1,X1:2,100,0,-50,-220\nK1:3,X1:4,,,,\n"
+    k1, x1 = read(text).order.components
+    assert (k1.pose.position, x1.pose.position) == ((0.1, 0.0, 0.0), (-0.05, -0.22, 0.0))
+
+
+MINE = """
+format: remodel-wire-list-1
+name: mine
+columns: {from: [Von, Start], to_component: Nach, to_terminal: Klemme, colour: Farbe, section: Q}
+units: {section: awg}
+terminal_separator: "/"
+separator: tab
+encoding: cp1252
+colours: {hellblau: BU}
+"""
+
+
+def test_a_mapping_of_ones_own():
+    text = "Start\tNach\tKlemme\tFarbe\tQ\nK/1/A1\tX1\t7\tHellblau\t12\n"
+    imported = read(text.encode("cp1252"), mapping_from(MINE))
+    assert rows(imported) == [("W1", "K/1:A1", "X1:7", "BU", 3.31, None)]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "no line of the first 30 has the headings of a wire list; found ''"),
+        ("a,b\n1,2\n", "found 'a,b'; known headings: AutoCAD Electrical"),
+        ("From,To\n", "none of its 0 lines names both ends"),
+        ("From,To\nK1:1,\n", "none of its 1 lines names both ends of a wire; the first: line 2"),
+        ("From,To\nK1:1,K1:1\n", "both its ends are at K1:1"),
+        ("From,To\nK1:1,X1:1,X2:1\n", "line 2: 3 cells found; there are 2 headings: quote"),
+        ('From,To\nK1:1,"X1:1\n', "line 2: is no CSV: unexpected end of data"),
+        ("From,To\nK1:1," + "x" * 60000, "line 2: a cell is longer than 50000"),
+        ("From,To\n" + "a:1,b:1\n" * 50001, "line 50002: more than 50000 lines"),
+        ("From,To,From x,From y\nA:1,B:1,1,2\nA:2,B:2,1,3\n", "line 3: A is at ('1', '3'), and e"),
+        ("From,To,From x,From y\nA:1,B:1,1,\n", "line 2: place of A: ('1', '') found; two length"),
+        (b"From,To\nA:1,B:\x001\n", "line 2: a zero byte found"),
+        (b"\xff\xfeF", "line 1: byte 0x46 is no utf-16"),
+    ],
+)
+def test_a_malformed_list_is_refused_with_the_line(text, said):
+    with pytest.raises(DesignError, match=re.escape(said)):
+        read(text)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("list-1", "list-2", "format 'remodel-wire-list-2' found; `format: remodel-wire-list-1`"),
+        ("format:", "form:", "line 2: the mapping: key form is not known"),
+        ("columns:", "name2: x\n#", "key name2 is not known; allowed: format, name, columns"),
+        ("section: awg", "section: mil", "line 5: unit of section: mil found; allowed: mm2, awg"),
+        ("section: awg", "length: ell", "line 5: unit of length: ell found; allowed: mm, cm"),
+        ("section: awg", "weight: kg", "line 5: units: key weight is not known"),
+        ("from: [Von, Start], ", "", "neither `from` nor `from_component` is given"),
+        ("Farbe", "[]", "line 4: column colour: give a heading, or a list of them"),
+        ("Farbe", "{a: b}", "column colour: expected a list, found a mapping"),
+        ("name: mine", "name: [a]", "line 3: name: a text is needed"),
+        ("name: mine", "name: mine\nname: yours", "line 4: key name is given before, at line 3"),
+    ],
+)
+def test_a_malformed_mapping_is_refused_with_the_line(old, new, said):
+    assert old in MINE
+    with pytest.raises(DesignError, match=re.escape(said)):
+        mapping_from(MINE.replace(old, new))
+
+
+def test_a_mapping_needs_columns():
+    with pytest.raises(DesignError, match="`columns` is missing"):
+        mapping_from("format: remodel-wire-list-1")
+
+
+def test_an_encoding_that_is_not_known_is_refused():
+    with pytest.raises(DesignError, match="encoding klingon: not known"):
+        read("From,To\n", mapping_from(MINE.replace("cp1252", "klingon")))
+
+
+LIMITED = "From;To;From force limit N;To force limit N\nK1:1;X1:1;25,5;\nK1:1;X1:2;25.5;{}\n"
+
+
+def test_force_limits_of_terminals_are_read_where_a_list_has_them():
+    order = read(LIMITED.format("12")).order
+    limits = {
+        f"{component.name}:{terminal.name}": terminal.insertion_force_limit_n
+        for component in order.components
+        for terminal in component.terminals
+    }
+    assert limits == {"K1:1.1": 25.5, "K1:1.2": 25.5, "X1:1": None, "X1:2": 12.0}
+
+
+def test_force_limits_that_cannot_be_are_refused_with_their_line():
+    with pytest.raises(DesignError, match=r"line 3: force limit of X1:2: '-3' found; a number of"):
+        read(LIMITED.format("-3"))
+    twice = LIMITED.format("7") + "K1:1;X1:3;9;"
+    with pytest.raises(DesignError, match=r"line 4: force limit of K1:1: 9 N found, and 25\.5 N"):
+        read(twice)

@@ -1,0 +1,1 @@
+"""Supervision: runs of orders, recovery from failures, learning, and leases."""

@@ -1,0 +1,1 @@
+"""Pure supervision: values in, values out."""

@@ -1,0 +1,117 @@
+"""Which fault a task failed with, and what is done about it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from types import MappingProxyType
+
+from remodel_planning.core.task_charts.state_path import step_of
+from remodel_planning.core.use_case.fault import Do, FaultTable
+from remodel_planning.core.use_case.policy import Policy
+from remodel_supervision.core.recovery.decide import decide
+from remodel_supervision.core.recovery.failure import Failure, Spent
+from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.events import Decided
+from remodel_supervision.core.runs.state import (
+    PERSON_FIRST,
+    STUCK_HAND_LIMIT,
+    UNTOLD,
+    RunState,
+    TaskProgress,
+    cause_of,
+)
+
+POLICY = "policy"
+NO_BOUNDS: Mapping[str, float] = MappingProxyType({})
+
+
+def failure_of(
+    task: TaskProgress,
+    faults: FaultTable,
+    at_s: float,
+    bounds: Mapping[str, float] = NO_BOUNDS,
+) -> Failure:
+    """Return what a task failed with: the operation of its last attempt that failed last.
+
+    Args:
+        task: that failed.
+        faults: that there are.
+        at_s: [s] ROS time.
+        bounds: parameter -> what it must not exceed here.
+    """
+    fault = faults.diagnose(task.codes) or faults.of(UNTOLD)
+    cause = cause_of(task.operations)
+    if task.unseen or cause is None:
+        text = task.unseen or f"the behavior ended {task.outcome}"
+        return Failure(task.name, fault, task.codes[-1], "", "", text, at_s)
+    return Failure(
+        task.name,
+        fault,
+        cause.error_code,
+        cause.ability,
+        cause.state_path,
+        cause.text,
+        at_s,
+        _parameters(task, cause),
+        tuple(bounds.items()),
+    )
+
+
+def _parameters(task: TaskProgress, cause: Operation) -> tuple[tuple[str, str], ...]:
+    """Return the parameters of the step that failed: a fixing fails by its insertion's force."""
+    values: dict[str, str] = {}
+    for operation in task.operations:
+        if step_of(operation.state_path) == step_of(cause.state_path):
+            values |= operation.parameters
+    return tuple({**values, **dict(cause.parameters)}.items())
+
+
+def judged(
+    state: RunState,
+    name: str,
+    faults: FaultTable,
+    policy: Policy,
+    possible: Collection[Do],
+    at_s: float,
+    bounds: Mapping[str, float] = NO_BOUNDS,
+    unpromising: Collection[Do] = (),
+) -> Decided:
+    """Return what is done about a task that failed.
+
+    Args:
+        state: of the run.
+        name: of the task.
+        faults: that there are.
+        policy: of the use case.
+        possible: what can be done now.
+        at_s: [s] ROS time.
+        bounds: parameter -> what it must not exceed here.
+        unpromising: what has hardly ever helped.
+    """
+    task = state.tasks[name]
+    failure = failure_of(task, faults, at_s, bounds)
+    spent = Spent(task.attempts - task.interruptions, task.cell_s, state.failures, state.cell_s)
+    earlier = [(decision.fault, decision.do) for decision in task.decisions]
+    decision = decide(failure, earlier, spent, policy, possible, unpromising)
+    do, because, by = decision.do, decision.because, POLICY
+    if failure.code in PERSON_FIRST and do is not Do.STOP:
+        do = Do.ASK_OPERATOR if Do.ASK_OPERATOR in possible else Do.STOP
+    elif task.stuck_hand > STUCK_HAND_LIMIT:
+        do = Do.ASK_OPERATOR if Do.ASK_OPERATOR in possible else Do.STOP
+        because = f"the hand could not be emptied in {task.stuck_hand} attempts"
+    elif name in state.skipped:
+        do, by = Do.SET_ASIDE, state.skipped[name]
+        because = f"{by} skipped it"
+    return Decided(
+        name,
+        failure.fault.name,
+        failure.code,
+        failure.ability,
+        failure.state_path,
+        failure.text,
+        do,
+        decision.change if do is decision.do else (),
+        because,
+        by,
+        at_s,
+    )

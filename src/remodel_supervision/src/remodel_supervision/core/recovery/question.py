@@ -1,0 +1,36 @@
+"""What an operator is asked about a task that its cell cannot do by itself."""
+
+from __future__ import annotations
+
+from remodel_planning.core.use_case.fault import FaultTable
+from remodel_supervision.core.runs.events import Answer, Asked
+from remodel_supervision.core.runs.state import RunState
+
+
+def question_about(
+    state: RunState, name: str, faults: FaultTable, at_s: float, timeout_s: float = 0.0
+) -> Asked:
+    """Return the question about a task whose last decision was to ask.
+
+    Args:
+        state: of the run.
+        name: of the task.
+        faults: that there are.
+        at_s: [s] ROS time.
+        timeout_s: [s] ROS time after which it escalates; 0: never.
+    """
+    task = state.tasks[name]
+    last = task.decisions[-1]
+    tried = ", ".join(d.do.value.replace("_", " ") for d in task.decisions[:-1])
+    parts = [
+        f"{last.fault.replace('_', ' ').capitalize()}: {last.text}.",
+        faults[last.fault].symptoms,
+        f"Tried so far: {tried}." if tried else "",
+        "The hand may hold a wire that could not be laid down." if task.stuck_hand else "",
+        f"Connected: end {' and end '.join(task.connected)}." if task.connected else "",
+    ]
+    text = " ".join(filter(None, parts))
+    choices = [Answer.RETRY, Answer.FIXED, Answer.MARK_DONE, Answer.SKIP]
+    if state.waiting:
+        choices.append(Answer.REPLAN)
+    return Asked(state.questions + 1, name, text, (*choices, Answer.STOP), at_s, timeout_s)

@@ -1,0 +1,73 @@
+"""What happened in a run: executions of wires' behaviors, made of operations of abilities."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Operation:
+    """One execution of an ability by a state.
+
+    Attributes:
+        state_path: of the state in the behavior, such as "/Connect a/InsertCable".
+        ability: such as "InsertCable".
+        outcome: of the state; empty when it was left without one.
+        error_code: remodel_msgs/ErrorCode, 0 for none.
+        text: the result's message, or the error message.
+        ended_s: [s] ROS time.
+        elapsed_s: [s] ROS time.
+        goal_id: of its goal, unique in one behavior's execution.
+        parameters: of its goal, name -> value as text.
+        measurements: of its result, name -> value as text.
+    """
+
+    state_path: str
+    ability: str
+    outcome: str
+    error_code: int
+    text: str
+    ended_s: float
+    elapsed_s: float
+    goal_id: str = ""
+    parameters: tuple[tuple[str, str], ...] = ()
+    measurements: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True)
+class Execution:
+    """One execution of a wire's behavior.
+
+    Attributes:
+        wire: its name.
+        behavior: name of the behavior.
+        attempt: at placing the wire, from 1; each takes a newly fed wire.
+        outcome: of the behavior, or how it ended without one.
+        placed: whether the cell's ground truth finds both ends fixed in their terminals.
+        started_s: [s] ROS time.
+        ended_s: [s] ROS time.
+        operations: in the order in which they ended.
+    """
+
+    wire: str
+    behavior: str
+    attempt: int
+    outcome: str
+    placed: bool
+    started_s: float
+    ended_s: float
+    operations: tuple[Operation, ...]
+
+    @property
+    def cell_s(self) -> float:
+        """[s] ROS time that it took."""
+        return self.ended_s - self.started_s
+
+    @property
+    def failures(self) -> tuple[Operation, ...]:
+        """The operations that did not succeed."""
+        return tuple(operation for operation in self.operations if operation.error_code)
+
+    def tries(self, ability: str) -> int:
+        """Return how often an ability was tried."""
+        return sum(operation.ability == ability for operation in self.operations)

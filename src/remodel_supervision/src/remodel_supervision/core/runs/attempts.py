@@ -1,0 +1,112 @@
+"""The behaviors of a run, as its events tell of them, with what was decided about each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from remodel_supervision.core.run import Execution, Operation
+from remodel_supervision.core.runs.events import (
+    Decided,
+    Event,
+    Interrupted,
+    OperationEnded,
+    Part,
+    TaskBegun,
+    TaskEnded,
+)
+
+INTERRUPTED = "interrupted"
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """One behavior of a task, ended or interrupted.
+
+    Attributes:
+        part: of the task that it did.
+        chart: of the behavior, XML.
+        path: of the states that were entered, as the engine told them.
+        pictures: names of files in the run's folder.
+        because: of the interruption; empty if it ended.
+        decision: what was done about its failure; None if nothing was.
+    """
+
+    execution: Execution
+    part: Part
+    chart: str
+    path: tuple[str, ...] = ()
+    pictures: tuple[str, ...] = ()
+    because: str = ""
+    decision: Decided | None = None
+
+
+class Attempts:
+    """The behaviors of a run that have ended, gathered event by event."""
+
+    def __init__(self) -> None:
+        """Begin without any."""
+        self._ended: list[Attempt] = []
+        self._begun: TaskBegun | None = None
+        self._operations: list[Operation] = []
+
+    @property
+    def ended(self) -> tuple[Attempt, ...]:
+        """Return those that have ended, in order."""
+        return tuple(self._ended)
+
+    def add(self, event: Event) -> None:
+        """Take in the next event of the run."""
+        ended, begun = self._ended, self._begun
+        match event:
+            case TaskBegun():
+                self._begun, self._operations = event, []
+            case OperationEnded():
+                self._operations.append(event.operation)
+            case TaskEnded() if begun is not None:
+                if not begun.part.is_attempt and event.placed:
+                    _note_placed(ended, event.task)
+                execution = _execution(
+                    begun, event.outcome, event.placed, event.at_s, self._operations
+                )
+                ended.append(
+                    Attempt(execution, begun.part, begun.chart, event.path, event.pictures)
+                )
+                self._begun = None
+            case Interrupted() if begun is not None:
+                at_s = max([begun.at_s, *(operation.ended_s for operation in self._operations)])
+                execution = _execution(begun, INTERRUPTED, False, at_s, self._operations)
+                ended.append(Attempt(execution, begun.part, begun.chart, because=event.because))
+                self._begun = None
+            case Decided() if ended and ended[-1].execution.wire == event.task:
+                ended[-1] = replace(ended[-1], decision=event)
+
+
+def attempts_of(events: Iterable[Event]) -> tuple[Attempt, ...]:
+    """Return the behaviors of a run that have ended, in order."""
+    attempts = Attempts()
+    for event in events:
+        attempts.add(event)
+    return attempts.ended
+
+
+def _note_placed(ended: list[Attempt], task: str) -> None:
+    """Note that the interrupted attempt at a task, if it is the last one, had placed its part."""
+    if ended and ended[-1].because and ended[-1].execution.wire == task:
+        execution = replace(ended[-1].execution, placed=True)
+        ended[-1] = replace(ended[-1], execution=execution)
+
+
+def _execution(
+    begun: TaskBegun, outcome: str, placed: bool, at_s: float, operations: list[Operation]
+) -> Execution:
+    return Execution(
+        begun.task,
+        begun.behavior,
+        begun.attempt,
+        outcome,
+        placed,
+        begun.at_s,
+        at_s,
+        tuple(operations),
+    )

@@ -1,0 +1,365 @@
+"""What happens in a run of an order.
+
+An event is committed before anything that follows from it begins, so that a run whose processes
+are killed goes on from the last one. Tasks, behaviors and ends are named; times are [s] ROS time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from remodel_planning.core.use_case.fault import Do
+from remodel_supervision.core.run import Operation
+
+
+class Part(Enum):
+    """What of a task a behavior does.
+
+    WHOLE: all of it, with a new piece. AGAIN: all of it, with the piece that is in the cell. REST:
+    what is left after an end is connected. CLEAR: lay down whatever the hand holds. DISCARD: take
+    the piece off the panel, into the scrap bin.
+    """
+
+    WHOLE = "whole"
+    AGAIN = "again"
+    REST = "rest"
+    CLEAR = "clear"
+    DISCARD = "discard"
+
+    @property
+    def is_attempt(self) -> bool:
+        """Whether it works towards the task, and counts as an attempt at it."""
+        return self not in (Part.CLEAR, Part.DISCARD)
+
+
+class Ending(Enum):
+    """How a run ends."""
+
+    COMPLETE = "complete"
+    INCOMPLETE = "incomplete"
+    STOPPED = "stopped"
+
+
+class AsLeft(Enum):
+    """How a cell has left a task."""
+
+    RUNNING = "running"
+    DONE = "done"
+    SET_ASIDE = "set aside"
+
+
+class Command(Enum):
+    """What an operator, or a safety controller, asks of a run.
+
+    PAUSE lets the operation under way end; PROTECTIVE_STOP and STOP cancel it. After a pause or a
+    protective stop the run goes on with RESUME.
+    """
+
+    PAUSE = "pause"
+    PROTECTIVE_STOP = "protective_stop"
+    RESUME = "resume"
+    STOP = "stop"
+    SKIP = "skip"
+    RETRY = "retry"
+
+
+class Answer(Enum):
+    """What an operator may answer to a question; remodel_msgs/OperatorQuestion explains each."""
+
+    RETRY = "retry"
+    FIXED = "fixed"
+    MARK_DONE = "mark_done"
+    SKIP = "skip"
+    REPLAN = "replan"
+    STOP = "stop"
+
+
+@dataclass(frozen=True)
+class RunBegun:
+    """A run began.
+
+    Attributes:
+        serial: serial number of the product that is wired, such as "house-0003".
+        keep_panel: whether wires of this product may be on its panel already.
+        timeout_s: [s] ROS time after which the run stops; 0: never.
+    """
+
+    order: str
+    use_case: str
+    cell: str
+    tasks: tuple[str, ...]
+    serial: str = ""
+    keep_panel: bool = False
+    timeout_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class PanelLoaded:
+    """The cell has the panel of the product."""
+
+    serial: str
+
+
+@dataclass(frozen=True)
+class Planned:
+    """The order of the tasks that wait was decided."""
+
+    tasks: tuple[str, ...]
+    because: str
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """A parameter with which a step's ability is called, as learning chose it.
+
+    Attributes:
+        step: title of the step of the task.
+        ability: such as "InsertCable".
+    """
+
+    step: str
+    ability: str
+    parameter: str
+    value: float
+
+
+@dataclass(frozen=True)
+class PartRequested:
+    """The feeder is about to be asked for a piece of the task's wire."""
+
+    task: str
+
+
+@dataclass(frozen=True)
+class FeedRefused:
+    """The feeder did not present the piece.
+
+    Attributes:
+        code: remodel_msgs/ErrorCode.
+    """
+
+    task: str
+    code: int
+    text: str
+    at_s: float
+
+
+@dataclass(frozen=True)
+class TaskBegun:
+    """A behavior of a task is about to be started.
+
+    Attributes:
+        attempt: at the task, from 1; clearing the hand and discarding belong to the one before.
+        chart: the behavior's chart, XML.
+        chosen: parameters that are not those of the use case.
+    """
+
+    task: str
+    attempt: int
+    part: Part
+    behavior: str
+    chart: str
+    at_s: float
+    chosen: tuple[Chosen, ...] = ()
+
+
+@dataclass(frozen=True)
+class OperationEnded:
+    """An ability was executed."""
+
+    task: str
+    operation: Operation
+
+
+@dataclass(frozen=True)
+class StopReported:
+    """An operation of a behavior that was given up turned out to have ended with a fault.
+
+    A person is to answer before anything moves again, but the behavior was stopped, or its
+    supervisor killed, before the record of the operation was kept.
+
+    Attributes:
+        task: under way now.
+    """
+
+    task: str
+    operation: Operation
+
+
+@dataclass(frozen=True)
+class TaskEnded:
+    """The behavior of the task under way ended by itself.
+
+    Attributes:
+        placed: whether the cell's ground truth finds the wire placed.
+        path: of the states that were entered, as the engine published them.
+        pictures: names of files in the run's folder.
+        denied: whether the cell knows the wire, and knows that it is not placed: a task that ended
+            well is then inspected before it counts as done.
+    """
+
+    task: str
+    outcome: str
+    at_s: float
+    placed: bool
+    path: tuple[str, ...] = ()
+    pictures: tuple[str, ...] = ()
+    denied: bool = False
+
+
+@dataclass(frozen=True)
+class Interrupted:
+    """Something that the run needs was lost; what the task under way has done is in doubt."""
+
+    because: str
+
+
+@dataclass(frozen=True)
+class Settled:
+    """It was looked what of a task is done.
+
+    Attributes:
+        connected: letters of the ends that were seen in their terminals.
+        left: how many steps of the task are left after them.
+        code: remodel_msgs/ErrorCode of the look that failed; 0 if none did.
+        unseen: why it could not be seen; empty if it was.
+    """
+
+    task: str
+    connected: tuple[str, ...]
+    left: int
+    code: int = 0
+    unseen: str = ""
+
+
+@dataclass(frozen=True)
+class Decided:
+    """It was decided what to do about a failure.
+
+    Attributes:
+        ability: that failed; empty if none did.
+        state_path: of the state that asked for it; empty without one.
+        change: parameter -> new value; only with Do.RETRY_WITH and Do.LOOK_AGAIN.
+        by: who decided: "policy", or an operator's name.
+    """
+
+    task: str
+    fault: str
+    code: int
+    ability: str
+    state_path: str
+    text: str
+    do: Do
+    change: tuple[tuple[str, float], ...]
+    because: str
+    by: str
+    at_s: float
+
+
+@dataclass(frozen=True)
+class Asked:
+    """An operator was asked.
+
+    Attributes:
+        at_s: [s] ROS time.
+        timeout_s: [s] ROS time after which the question escalates; 0: never.
+    """
+
+    number: int
+    task: str
+    text: str
+    choices: tuple[Answer, ...]
+    at_s: float = 0.0
+    timeout_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class Escalated:
+    """Nobody answered a question in time.
+
+    Attributes:
+        do: what is done instead.
+    """
+
+    number: int
+    task: str
+    do: Do
+
+
+@dataclass(frozen=True)
+class Answered:
+    """An operator has answered."""
+
+    number: int
+    choice: Answer
+    by: str
+
+
+@dataclass(frozen=True)
+class Commanded:
+    """A command was given; the task is empty where it is about the run."""
+
+    command: Command
+    task: str
+    by: str
+
+
+@dataclass(frozen=True)
+class TaskElsewhere:
+    """Another cell has this task, or has had it.
+
+    Attributes:
+        as_left: how that cell has left it; RUNNING while it has it.
+    """
+
+    task: str
+    cell: str
+    as_left: AsLeft
+
+
+@dataclass(frozen=True)
+class TaskReturned:
+    """The cell that had this task has gone silent: what it has done of it is in doubt."""
+
+    task: str
+    cell: str
+
+
+@dataclass(frozen=True)
+class Blocked:
+    """The run cannot go on by itself."""
+
+    because: str
+
+
+@dataclass(frozen=True)
+class RunEnded:
+    """The run ended."""
+
+    ending: Ending
+    because: str
+
+
+Event = (
+    RunBegun
+    | PanelLoaded
+    | Planned
+    | PartRequested
+    | FeedRefused
+    | TaskBegun
+    | OperationEnded
+    | StopReported
+    | TaskEnded
+    | Interrupted
+    | Settled
+    | Decided
+    | Asked
+    | Answered
+    | Escalated
+    | Commanded
+    | TaskElsewhere
+    | TaskReturned
+    | Blocked
+    | RunEnded
+)

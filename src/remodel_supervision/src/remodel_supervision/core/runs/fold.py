@@ -1,0 +1,444 @@
+"""What is known of a run after some events. Pure: the same events give the same state."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from functools import singledispatch
+
+from remodel_planning.core.use_case.fault import Do
+from remodel_states.core.codes import Code
+from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.events import (
+    Answer,
+    Answered,
+    Asked,
+    AsLeft,
+    Blocked,
+    Command,
+    Commanded,
+    Decided,
+    Escalated,
+    Event,
+    FeedRefused,
+    Interrupted,
+    OperationEnded,
+    PanelLoaded,
+    Part,
+    PartRequested,
+    Planned,
+    RunBegun,
+    RunEnded,
+    Settled,
+    StopReported,
+    TaskBegun,
+    TaskElsewhere,
+    TaskEnded,
+    TaskReturned,
+)
+from remodel_supervision.core.runs.state import (
+    FINISHED,
+    INTERRUPTION_LIMIT,
+    NOTHING_TO_LAY_DOWN,
+    PERSON_FIRST,
+    PREEMPTED,
+    SERVER_TROUBLE,
+    STUCK_HAND_LIMIT,
+    UNTOLD,
+    RunState,
+    Stage,
+    TaskProgress,
+    cause_of,
+)
+
+# The abilities that end with an empty hand.
+_EMPTYING = ("PlaceCable", "DiscardCable")
+
+
+def state_after(events: Iterable[Event], state: RunState | None = None) -> RunState:
+    """Return what is known after some events."""
+    state = state or RunState()
+    for event in events:
+        state = applied(event, state)
+    return state
+
+
+def applied(event: Event, state: RunState) -> RunState:
+    """Return the state after an event."""
+    return replace(_applied(event, state), events=state.events + 1)
+
+
+@singledispatch
+def _applied(event: Event, state: RunState) -> RunState:
+    raise TypeError(f"no event: {event!r}")
+
+
+@_applied.register
+def _(event: RunBegun, state: RunState) -> RunState:
+    tasks = {name: TaskProgress(name) for name in event.tasks}
+    return replace(
+        state,
+        order=event.order,
+        use_case=event.use_case,
+        cell=event.cell,
+        serial=event.serial,
+        keep_panel=event.keep_panel,
+        timeout_s=event.timeout_s,
+        tasks=tasks,
+        waiting=event.tasks,
+        to_plan="the run begins",
+    )
+
+
+@_applied.register
+def _(_: PanelLoaded, state: RunState) -> RunState:
+    return replace(state, keep_panel=True)
+
+
+@_applied.register
+def _(event: PartRequested, state: RunState) -> RunState:
+    task = replace(state.tasks[event.task], stage=Stage.READY, piece=True)
+    return replace(_under_way(state, task), fed=event.task)
+
+
+@_applied.register
+def _(event: FeedRefused, state: RunState) -> RunState:
+    task = state.tasks[event.task]
+    refused = Operation("", "FeedWire", "refused", event.code, event.text, event.at_s, 0.0)
+    task = replace(
+        task,
+        stage=Stage.FAILED,
+        attempts=task.attempts + 1,
+        operations=(refused,),
+        codes=(*task.codes, event.code),
+        piece=event.code == Code.WIRE_LEFT_BEHIND,
+        hand_in_doubt=event.code == Code.OTHER_CABLE_HELD,
+    )
+    return state.with_task(task, failures=state.failures + 1)
+
+
+@_applied.register
+def _(event: Planned, state: RunState) -> RunState:
+    return replace(state, waiting=event.tasks, to_plan="")
+
+
+@_applied.register
+def _(event: TaskBegun, state: RunState) -> RunState:
+    task = replace(
+        state.tasks[event.task],
+        stage=Stage.RUNNING,
+        part=event.part,
+        behavior=event.behavior,
+        attempts=event.attempt,
+        outcome="",
+        operations=(),
+        stopped_by=None,
+        began_s=event.at_s,
+    )
+    return _under_way(state, task)
+
+
+@_applied.register
+def _(event: OperationEnded, state: RunState) -> RunState:
+    task, operation = state.tasks[event.task], event.operation
+    failed = operation.error_code not in (0, Code.PREEMPTED)
+    operations = (*task.operations, operation)
+    return state.with_task(
+        replace(task, operations=operations, failures=task.failures + failed),
+    )
+
+
+@_applied.register
+def _(event: StopReported, state: RunState) -> RunState:
+    task = replace(state.tasks[event.task], stopped_by=event.operation)
+    if task.stage is Stage.RUNNING:
+        return state.with_task(task)  # its behavior is stopped first
+    task = replace(task, hand_in_doubt=True, unseen="")
+    return _for_a_person(replace(state, question=None), task)
+
+
+@_applied.register
+def _(event: TaskEnded, state: RunState) -> RunState:
+    task = state.tasks[event.task]
+    took_s = max(0.0, event.at_s - task.began_s)
+    task = replace(task, outcome=event.outcome, cell_s=task.cell_s + took_s)
+    task = replace(task, hand_in_doubt=_may_hold_something(task))
+    state = replace(state, cell_s=state.cell_s + took_s)
+    if task.stopped_by:
+        return _for_a_person(state, replace(task, hand_in_doubt=True))
+    if task.needs_person:
+        return _failed(state, task)
+    if task.part is Part.CLEAR and not task.hand_in_doubt:
+        return _with_empty_hand(state, replace(task, stuck_hand=0))
+    if task.part is Part.DISCARD and event.outcome == FINISHED:
+        task = replace(task, piece=False, undiscarded=False, connected=())
+        return _do(task.then or Do.NEW_PART, state, task, "the piece is discarded")
+    if task.part.is_attempt and event.outcome == FINISHED:
+        if event.denied:
+            then = _then_of_skipped(state, task)
+            return state.with_task(replace(task, stage=Stage.DOUBTFUL, part=Part.AGAIN, then=then))
+        return _leave(state, replace(task, stage=Stage.DONE))
+    return _failed(state, task)
+
+
+@_applied.register
+def _(event: Interrupted, state: RunState) -> RunState:
+    state = replace(state, interruptions=state.interruptions + 1)
+    if not state.current or state.tasks[state.current].stage is not Stage.RUNNING:
+        return state
+    task = state.tasks[state.current]
+    task = replace(task, interruptions=task.interruptions + 1, hand_in_doubt=True)
+    if task.stopped_by or task.needs_person:
+        return _for_a_person(state, task)
+    if task.interruptions > INTERRUPTION_LIMIT:
+        task = replace(task, stage=Stage.FAILED, codes=(*task.codes, Code.SERVER_LOST))
+        return state.with_task(task, failures=state.failures + 1)
+    then = _then_of_skipped(state, task)
+    return state.with_task(replace(task, stage=Stage.READY, part=Part.CLEAR, then=then))
+
+
+@_applied.register
+def _(event: Settled, state: RunState) -> RunState:
+    task = replace(state.tasks[event.task], connected=event.connected, unseen=event.unseen)
+    if not event.left and not event.unseen:
+        return _leave(state, replace(task, stage=Stage.DONE, then=None))
+    state = _under_way(state, task)
+    if task.then is not None and event.code not in PERSON_FIRST:
+        return _do(task.then, state, task, "what is done was inspected")
+    if event.unseen:
+        return state.with_task(replace(task, stage=Stage.FAILED, codes=(*task.codes, event.code)))
+    part = Part.REST if event.connected else task.part
+    return state.with_task(replace(task, stage=Stage.READY, part=part))
+
+
+@_applied.register
+def _(event: Decided, state: RunState) -> RunState:
+    task = state.tasks[event.task]
+    return _act(event.do, state, replace(task, decisions=(*task.decisions, event)), event.because)
+
+
+@_applied.register
+def _(event: Asked, state: RunState) -> RunState:
+    return replace(state, question=event, questions=event.number)
+
+
+@_applied.register
+def _(event: Answered, state: RunState) -> RunState:
+    if state.question is None:
+        return state
+    task = replace(state.tasks[state.question.task], stuck_hand=0, stopped_by=None)
+    state = replace(state, question=None)
+    because = f"{event.by} answered {event.choice.value} to question {event.number}"
+    if event.choice is Answer.MARK_DONE:
+        return _leave(state, replace(task, stage=Stage.DONE, hand_in_doubt=False))
+    return _act(_ANSWERED[event.choice], state, task, because)
+
+
+@_applied.register
+def _(event: Escalated, state: RunState) -> RunState:
+    if state.question is None or state.question.number != event.number:
+        return state
+    because = f"nobody answered question {event.number} in time"
+    task = replace(state.tasks[event.task], stopped_by=None)
+    return _act(event.do, replace(state, question=None), task, because)
+
+
+@_applied.register
+def _(event: Commanded, state: RunState) -> RunState:
+    match event.command:
+        case Command.PAUSE:
+            return replace(state, paused=True)
+        case Command.PROTECTIVE_STOP:
+            return replace(state, paused=True, protective=event.by)
+        case Command.RESUME:
+            return replace(state, paused=False, protective="")
+        case Command.STOP:
+            return replace(state, stop=f"{event.by} stopped it")
+        case Command.RETRY:
+            return _retried(state, state.tasks[event.task])
+        case Command.SKIP:
+            return _skipped(state, state.tasks[event.task], event.by)
+
+
+def _retried(state: RunState, task: TaskProgress) -> RunState:
+    if task.stage is not Stage.SET_ASIDE:
+        return state
+    # Cells take up only the wire that was fed last: a piece of another one is replaced.
+    is_out_of_reach = task.piece and not task.unseen and state.fed != task.name
+    then = Do.NEW_PART if is_out_of_reach else None
+    part = Part.AGAIN if task.piece else Part.WHOLE
+    task = replace(task, stage=Stage.DOUBTFUL, part=part, then=then)
+    return state.with_task(task, waiting=(*state.waiting, task.name))
+
+
+def _skipped(state: RunState, task: TaskProgress, by: str) -> RunState:
+    if task.name in state.waiting:
+        return _leave(state, replace(task, stage=Stage.SET_ASIDE))
+    if task.name != state.current:
+        return state
+    state = replace(state, skipped={**state.skipped, task.name: by})
+    if task.stage is Stage.RUNNING and not task.part.is_attempt:
+        return state.with_task(replace(task, then=Do.SET_ASIDE))
+    if task.stage in (Stage.READY, Stage.DOUBTFUL) and not task.stuck_hand:
+        return _act(Do.SET_ASIDE, state, task, f"{by} skipped it")
+    return state
+
+
+def _then_of_skipped(state: RunState, task: TaskProgress) -> Do | None:
+    """Return what follows once the hand is empty: a task that is to be skipped is left."""
+    return Do.SET_ASIDE if task.name in state.skipped else task.then
+
+
+@_applied.register
+def _(event: TaskElsewhere, state: RunState) -> RunState:
+    task = state.tasks[event.task]
+    stop = state.stop
+    if task.stopped_by or (task.stage is Stage.RUNNING and task.needs_person):
+        stop = stop or f"another cell has {task.name}; a person is needed at the arm of this one"
+    return _leave(state, replace(task, stage=_AS_LEFT[event.as_left], stopped_by=None), stop=stop)
+
+
+@_applied.register
+def _(event: TaskReturned, state: RunState) -> RunState:
+    task = replace(state.tasks[event.task], stage=Stage.DOUBTFUL, part=Part.AGAIN, piece=True)
+    waiting = tuple(name for name in state.waiting if name != task.name)
+    return state.with_task(task, waiting=(*waiting, task.name))
+
+
+@_applied.register
+def _(event: Blocked, state: RunState) -> RunState:
+    return replace(state, stop=event.because)
+
+
+@_applied.register
+def _(event: RunEnded, state: RunState) -> RunState:
+    return replace(state, ended=event)
+
+
+_ANSWERED = {
+    Answer.RETRY: Do.RETRY,
+    Answer.FIXED: Do.RETRY,
+    Answer.SKIP: Do.SET_ASIDE,
+    Answer.REPLAN: Do.REPLAN,
+    Answer.STOP: Do.STOP,
+}
+_AS_LEFT = {
+    AsLeft.RUNNING: Stage.ELSEWHERE,
+    AsLeft.DONE: Stage.DONE,
+    AsLeft.SET_ASIDE: Stage.SET_ASIDE,
+}
+_AFTER_INSPECTING = (Do.RETRY, Do.RETRY_WITH, Do.LOOK_AGAIN, Do.OTHER_METHOD)
+_WITHOUT_MOTION = (Do.ASK_OPERATOR, Do.STOP)
+
+# These give up the piece, or its turn. After trouble with a server the ends are inspected first:
+# the task may be done, whatever the server reported.
+_GIVES_PIECE_UP = (Do.NEW_PART, Do.REPLAN, Do.SET_ASIDE)
+
+
+def _may_hold_something(task: TaskProgress) -> bool:
+    """Return whether the hand may hold something after the behavior that ended."""
+    if task.outcome == PREEMPTED:
+        return True
+    if not task.operations:
+        return task.part is Part.CLEAR and task.outcome != FINISHED
+    if task.needs_person:
+        return True  # it was not allowed to lay down what it held
+    last = task.operations[-1]
+    if last.error_code in NOTHING_TO_LAY_DOWN or not last.error_code:
+        return False
+    in_trouble = last.error_code in SERVER_TROUBLE or last.error_code == Code.OTHER_CABLE_HELD
+    return in_trouble or last.ability in _EMPTYING
+
+
+def _failed(state: RunState, task: TaskProgress) -> RunState:
+    """Return the state after a behavior that did not do what it should."""
+    cause = cause_of(task.operations)
+    code = cause.error_code if cause else UNTOLD
+    stop = state.stop
+    if task.outcome == PREEMPTED and not stop and task.name not in state.skipped:
+        stop = f"somebody stopped the behavior of task {task.name}"
+    if task.part is Part.CLEAR:
+        task = replace(task, stuck_hand=task.stuck_hand + 1)
+        if task.stuck_hand <= STUCK_HAND_LIMIT and code not in PERSON_FIRST:
+            return state.with_task(replace(task, stage=Stage.READY), stop=stop)
+    undiscarded = task.undiscarded or task.part is Part.DISCARD
+    task = replace(task, stage=Stage.FAILED, codes=(*task.codes, code), undiscarded=undiscarded)
+    return state.with_task(task, failures=state.failures + 1, stop=stop)
+
+
+def _for_a_person(state: RunState, task: TaskProgress) -> RunState:
+    """Return the state in which a person is to be asked, whatever was to follow."""
+    late = (task.stopped_by,) if task.stopped_by else ()
+    task = replace(task, operations=(*task.operations, *late), failures=task.failures + len(late))
+    cause = cause_of(task.operations)
+    code = cause.error_code if cause else UNTOLD
+    task = replace(task, stage=Stage.FAILED, codes=(*task.codes, code))
+    return state.with_task(task, failures=state.failures + 1)
+
+
+def _act(do: Do, state: RunState, task: TaskProgress, because: str) -> RunState:
+    """Return the state in which something is to be done about a task that failed."""
+    if task.hand_in_doubt and do not in _WITHOUT_MOTION:
+        return state.with_task(replace(task, stage=Stage.READY, part=Part.CLEAR, then=do))
+    if do in _GIVES_PIECE_UP and _is_to_be_inspected(do, task):
+        return state.with_task(replace(task, stage=Stage.DOUBTFUL, then=do))
+    return _do(do, state, task, because)
+
+
+def _with_empty_hand(state: RunState, task: TaskProgress) -> RunState:
+    """Return the state after the hand was emptied."""
+    if task.then is None:
+        return state.with_task(replace(task, stage=Stage.DOUBTFUL, part=Part.AGAIN))
+    return _act(task.then, state, replace(task, part=Part.AGAIN), "the hand is empty")
+
+
+def _is_to_be_inspected(do: Do, task: TaskProgress) -> bool:
+    in_trouble = bool(task.codes) and task.codes[-1] in SERVER_TROUBLE
+    loose = do is Do.SET_ASIDE and task.piece and not task.undiscarded
+    return in_trouble or loose
+
+
+def _do(do: Do, state: RunState, task: TaskProgress, because: str) -> RunState:
+    if do in _AFTER_INSPECTING:
+        is_there = task.piece and task.codes[-1:] != (Code.WIRE_NOT_FED,)
+        part = Part.AGAIN if is_there else Part.WHOLE
+        return state.with_task(replace(task, stage=Stage.DOUBTFUL, part=part, then=None))
+    if do in _GIVES_PIECE_UP and _is_to_be_discarded(do, task):
+        return state.with_task(replace(task, stage=Stage.READY, part=Part.DISCARD, then=do))
+    task = replace(task, then=None)
+    if do is Do.NEW_PART:
+        return state.with_task(replace(task, stage=Stage.READY, part=Part.WHOLE, connected=()))
+    if do is Do.ASK_OPERATOR:
+        return state.with_task(replace(task, stage=Stage.ASKING))
+    if do is Do.REPLAN:
+        task = replace(task, stage=Stage.WAITING, part=Part.WHOLE, connected=())
+        waiting = (*state.waiting, task.name)
+        return state.with_task(task, current="", waiting=waiting, to_plan=f"{task.name}: {because}")
+    state = _leave(state, replace(task, stage=Stage.SET_ASIDE))
+    return replace(state, stop=f"{task.name}: {because}") if do is Do.STOP else state
+
+
+def _is_to_be_discarded(do: Do, task: TaskProgress) -> bool:
+    """Return whether the piece is taken away first; of a task that is left only a loose one."""
+    if not task.piece:
+        return False
+    if do is not Do.SET_ASIDE:
+        return True
+    return not (
+        task.connected or task.unseen or task.undiscarded or Code.EXTRACTION_STUCK in task.codes
+    )
+
+
+def _under_way(state: RunState, task: TaskProgress) -> RunState:
+    waiting = tuple(name for name in state.waiting if name != task.name)
+    return state.with_task(task, waiting=waiting, current=task.name)
+
+
+def _leave(state: RunState, task: TaskProgress, **changes: object) -> RunState:
+    """Return the state after a task was done, set aside, or begun by another cell."""
+    if task.stage is Stage.DONE:
+        task = replace(task, operations=())  # the log has them; a long run need not carry them
+    waiting = tuple(name for name in state.waiting if name != task.name)
+    current = "" if state.current == task.name else state.current
+    skipped = {name: by for name, by in state.skipped.items() if name != task.name}
+    return state.with_task(task, waiting=waiting, current=current, skipped=skipped, **changes)

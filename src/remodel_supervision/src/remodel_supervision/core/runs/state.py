@@ -1,0 +1,212 @@
+"""What is known of a run. `fold.py` derives it from the events."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from enum import Enum
+
+from remodel_planning.core.use_case.fault import Do
+from remodel_states.core.codes import Code
+from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.events import Asked, Decided, Part, RunEnded
+
+# How often a task may be interrupted before that counts as its failure, and how often in a row the
+# hand may fail to be emptied before nothing more is tried without a person.
+INTERRUPTION_LIMIT = 20
+STUCK_HAND_LIMIT = 2
+
+SERVER_TROUBLE = frozenset(
+    {
+        Code.TIMEOUT,
+        Code.SERVER_LOST,
+        Code.INTERNAL,
+        Code.BUSY,
+        Code.SERVER_HUNG,
+        Code.CONTRADICTORY_RESULT,
+    }
+)
+
+# After them nothing of the behavior moves any more: the server may complete its goal when it wakes
+# up.
+SERVER_GONE = frozenset({Code.SERVER_LOST, Code.SERVER_HUNG})
+
+# The table of faults has a person asked at once: nothing moves again, not even to lay down what is
+# held, before that person has answered.
+PERSON_FIRST = frozenset(
+    {Code.STALE_OWNER, Code.SEVERAL_SERVERS, Code.EXTRACTION_STUCK, Code.MOTION_FAULT}
+)
+
+# Of a hand that has nothing to lay down.
+NOTHING_TO_LAY_DOWN = frozenset({Code.NOTHING_HELD, Code.WIRE_NOT_FED})
+
+# Of a task that failed though no ability reported an error.
+UNTOLD = Code.INTERNAL
+
+# Outcomes of a task's behavior: it did what it should; somebody stopped it.
+FINISHED = "finished"
+PREEMPTED = "preempted"
+
+
+class Stage(Enum):
+    """How far a task is.
+
+    WAITING: for its turn. READY: its next behavior may begin. RUNNING: its behavior runs.
+    DOUBTFUL: what is done of it is to be inspected. FAILED: what to do is to be decided.
+    ASKING: an operator is to decide. ELSEWHERE: another cell has it.
+    """
+
+    WAITING = "waiting"
+    READY = "ready"
+    RUNNING = "running"
+    DOUBTFUL = "doubtful"
+    FAILED = "failed"
+    ASKING = "asking"
+    ELSEWHERE = "elsewhere"
+    DONE = "done"
+    SET_ASIDE = "set_aside"
+
+    @property
+    def is_lasting(self) -> bool:
+        """Whether nothing more happens to the task by itself."""
+        return self in (Stage.DONE, Stage.SET_ASIDE)
+
+
+@dataclass(frozen=True)
+class TaskProgress:
+    """How far one task is.
+
+    Attributes:
+        part: that its next behavior does, or the one that runs.
+        behavior: that was begun last.
+        attempts: begun so far.
+        interruptions: so far.
+        connected: letters of the ends that were seen in their terminals.
+        unseen: why the inspection of what is done failed; empty if it did not.
+        piece: whether a piece of its wire may be in the cell.
+        hand_in_doubt: whether the hand may hold something: the last behavior did not end by itself,
+            lost a server, or did not lay down what it held.
+        stuck_hand: how often in a row the hand could not be emptied.
+        undiscarded: whether the piece could not be discarded.
+        stopped_by: operation of an earlier behavior that was reported late, and about which a
+            person is to answer before anything moves; None if there is none.
+        operations: of the behavior that was begun last.
+        failures: operations of all attempts that failed.
+        then: what is done when the hand is empty, the ends are inspected, and the piece is
+            discarded; None: nothing was decided yet.
+        codes: that attempts ended with, the latest last.
+        decisions: about it, the latest last.
+        began_s: [s] ROS time of the behavior that was begun last.
+        cell_s: [s] ROS time of all its behaviors that have ended.
+    """
+
+    name: str
+    stage: Stage = Stage.WAITING
+    part: Part = Part.WHOLE
+    behavior: str = ""
+    attempts: int = 0
+    interruptions: int = 0
+    connected: tuple[str, ...] = ()
+    unseen: str = ""
+    piece: bool = False
+    hand_in_doubt: bool = False
+    stuck_hand: int = 0
+    undiscarded: bool = False
+    stopped_by: Operation | None = None
+    outcome: str = ""
+    operations: tuple[Operation, ...] = ()
+    failures: int = 0
+    then: Do | None = None
+    codes: tuple[int, ...] = ()
+    decisions: tuple[Decided, ...] = ()
+    began_s: float = 0.0
+    cell_s: float = 0.0
+
+    @property
+    def needs_person(self) -> bool:
+        """Whether an operation of the last behavior ended so that a person is to answer first."""
+        return any(each.error_code in PERSON_FIRST for each in self.operations)
+
+    @property
+    def halt(self) -> str:
+        """Why nothing may move before a person has answered; empty without `stopped_by`."""
+        by = self.stopped_by
+        return f"{by.ability} ended with error {by.error_code}; a person is to answer" if by else ""
+
+    @property
+    def first_pass(self) -> bool:
+        """Whether it was done at once, and nothing of it failed."""
+        clean = self.attempts == 1 and not self.failures and not self.interruptions
+        return self.stage is Stage.DONE and clean
+
+
+@dataclass(frozen=True)
+class RunState:
+    """What is known of a run.
+
+    Attributes:
+        serial: serial number of the product.
+        keep_panel: whether wires of this product may be on its panel.
+        timeout_s: [s] ROS time after which the run stops; 0: never.
+        tasks: all tasks of the run, by name.
+        waiting: names of those that wait for their turn, in the order of the plan.
+        current: name of the task under way; empty between tasks.
+        to_plan: why the order of the waiting tasks is to be decided again; empty if it is not.
+        paused: whether nothing new may begin.
+        protective: who asked for the protective stop that is in force; empty if none is.
+        skipped: names of tasks that an operator wants to be set aside, by whom.
+        stop: why the run is to end; empty if it is not.
+        fed: name of the task whose piece was requested last; empty if none was.
+        question: that an operator is to answer; None if there is none.
+        questions: how many were asked.
+        failures: attempts that failed.
+        cell_s: [s] ROS time of all behaviors.
+        events: how many this is the state after.
+    """
+
+    order: str = ""
+    use_case: str = ""
+    cell: str = ""
+    serial: str = ""
+    keep_panel: bool = False
+    timeout_s: float = 0.0
+    tasks: Mapping[str, TaskProgress] = field(default_factory=dict)
+    waiting: tuple[str, ...] = ()
+    current: str = ""
+    to_plan: str = ""
+    paused: bool = False
+    protective: str = ""
+    skipped: Mapping[str, str] = field(default_factory=dict)
+    stop: str = ""
+    fed: str = ""
+    question: Asked | None = None
+    questions: int = 0
+    interruptions: int = 0
+    failures: int = 0
+    cell_s: float = 0.0
+    ended: RunEnded | None = None
+    events: int = 0
+
+    def with_task(self, task: TaskProgress, **changes: object) -> RunState:
+        """Return this state with other progress of a task, and other changes."""
+        return replace(self, tasks={**self.tasks, task.name: task}, **changes)  # type: ignore[arg-type]
+
+    def in_stage(self, *stages: Stage) -> tuple[str, ...]:
+        """Return the names of the tasks in some stages."""
+        return tuple(name for name, task in self.tasks.items() if task.stage in stages)
+
+
+def cause_of(operations: Sequence[Operation]) -> Operation | None:
+    """Return the operation that a behavior failed with: the last that failed; None if none did.
+
+    A behavior that gives up empties the hand last. That the hand is empty by then, or that a cell
+    which was restarted does not know the wire, is not the cause. What a person is to answer first
+    is always the cause.
+    """
+    failed = [operation for operation in operations if operation.error_code]
+    if first := [operation for operation in failed if operation.error_code in PERSON_FIRST]:
+        return first[-1]
+    gave_up = failed[1:] and failed[-1] is operations[-1]
+    if gave_up and failed[-1].error_code in NOTHING_TO_LAY_DOWN:
+        failed.pop()
+    return failed[-1] if failed else None

@@ -1,0 +1,260 @@
+"""Plans what is left of an order: its tasks' order, and how each is done."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+
+from flexbe_synthesizer.core.chart.model import Chart
+from flexbe_synthesizer.synthesis import garbage_kept
+from remodel_planning.core.decomposition.preparation import Prepared, prepare
+from remodel_planning.core.orders.work_order import WorkOrder
+from remodel_planning.core.plan.listing import listing_of
+from remodel_planning.core.problem.modes import Mode
+from remodel_planning.core.problem.part import put_off
+from remodel_planning.core.task_charts.escalation import escalating
+from remodel_planning.core.task_charts.planned_tasks import (
+    PlannedTask,
+    done_otherwise,
+    planned_task,
+    planned_tasks,
+)
+from remodel_planning.core.task_charts.state_path import step_of
+from remodel_planning.core.use_case.fault import Do
+from remodel_planning.core.use_case.model import UseCase
+from remodel_planning.edge.order_planner import plan_problem, replan_problem
+from remodel_production.edge.ability_files import read_abilities
+from remodel_supervision.core.learning.experience import Experience
+from remodel_supervision.core.learning.learned_expectations import Call, numbers_from
+from remodel_supervision.core.recovery.changed_parameters import (
+    Adjustable,
+    observing_from,
+    with_parameters,
+)
+from remodel_supervision.core.recovery.decide import VIEW
+from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.events import Chosen, Decided, Part
+from remodel_supervision.edge.nested_charts import nested_charts
+
+# [s] wall time that the search gets when the rest of an order is planned again: what it starts from
+# is the result of a longer search, and the robot waits. Beyond so many wires it gets less in
+# proportion: the moves that open each search find nearly all there is to find (docs/planning.md).
+REPLAN_SEARCH_S = 0.03
+_FULL_SEARCH_WIRES = 100
+
+
+@dataclass(frozen=True)
+class _Place:
+    """How the latest plan does a task, and the preparation that the plan was made from."""
+
+    prepared: Prepared
+    mode: Mode
+
+
+def replan_search_s(wires: int) -> float:
+    """Return the wall time [s] of the search when so many wires are planned again."""
+    return REPLAN_SEARCH_S * min(1.0, _FULL_SEARCH_WIRES / max(1, wires))
+
+
+class WorkPlanner:
+    """Plans one order of one use case.
+
+    Tasks are decomposed for the first plan, and all their charts are built once, to find what a use
+    case asks for in vain before anything moves. Later plans go by the same decompositions; how a
+    task is done is decided again, by what runs have taught since, when its turn comes.
+    """
+
+    def __init__(
+        self,
+        order: WorkOrder,
+        use_case: UseCase,
+        experience: Experience,
+        search_s: float,
+        documents: Sequence[tuple[str, object]] = (),
+    ) -> None:
+        """Take the order.
+
+        Args:
+            order: what is to be done.
+            use_case: how such work is done.
+            experience: what runs have taught; it learns from this one too.
+            search_s: [s] of wall time that a search for the best order gets.
+            documents: preferences, parsed, with what to call them in errors.
+        """
+        self.order = order
+        self.use_case = use_case
+        self.experience = experience
+        self._search_s = search_s
+        self._documents = documents
+        self._adjustable = Adjustable(
+            {each.name: {p.name: p.type for p in each.parameters} for each in read_abilities()},
+            nested_charts(),
+        )
+        self._prepared: Prepared | None = None
+        self._places: dict[str, _Place] = {}
+        self._tasks: dict[str, PlannedTask] = {}
+
+    @garbage_kept()
+    def plan(
+        self,
+        names: Collection[str],
+        previous: Sequence[str] = (),
+        last: Collection[str] = (),
+    ) -> tuple[str, ...]:
+        """Return the tasks of these names in the best order that is found in time.
+
+        Garbage cycles are not collected meanwhile: the thousands of objects of a plan would have
+        the collector look through the whole process now and then, while the robot waits.
+
+        Args:
+            names: of the tasks.
+            previous: their order so far, when they are planned again: tasks that were prepared
+                before are not prepared again, the search starts from this order and is short, and
+                the result costs no more than this order. Empty for a first plan.
+            last: tasks that come after all others, as far as the order's constraints let them.
+
+        Raises:
+            InstanceError: if there is no plan.
+        """
+        wanted, base = set(names), self._prepared
+        if base is None or not previous or not base.plan_of.keys() >= wanted:
+            base = self._prepare(wanted)
+        self._prepared = base
+        prepared = base.only(wanted) if base.plan_of.keys() > wanted else base
+        problem = put_off(prepared.preferred.problem, last)
+        if previous:
+            modes = {name: place.mode.number for name, place in self._places.items()}
+            search_s = min(self._search_s, replan_search_s(len(wanted)))
+            plan = replan_problem(problem, previous, modes, search_s).plan
+        else:
+            plan = plan_problem(problem, self._search_s if len(wanted) > 1 else 0.0).plan
+        if not previous and not self._places.keys() >= wanted:
+            for task in planned_tasks(prepared, plan):
+                _ = task.chart  # what its use case asks for in vain is reported before it begins
+        listing = listing_of(problem, plan)
+        self._tasks = {name: task for name, task in self._tasks.items() if name not in wanted}
+        self._places |= {name: _Place(base, listing.modes[name]) for name in listing.wires}
+        return listing.wires
+
+    def _prepare(self, names: set[str]) -> Prepared:
+        tasks = tuple(task for task in self.order.tasks if task.name in names)
+        order = replace(self.order, tasks=tasks)
+        return prepare(
+            order, self.use_case, self._documents, expectations=self.experience.expectations
+        )
+
+    def task(self, name: str, decisions: Sequence[Decided] = ()) -> PlannedTask:
+        """Return a task as it is planned, by the methods that are left after some decisions.
+
+        Raises:
+            InstanceError: if there is no plan for it.
+        """
+        task = self._tasks.get(name)
+        if task is None:
+            place = self._place(name)
+            task = self._tasks[name] = planned_task(place.prepared, name, place.mode)
+        for decision in decisions:
+            if decision.do is Do.OTHER_METHOD:
+                task = self._otherwise(task, decision.state_path) or task
+        return task
+
+    def expected_s(self, name: str) -> float:
+        """Return how long a task is expected to take [s]; 0 as long as it is not planned."""
+        task, place = self._tasks.get(name), self._places.get(name)
+        if task is not None:
+            return task.decomposition.duration_s
+        return place.prepared.decomposition(name, place.mode).duration_s if place else 0.0
+
+    def has_other_method(self, name: str, decisions: Sequence[Decided], state_path: str) -> bool:
+        """Tell whether the step of a task that a state is of can be done by another method."""
+        return self._otherwise(self.task(name, decisions), state_path) is not None
+
+    def learn(self, name: str, operation: Operation) -> None:
+        """Learn from an operation of a task."""
+        steps = self._tasks[name].decomposition.steps if name in self._tasks else ()
+        title = step_of(operation.state_path)
+        step = next((step for step in steps if step.title == title), None)
+        if step is not None:
+            self.experience.learn(
+                Call(
+                    operation.ability,
+                    step.features,
+                    operation.error_code,
+                    operation.elapsed_s,
+                    numbers_from(operation.parameters),
+                )
+            )
+
+    def choose(self, name: str, decisions: Sequence[Decided], seed: str) -> tuple[Chosen, ...]:
+        """Return the parameters by which a task is to be done, other than its use case's own.
+
+        What a chart itself says of a parameter stays.
+
+        Args:
+            name: of the task.
+            decisions: about the task so far.
+            seed: of what is left to chance.
+        """
+        task = self.task(name, decisions)
+        chosen = (
+            Chosen(step.title, ability, parameter, value)
+            for step in task.decomposition.steps
+            for ability in step.action.abilities
+            for parameter, value in self.experience.parameters(
+                ability, step.features, task.bounds(step.title), f"{seed} {step.title}"
+            ).items()
+        )
+        chart = task.chart
+        return tuple(each for each in chosen if self._with(each, chart) != chart)
+
+    def _with(self, chosen: Chosen, chart: Chart) -> Chart:
+        """Return a chart with a parameter, unless the chart itself states it."""
+        types = self._adjustable.parameters.get(chosen.ability, {})
+        parameters = {chosen.ability: {p: t for p, t in types.items() if p == chosen.parameter}}
+        adjustable = replace(self._adjustable, parameters=parameters, keeps_stated=True)
+        return with_parameters(chart, chosen.step, {chosen.parameter: chosen.value}, adjustable)
+
+    def chart(
+        self,
+        name: str,
+        part: Part,
+        connected: Collection[str],
+        decisions: Sequence[Decided],
+        chosen: Sequence[Chosen] = (),
+    ) -> Chart:
+        """Return the chart of a part of a task.
+
+        Args:
+            name: of the task.
+            part: which.
+            connected: letters of the ends that sit in their terminals.
+            decisions: about the task so far; they outdo what was chosen.
+            chosen: parameters.
+        """
+        task = self.task(name, decisions)
+        if part is Part.CLEAR:
+            return task.clear()
+        if part is Part.DISCARD:
+            return task.discard()
+        chart = task.rest(connected) if part is Part.REST else task.chart
+        for each in chosen:
+            chart = self._with(each, chart)
+        for decision in decisions:
+            values, where = dict(decision.change), decision.state_path
+            if decision.do is Do.LOOK_AGAIN and values:
+                chart = observing_from(chart, int(values[VIEW]), self._adjustable)
+            elif values:
+                chart = with_parameters(chart, where, values, self._adjustable)
+        return escalating(chart)
+
+    def _otherwise(self, task: PlannedTask, state_path: str) -> PlannedTask | None:
+        return done_otherwise(self._place(task.name).prepared, task, state_path)
+
+    def _place(self, name: str) -> _Place:
+        """Return how a task is done; one that was not planned is planned alone."""
+        if name not in self._places:
+            prepared = self._prepare({name})
+            plan = plan_problem(prepared.preferred.problem, 0.0).plan
+            modes = listing_of(prepared.preferred.problem, plan).modes
+            self._places[name] = _Place(prepared, modes[name])
+        return self._places[name]

@@ -1,0 +1,1 @@
+"""The processes beside the supervisor, as its ports: cell, engine, synthesizer, cameras."""

@@ -1,0 +1,137 @@
+"""The cell, as the use case supervisor asks it: panel, feeder, pictures, and the score."""
+
+from __future__ import annotations
+
+import socket
+import time
+from collections.abc import Callable
+from typing import TypeVar
+
+import rospy
+from genpy import Message
+from remodel_msgs.msg import Panel
+from remodel_msgs.srv import FeedWire, GetGroundTruth, LoadPanel, TakePicture
+from sensor_msgs.msg import Image
+
+from remodel_production.errors import LostError
+from remodel_supervision.errors import RefusedError
+
+# [s] wall time between two checks whether a service is there.
+_LOOK_S = 0.1
+
+_SERVICES = {
+    "load_panel": LoadPanel,
+    "feed_wire": FeedWire,
+    "ground_truth": GetGroundTruth,
+    "take_picture": TakePicture,
+}
+
+
+T = TypeVar("T")
+
+
+def _directly(call: Callable[[], T]) -> T:
+    return call()
+
+
+class Cell:
+    """The cell's services, below the namespace `cell`."""
+
+    def __init__(self, background: Callable[[Callable[[], T]], T] = _directly) -> None:
+        """Call the services through `background`, which may do other things meanwhile."""
+        self._background = background
+
+    def wait(self, limit_s: float) -> None:
+        """Wait for all services, up to a limit of wall time [s].
+
+        Raises:
+            LostError: if one is not there in time.
+        """
+        self._background(lambda: _wait(limit_s))
+
+    def address(self) -> str:
+        """Return where the cell answers; a cell that was restarted answers somewhere else.
+
+        Raises:
+            LostError: if it does not answer.
+        """
+        address = _address("load_panel")
+        if not address:
+            raise LostError("the cell does not answer")
+        return address
+
+    def load(self, panel: Panel, serial: str, owner: int, *, keep: bool) -> None:
+        """Build the panel of a product.
+
+        Args:
+            panel: to build.
+            serial: serial number of the product.
+            owner: token of the supervisor that asks.
+            keep: leave the cell as it is if it has this very panel already.
+
+        Raises:
+            RefusedError: with every problem found if the cell cannot.
+        """
+        panel.serial = serial
+        what = f"load panel {panel.name}"
+        self._ask("load_panel", what, panel=panel, keep=keep, owner=owner)
+
+    def feed(self, wire: str, channel: str, owner: int) -> None:
+        """Present a piece of a wire in a channel.
+
+        Raises:
+            RefusedError: if the feeder cannot.
+        """
+        what = f"feed wire {wire}"
+        self._ask("feed_wire", what, wire_id=wire, channel_id=channel, owner=owner)
+
+    def placed(self, wire: str) -> bool | None:
+        """Return whether a wire is placed, by ground truth; None if there is none of it."""
+        truths = self._call("ground_truth", "ask for the ground truth").wires
+        return next((truth.placed for truth in truths if truth.wire_id == wire), None)
+
+    def picture(self, camera: str) -> Image:
+        """Return a fresh picture; RefusedError if there is no such camera."""
+        return self._ask("take_picture", f"take a picture from {camera}", camera=camera).image
+
+    def _ask(self, name: str, what: str, **request: object) -> Message:
+        response = self._call(name, what, **request)
+        if not response.success:
+            code = getattr(response, "error_code", 0)
+            raise RefusedError(code, f"cannot {what}: {response.message}")
+        return response
+
+    def _call(self, name: str, what: str, **request: object) -> Message:
+        return self._background(lambda: _called(name, what, request))
+
+
+def _wait(limit_s: float) -> None:
+    # rospy.wait_for_service counts ROS time, which does not pass until the cell runs.
+    end = time.monotonic() + limit_s
+    for name in _SERVICES:
+        while not _address(name):
+            if time.monotonic() > end or rospy.is_shutdown():
+                raise LostError(
+                    f"service {rospy.resolve_name(f'cell/{name}')} is not there after "
+                    f"{limit_s:.0f} s: start the cell (roslaunch remodel_sim cell.launch)"
+                )
+            time.sleep(_LOOK_S)
+
+
+def _address(name: str) -> str:
+    """Return where a service answers; empty if nobody does: the master remembers dead nodes."""
+    try:
+        uri = rospy.get_master().lookupService(rospy.resolve_name(f"cell/{name}"))[2]
+        _, _, address = uri.partition("://")
+        host, _, port = address.rpartition(":")
+        with socket.create_connection((host, int(port)), timeout=1.0):
+            return address
+    except (OSError, ValueError):
+        return ""
+
+
+def _called(name: str, what: str, request: dict[str, object]) -> Message:
+    try:
+        return rospy.ServiceProxy(f"cell/{name}", _SERVICES[name])(**request)
+    except (rospy.ServiceException, rospy.ROSException, OSError) as error:
+        raise LostError(f"cannot {what}: {error}") from error

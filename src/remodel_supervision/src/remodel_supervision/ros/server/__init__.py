@@ -1,0 +1,1 @@
+"""The supervisor's node: its actions, services and topics."""

@@ -1,0 +1,162 @@
+"""A run as messages: the small state, its levels, tasks and failures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import rospy
+from remodel_msgs.msg import (
+    FailureState,
+    LevelState,
+    OperatorQuestion,
+    TaskState,
+    UseCaseState,
+)
+
+from remodel_supervision.core.runs.changes import counts_of
+from remodel_supervision.core.runs.events import Decided
+from remodel_supervision.core.runs.state import RunState, Stage
+from remodel_supervision.core.runs.step import Plan, Settle, Wait, next_step
+from remodel_supervision.supervisors.ports import Doing
+
+_STATES = {
+    Stage.WAITING: TaskState.WAITING,
+    Stage.ELSEWHERE: TaskState.WAITING,
+    Stage.DONE: TaskState.DONE,
+    Stage.SET_ASIDE: TaskState.SET_ASIDE,
+}
+
+
+@dataclass(frozen=True)
+class RunView:
+    """What is published of a run.
+
+    Attributes:
+        run: its number.
+        doing: what is being done now, for a person.
+        doing_now: what an ability reports; None if none does anything.
+        state_path: of the state in which the engine is; empty if it reports none.
+        started: ROS time at which this process began the run, or resumed it.
+        expected_s: returns the time that a task is expected to take [s].
+        descriptions: of the tasks, for a person, by name.
+        moving: whether an operation is under way, so that a pause has not taken effect yet.
+    """
+
+    run: int
+    state: RunState
+    doing: str
+    doing_now: Doing | None
+    state_path: str
+    started: rospy.Time
+    expected_s: Callable[[str], float]
+    descriptions: Mapping[str, str]
+    moving: bool = False
+
+
+def state_message(view: RunView) -> UseCaseState:
+    """Return the state of a run, without stamp, series and number of its changes."""
+    state = view.state
+    counts = counts_of(state)
+    return UseCaseState(
+        phase=_phase(view),
+        message=state.ended.because if state.ended else view.doing,
+        cell=state.cell,
+        run=view.run,
+        order=state.order,
+        use_case=state.use_case,
+        serial=state.serial,
+        started=view.started,
+        interruptions=state.interruptions,
+        stopped_by=state.protective,
+        tasks=counts.tasks,
+        done=counts.done,
+        set_aside=counts.set_aside,
+        task=state.current,
+        levels=levels(view),
+        question=_question(view),
+    )
+
+
+def levels(view: RunView) -> list[LevelState]:
+    """Return what the four levels of a run are doing, from use case to action."""
+    state, doing = view.state, view.doing_now
+    task = state.tasks.get(state.current)
+    found = [LevelState(level=LevelState.USE_CASE, name=state.order, doing=view.doing)]
+    if task is None or task.stage is not Stage.RUNNING:
+        empty = (LevelState.TASK, LevelState.BEHAVIOR, LevelState.ACTION)
+        return found + [LevelState(level=level) for level in empty]
+    since = rospy.Time.from_sec(task.began_s)
+    found.append(LevelState(LevelState.TASK, task.name, f"attempt {task.attempts}", since))
+    found.append(LevelState(LevelState.BEHAVIOR, task.behavior, view.state_path, since))
+    if doing is None:
+        return [*found, LevelState(level=LevelState.ACTION)]
+    text = f"{doing.text} ({doing.percent:.0f} %)"
+    begun = rospy.Time.from_sec(max(0.0, doing.since_s))
+    return [*found, LevelState(LevelState.ACTION, doing.ability, text, begun)]
+
+
+def task_message(view: RunView, name: str) -> TaskState:
+    """Return the state of a task."""
+    task = view.state.tasks[name]
+    under_way = TaskState.RUNNING if name == view.state.current else TaskState.WAITING
+    return TaskState(
+        name=name,
+        description=view.descriptions.get(name, ""),
+        state=_STATES.get(task.stage, under_way),
+        attempts=task.attempts,
+        first_pass=task.first_pass,
+        taken_s=task.cell_s,
+        expected_s=0.0 if task.stage.is_lasting else view.expected_s(name),
+    )
+
+
+def failure_message(decision: Decided) -> FailureState:
+    """Return a task's failure, with what was decided about it."""
+    return FailureState(
+        stamp=rospy.Time.from_sec(decision.at_s),
+        task=decision.task,
+        fault=decision.fault,
+        error_code=decision.code,
+        ability=decision.ability,
+        text=decision.text,
+        decision=decision.do.value,
+        because=decision.because,
+    )
+
+
+def _question(view: RunView) -> OperatorQuestion:
+    asked = view.state.question
+    if asked is None:
+        return OperatorQuestion()
+    return OperatorQuestion(
+        number=asked.number,
+        task=asked.task,
+        text=asked.text,
+        choices=[choice.value for choice in asked.choices],
+        asked=rospy.Time.from_sec(asked.at_s),
+        timeout=asked.timeout_s,
+    )
+
+
+def _phase(view: RunView) -> str:
+    state = view.state
+    if state.ended is not None:
+        return UseCaseState.ENDED
+    if state.protective:
+        return UseCaseState.PROTECTIVE_STOP
+    if state.question is not None:
+        return UseCaseState.ASKING
+    if state.paused:
+        return UseCaseState.PAUSING if view.moving else UseCaseState.PAUSED
+    task = state.tasks.get(state.current)
+    if task is not None and task.stage is Stage.RUNNING:
+        return UseCaseState.RUNNING
+    match next_step(state):
+        case Plan():
+            return UseCaseState.PLANNING
+        case Settle():
+            return UseCaseState.SETTLING
+        case Wait():
+            return UseCaseState.PAUSED
+    return UseCaseState.RUNNING

@@ -1,0 +1,106 @@
+"""Make what a run is about: an order from the database, ready for the cell of this node."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from remodel_msgs.msg import Panel
+
+from remodel_planning.core.orders.board_order import board_order
+from remodel_planning.core.orders.cell_order import USE_CASE, cell_order
+from remodel_planning.core.orders.work_order import WorkOrder
+from remodel_planning.core.use_case.fault import FaultTable
+from remodel_planning.core.use_case.model import UseCase
+from remodel_planning.edge.use_case_files import find_use_case
+from remodel_production.core.board.board import board_of
+from remodel_production.core.panel.panel_layout import PanelRules, lay_out
+from remodel_production.core.production import Order
+from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.edge.package_files import catalogue_file
+from remodel_supervision.core.learning.experience import Experience
+from remodel_supervision.edge.escalation_hook import EscalationHook
+from remodel_supervision.edge.recorded_lessons import ability_calls
+from remodel_supervision.edge.task_leases import TaskLeases
+from remodel_supervision.edge.work_planner import WorkPlanner
+from remodel_supervision.ros.peers.board_message import MAGAZINE, board_message
+from remodel_supervision.ros.peers.panel_message import panel_message
+from remodel_supervision.supervisors.work import Work
+
+
+@dataclass
+class WorkMaker:
+    """Makes work for one cell.
+
+    Attributes:
+        database: that has the orders.
+        faults: that there are.
+        cell: name of the cell.
+        use_case: name of the use case by which orders are done.
+        attended: whether there is an operator who can be asked.
+        reconnect_s: [s] wall time that a process that is lost or silent gets to answer again.
+        lease_s: [s] wall time for which a task is taken.
+        search_s: [s] wall time that the search for the best order of tasks gets.
+        explore: try parameters other than those the use case states, and spare responses that
+            hardly ever help, both as recorded runs have taught.
+        escalation: is notified of questions; None: nobody is.
+        descriptions: of the tasks made last, for a person, by name.
+    """
+
+    database: ProductionDatabase
+    faults: FaultTable
+    cell: str
+    use_case: str
+    attended: bool
+    reconnect_s: float
+    lease_s: float
+    search_s: float
+    explore: bool = False
+    escalation: EscalationHook | None = None
+    descriptions: Mapping[str, str] = field(default_factory=dict)
+
+    def work(self, name: str, tasks: int, owner: int) -> Work:
+        """Make the work of an order.
+
+        Args:
+            name: of the order.
+            tasks: how many, from the first; 0 for all.
+            owner: token of the ownership of the cell.
+
+        Raises:
+            PlannerError: if there is no such order, or the cell cannot do it.
+        """
+        stored = self.database.order(name).in_cabinet()
+        stored = stored.first(tasks or len(stored.wires))
+        use_case = find_use_case(self.use_case)
+        use_case.recovery.require_known(self.faults)
+        order, panel, channels = _in_cell(stored, use_case)
+        experience = Experience(use_case, ability_calls(self.database), explore=self.explore)
+        leases = TaskLeases(self.database, name, self.cell, self.lease_s, owner)
+        self.descriptions = {
+            wire.name: f"{wire.a} to {wire.b}, {wire.colour}, {wire.section_mm2:g} mm2"
+            for wire in stored.wires
+        }
+        return Work(
+            planner=WorkPlanner(order, use_case, experience, self.search_s),
+            faults=self.faults,
+            panel=panel,
+            channels=channels,
+            leases=leases,
+            attended=self.attended,
+            reconnect_s=self.reconnect_s,
+            notify=self.escalation.notify if self.escalation else lambda event: None,
+        )
+
+
+def _in_cell(stored: Order, use_case: UseCase) -> tuple[WorkOrder, Panel, dict[str, str]]:
+    """Return an order's tasks, the panel that the cell builds, and where each part is presented."""
+    if use_case.name == USE_CASE:
+        rules = PanelRules()
+        layout = lay_out(stored, read_catalogue(catalogue_file()), rules)
+        channels = {cut.wire.name: cut.channel for cut in layout.wires}
+        return cell_order(layout), panel_message(layout, rules), channels
+    board = board_of(stored)
+    order = board_order(board, use_case, arms=1)
+    return order, board_message(order), {task.name: MAGAZINE for task in order.tasks}

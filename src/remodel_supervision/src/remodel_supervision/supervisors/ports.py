@@ -1,0 +1,257 @@
+"""What the supervisors need of the world. All calls come from the event loop's one thread."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import Protocol
+
+from flexbe_synthesizer.core.chart.model import Chart
+from remodel_supervision.core.learning.learned_responses import TriedResponse
+from remodel_supervision.core.runs.events import Event
+from remodel_supervision.core.runs.state import RunState
+from remodel_supervision.edge.task_leases import Claim
+
+
+class Timer(Protocol):
+    """A call that is repeated."""
+
+    def cancel(self) -> None:
+        """End it."""
+
+
+class EventLoop(Protocol):
+    """Time, and what arrives."""
+
+    def now_s(self) -> float:
+        """Return the ROS time [s], without jumps."""
+
+    def wall_s(self) -> float:
+        """Return the wall time [s], monotonic."""
+
+    def run_until(
+        self, holds: Callable[[], bool], limit_s: float, *, while_leaving: bool = False
+    ) -> bool:
+        """Process what arrives until a condition holds; return whether it does.
+
+        Args:
+            holds: the condition, checked after whatever arrives.
+            limit_s: [s] wall time that it gets.
+            while_leaving: go on although the process is to end.
+
+        Raises:
+            LeavingError: if the process is to end.
+        """
+
+    def every(self, period_s: float, call: Callable[[], None]) -> Timer:
+        """Have something called again and again, each period of wall time [s]."""
+
+
+class End(Enum):
+    """How a behavior ended."""
+
+    FINISHED = "finished"
+    PREEMPTED = "preempted"
+    FAILED = "failed"
+    LOST = "lost"
+
+
+@dataclass(frozen=True)
+class BehaviorEnd:
+    """The end of a behavior.
+
+    Attributes:
+        text: the outcome of one that finished; otherwise why.
+    """
+
+    end: End
+    text: str
+
+
+class Engine(Protocol):
+    """The behavior engine and its action server.
+
+    Attributes:
+        state_path: of the state in which the engine is; empty if none is known.
+    """
+
+    state_path: str
+
+    @property
+    def end(self) -> BehaviorEnd | None:
+        """How the behavior started last has ended; None while it runs."""
+
+    @property
+    def trouble(self) -> str:
+        """Why engine or action server count as lost; empty if they do not."""
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether the engine has reported lately that it runs no behavior."""
+
+    def wait(self, limit_s: float) -> None:
+        """Wait until both answer, up to a limit of wall time [s]; LostError if they do not."""
+
+    def start(self, behavior: str) -> None:
+        """Have a behavior run."""
+
+    def cancel(self, *, own_only: bool = False) -> None:
+        """Have every behavior stopped, whoever started it, or only the one started last here."""
+
+    def path(self) -> tuple[str, ...]:
+        """Return the paths of the states that the behavior started last has entered."""
+
+
+@dataclass(frozen=True)
+class Doing:
+    """What an ability reports that it does.
+
+    Attributes:
+        text: for a person.
+        percent: [%] 0 to 100.
+        since_s: [s] ROS time of its acceptance.
+    """
+
+    ability: str
+    text: str
+    percent: float
+    since_s: float
+
+
+class Abilities(Protocol):
+    """The ability servers, by what they publish.
+
+    Attributes:
+        latest: what one of them does; None if none does anything.
+    """
+
+    latest: Doing | None
+
+    def cancel(self, owner: int | None = None) -> None:
+        """Cancel every goal of every ability, or only those that an owner of the cell granted."""
+
+    def are_quiet(self, since_s: float, owner: int | None = None) -> bool:
+        """Return whether all servers that are connected have reported since then that they rest.
+
+        Args:
+            since_s: [s] wall time.
+            owner: of the goals that count; None: all do.
+        """
+
+    def answers(self, ability: str, since_s: float) -> bool:
+        """Return whether the server of an ability is there, and rests; see are_quiet."""
+
+    def is_connected(self, ability: str) -> bool:
+        """Return whether the server of an ability is connected, whether it answers or not."""
+
+    def restless(self, since_s: float, owner: int | None = None) -> tuple[str, ...]:
+        """Return those that keep `are_quiet` from being true, for a person."""
+
+
+def server_of(ability: str) -> str:
+    """Return what the server of an ability is called, for a person."""
+    return f"the server of {ability}"
+
+
+class Cell(Protocol):
+    """The services of the cell, below the namespace `cell`."""
+
+    def wait(self, limit_s: float) -> None:
+        """Wait for all services, up to a limit of wall time [s]; LostError if one is missing."""
+
+    def address(self) -> str:
+        """Return where the cell answers; another one after a restart. LostError if it does not."""
+
+    def load(self, panel: object, serial: str, owner: int, *, keep: bool) -> None:
+        """Build a panel; RefusedError if the cell cannot."""
+
+    def feed(self, wire: str, channel: str, owner: int) -> None:
+        """Present a piece of a wire in a channel; RefusedError if the feeder cannot."""
+
+    def placed(self, wire: str) -> bool | None:
+        """Return whether a wire is placed, by ground truth; None if there is none of it."""
+
+
+class BehaviorMaker(Protocol):
+    """Makes behaviors of charts."""
+
+    def wait(self, limit_s: float) -> None:
+        """Wait for the synthesizer, up to a limit of wall time [s]; LostError without it."""
+
+    def make(self, chart: Chart) -> None:
+        """Have a chart's behavior made, unless it exists; CellError if it is refused."""
+
+
+class Inspection(Protocol):
+    """The ability CheckConnection."""
+
+    def wait(self, limit_s: float) -> None:
+        """Wait for the ability, up to a limit of wall time [s]; LostError without it."""
+
+    def is_connected(self, owner: int, wire: str, end: str, component: str, terminal: str) -> bool:
+        """Return whether an end is in a terminal; UnseenError if that could not be seen."""
+
+
+class Pictures(Protocol):
+    """The pictures of a behavior."""
+
+    def begin(self) -> None:
+        """Forget those of the behavior before."""
+
+    def keep(self, run: int, label: str) -> tuple[str, ...]:
+        """Keep those of the behavior that ended, and return the names of their files."""
+
+
+class Log(Protocol):
+    """The record of a run."""
+
+    def append(self, run: int, event: Event, before: RunState, owner: int) -> RunState:
+        """Keep an event, and return the state after it.
+
+        Raises:
+            LostError: if the database does not answer.
+            OwnerError: if another supervisor owns the run or the cell.
+            RecordLostError: if the database has lost the run.
+        """
+
+    def state(self, run: int) -> RunState:
+        """Return what is known of a run."""
+
+    def take_up(self, run: int, owner: int) -> None:
+        """Take up a run; OwnerError if another supervisor owns the cell now."""
+
+    def tried_responses(self) -> Sequence[TriedResponse]:
+        """Return what was done about faults in any run, and whether it helped."""
+
+
+class Leases(Protocol):
+    """This cell's leases on the tasks of one order.
+
+    Attributes:
+        lease_s: [s] wall time for which a task is taken or renewed.
+    """
+
+    lease_s: float
+
+    def claim(self, task: str) -> Claim:
+        """Take a task unless another cell has it, or it is done."""
+
+    def begun_elsewhere(self) -> bool:
+        """Return whether another cell has begun a task of the order: it has built the panel."""
+
+    def renew(self, task: str) -> bool:
+        """Keep a task; False if another cell has taken it over."""
+
+
+class UnseenError(Exception):
+    """An inspection failed.
+
+    Attributes:
+        code: remodel_msgs/ErrorCode.
+    """
+
+    def __init__(self, code: int, text: str) -> None:
+        """Keep the code and the reason."""
+        super().__init__(text)
+        self.code = code

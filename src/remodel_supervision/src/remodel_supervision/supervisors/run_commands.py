@@ -1,0 +1,171 @@
+"""Commands to a cell with or without a run; a protective stop holds it until it is released."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+
+from remodel_supervision.core.runs.events import Command, Commanded
+from remodel_supervision.supervisors.commands import PendingReplies, Reply
+from remodel_supervision.supervisors.ports import Abilities, EventLoop
+from remodel_supervision.supervisors.unresumed_run import UnresumedRun
+from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor
+
+# [s] wall time between two checks whether what was cancelled rests.
+_CHECK_S = 0.2
+
+HELD = "the cell is held until remodel/use_case/resume releases it"
+
+
+class RunCommands:
+    """Passes commands on to the run under way, and holds the cell between runs.
+
+    Attributes:
+        unresumed: a run that waits for a person to be resumed; None if there is none.
+
+    Safety controllers stop the cell by the topic, persons by the service. Each stop holds this run
+    and all later ones: controllers release their own stops, `resume` releases those of persons.
+    """
+
+    def __init__(
+        self,
+        loop: EventLoop,
+        abilities: Abilities,
+        active: Callable[[], UseCaseSupervisor | None],
+        why_closed: Callable[[], str],
+        persons: Collection[str] = (),
+        keep: Callable[[Collection[str]], None] = lambda persons: None,
+    ) -> None:
+        """Begin with the stops that were in force before.
+
+        Args:
+            loop: on which all calls come.
+            abilities: that a protective stop cancels, run or no run.
+            active: returns the supervisor of the run under way; None without a run.
+            why_closed: returns why this node takes nothing now; empty if it does.
+            persons: who have stopped the cell by the service, and have not released it.
+            keep: keeps these names beyond this process.
+        """
+        self.unresumed: UnresumedRun | None = None
+        self._loop = loop
+        self._abilities = abilities
+        self._active = active
+        self._why_closed = why_closed
+        self._controllers: set[str] = set()
+        self._persons = set(persons)
+        self._keep = keep
+        self._replies = PendingReplies(loop.wall_s)
+        loop.every(_CHECK_S, self._replies.check)
+
+    @property
+    def stopped_by(self) -> str:
+        """Who has stopped the cell; empty if nobody has."""
+        return ", ".join(sorted(self._controllers | self._persons))
+
+    @property
+    def safety(self) -> str:
+        """Why nothing may move, by protective stops; empty if it may."""
+        if self._controllers:
+            return f"protective stop by {', '.join(sorted(self._controllers))}; release it first"
+        if self._persons:
+            return f"protective stop by {', '.join(sorted(self._persons))}; {HELD}"
+        return ""
+
+    def command(self, event: Commanded, reply: Reply) -> None:
+        """Do what an operator or a safety controller asks for; see UseCaseSupervisor.command."""
+        match event.command:
+            case Command.PROTECTIVE_STOP:
+                self._stop(event, reply)
+            case Command.RESUME:
+                self._resume(event, reply)
+            case _:
+                self._pass_on(event, reply)
+
+    def note_controller(self, by: str, *, is_stopped: bool, present: Collection[str]) -> None:
+        """Note what a safety controller publishes.
+
+        Args:
+            by: its name.
+            is_stopped: whether it stops the cell, or releases it.
+            present: controllers that are connected; another one cannot release its own stop.
+        """
+        if not is_stopped:
+            self._controllers &= set(present) - {by}
+        elif by not in self._controllers:
+            self._controllers.add(by)
+            self.stop_if_unsafe()
+
+    def stop_if_unsafe(self) -> None:
+        """Stop the run under way if a protective stop is in force, from before the run or now."""
+        supervisor = self._active()
+        by = self.stopped_by
+        if supervisor is not None and by and supervisor.state.protective != by:
+            stop = Commanded(Command.PROTECTIVE_STOP, "", by)
+            supervisor.command(stop, lambda granted, text: None)
+
+    def _stop(self, event: Commanded, reply: Reply) -> None:
+        self._set_persons(self._persons | {event.by})
+        supervisor = self._active()
+        if supervisor is not None and supervisor.state.ended is None:
+            supervisor.command(event, _adding(HELD, reply))
+            return
+        self._cancel_all(_adding(f"no run is under way; {HELD}", reply))
+
+    def _resume(self, event: Commanded, reply: Reply) -> None:
+        if self._controllers:
+            reply(False, self.safety)
+        elif self._active() is None and self.unresumed is None and self._persons:
+            self._set_persons(())
+            reply(True, "the protective stop is released; no run is under way")
+        else:
+            self._pass_on(event, self._releasing(reply))
+
+    def _pass_on(self, event: Commanded, reply: Reply) -> None:
+        supervisor = self._active()
+        if supervisor is not None:
+            supervisor.command(event, reply)
+        elif self.unresumed is not None:
+            is_stop = event.command is Command.STOP
+            self.unresumed.command(event, self._at_rest(reply) if is_stop else reply)
+        else:
+            reply(False, self._why_closed() or "no run is under way")
+
+    def _at_rest(self, reply: Reply) -> Reply:
+        """Return a reply whose success comes when nothing moves any more."""
+
+        def rest(granted: bool, text: str) -> None:
+            if granted:
+                self._cancel_all(_adding(text, reply))
+            else:
+                reply(granted, text)
+
+        return rest
+
+    def _cancel_all(self, reply: Reply) -> None:
+        """Cancel what abilities do, and reply when they rest."""
+        since_s = self._loop.wall_s()
+        self._abilities.cancel()
+        self._replies.reply_when(
+            lambda: self._abilities.are_quiet(since_s),
+            reply,
+            lambda: ", ".join(self._abilities.restless(since_s)),
+        )
+
+    def _releasing(self, reply: Reply) -> Reply:
+        """Return a reply that releases the stops of persons if it is granted."""
+
+        def release(granted: bool, text: str) -> None:
+            if granted:
+                self._set_persons(())
+            reply(granted, text)
+
+        return release
+
+    def _set_persons(self, persons: Collection[str]) -> None:
+        if set(persons) != self._persons:
+            self._persons = set(persons)
+            self._keep(sorted(persons))
+
+
+def _adding(text: str, reply: Reply) -> Reply:
+    """Return a reply whose success says more."""
+    return lambda granted, said: reply(granted, said or (text if granted else ""))

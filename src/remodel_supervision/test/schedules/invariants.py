@@ -1,0 +1,200 @@
+"""What must hold, whatever happens."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from remodel_states.core.codes import Code
+from remodel_states.testing.ledger import Deed, Entry
+from remodel_supervision.core.runs.events import (
+    Answered,
+    Command,
+    Commanded,
+    Escalated,
+    Event,
+    Part,
+    RunBegun,
+    RunEnded,
+    TaskBegun,
+)
+from remodel_supervision.core.runs.fold import state_after
+from remodel_supervision.core.runs.state import PERSON_FIRST, RunState, Stage
+from remodel_supervision.edge.run_log import RunLog
+from schedules.simulation import Simulation
+from schedules.site import Motion, Site
+
+if TYPE_CHECKING:
+    from schedules.process import Process
+    from schedules.station import Station
+
+_CLOSING = (Command.PAUSE, Command.STOP, Command.PROTECTIVE_STOP)
+
+
+@dataclass
+class Invariants:
+    """Watches a schedule, and ends it at the first violation.
+
+    Attributes:
+        states: run -> what is known of it after its last event.
+        ended: runs that a supervisor has taken to their end.
+        closed: station -> why its gate is closed, as somebody was answered.
+        stopped: station -> what ended so that a person is to answer before anything moves.
+    """
+
+    simulation: Simulation
+    site: Site
+    log: RunLog
+    states: dict[int, RunState] = field(default_factory=dict)
+    ended: dict[int, RunState] = field(default_factory=dict)
+    closed: dict[str, str] = field(default_factory=dict)
+    stopped: dict[str, str] = field(default_factory=dict)
+    _fixed: set[str] = field(default_factory=set)
+    _discards: set[str] = field(default_factory=set)
+    _serial: str = ""
+
+    def __post_init__(self) -> None:
+        """Watch the site."""
+        self.site.on_motion = self._on_motion
+        self.site.on_result = self._on_result
+        self.site.on_entry = self._on_entry
+
+    # --- the log
+
+    def on_begin(self, station: Station, run: int, event: RunBegun) -> None:
+        """Check a run that begins."""
+        if self.closed.pop(station.name, "") == Command.PROTECTIVE_STOP.value:
+            self.simulation.violated(f"run {run} begins during a protective stop")
+        self.states[run] = state_after([event])
+
+    def on_goal(self, station: Station) -> None:
+        """Note that somebody asks for another run: what was stopped may go on in it."""
+        if self.closed.get(station.name) == Command.STOP.value:
+            del self.closed[station.name]
+
+    def on_take_up(self, run: int, state: RunState) -> None:
+        """Learn what is known of a run; its last event may have been kept unheard."""
+        self.states[run] = state
+
+    def read_open_runs(self) -> None:
+        """Learn of events of which no supervisor has heard; there is none at work."""
+        for head in self.log.heads():
+            known = self.states.get(head.number)
+            if known is None or known.ended is None:
+                self.states[head.number] = self.log.state(head.number)
+
+    def on_event(
+        self, station: Station, process: Process, run: int, event: Event, after: RunState
+    ) -> None:
+        """Check an event that was kept."""
+        if self.simulation.tracing:
+            self.simulation.note(process.name, "run {}: {}", run, _short(event))
+        if process.noticed_leaving and not isinstance(event, Commanded | Answered):
+            self.simulation.violated(f"a shutdown left the event {event}")
+        if isinstance(event, Answered | Escalated | RunEnded):
+            self.stopped.pop(station.name, None)
+        if isinstance(event, TaskBegun) and event.part is Part.DISCARD:
+            self._discards.add(event.task)
+        elif isinstance(event, TaskBegun) and event.part is Part.WHOLE:
+            self._discards.discard(event.task)
+        if after.stop.startswith("somebody stopped"):
+            self.simulation.violated(f"run {run}: {after.stop}, though nobody did")
+        before = self.states.get(run)
+        self.states[run] = after
+        for name, task in after.tasks.items():
+            was = before.tasks.get(name) if before else None
+            if task is was or task.stage is not Stage.DONE:
+                continue
+            is_new = was is None or was.stage is not Stage.DONE
+            if is_new and not self._is_placed(after, name):
+                self.simulation.violated(f"run {run} calls {name} done, which is not placed")
+
+    def on_end(self, station: Station, run: int, state: RunState) -> None:
+        """Check a run that has ended."""
+        self.ended[run] = state
+        if state.ended is None:
+            self.simulation.violated(f"run {run} was left without an end")
+
+    # --- the gate
+
+    def on_resume(self, station: Station) -> None:
+        """Note that things may move again: somebody is about to ask for it."""
+        self.closed.pop(station.name, None)
+
+    def on_reply(self, station: Station, event: Commanded, sent_s: float) -> None:
+        """Check that nothing moves when a command was answered with success."""
+        if event.command in _CLOSING:
+            self.closed[station.name] = event.command.value
+            moving = [each for each in self.site.moving if each.station == station.name]
+            if moving:
+                self.simulation.violated(
+                    f"{event.command.value} was answered while {moving[0].what} moves"
+                )
+        elif event.command is Command.SKIP:
+            for each in self.site.moving:
+                is_it = (each.station, each.wire) == (station.name, event.task)
+                if is_it and each.begun_s < sent_s:
+                    self.simulation.violated(f"skip was answered while {each.what} moves")
+
+    def _on_motion(self, motion: Motion) -> None:
+        why = self.closed.get(motion.station)
+        if why:
+            self.simulation.violated(f"{motion.what} begins although {why} was answered")
+        stopped = self.stopped.get(motion.station)
+        if stopped:
+            self.simulation.violated(f"{motion.what} begins although {stopped}: nobody answered")
+        if not motion.owner:
+            self.simulation.violated(f"{motion.what} begins without an owner")
+
+    def _on_result(self, motion: Motion, code: int) -> None:
+        if code in PERSON_FIRST - {Code.STALE_OWNER}:
+            self.stopped[motion.station] = f"{motion.what} ended with {code}"
+
+    def on_engine_death(self, station: Station) -> None:
+        """Note that a record that was not kept is lost with the engine."""
+        self.stopped.pop(station.name, None)
+
+    # --- the world
+
+    def _on_entry(self, entry: Entry) -> None:
+        end = f"{entry.wire}/{entry.end}"
+        match entry.deed:
+            case Deed.LOAD:
+                if self._fixed and entry.wire <= self._serial:
+                    self.simulation.violated(
+                        f"panel {entry.wire} was built again; fixed were {sorted(self._fixed)}"
+                    )
+                self._fixed, self._serial = set(), max(self._serial, entry.wire)
+            case Deed.FIX:
+                if end in self._fixed:
+                    self.simulation.violated(f"{end} was fixed twice")
+                self._fixed.add(end)
+            case Deed.LOOSEN:
+                self._require_not_done(entry)
+                self._fixed.discard(end)
+            case Deed.DISCARD:
+                self._require_not_done(entry)
+                self._require_on_purpose(entry)
+                self._fixed -= {f"{entry.wire}/a", f"{entry.wire}/b"}
+
+    def _require_not_done(self, entry: Entry) -> None:
+        for run, state in self.states.items():
+            task = state.tasks.get(entry.wire)
+            if task and state.serial == self._serial and task.stage is Stage.DONE:
+                self.simulation.violated(f"{entry.deed.value} of {entry.wire}, done in run {run}")
+
+    def _require_on_purpose(self, entry: Entry) -> None:
+        fixed = {f"{entry.wire}/a", f"{entry.wire}/b"} & self._fixed
+        if len(fixed) == 2:
+            self.simulation.violated(f"{entry.wire} was discarded, though both ends were fixed")
+        if entry.wire not in self._discards:
+            self.simulation.violated(f"{entry.wire} was discarded, though no run had decided so")
+
+    def _is_placed(self, state: RunState, name: str) -> bool:
+        world = self.site.world
+        return world.panel.serial == state.serial and world.is_placed(name)
+
+
+def _short(event: Event) -> str:
+    text = str(event)
+    return text if len(text) < 260 else f"{text[:260]}..."

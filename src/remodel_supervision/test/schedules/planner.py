@@ -1,0 +1,221 @@
+"""An order, its plan, and charts for the simulated engine."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+
+from flexbe_synthesizer.core.chart.model import Chart, Outcome, Param, State, Transition
+from remodel_planning.core.orders.cell_order import USE_CASE, cell_order
+from remodel_planning.core.problem.problem import End
+from remodel_planning.core.task_charts.planned_tasks import PlannedTask
+from remodel_planning.core.use_case.fault import Do, FaultTable
+from remodel_planning.core.use_case.policy import Limits, Policy
+from remodel_planning.edge.fault_file import read_faults
+from remodel_planning.edge.use_case_files import find_use_case
+from remodel_production.core.panel.panel_layout import PanelRules, lay_out
+from remodel_production.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
+from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_states.testing.panel import panel_from
+from remodel_states.testing.world import Panel
+from remodel_supervision.core.learning.experience import Experience
+from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.events import Chosen, Decided, Part
+from remodel_supervision.edge.work_planner import WorkPlanner
+from remodel_supervision.ros.peers.panel_message import panel_message
+
+WIRES = 5
+ORDER = Order(
+    "house",
+    "",
+    "house.qet",
+    (
+        Component("Q1", "fuse", tuple(Terminal(f"B{n}", Side.BOTTOM) for n in range(1, WIRES + 1))),
+        Component("Q2", "relay", tuple(Terminal(f"T{n}", Side.TOP) for n in range(1, WIRES + 1))),
+    ),
+    tuple(
+        Wire(f"W{n}", TerminalRef("Q1", f"B{n}"), TerminalRef("Q2", f"T{n}"), "BU", 1.5, f"{n}")
+        for n in range(1, WIRES + 1)
+    ),
+)
+_CATALOGUE = Path(__file__).parents[3] / "remodel_production" / "config" / "catalogue.yaml"
+
+
+@dataclass(frozen=True)
+class Plant:
+    """What all schedules share.
+
+    Attributes:
+        tasks: as the real planner plans them, by name.
+        channels: where each wire is fed.
+    """
+
+    panel: Panel
+    tasks: dict[str, PlannedTask]
+    channels: dict[str, str]
+    faults: FaultTable
+
+
+@cache
+def plant() -> Plant:
+    """Return it, made once."""
+    rules = PanelRules()
+    layout = lay_out(ORDER, read_catalogue(_CATALOGUE), rules)
+    use_case = find_use_case(USE_CASE)
+    order = cell_order(layout)
+    real = WorkPlanner(order, use_case, Experience(use_case, ()), 0.0)
+    names = real.plan([task.name for task in order.tasks])
+    return Plant(
+        panel_from(panel_message(layout, rules)),
+        {name: real.task(name) for name in names},
+        {cut.wire.name: cut.channel for cut in layout.wires},
+        read_faults(),
+    )
+
+
+class _NoExperience:
+    """Nothing was learned."""
+
+    def unpromising(self, *_: object) -> tuple[Do, ...]:
+        """Return nothing."""
+        return ()
+
+
+@dataclass(frozen=True)
+class _UseCase:
+    name: str
+    recovery: Policy
+
+
+class SimulatedPlanner:
+    """Plans the first tasks of the order."""
+
+    experience = _NoExperience()
+
+    def __init__(self, count: int, question_timeout_s: float) -> None:
+        """Plan some tasks, from the first."""
+        self.names = tuple(f"W{n}" for n in range(1, count + 1))
+        limits = Limits(run_s=1e6)
+        question = replace(Policy().question, timeout_s=question_timeout_s)
+        recovery = Policy(limits=limits, question=question)
+        self.use_case = _UseCase(USE_CASE, recovery)
+
+    def plan(self, names: Collection[str], *_: object) -> tuple[str, ...]:
+        """Return tasks in the order of their names."""
+        return tuple(sorted(names))
+
+    def task(self, name: str, decisions: Sequence[Decided] = ()) -> PlannedTask:
+        """Return a task."""
+        return plant().tasks[name]
+
+    def expected_s(self, name: str) -> float:
+        """Return how long a task is expected to take [s]."""
+        return 20.0
+
+    def has_other_method(self, name: str, decisions: Sequence[Decided], state_path: str) -> bool:
+        """Return whether a step can be done otherwise: one of each task can, once."""
+        return all(decision.do is not Do.OTHER_METHOD for decision in decisions)
+
+    def learn(self, name: str, operation: Operation) -> None:
+        """Learn nothing."""
+
+    def choose(self, name: str, decisions: Sequence[Decided], seed: str) -> tuple[Chosen, ...]:
+        """Choose nothing."""
+        return ()
+
+    def chart(
+        self,
+        name: str,
+        part: Part,
+        connected: Collection[str],
+        decisions: Sequence[Decided],
+        chosen: Sequence[Chosen] = (),
+    ) -> Chart:
+        """Return the chart of a part of a task."""
+        view, force_n = 0, 10.0
+        for decision in decisions:
+            changes = dict(decision.change)
+            view += decision.do is Do.LOOK_AGAIN
+            force_n = float(changes.get("force_limit", force_n))
+        is_rest = part is Part.REST
+        return _chart(name, part, tuple(sorted(connected)) if is_rest else (), view, force_n)
+
+
+@cache
+def _chart(name: str, part: Part, connected: tuple[str, ...], view: int, force_n: float) -> Chart:
+    title = f"Place Wire {name}"
+    if part is Part.CLEAR:
+        return _sequence(f"{title} Clear", [("Lay down", "PlaceCable", {})])
+    if part is Part.DISCARD:
+        return _sequence(f"{title} Discard", [("Discard", "DiscardCable", {"cable_id": name})])
+    suffix = " Rest" if part is Part.REST else ""
+    steps = [("Find wire", "DetectCable", {"cable_id": name, "view": view})]
+    for letter in _ends_left(name, connected):
+        steps += list(_connecting(name, letter, view, force_n))
+    return _sequence(f"{title}{suffix}", steps, name)
+
+
+def _ends_left(name: str, connected: tuple[str, ...]) -> tuple[str, ...]:
+    letters = []
+    for step in plant().tasks[name].left(connected):
+        if step.end is not None and step.end.letter not in letters:
+            letters.append(step.end.letter)
+    return tuple(letters)
+
+
+def _connecting(
+    name: str, letter: str, view: int, force_n: float
+) -> Iterator[tuple[str, str, dict[str, object]]]:
+    planned = plant().tasks[name]
+    task = planned.decomposition.task
+    terminal = next(task.terminals[end] for end in End if end.letter == letter)
+    component = planned.component_of[terminal]
+    where = {"component_id": component, "terminal_id": terminal.removeprefix(f"{component}:")}
+    wire = {"cable_id": name, "cable_end": letter}
+    yield f"Locate {letter}", "LocateGearboxComponent", {**where, "view": view}
+    yield f"Pick {letter}", "PickCable", wire
+    yield f"Insert {letter}", "InsertCable", {**wire, **where, "force_limit": force_n}
+    yield f"Fix {letter}", "FixCable", {"cable_id": name, **where}
+
+
+def _sequence(
+    title: str, steps: Sequence[tuple[str, str, dict[str, object]]], wire: str = ""
+) -> Chart:
+    """Return a chart of states in a row; once something may be held, failures lay it down."""
+    nodes, up = [], "failed"
+    for number, (name, ability, values) in enumerate(steps):
+        up = "Lay down" if wire and ability == "PickCable" else up
+        following = steps[number + 1][0] if number + 1 < len(steps) else "finished"
+        tries = 2 if ability == "InsertCable" else None
+        targets = {"done": following, "failed": name if tries else up, "command_error": up}
+        targets |= {"exhausted": up} if tries else {}
+        nodes.append(_state(name, ability, values, targets, tries))
+    if up == "Lay down" and wire:
+        ended = dict.fromkeys(("done", "failed", "command_error"), "failed")
+        nodes.append(_state("Lay down", "PlaceCable", {"cable_id": wire}, ended, None))
+    outcomes = (Outcome("finished"), Outcome("failed"))
+    return Chart(title, nodes[0].id, outcomes, tuple(nodes))
+
+
+def _state(
+    name: str, ability: str, values: dict[str, object], targets: dict[str, str], tries: int | None
+) -> State:
+    return State(
+        name,
+        ability,
+        tuple(Transition(event, target) for event, target in targets.items()),
+        params=tuple(Param(key, value) for key, value in values.items()),  # type: ignore[arg-type]
+        attempts=tries,
+    )
+
+
+def expected_serial(count: int) -> str:
+    """Return the serial number of the n-th product of the order."""
+    return f"{ORDER.name}-{count:04d}"
+
+
+def panel_of(serial: str) -> Panel:
+    """Return the panel of a product."""
+    return replace(plant().panel, serial=serial)

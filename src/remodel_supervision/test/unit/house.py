@@ -1,0 +1,23 @@
+"""A small order that tests run, and a cell to run it."""
+
+from remodel_production.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
+from remodel_production.edge.database.cell_ownership import CellOwnership
+
+HOUSE = Order(
+    "house",
+    "",
+    "house.qet",
+    (
+        Component("Q1", "fuse", (Terminal("B1", Side.BOTTOM), Terminal("B2", Side.BOTTOM))),
+        Component("Q2", "relay", (Terminal("T1", Side.TOP), Terminal("T2", Side.TOP))),
+    ),
+    (
+        Wire("W1", TerminalRef("Q1", "B1"), TerminalRef("Q2", "T1"), "BU", 1.5, "line 1"),
+        Wire("W2", TerminalRef("Q1", "B2"), TerminalRef("Q2", "T2"), "BU", 1.5, "line 2"),
+    ),
+)
+
+
+def owner_of(database, cell="cell", station="station"):
+    """Acquire a cell, and return the token."""
+    return CellOwnership(database, cell, station, f"supervisor at {station}", 60.0).acquire().token

@@ -1,0 +1,292 @@
+"""A supervisor of an order, with everything beside it faked but the database."""
+
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+from house import HOUSE, owner_of
+
+from remodel_planning.core.orders.cell_order import USE_CASE, cell_order
+from remodel_planning.edge.fault_file import read_faults
+from remodel_planning.edge.use_case_files import find_use_case
+from remodel_production.core.panel.panel_layout import PanelRules, lay_out
+from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.errors import LostError
+from remodel_supervision.core.learning.experience import Experience
+from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.events import Commanded, RunBegun
+from remodel_supervision.core.runs.fold import state_after
+from remodel_supervision.core.runs.gate import Permit
+from remodel_supervision.edge.recorded_lessons import ability_calls
+from remodel_supervision.edge.run_log import RunLog
+from remodel_supervision.edge.task_leases import TaskLeases
+from remodel_supervision.edge.work_planner import WorkPlanner
+from remodel_supervision.errors import LeavingError
+from remodel_supervision.ros.peers.panel_message import panel_message
+from remodel_supervision.supervisors.ports import BehaviorEnd, End, server_of
+from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor
+from remodel_supervision.supervisors.work import Peers, Work
+
+CATALOGUE = read_catalogue(
+    Path(__file__).parents[3] / "remodel_production" / "config" / "catalogue.yaml"
+)
+FAULTS = read_faults()
+LAYOUT = lay_out(HOUSE, CATALOGUE, PanelRules())
+
+
+class FakeLoop:
+    """Time passes only while somebody waits; `arrivals` are processed then, one a turn."""
+
+    def __init__(self):
+        self.wall, self.timers, self.arrivals, self.leaving = 100.0, [], [], False
+
+    def now_s(self):
+        return self.wall
+
+    def wall_s(self):
+        return self.wall
+
+    def every(self, period_s, call):
+        timer = SimpleNamespace(period_s=period_s, due_s=self.wall + period_s, call=call)
+        timer.cancel = lambda: self.timers.remove(timer) if timer in self.timers else None
+        self.timers.append(timer)
+        return timer
+
+    def run_until(self, holds, limit_s, *, while_leaving=False):
+        end_s = self.wall + limit_s
+        while True:
+            if self.leaving and not while_leaving:
+                raise LeavingError("this node is shutting down")
+            if self.arrivals:
+                self.arrivals.pop(0)()
+            for timer in list(self.timers):
+                if timer.due_s <= self.wall:
+                    timer.due_s = self.wall + timer.period_s
+                    timer.call()
+            if holds():
+                return True
+            if self.wall >= end_s:
+                return False
+            self.wall = min(end_s, self.wall + 0.05)
+
+
+class FakeCell:
+    """A cell in which the wires lie that were fed."""
+
+    def __init__(self):
+        self.fed, self.loaded, self.trouble, self.truth = [], [], None, True
+        self.at = "rosrpc://cell:1"
+
+    def wait(self, limit_s):
+        pass
+
+    def address(self):
+        return self.at
+
+    def load(self, panel, serial, owner, *, keep):
+        assert owner > 0
+        self.loaded.append((serial, keep))
+
+    def feed(self, wire, channel, owner):
+        if self.trouble:
+            trouble, self.trouble = self.trouble, None
+            raise trouble
+        self.fed.append((wire, channel))
+
+    def placed(self, wire):
+        return self.truth
+
+
+class FakeMaker:
+    def __init__(self):
+        self.asked = []
+
+    def wait(self, limit_s):
+        pass
+
+    def make(self, chart):
+        self.asked.append(chart.name)
+
+
+class FakeAbilities:
+    """Their servers are away for some checks; those that stall are connected, and silent."""
+
+    latest = None
+
+    def __init__(self):
+        self.away, self.cancelled, self.stalled = 0, 0, ()
+
+    def cancel(self, owner=None):
+        self.cancelled += 1
+
+    def is_connected(self, ability):
+        return ability in self.stalled
+
+    def answers(self, ability, since_s):
+        self.away -= 1
+        return self.away < 0 and ability not in self.stalled
+
+    def are_quiet(self, since_s, owner=None):
+        return not self.stalled
+
+    def restless(self, since_s, owner=None):
+        return tuple(server_of(ability) for ability in self.stalled)
+
+
+class FakeEngine:
+    """Ends behaviors as it is told, in turn: an outcome, an error code, an exception, or a call."""
+
+    state_path, is_idle = "", True
+
+    def __init__(self):
+        self.endings, self.ran, self.cancelled, self.back = [], [], 0, True
+        self.clearings = []
+        self.end, self.trouble, self.supervisor = None, "", None
+
+    def wait(self, limit_s):
+        if not self.back:
+            raise LostError("the engine does not answer")
+
+    def start(self, behavior):
+        self.ran.append(behavior)
+        self.end, self.trouble = None, ""
+        if behavior.endswith(" Clear") and self.clearings:
+            self.clearings.pop(0)()
+        if behavior.endswith((" Clear", " Discard")):
+            self.end = self.end or BehaviorEnd(End.FINISHED, "finished")
+            return
+        ending = self.endings.pop(0) if self.endings else "finished"
+        if callable(ending):
+            ending()
+            self.end = self.end or BehaviorEnd(End.FINISHED, "finished")
+        elif isinstance(ending, LostError):
+            self.trouble = str(ending)
+        elif isinstance(ending, BaseException):
+            raise ending
+        elif isinstance(ending, int):
+            self.operate(behavior, ending)
+            self.end = BehaviorEnd(End.FINISHED, "failed")
+        else:
+            self.end = BehaviorEnd(End.FINISHED, ending)
+
+    def operate(self, behavior, code, path="/Connect a/InsertCable"):
+        """Have an operation granted and recorded; return the permit."""
+        tasks = self.supervisor().tasks
+        permit, _ = tasks.begin_operation(behavior, path, "InsertCable")
+        if permit is Permit.GRANTED:
+            goal = f"{path}#{len(self.ran)}"
+            done = Operation(path, "InsertCable", "failed", code, "no", 2.0, 1.0, goal)
+            assert tasks.keep_record(behavior, done) == (True, "")
+            assert tasks.keep_record(behavior, done) == (True, ""), "sent twice, kept once"
+        return permit
+
+    def cancel(self, own_only=False):
+        self.cancelled += 1
+        self.end = self.end or BehaviorEnd(End.PREEMPTED, "stopped")
+
+    def path(self):
+        return ("/Connect a/InsertCable", "/Find wire")
+
+
+class FakeInspection:
+    """Sees the ends that it is told are connected."""
+
+    def __init__(self):
+        self.connected, self.trouble = set(), None
+
+    def wait(self, limit_s):
+        pass
+
+    def is_connected(self, owner, wire, end, component, terminal):
+        if self.trouble:
+            raise self.trouble
+        return (wire, end) in self.connected
+
+
+class FakePictures:
+    def begin(self):
+        pass
+
+    def keep(self, run, label):
+        return ()
+
+
+class Bench:
+    """A supervisor of the order, with everything beside it faked but the database."""
+
+    def __init__(self, url, attended=False, explore=False, timeout_s=0.0, policy=None):
+        self.database = ProductionDatabase(url)
+        self.log = RunLog(self.database)
+        use_case = find_use_case(USE_CASE)
+        if policy:
+            use_case = replace(use_case, recovery=policy)
+        experience = Experience(use_case, ability_calls(self.database), explore=explore)
+        self.loop, self.notified = FakeLoop(), []
+        self.cell, self.maker, self.engine = FakeCell(), FakeMaker(), FakeEngine()
+        self.abilities, self.inspection = FakeAbilities(), FakeInspection()
+        self.engine.supervisor = lambda: self.supervisor
+        self.owner = owner_of(self.database)
+        self.leases = TaskLeases(self.database, "house", "cell", 30.0, self.owner)
+        self.work = Work(
+            WorkPlanner(cell_order(LAYOUT), use_case, experience, 0.0),
+            FAULTS,
+            panel_message(LAYOUT, PanelRules()),
+            channels={cut.wire.name: cut.channel for cut in LAYOUT.wires},
+            leases=self.leases,
+            attended=attended,
+            reconnect_s=1.0,
+            notify=self.notified.append,
+        )
+        begun = RunBegun("house", USE_CASE, "cell", ("W1", "W2"), timeout_s=timeout_s)
+        self.number, _ = self.log.begin(begun, self.owner)
+        self.take_up()
+
+    def take_up(self):
+        """Have a new supervisor take the run up."""
+        state = state_after(kept.event for kept in self.log.events(self.number))
+        self.supervisor = UseCaseSupervisor(
+            self.number,
+            self.owner,
+            state,
+            self.loop,
+            self.log,
+            self.work,
+            Peers(
+                self.cell,
+                self.maker,
+                self.engine,
+                self.abilities,
+                self.inspection,
+                FakePictures(),
+            ),
+            lambda: None,
+        )
+
+    def take_over(self):
+        """Have a new owner of the cell take the run up; return the token of the one before."""
+        before, self.owner = self.owner, owner_of(self.database)
+        self.leases = TaskLeases(self.database, "house", "cell", 30.0, self.owner)
+        self.work = replace(self.work, leases=self.leases)
+        self.log.take_up(self.number, self.owner)
+        self.take_up()
+        return before
+
+    def run(self, *endings):
+        """Let behaviors end so, and return the run's state when it has ended."""
+        self.engine.endings = list(endings)
+        return self.supervisor.supervise()
+
+    def command(self, command, task=""):
+        """Give a command, and return the list that its reply is put into."""
+        replies = []
+        event = Commanded(command, task, "ann")
+        self.supervisor.command(event, lambda granted, text: replies.append((granted, text)))
+        return replies
+
+    def events(self, *kinds):
+        return [k.event for k in self.log.events(self.number) if isinstance(k.event, kinds)]
+
+    @property
+    def ran(self):
+        return [name.removeprefix("Place Wire ") for name in self.engine.ran]

@@ -1,0 +1,117 @@
+"""A long run is resumed from its snapshot, and takes little room."""
+
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from house import owner_of
+from sqlalchemy import text
+
+from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.errors import RecordLostError
+from remodel_supervision.core.runs import state_form
+from remodel_supervision.core.runs.events import Interrupted
+from remodel_supervision.core.runs.fold import state_after
+from remodel_supervision.core.runs.state import RunState, Stage
+from remodel_supervision.core.runs.state_form import snapshot_of, state_from
+from remodel_supervision.edge.run_log import SNAPSHOT_EVERY, RunLog
+
+BENCHMARKS = Path(__file__).parents[4] / "benchmarks/supervision"
+TASKS = 90
+
+
+@pytest.fixture
+def long_run(monkeypatch):
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    import long_run
+
+    return long_run
+
+
+class Kept:
+    """A long run that was cut short, in a database."""
+
+    def __init__(self, url, long_run):
+        self.database = ProductionDatabase(url)
+        order = long_run.long_order(TASKS)
+        self.database.add_order(order)
+        self.owner = owner_of(self.database)
+        self.log = RunLog(self.database)
+        begun, *self.events = long_run.long_run(order)
+        self.run, self.begun = self.log.begin(begun, self.owner)
+        self.state = state_after([self.begun])
+        for event in self.events:
+            self.state = self.log.append(self.run, event, self.state, self.owner)
+
+    def change(self, statement):
+        with self.database.transaction() as connection:
+            connection.execute(text(statement))
+
+
+@pytest.fixture
+def kept(url, long_run):
+    kept = Kept(url, long_run)
+    assert len(kept.events) > 2 * SNAPSHOT_EVERY
+    yield kept
+    kept.database.close()
+
+
+def resumable(state: RunState) -> RunState:
+    """Return what a resumed run needs of a state."""
+    tasks = {
+        name: replace(task, operations=()) if task.stage is Stage.DONE else task
+        for name, task in state.tasks.items()
+    }
+    return replace(state, tasks=tasks)
+
+
+def test_a_run_is_resumed_from_its_snapshot_and_what_came_after(kept):
+    assert [each.event for each in kept.log.events(kept.run)] == [kept.begun, *kept.events]
+    first = SNAPSHOT_EVERY * 2
+    assert [each.event for each in kept.log.events(kept.run, first)] == kept.events[first - 1 :]
+    # What the snapshot covers is not read again.
+    kept.change(f"DELETE FROM run_events WHERE position < {first}")
+    assert resumable(kept.log.state(kept.run)) == resumable(kept.state)
+    kept.change("UPDATE runs SET events = events + 1")
+    with pytest.raises(RecordLostError, match=r"of run 1 from number 1000 on; restore a backup"):
+        kept.log.state(kept.run)
+
+
+def test_a_snapshot_of_another_version_is_not_read(kept, monkeypatch):
+    monkeypatch.setattr(state_form, "_form", lambda: "2-another")
+    assert kept.log.state(kept.run) == kept.state
+    state = kept.log.append(kept.run, Interrupted("killed"), kept.state, kept.owner)
+    assert kept.log.state(kept.run) == state
+
+
+def test_there_is_one_snapshot_of_a_run(kept):
+    with kept.database.reading() as connection:
+        rows = connection.execute(text("SELECT run_id, events FROM run_snapshots")).all()
+    assert [tuple(row) for row in rows] == [(kept.run, SNAPSHOT_EVERY * 2)]
+
+
+def test_what_a_snapshot_says_is_checked():
+    data = snapshot_of(RunState(order="house"))
+    assert state_from(data) == RunState(order="house")
+    assert state_from({**data, "state": {"order": 7}}) is None
+    assert state_from({**data, "tasks": [{}]}) is None
+    assert state_from("x") is None
+
+
+def test_another_process_reads_a_snapshot():
+    code = "from remodel_supervision.core.runs import state_form as f; print(f._form())"
+    other = subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, text=True, timeout=60
+    )
+    assert other.stdout.strip() == state_form._form()
+
+
+def test_the_benchmark_measures(monkeypatch, capsys, long_run):
+    import scale
+
+    monkeypatch.setattr(sys, "argv", ["scale.py", "--tasks", "40"])
+    monkeypatch.setattr(scale, "_MEASURED", 20)
+    assert scale.main() == 0
+    assert "40 tasks, " in capsys.readouterr().out

@@ -1,0 +1,734 @@
+"""A run follows from its events alone: what is known, what comes next, and that it ends."""
+
+import json
+from dataclasses import replace
+from random import Random
+
+import hypothesis.strategies as st
+import pytest
+from hypothesis import given, settings
+
+from remodel_planning.core.use_case.fault import Do, Response
+from remodel_planning.core.use_case.policy import Limits, Policy
+from remodel_planning.edge.fault_file import read_faults
+from remodel_production.errors import OrderError
+from remodel_states.core.codes import Code
+from remodel_supervision.core.recovery.judge import judged
+from remodel_supervision.core.recovery.question import question_about
+from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.attempts import attempts_of
+from remodel_supervision.core.runs.event_form import data_of, event_from, kind_of
+from remodel_supervision.core.runs.events import (
+    Answer,
+    Answered,
+    AsLeft,
+    Blocked,
+    Command,
+    Commanded,
+    Ending,
+    Escalated,
+    FeedRefused,
+    Interrupted,
+    OperationEnded,
+    Part,
+    PartRequested,
+    Planned,
+    RunBegun,
+    RunEnded,
+    Settled,
+    StopReported,
+    TaskBegun,
+    TaskElsewhere,
+    TaskEnded,
+    TaskReturned,
+)
+from remodel_supervision.core.runs.fold import state_after
+from remodel_supervision.core.runs.state import (
+    INTERRUPTION_LIMIT,
+    PERSON_FIRST,
+    STUCK_HAND_LIMIT,
+    Stage,
+)
+from remodel_supervision.core.runs.step import (
+    Ask,
+    Decide,
+    End,
+    Execute,
+    Plan,
+    Settle,
+    Wait,
+    next_step,
+)
+
+FAULTS = read_faults()
+POSSIBLE = frozenset(Do) - {Do.OTHER_METHOD, Do.RETRY_WITH}
+JAM, LOST, NOTHING_HELD = Code.INSERTION_JAMMED, Code.SERVER_LOST, Code.NOTHING_HELD
+NOT_SEATED, CONTRADICTORY = Code.NOT_SEATED, Code.CONTRADICTORY_RESULT
+MOTION_FAULT = 307
+
+
+class Run:
+    """A run as its events make it."""
+
+    def __init__(self, *tasks, policy=None, possible=POSSIBLE):
+        self.events = [RunBegun("house", "switchgear", "cell", tasks)]
+        self.state = state_after(self.events)
+        self.policy = policy or Policy()
+        self.possible = possible
+        self.now_s = 0.0
+
+    @property
+    def next(self):
+        return next_step(self.state)
+
+    def add(self, *events):
+        self.events += events
+        self.state = state_after(events, self.state)
+        return self.next
+
+    def plan(self):
+        return self.add(Planned(self.state.waiting, "because"))
+
+    def begin(self, task, part=Part.WHOLE):
+        attempt = self.state.tasks[task].attempts + part.is_attempt
+        if part is Part.WHOLE:
+            self.add(PartRequested(task))
+        begun = TaskBegun(task, attempt, part, f"Place Wire {task}", "<chart/>", self.now_s)
+        return self.add(begun)
+
+    def end(self, task, outcome="finished", code=0):
+        self.now_s += 1.0
+        if code:
+            self.add(OperationEnded(task, operation(code, self.now_s)))
+        return self.add(TaskEnded(task, outcome, self.now_s, outcome == "finished"))
+
+    def clear(self, task):
+        self.begin(task, Part.CLEAR)
+        return self.end(task)
+
+    def discard(self, task):
+        assert self.next == Execute(task, Part.DISCARD)
+        self.begin(task, Part.DISCARD)
+        return self.end(task)
+
+    def ask(self, task):
+        return self.add(question_about(self.state, task, FAULTS, self.now_s))
+
+    def decide(self, task):
+        decided = judged(self.state, task, FAULTS, self.policy, self.possible, self.now_s)
+        self.add(decided)
+        return decided
+
+
+def operation(code, at_s=0.0):
+    return Operation("/Connect a/InsertCable", "InsertCable", "failed", code, "no", at_s, 1.0)
+
+
+def answering(*responses):
+    return Policy({"insertion_jammed": responses})
+
+
+@pytest.fixture
+def run():
+    run = Run("W1", "W2")
+    assert run.next == Plan("the run begins")
+    assert run.plan() == Execute("W1", Part.WHOLE)
+    return run
+
+
+def test_tasks_are_done_one_after_another(run):
+    run.begin("W1")
+    assert run.end("W1") == Execute("W2", Part.WHOLE)
+    run.begin("W2")
+    assert run.end("W2") == End(Ending.COMPLETE, "all tasks are done")
+    assert run.add(RunEnded(Ending.COMPLETE, "")) is None
+    assert all(task.first_pass for task in run.state.tasks.values())
+
+
+def test_what_was_interrupted_is_cleared_settled_and_only_what_is_left_done(run):
+    run.begin("W1")
+    assert run.add(Interrupted("killed")) == Execute("W1", Part.CLEAR)
+    run.begin("W1", Part.CLEAR)
+    assert run.end("W1", "failed", NOTHING_HELD) == Settle("W1"), "nothing was in the hand"
+    assert run.add(Settled("W1", ("a",), 3)) == Execute("W1", Part.REST)
+    run.begin("W1", Part.REST)
+    assert run.end("W1") == Execute("W2", Part.WHOLE)
+    assert not run.state.tasks["W1"].first_pass
+
+
+def test_an_empty_hand_at_the_end_is_not_the_cause_of_a_failure(run):
+    run.begin("W1")
+    run.add(OperationEnded("W1", operation(JAM)))
+    empty = replace(operation(NOTHING_HELD), state_path="/Lay down", ability="PlaceCable")
+    run.add(OperationEnded("W1", empty))
+    run.end("W1", "failed")
+    decided = run.decide("W1")
+    assert (decided.fault, decided.code, decided.ability) == (
+        "insertion_jammed",
+        JAM,
+        "InsertCable",
+    )
+
+
+def test_a_fixing_that_fails_is_tried_again_with_more_force_of_its_insertion(run):
+    run.possible = POSSIBLE | {Do.RETRY_WITH}
+    run.begin("W1")
+    pushed = replace(operation(0), outcome="inserted", parameters=(("force_limit", "8.0"),))
+    fixing = replace(operation(NOT_SEATED), state_path="/Connect a/FixCable", ability="FixCable")
+    other = replace(pushed, state_path="/Connect b/Other", parameters=(("force_limit", "3.0"),))
+    for each in (pushed, other, fixing):
+        run.add(OperationEnded("W1", each))
+    run.end("W1", "failed")
+    decided = run.decide("W1")
+    assert (decided.do, decided.change) == (Do.RETRY_WITH, (("force_limit", 12.0),))
+
+
+def test_what_turns_out_to_be_done_is_not_done_again(run):
+    run.begin("W1")
+    run.add(Interrupted("killed"))
+    run.begin("W1", Part.CLEAR)
+    run.end("W1")
+    assert run.add(Settled("W1", ("a", "b"), 0)) == Execute("W2", Part.WHOLE)
+    assert run.state.tasks["W1"].stage is Stage.DONE
+
+
+def test_the_piece_of_an_interrupted_behavior_is_placed_again(run):
+    run.begin("W1")
+    run.add(Interrupted("killed"))
+    run.clear("W1")
+    assert run.add(Settled("W1", (), 5)) == Execute("W1", Part.AGAIN)
+
+
+def test_a_feeder_that_refuses_is_a_failure_of_the_task_and_the_hand_is_emptied(run):
+    run.policy = Policy({"two_cables_grasped": (Response(Do.NEW_PART), Response(Do.SET_ASIDE))})
+    run.add(PartRequested("W1"))
+    assert run.add(FeedRefused("W1", 203, "the hand holds W4", 0.0)) == Decide("W1")
+    decided = run.decide("W1")
+    assert (decided.do, decided.ability) == (Do.NEW_PART, "FeedWire")
+    assert run.next == Execute("W1", Part.CLEAR)
+    assert run.clear("W1") == Execute("W1", Part.WHOLE), "nothing was presented, or is discarded"
+
+
+def test_a_hand_that_cannot_be_emptied_needs_a_person(run):
+    run.begin("W1")
+    run.add(Interrupted("killed"))
+    for _ in range(STUCK_HAND_LIMIT + 1):
+        assert run.next == Execute("W1", Part.CLEAR)
+        run.begin("W1", Part.CLEAR)
+        run.add(OperationEnded("W1", replace(operation(200), ability="PlaceCable")))
+        run.end("W1", "failed")
+    assert run.next == Decide("W1")
+    decided = run.decide("W1")
+    assert (decided.do, decided.because) == (
+        Do.ASK_OPERATOR,
+        "the hand could not be emptied in 3 attempts",
+    )
+    run.ask("W1")
+    assert run.add(Answered(1, Answer.SKIP, "ann")) == Execute("W1", Part.CLEAR), "it is empty now?"
+
+
+def test_without_a_person_a_hand_that_cannot_be_emptied_stops_the_run(run):
+    run.possible = POSSIBLE - {Do.ASK_OPERATOR}
+    run.begin("W1")
+    run.add(Interrupted("killed"))
+    for _ in range(STUCK_HAND_LIMIT + 1):
+        run.begin("W1", Part.CLEAR)
+        run.end("W1", "failed", LOST)
+    run.decide("W1")
+    assert isinstance(run.next, End)
+    assert "could not be emptied" in run.next.because
+
+
+def test_a_piece_that_cannot_be_discarded_is_not_replaced(run):
+    run.policy = answering(Response(Do.NEW_PART), Response(Do.SET_ASIDE))
+    run.begin("W1")
+    run.end("W1", "failed", JAM)
+    run.decide("W1")
+    assert run.next == Execute("W1", Part.DISCARD)
+    run.begin("W1", Part.DISCARD)
+    stuck = replace(operation(306), ability="DiscardCable", state_path="/Discard")
+    run.add(OperationEnded("W1", stuck))
+    assert run.end("W1", "failed") == Decide("W1")
+    assert run.decide("W1").do in (Do.ASK_OPERATOR, Do.SET_ASIDE)
+
+
+def test_a_task_that_ended_well_against_the_evidence_is_inspected(run):
+    run.begin("W1")
+    assert run.add(TaskEnded("W1", "finished", 1.0, False, denied=True)) == Settle("W1")
+    assert run.add(Settled("W1", ("a",), 2)) == Execute("W1", Part.REST)
+
+
+def test_nothing_moves_after_a_protective_stop_until_the_run_is_resumed(run):
+    run.begin("W1")
+    run.add(Commanded(Command.PROTECTIVE_STOP, "", "/safety"), Interrupted("protective stop"))
+    assert isinstance(run.next, Wait)
+    assert "protective stop by /safety" in run.next.why
+    assert run.add(Commanded(Command.RESUME, "", "ann")) == Execute("W1", Part.CLEAR)
+
+
+def test_a_question_that_nobody_answers_escalates(run):
+    run.policy = answering(Response(Do.ASK_OPERATOR))
+    run.begin("W1")
+    run.end("W1", "failed", JAM)
+    run.decide("W1")
+    run.ask("W1")
+    run.add(Escalated(1, "W1", Do.SET_ASIDE))
+    assert run.state.question is None
+    assert run.next == Settle("W1"), "the piece is discarded only if no end is connected"
+    assert run.add(Settled("W1", (), 5)) == Execute("W1", Part.DISCARD)
+    assert run.discard("W1") == Execute("W2", Part.WHOLE)
+    assert run.state.tasks["W1"].stage is Stage.SET_ASIDE
+
+
+def test_clearing_that_is_interrupted_is_done_again(run):
+    run.begin("W1")
+    run.add(Interrupted("killed"))
+    run.begin("W1", Part.CLEAR)
+    assert run.add(Interrupted("killed")) == Execute("W1", Part.CLEAR)
+    assert run.state.tasks["W1"].interruptions == 2
+
+
+def test_a_task_that_kills_its_processes_fails_at_last(run):
+    for _ in range(INTERRUPTION_LIMIT):
+        run.begin("W1")
+        assert run.add(Interrupted("crash")) == Execute("W1", Part.CLEAR)
+    run.begin("W1")
+    assert run.add(Interrupted("crash")) == Decide("W1")
+
+
+def test_an_interruption_between_tasks_changes_nothing(run):
+    run.begin("W1")
+    run.end("W1")
+    assert run.add(Interrupted("killed")) == Execute("W2", Part.WHOLE)
+
+
+@pytest.mark.parametrize("do", [Do.RETRY, Do.LOOK_AGAIN, Do.OTHER_METHOD])
+def test_before_a_task_is_tried_again_it_is_looked(run, do):
+    run.policy, run.possible = answering(Response(do)), frozenset(Do)
+    run.begin("W1")
+    assert run.end("W1", "failed", JAM) == Decide("W1")
+    assert run.decide("W1").do is do
+    assert run.next == Settle("W1")
+    assert run.add(Settled("W1", (), 5)) == Execute("W1", Part.AGAIN)
+
+
+def test_a_new_piece_is_placed_when_the_old_one_is_discarded(run):
+    run.policy = answering(Response(Do.NEW_PART), Response(Do.SET_ASIDE))
+    run.begin("W1")
+    run.end("W1", "failed", JAM)
+    run.decide("W1")
+    assert run.discard("W1") == Execute("W1", Part.WHOLE)
+    run.begin("W1")
+    run.end("W1", "failed", JAM)
+    run.decide("W1")
+    assert run.next == Settle("W1")
+    run.add(Settled("W1", ("a",), 2))
+    assert run.next == Execute("W2", Part.WHOLE), "what is connected is left as it is"
+    run.begin("W2")
+    assert run.end("W2") == End(Ending.INCOMPLETE, "set aside: W1")
+
+
+def test_a_server_that_was_lost_may_have_left_something_in_the_hand(run):
+    run.policy = Policy({"server_lost": (Response(Do.NEW_PART), Response(Do.SET_ASIDE))})
+    run.begin("W1")
+    run.end("W1", "failed", LOST)
+    run.decide("W1")
+    assert run.next == Execute("W1", Part.CLEAR)
+    assert run.clear("W1") == Settle("W1"), "it may be done all the same"
+    run.add(Settled("W1", (), 5))
+    assert run.discard("W1") == Execute("W1", Part.WHOLE)
+    run.begin("W1")
+    run.end("W1", "failed", LOST)
+    run.decide("W1")
+    assert run.clear("W1") == Settle("W1")
+    run.add(Settled("W1", (), 5))
+    assert run.discard("W1") == Execute("W2", Part.WHOLE)
+
+
+@pytest.mark.parametrize("do", [Do.NEW_PART, Do.REPLAN, Do.SET_ASIDE])
+def test_what_is_done_though_its_server_said_otherwise_is_not_given_up(run, do):
+    run.policy = Policy({"result_contradictory": (Response(do), Response(Do.SET_ASIDE))})
+    run.begin("W1")
+    run.add(OperationEnded("W1", operation(CONTRADICTORY)))
+    run.add(OperationEnded("W1", replace(operation(NOTHING_HELD), ability="PlaceCable")))
+    run.end("W1", "failed")
+    run.decide("W1")
+    assert run.next == Settle("W1")
+    assert run.add(Settled("W1", ("a", "b"), 0)) == Execute("W2", Part.WHOLE)
+    assert run.state.tasks["W1"].stage is Stage.DONE
+
+
+def test_what_cannot_be_seen_is_given_up_as_it_was_decided(run):
+    run.policy = Policy({"result_contradictory": (Response(Do.SET_ASIDE),)})
+    run.begin("W1")
+    run.add(OperationEnded("W1", operation(CONTRADICTORY)))
+    run.add(OperationEnded("W1", replace(operation(NOTHING_HELD), ability="PlaceCable")))
+    run.end("W1", "failed")
+    run.decide("W1")
+    assert run.add(Settled("W1", (), 1, 101, "a hand is before it")) == Execute("W2", Part.WHOLE)
+    assert run.state.tasks["W1"].stage is Stage.SET_ASIDE
+
+
+def test_what_is_put_off_is_done_when_the_rest_is(run):
+    run.policy = answering(Response(Do.REPLAN), Response(Do.SET_ASIDE))
+    run.begin("W1")
+    run.end("W1", "failed", JAM)
+    run.decide("W1")
+    assert isinstance(run.discard("W1"), Plan)
+    assert run.add(Planned(("W2", "W1"), "a failure")) == Execute("W2", Part.WHOLE)
+    run.begin("W2")
+    assert run.end("W2") == Execute("W1", Part.WHOLE)
+
+
+def test_an_operator_is_asked_and_answers(run):
+    run.policy = answering(Response(Do.ASK_OPERATOR))
+    run.begin("W1")
+    run.end("W1", "failed", JAM)
+    run.decide("W1")
+    assert run.next == Ask("W1")
+    asked = question_about(run.state, "W1", FAULTS, run.now_s)
+    assert asked.text.startswith("Insertion jammed: no. ")
+    assert Answer.REPLAN in asked.choices
+    assert run.add(asked) == Wait("question 1 is to be answered")
+    assert run.add(Answered(1, Answer.FIXED, "ann")) == Settle("W1")
+    run.add(Settled("W1", ("a",), 2))
+    run.begin("W1", Part.REST)
+    run.end("W1", "failed", JAM)
+    run.decide("W1")
+    run.ask("W1")
+    assert run.add(Answered(2, Answer.MARK_DONE, "ann")) == Execute("W2", Part.WHOLE)
+    assert run.state.tasks["W1"].stage is Stage.DONE
+
+
+@pytest.mark.parametrize(
+    ("answer", "comes"),
+    [
+        (Answer.RETRY, Settle("W1")),
+        (Answer.SKIP, Settle("W1")),
+        (Answer.REPLAN, Execute("W1", Part.DISCARD)),
+        (Answer.STOP, End(Ending.STOPPED, "W1: ann answered stop to question 1")),
+    ],
+)
+def test_each_answer_is_obeyed(run, answer, comes):
+    run.policy = answering(Response(Do.ASK_OPERATOR))
+    run.begin("W1")
+    run.end("W1", "failed", JAM)
+    run.decide("W1")
+    run.ask("W1")
+    assert run.add(Answered(1, answer, "ann")) == comes
+
+
+def test_an_operator_pauses_skips_tries_again_and_stops(run):
+    assert isinstance(run.add(Commanded(Command.PAUSE, "", "ann")), Wait)
+    assert run.add(Commanded(Command.RESUME, "", "ann")) == Execute("W1", Part.WHOLE)
+    assert run.add(Commanded(Command.SKIP, "W1", "ann")) == Execute("W2", Part.WHOLE)
+    run.begin("W2")
+    run.add(Commanded(Command.RETRY, "W1", "ann"))
+    assert run.end("W2") == Settle("W1")
+    run.add(Settled("W1", (), 5))
+    run.begin("W1")
+    run.add(Commanded(Command.SKIP, "W1", "ann"))
+    assert run.end("W1", "preempted") == Decide("W1")
+    decided = run.decide("W1")
+    assert (decided.do, decided.by, decided.because) == (Do.SET_ASIDE, "ann", "ann skipped it")
+    assert run.next == Execute("W1", Part.CLEAR), "its hand may hold the wire"
+    assert run.clear("W1") == Settle("W1")
+    run.add(Settled("W1", (), 5))
+    assert run.discard("W1") == End(Ending.INCOMPLETE, "set aside: W1")
+    assert run.add(Commanded(Command.STOP, "", "ann")) == End(Ending.STOPPED, "ann stopped it")
+
+
+def skip_half_placed(run):
+    """Have W1 skipped when one of its ends is connected."""
+    run.begin("W1")
+    run.add(Commanded(Command.SKIP, "W1", "ann"))
+    run.end("W1", "preempted")
+    run.decide("W1")
+    run.clear("W1")
+    run.add(Settled("W1", ("a",), 3))
+    assert run.state.tasks["W1"].stage is Stage.SET_ASIDE
+
+
+def test_a_half_placed_wire_gets_a_new_piece_when_it_is_retried_after_another_one(run):
+    skip_half_placed(run)
+    run.begin("W2")
+    run.add(Commanded(Command.RETRY, "W1", "ann"))
+    assert run.end("W2") == Settle("W1")
+    assert run.add(Settled("W1", ("a",), 3)) == Execute("W1", Part.DISCARD)
+    assert run.discard("W1") == Execute("W1", Part.WHOLE)
+
+
+def test_a_half_placed_wire_that_was_fed_last_is_finished_when_it_is_retried(run):
+    skip_half_placed(run)
+    run.add(Commanded(Command.SKIP, "W2", "ann"))
+    run.add(Commanded(Command.RETRY, "W1", "ann"))
+    assert run.next == Settle("W1")
+    assert run.add(Settled("W1", ("a",), 3)) == Execute("W1", Part.REST)
+
+
+def test_a_retried_wire_that_turns_out_to_be_placed_is_left_in_place(run):
+    skip_half_placed(run)
+    run.begin("W2")
+    run.add(Commanded(Command.RETRY, "W1", "ann"))
+    run.end("W2")
+    assert run.add(Settled("W1", ("a", "b"), 0)) == End(Ending.COMPLETE, "all tasks are done")
+
+
+def test_a_skipped_task_is_not_attempted_again_after_a_restart(run):
+    run.begin("W1")
+    run.add(Commanded(Command.SKIP, "W1", "ann"))
+    assert run.add(Interrupted("the supervisor was killed")) == Execute("W1", Part.CLEAR)
+    assert run.clear("W1") == Settle("W1")
+    run.add(Settled("W1", (), 5))
+    assert run.discard("W1") == Execute("W2", Part.WHOLE)
+    assert run.state.tasks["W1"].stage is Stage.SET_ASIDE
+
+
+def test_a_skipped_task_that_ended_against_the_evidence_is_not_attempted_again(run):
+    run.begin("W1")
+    run.add(Commanded(Command.SKIP, "W1", "ann"))
+    assert run.add(TaskEnded("W1", "finished", 1.0, False, denied=True)) == Settle("W1")
+    run.add(Settled("W1", (), 5))
+    assert run.discard("W1") == Execute("W2", Part.WHOLE)
+
+
+def test_a_behavior_that_somebody_stops_stops_the_run(run):
+    run.begin("W1")
+    assert run.end("W1", "preempted") == End(
+        Ending.STOPPED, "somebody stopped the behavior of task W1"
+    )
+
+
+def test_what_cannot_be_seen_is_not_guessed(run):
+    run.possible = POSSIBLE - {Do.ASK_OPERATOR}
+    run.begin("W1")
+    run.add(Interrupted("killed"))
+    run.begin("W1", Part.CLEAR)
+    run.end("W1")
+    while isinstance(run.next, Settle | Decide) or run.next == Execute("W1", Part.DISCARD):
+        if isinstance(run.next, Execute):
+            run.discard("W1")
+            assert run.next == Execute("W1", Part.WHOLE)
+            run.begin("W1")
+            run.end("W1", "failed", LOST)
+        elif isinstance(run.next, Settle):
+            run.add(Settled("W1", (), 1, 114, "the arm is in front of it"))
+        else:
+            run.decide("W1")
+    assert run.state.tasks["W1"].decisions[-1].text == "the arm is in front of it"
+    assert all(d.do is not Do.SET_ASIDE for d in run.state.tasks["W1"].decisions[:-1])
+
+
+def test_other_cells_tasks_are_left_to_them_and_taken_over(run):
+    assert run.add(TaskElsewhere("W1", "other", AsLeft.RUNNING)) == Execute("W2", Part.WHOLE)
+    run.begin("W2")
+    assert run.end("W2") == Wait("other cells have W1")
+    assert run.add(TaskReturned("W1", "other")) == Settle("W1")
+    assert run.add(TaskElsewhere("W1", "third", AsLeft.DONE)) == End(
+        Ending.COMPLETE, "all tasks are done"
+    )
+
+
+def test_nothing_moves_after_a_motion_fault_before_a_person_has_confirmed(run):
+    run.begin("W1")
+    assert run.end("W1", "failed", MOTION_FAULT) == Decide("W1")
+    assert run.decide("W1").do is Do.ASK_OPERATOR
+    run.ask("W1")
+    assert run.next == Wait("question 1 is to be answered")
+    run.add(Answered(1, Answer.FIXED, "ann"))
+    assert run.next == Execute("W1", Part.CLEAR), "the behavior could not lay the wire down"
+
+
+def test_a_hand_is_not_emptied_again_after_a_motion_fault(run):
+    run.begin("W1")
+    run.add(Interrupted("killed"))
+    run.begin("W1", Part.CLEAR)
+    assert run.end("W1", "failed", MOTION_FAULT) == Decide("W1")
+    assert run.decide("W1").do is Do.ASK_OPERATOR
+
+
+def test_a_motion_fault_while_inspecting_needs_a_person_whatever_was_decided(run):
+    run.begin("W1")
+    run.add(Commanded(Command.SKIP, "W1", "ann"))
+    run.end("W1", "preempted")
+    run.decide("W1")
+    assert run.clear("W1") == Settle("W1")
+    run.add(Settled("W1", (), 5, MOTION_FAULT, "the arm did not arrive"))
+    assert run.next == Decide("W1")
+    assert run.decide("W1").do is Do.ASK_OPERATOR
+
+
+def test_a_skip_does_not_pass_over_a_motion_fault(run):
+    run.begin("W1")
+    run.add(Commanded(Command.SKIP, "W1", "ann"))
+    run.end("W1", "failed", MOTION_FAULT)
+    assert run.decide("W1").do is Do.ASK_OPERATOR
+
+
+@pytest.mark.parametrize("code", sorted(PERSON_FIRST))
+@pytest.mark.parametrize("part", list(Part))
+def test_an_interruption_does_not_pass_over_what_a_person_is_to_answer_first(run, part, code):
+    run.begin("W1")
+    if part is not Part.WHOLE:
+        run.add(Interrupted("killed"))
+        run.begin("W1", part)
+    run.add(OperationEnded("W1", operation(code)))
+    assert run.add(Interrupted("killed")) == Decide("W1")
+    assert run.decide("W1").do is Do.ASK_OPERATOR
+    run.ask("W1")
+    assert run.next == Wait("question 1 is to be answered")
+    assert run.add(Answered(1, Answer.FIXED, "ann")) == Execute("W1", Part.CLEAR)
+
+
+def stop_reported():
+    return StopReported("W1", operation(MOTION_FAULT))
+
+
+@pytest.mark.parametrize("ended", [Interrupted("stopped"), TaskEnded("W1", "finished", 2.0, True)])
+@pytest.mark.parametrize("part", list(Part))
+def test_a_stop_that_is_reported_late_ends_the_behavior_and_a_person_is_asked(run, part, ended):
+    run.begin("W1")
+    run.add(Interrupted("killed"))
+    run.begin("W1", part)
+    run.add(stop_reported())
+    assert "a person is to answer" in run.state.tasks["W1"].halt
+    assert run.add(ended) == Decide("W1")
+    assert run.decide("W1").do is Do.ASK_OPERATOR
+    run.ask("W1")
+    assert run.add(Answered(1, Answer.FIXED, "ann")) == Execute("W1", Part.CLEAR)
+    assert not run.state.tasks["W1"].halt
+
+
+def test_a_stop_that_is_reported_late_is_asked_about_whatever_was_to_come_next(run):
+    run.begin("W1")
+    run.add(Interrupted("killed"))
+    for _ in range(2):
+        run.clear("W1") if run.next == Execute("W1", Part.CLEAR) else None
+        assert run.next in (Settle("W1"), Wait("question 1 is to be answered"))
+        assert run.add(stop_reported()) == Decide("W1")
+        assert run.decide("W1").do is Do.ASK_OPERATOR
+        run.ask("W1")
+    assert run.add(Answered(2, Answer.FIXED, "ann")) == Execute("W1", Part.CLEAR)
+
+
+def test_without_an_operator_a_stop_that_is_reported_late_ends_the_run(run):
+    run.possible = POSSIBLE - {Do.ASK_OPERATOR}
+    run.begin("W1")
+    run.add(Interrupted("killed"), stop_reported())
+    assert run.decide("W1").do is Do.STOP
+    assert isinstance(run.next, End)
+
+
+@pytest.mark.parametrize("late", [False, True])
+def test_a_run_whose_task_another_cell_has_taken_ends_if_a_person_is_needed_at_the_arm(run, late):
+    run.begin("W1")
+    run.add(stop_reported() if late else OperationEnded("W1", operation(MOTION_FAULT)))
+    run.add(TaskElsewhere("W1", "other", AsLeft.RUNNING))
+    assert isinstance(run.next, End)
+    assert "a person is needed" in run.next.because
+
+
+@pytest.mark.parametrize("code", sorted(PERSON_FIRST))
+def test_no_use_case_has_anything_move_before_a_person_has_answered(run, code):
+    fault = FAULTS.of(code).name
+    run.policy = Policy({fault: (Response(Do.LOOK_AGAIN), Response(Do.SET_ASIDE))})
+    run.begin("W1")
+    run.end("W1", "failed", code)
+    assert run.decide("W1").do is Do.ASK_OPERATOR
+
+
+def test_a_person_is_asked_first_where_the_table_asks_one_at_once():
+    asked = {
+        code
+        for name in FAULTS.names
+        for code in FAULTS[name].codes
+        if FAULTS[name].responses[0].do is Do.ASK_OPERATOR
+    }
+    assert asked == PERSON_FIRST
+    assert all(FAULTS.of(code).stops_unattended for code in PERSON_FIRST)
+
+
+def test_what_cannot_go_on_ends(run):
+    assert run.add(Blocked("no panel")) == End(Ending.STOPPED, "no panel")
+
+
+@settings(deadline=None)
+@given(st.integers(0, 10_000))
+def test_every_run_ends_and_every_event_survives_the_database(seed):
+    """Random worlds: failures of all kinds, interruptions, commands and answers at any time."""
+    random = Random(seed)
+    limits = Limits(task_attempts=4, run_failures=20)
+    run = Run("W1", "W2", "W3", policy=Policy(limits=limits), possible=frozenset(Do))
+    codes = [0, 0, JAM, LOST, 200, 105, 8]
+    for _ in range(400):
+        step = run.next
+        if step is None:
+            break
+        if random.random() < 0.1:
+            run.add(Interrupted("killed"))
+            continue
+        if random.random() < 0.03:
+            kind = random.choice([Command.PAUSE, Command.RESUME, Command.PROTECTIVE_STOP])
+            run.add(Commanded(kind, "", "ann"))
+            continue
+        if random.random() < 0.03 and run.state.current:
+            run.add(Commanded(Command.SKIP, run.state.current, "ann"))
+            continue
+        match step:
+            case Plan():
+                waiting = run.state.waiting
+                run.add(Planned(tuple(random.sample(waiting, len(waiting))), "x"))
+            case Execute():
+                run.begin(step.task, step.part)
+                if random.random() < 0.15:
+                    run.add(Interrupted("killed"))
+                    continue
+                code = random.choice(codes)
+                outcome = random.choice(["failed", "preempted"]) if code else "finished"
+                skipped = step.task in run.state.skipped
+                run.end(step.task, outcome if skipped or code == 0 else "failed", code)
+            case Settle():
+                connected = random.choice([(), ("a",), ("a", "b")])
+                unseen = random.random() < 0.1
+                left = 5 - 2 * len(connected) if len(connected) < 2 else 0
+                run.add(Settled(step.task, connected, left, 114 * unseen, "dark" * unseen))
+            case Decide():
+                run.decide(step.task)
+            case Ask():
+                run.ask(step.task)
+            case Wait() if run.state.question:
+                asked = run.state.question
+                run.add(Answered(asked.number, random.choice(asked.choices), "ann"))
+            case Wait():
+                run.add(Commanded(Command.RESUME, "", "ann"))
+            case End():
+                run.add(RunEnded(step.ending, step.because))
+    assert run.next is None, "it ends"
+    kept = [(kind_of(e), json.loads(json.dumps(data_of(e)))) for e in run.events]
+    assert [event_from(kind, data) for kind, data in kept] == run.events
+    done = [e.task for e in run.events if isinstance(e, TaskEnded) and e.outcome == "finished"]
+    assert state_after(run.events) == run.state
+    assert len(done) < 400
+
+
+def test_what_is_no_event_is_refused():
+    with pytest.raises(OrderError, match="there is no event 'Nonsense'"):
+        event_from("Nonsense", {})
+    with pytest.raises(OrderError, match="event Planned is malformed"):
+        event_from("Planned", {"tasks": ["W1"], "because": 3})
+    with pytest.raises(OrderError, match="unknown field more"):
+        event_from("Blocked", {"because": "x", "more": 1})
+
+
+@pytest.mark.parametrize("placed", [True, False])
+def test_an_interrupted_attempt_counts_as_placed_when_it_is_found_so(placed):
+    events = [
+        TaskBegun("W1", 1, Part.WHOLE, "Place Wire W1", "<chart/>", 0.0),
+        Interrupted("the engine is gone"),
+        TaskBegun("W1", 1, Part.CLEAR, "Place Wire W1 Clear", "<chart/>", 5.0),
+        TaskEnded("W1", "failed", 6.0, placed),
+    ]
+    whole, clear = attempts_of(events)
+    assert whole.part is Part.WHOLE
+    assert whole.execution.placed is placed
+    assert clear.part is Part.CLEAR

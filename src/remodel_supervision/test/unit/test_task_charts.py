@@ -1,0 +1,398 @@
+"""Planned tasks become charts that the synthesizer accepts, with the recovery of their use case."""
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import yaml
+from house import HOUSE
+from lxml import etree
+
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from flexbe_synthesizer.core.chart.error_routes import codes_of_routes
+from flexbe_synthesizer.core.chart.model import ErrorRoute
+from flexbe_synthesizer.core.chart.names import behavior_file, is_name
+from flexbe_synthesizer.core.check.check import check_chart
+from flexbe_synthesizer.core.compile import compile_chart
+from flexbe_synthesizer.core.export.layout import lay_out as lay_out_machine
+from flexbe_synthesizer.core.export.render_python import render_python
+from flexbe_synthesizer.core.library.signature import chart_behavior
+from flexbe_synthesizer.edge.package_path import find_packages, read_library
+from flexbe_testing.app.judge import judge
+from flexbe_testing.edge.app_packages import read_packages
+from remodel_planning.core.decomposition.preparation import prepare
+from remodel_planning.core.decomposition.wiring_problem import decompose_order
+from remodel_planning.core.orders.cell_order import cell_order
+from remodel_planning.core.orders.work_order import order_from
+from remodel_planning.core.problem.problem import End
+from remodel_planning.core.task_charts.escalation import escalating
+from remodel_planning.core.task_charts.planned_tasks import planned_tasks
+from remodel_planning.core.task_charts.task_chart import behavior_name, content_mark, task_chart
+from remodel_planning.edge.chart_folder import keep_chart
+from remodel_planning.edge.fault_file import read_error_names
+from remodel_planning.edge.order_planner import plan_problem
+from remodel_planning.edge.use_case_files import find_use_case
+from remodel_planning.errors import UseCaseError
+from remodel_production.core.panel.panel_layout import PanelRules, lay_out
+from remodel_production.edge.ability_files import read_abilities
+from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_production.errors import InstanceError
+from remodel_supervision.core.recovery.changed_parameters import Adjustable, with_parameters
+
+PACKAGE = Path(__file__).parents[3] / "remodel_planning"
+EXAMPLES = [
+    PACKAGE / "examples" / f"{name}.yaml"
+    for name in ("automotive_harness", "branched_harness", "cabinet", "dialysis_hoses")
+]
+
+
+# Outcomes of PlacePinState in Deliverable 5.1; see the README of flexbe_synthesizer.
+BLANKED_BY_THE_APP = ("PlacePin finished normally", "PlacePin takes longer than normal")
+ERROR_NAMES = read_error_names()
+
+
+def tasks_of(text):
+    order = order_from(yaml.safe_load(text))
+    prepared = prepare(order, find_use_case(order.use_case))
+    planned = plan_problem(prepared.preferred.problem, 0.02)
+    return {task.name: task for task in planned_tasks(prepared, planned.plan)}
+
+
+def house_tasks():
+    catalogue = read_catalogue(PACKAGE.parent / "remodel_production" / "config" / "catalogue.yaml")
+    order = cell_order(lay_out(HOUSE, catalogue, PanelRules()))
+    prepared = prepare(order, find_use_case(order.use_case))
+    planned = plan_problem(prepared.preferred.problem, 0.0)
+    return {task.name: task for task in planned_tasks(prepared, planned.plan)}
+
+
+@pytest.fixture(scope="module")
+def library():
+    packages, _ = find_packages(os.environ["ROS_PACKAGE_PATH"])
+    names = ("flexbe_states", "remodel_msgs", "remodel_states", "remodel_behaviors")
+    wanted = [package for package in packages if package.name in names]
+    return read_library(wanted)[0]
+
+
+@pytest.fixture(scope="module")
+def known_to_app():
+    flexbe_states = PACKAGE.parent / "flexbe" / "flexbe_states"
+    folders = [PACKAGE.parent / name for name in ("remodel_states", "remodel_behaviors")]
+    return read_packages([*folders, flexbe_states])
+
+
+@pytest.mark.parametrize("file", EXAMPLES, ids=lambda file: file.stem)
+def test_synthesizer_and_app_accept_the_charts_of_all_examples(file, library, known_to_app):
+    connector = PACKAGE.parent / "remodel_behaviors" / "charts" / "place_connector.xml"
+    inner = parse_chart(connector.read_text(), "place_connector.xml")
+    known = {"place_connector.xml": chart_behavior(inner, "remodel_behaviors")}
+    for task in tasks_of(file.read_text()).values():
+        text = write_chart(task.chart)
+        chart = parse_chart(text, f"{task.name}.xml")
+        assert chart == task.chart
+        for done in (chart, escalating(chart)):
+            checked = check_chart(done, library, known)
+            assert checked.problems == ()
+            machine = compile_chart(checked, "remodel_behaviors")
+            behavior = render_python(machine, lay_out_machine(machine.root), {})
+            for outcome in BLANKED_BY_THE_APP:
+                behavior = behavior.replace(outcome, outcome.replace(" ", ""))
+            assert judge(behavior, known_to_app) == []
+
+
+@pytest.fixture(scope="module")
+def cabinet():
+    return tasks_of((PACKAGE / "examples" / "cabinet.yaml").read_text())
+
+
+def transitions_of(node):
+    return {t.event: t.target for t in node.transitions}
+
+
+def transitions(chart):
+    return {node.id: {t.event: t.target for t in node.transitions} for node in chart.nodes}
+
+
+def test_what_fails_is_done_again_as_the_use_case_says(cabinet):
+    nodes = transitions(cabinet["W1"].chart)
+    assert nodes["Find wire"]["failed"] == "Find wire"
+    assert nodes["Route b"]["failed"] == "Pick b"
+    assert cabinet["W1"].chart.nodes[0].attempts == 3
+
+
+def test_what_a_supervisor_handles_first_is_not_tried_again(cabinet):
+    task = next(iter(cabinet.values()))
+    chart = escalating(task.chart)
+    nodes = {node.id: node for node in chart.nodes}
+    look = next(node for node in chart.nodes if node.type == "DetectCableState")
+    (route,) = look.on_error
+    assert route == ErrorRoute("above_behavior", transitions(chart)[look.id]["command_error"])
+    give_up = nodes["Lay down"] if "Lay down" in nodes else chart.nodes[-1]
+    assert give_up.on_error == (), "both its failures lead to the same place"
+    assert content_mark(chart) != content_mark(task.chart)
+
+
+def test_changed_parameters_reach_into_nested_behaviors(library):
+    file = PACKAGE.parent / "remodel_behaviors" / "charts" / "place_connector.xml"
+    nested = parse_chart(file.read_text(), file.name)
+    adjustable = Adjustable({"InsertCable": {"force_limit": "float64"}}, {nested.name: nested})
+    task = house_tasks()["W1"].chart
+    path = "/Connect b/FixCable"
+    chart = with_parameters(task, path, {"force_limit": 13.0}, adjustable)
+    chart = with_parameters(chart, path, {"force_limit": 18.0}, adjustable)
+    text = write_chart(chart)
+    known = {"place_connector.xml": chart_behavior(nested, "remodel_behaviors")}
+    assert check_chart(parse_chart(text, "W1.xml"), library, known).problems == ()
+    inside = next(node for node in chart.nodes if node.id == "Connect b").body
+    forces = {node.id: [(p.name, p.value) for p in node.params] for node in inside.nodes}
+    assert forces["InsertCable"] == [("force_limit", 18.0)]
+    assert forces["FixCable"] == []
+    other = next(node for node in chart.nodes if node.id == "Connect a")
+    assert other in task.nodes
+    kept = replace(adjustable, keeps_stated=True)
+    assert with_parameters(chart, path, {"force_limit": 9.0}, kept) == chart
+    stating = replace(nested, nodes=inside.nodes)
+    kept = replace(kept, nested={nested.name: stating})
+    assert with_parameters(task, path, {"force_limit": 9.0}, kept) == task
+
+
+@pytest.mark.parametrize(
+    ("path", "ability"),
+    [
+        ("/Find wire", "DetectCable"),
+        ("/Connect b/LocateGearboxComponent", "LocateGearboxComponent"),
+    ],
+)
+def test_another_view_is_a_whole_number(path, ability):
+    file = PACKAGE.parent / "remodel_behaviors" / "charts" / "place_connector.xml"
+    nested = parse_chart(file.read_text(), file.name)
+    types = {each.name: {p.name: p.type for p in each.parameters} for each in read_abilities()}
+    adjustable = Adjustable(types, {nested.name: nested})
+    chart = with_parameters(house_tasks()["W1"].chart, path, {"view": 2.0}, adjustable)
+    text = write_chart(chart)
+    assert parse_chart(text, "W1.xml") == chart
+    root = etree.fromstring(text.encode())
+    states = root.xpath("//*[local-name()='param'][@name='view']/..")
+    assert [state.get("type") for state in states] == [f"{ability}State"]
+    assert states[0].xpath("*[@name='view']/@value") == ["2"]
+
+
+@pytest.mark.parametrize("file", EXAMPLES, ids=lambda file: file.stem)
+def test_the_hand_is_emptied_whatever_it_holds(file, library):
+    for task in tasks_of(file.read_text()).values():
+        chart = task.clear()
+        (node,) = chart.nodes
+        assert node.type == "PlaceCableState"
+        assert [(each.name, each.default) for each in chart.inputs] == [("cable_id", "")]
+        assert parse_chart(write_chart(chart), "clear.xml") == chart
+        assert check_chart(chart, library, {}).problems == ()
+
+
+@pytest.mark.parametrize("file", EXAMPLES[:3], ids=lambda file: file.stem)
+def test_a_part_is_discarded_by_one_step(file):
+    for name, task in tasks_of(file.read_text()).items():
+        chart = task.discard()
+        (node,) = chart.nodes
+        assert chart.name == f"{task.chart.name} Discard"
+        assert (node.type, chart.initial) == ("DiscardCableState", node.id)
+        assert transitions_of(node) == {
+            "discarded": "finished",
+            "failed": "failed",
+            "command_error": "failed",
+        }
+        assert [(each.name, each.default) for each in chart.inputs] == [("cable_id", name)]
+        assert [each.name for each in node.outputs] == ["error_code", "error_message"]
+        assert parse_chart(write_chart(chart), "discard.xml") == chart
+
+
+def test_a_use_case_without_discarding_says_so():
+    task = next(iter(tasks_of(EXAMPLES[3].read_text()).values()))
+    with pytest.raises(UseCaseError, match="medical_hoses states no `discard` action"):
+        task.discard()
+
+
+def test_a_shipped_behavior_leaves_to_supervisors_what_they_handle_first():
+    file = PACKAGE.parent / "remodel_behaviors" / "charts" / "place_connector.xml"
+    for node in parse_chart(file.read_text(), file.name).nodes:
+        again = transitions_of(node)["failed"] != "failed"
+        routed = {c for codes in codes_of_routes(node.on_error, ERROR_NAMES) for c in codes}
+        assert routed == (set(ERROR_NAMES["above_behavior"]) if again else set()), node.id
+
+
+def test_what_is_serious_is_handled_first_by_a_supervisor():
+    # An escalating chart gives up at once what is serious, and undoes the rest that it leaves.
+    assert set(ERROR_NAMES["serious"]) < set(ERROR_NAMES["above_behavior"])
+
+
+def test_whatever_is_given_up_with_a_full_hand_ends_in_emptying_it(cabinet):
+    nodes = transitions(cabinet["W1"].chart)
+    assert nodes["Find wire"]["exhausted"] == "failed"
+    for node, event in (
+        ("Connect a", "failed"),
+        ("Pick b", "exhausted"),
+        ("Route b", "command_error"),
+        ("Connect b", "failed"),
+    ):
+        assert nodes[node][event] == "Lay down"
+    assert set(nodes["Lay down"].values()) == {"failed"}
+
+
+def test_the_chart_carries_the_task_in_its_inputs(cabinet):
+    chart = cabinet["W2"].chart
+    defaults = {port.name: port.default for port in chart.inputs}
+    assert chart.name == "Place Wire W2"
+    assert (defaults["cable_id"], defaults["a_component"], defaults["a_terminal"]) == (
+        "W2",
+        "Q1",
+        "2",
+    )
+    (route,) = [node for node in chart.nodes if node.id == "Route b"]
+    assert route.params[0].value == ((0.05, 0.09, 0.04, 1.5708),)
+
+
+def test_what_one_state_sees_flows_to_the_one_that_needs_it():
+    task = tasks_of((PACKAGE / "examples" / "dialysis_hoses.yaml").read_text())["H1"]
+    first = task.decomposition.first
+    flows = {(c.output_state_id, c.output, c.input_state_id) for c in task.chart.connections}
+    for end in (first, first.other):
+        locate, push = f"Locate {end.letter}", f"Push on {end.letter}"
+        assert (locate, "socket_pose", push) in flows
+
+
+def test_a_failed_insertion_is_undone_before_it_is_tried_again():
+    task = tasks_of((PACKAGE / "examples" / "dialysis_hoses.yaml").read_text())["H1"]
+    nodes = transitions(task.chart)
+    assert nodes["Push on a"]["failed"] == "Extract a"
+    assert nodes["Extract a"] == {
+        "extracted": "Locate a",
+        "failed": "Lay aside",
+        "command_error": "Lay aside",
+    }
+    flows = {(c.output_state_id, c.input_state_id, c.input) for c in task.chart.connections}
+    assert ("Locate a", "Extract a", "socket_pose") in flows
+
+
+def test_who_takes_over_does_what_follows_the_handover():
+    tasks = tasks_of((PACKAGE / "examples" / "automotive_harness.yaml").read_text())
+    task = tasks["W1"]
+    assert len(task.arms) == 2
+    robots = [
+        param.value
+        for node in task.chart.nodes
+        for param in node.params
+        if param.name == "robot_name" and not node.id.startswith("Extract")
+    ]
+    given = robots.index(task.arms[1])
+    assert set(robots[:given]) == {task.arms[0]}
+    assert set(robots[given:]) == {task.arms[1]}
+
+
+def test_unchanged_charts_are_kept_and_changed_ones_have_another_mark(tmp_path, cabinet):
+    text = (PACKAGE / "examples" / "cabinet.yaml").read_text()
+    again, other = tasks_of(text), tasks_of(text.replace("section_mm2: 6.0", "section_mm2: 4.0"))
+    assert content_mark(again["W2"].chart) == content_mark(cabinet["W2"].chart)
+    assert content_mark(other["W2"].chart) != content_mark(cabinet["W2"].chart)
+    file, written = keep_chart(cabinet["W2"].chart, tmp_path / "charts")
+    assert (file.name, written) == ("place_wire_w2.xml", True)
+    assert keep_chart(again["W2"].chart, tmp_path / "charts") == (file, False)
+    assert keep_chart(other["W2"].chart, tmp_path / "charts") == (file, True)
+
+
+def test_a_folder_that_cannot_be_written_is_refused(tmp_path, cabinet):
+    (tmp_path / "charts").write_text("")
+    with pytest.raises(InstanceError, match=r"charts/place_wire_w1\.xml: cannot be used: "):
+        keep_chart(cabinet["W1"].chart, tmp_path / "charts")
+
+
+def test_a_value_that_the_task_lacks_is_named():
+    text = (PACKAGE / "examples" / "cabinet.yaml").read_text().replace("carry_path", "path_carried")
+    task = tasks_of(text)["W1"]
+    with pytest.raises(
+        UseCaseError, match=r"task W\d: carry refers to \$carry_path, which it does"
+    ):
+        _ = task.chart
+
+
+def test_the_first_end_asked_for_is_kept(cabinet):
+    assert {task.decomposition.first for task in cabinet.values()} == {End.A}
+
+
+def test_any_name_of_a_wire_names_a_chart_of_its_own():
+    use_case = find_use_case("cabinet")
+    wires = ("W1", "24", "24#2", "24+2", "-X1 1", "-X1.1", "Größe", "Gr_e", "class", "=A1/+B 2")
+    names = [behavior_name(use_case, wire) for wire in wires]
+    assert names[:2] == ["Wire W1", "Wire 24"]
+    assert all(map(is_name, names))
+    assert len(set(map(behavior_file, names))) == len(wires)
+
+
+def limited(limit):
+    """Return an order of one wire whose first terminal bears little."""
+    data = yaml.safe_load((PACKAGE / "examples" / "automotive_harness.yaml").read_text())
+    data["components"] = [{"id": component["id"]} for component in data["components"]]
+    data["tasks"][0]["characteristics"]["seal"] = False
+    first = data["tasks"][0]["a"]
+    terminal = next(t for t in data["terminals"] if t["id"] == first)
+    terminal |= {"force_limit_n": limit, "clearance_m": 0.002, "approach": [0, 0, -1]}
+    return data
+
+
+def test_no_chart_pushes_harder_than_the_terminal_bears():
+    data = limited(9)
+    chart = tasks_of(yaml.safe_dump(data))[data["tasks"][0]["id"]].chart
+    forces = {
+        node.id: dict((param.name, param.value) for param in node.params).get("force_limit")
+        for node in chart.nodes
+        if node.type == "InsertCableState"
+    }
+    assert forces["Insert a"] == 9
+    assert forces["Insert b"] > 9
+
+
+def test_an_action_that_cannot_be_told_a_force_is_not_used_where_it_is_too_strong():
+    use_case = find_use_case("automotive_formboard")
+    order = order_from(limited(9))
+    deaf = {
+        name: replace(action, params=tuple(p for p in action.params if p[1] != "$force_n"))
+        for name, action in use_case.actions.items()
+    }
+    with pytest.raises(InstanceError, match="push_in pushes with 40 N, over 9 N that the terminal"):
+        prepare(order, replace(use_case, actions=deaf))
+
+
+def test_actions_may_refer_to_the_access_of_a_terminal():
+    use_case = find_use_case("automotive_formboard")
+    asked = (("approach", "$approach"), ("clearance", "$clearance_m"))
+    actions = {
+        name: replace(action, params=(*action.params, *asked)) if "push" in name else action
+        for name, action in use_case.actions.items()
+    }
+    order = order_from(limited(9))
+    decomposition = decompose_order(order, use_case)[0].alone
+    component_of = {terminal.name: terminal.component for terminal in order.terminals}
+    asking = replace(use_case, actions=actions)
+    steps = tuple(replace(s, action=actions[s.action.name]) for s in decomposition.steps)
+    first_only = replace(decomposition, steps=steps[:4])
+    chart = task_chart(asking, first_only, component_of, ("left",))
+    params = {p.name: p.value for p in next(n for n in chart.nodes if n.id == "Insert a").params}
+    assert (params["approach"], params["clearance"]) == ((0.0, 0.0, -1.0), 0.002)
+    with pytest.raises(UseCaseError, match=r"push_in refers to \$approach, which it does not have"):
+        task_chart(asking, replace(decomposition, steps=steps), component_of, ("left",))
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "message"),
+    [
+        ("force_limit_n", 0, "force_limit_n: expected a number above 0, found 0"),
+        ("clearance_m", "wide", "clearance_m: expected a number above 0, found 'wide'"),
+        ("approach", [0, 0, 2], "approach: expected three numbers, of a vector of length 1"),
+        ("approach", [1, 0], "approach: expected three numbers"),
+    ],
+)
+def test_an_access_that_cannot_be_is_refused_by_place(key, value, message):
+    data = limited(9)
+    data["terminals"][0][key] = value
+    with pytest.raises(InstanceError, match=rf"terminals\[0\]\.{message}"):
+        order_from(data)

@@ -1,0 +1,290 @@
+"""The rest of an order is planned again at once, and no worse than it was."""
+
+import gc
+import random
+import threading
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from remodel_planning.core.decomposition.decomposition import Decomposer
+from remodel_planning.core.decomposition.preparation import prepare
+from remodel_planning.core.orders.board_order import board_order
+from remodel_planning.core.problem.modes import Mode
+from remodel_planning.core.problem.part import part_of, put_off
+from remodel_planning.core.problem.preferences import FORMAT
+from remodel_planning.core.problem.problem import Under
+from remodel_planning.core.search.tables import tables_of
+from remodel_planning.core.use_case.fault import Do
+from remodel_planning.edge.anytime_planner import AnytimePlanner
+from remodel_planning.edge.search_kernel import Kernel, KernelSearch
+from remodel_planning.edge.use_case_files import find_use_case
+from remodel_production.core.board.board import board_of
+from remodel_production.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
+from remodel_supervision.core.learning.experience import Experience
+from remodel_supervision.core.learning.learned_expectations import Call
+from remodel_supervision.core.runs.events import Decided, Part
+from remodel_supervision.edge import work_planner
+from remodel_supervision.edge.work_planner import WorkPlanner
+
+CABINET = find_use_case("cabinet")
+WIRES = 40
+
+
+def cabinet_order(arms):
+    """Return an order of wires between random terminals of eight devices."""
+    chance = random.Random(3)
+    ends = [(f"Q{i // 10}", f"{'TB'[i % 2]}{i}") for i in range(2 * WIRES)]
+    terminals = {name: [] for name, _ in ends}
+    for name, terminal in ends:
+        terminals[name].append(Terminal(terminal, Side.TOP if terminal[0] == "T" else Side.BOTTOM))
+    chance.shuffle(ends)
+    wires = tuple(
+        Wire(
+            f"W{i}",
+            TerminalRef(*ends[2 * i]),
+            TerminalRef(*ends[2 * i + 1]),
+            chance.choice(["BK", "BU", "RD"]),
+            chance.choice([0.75, 1.5, 2.5, 6.0]),
+            "test",
+        )
+        for i in range(WIRES)
+    )
+    components = tuple(Component(name, "", tuple(there)) for name, there in terminals.items())
+    return board_order(board_of(Order("test", "", "", components, wires)), CABINET, arms)
+
+
+def planner_of(order, search_s=0.02, documents=()):
+    return WorkPlanner(order, CABINET, Experience(CABINET), search_s, documents)
+
+
+def modes_of(planner, order, names):
+    """Return how a planner does tasks, by the kernel's numbers."""
+    arms = [arm.name for arm in order.arms]
+    tasks = {name: planner.task(name) for name in names}
+    return {
+        name: Mode(arms.index(task.arms[0]), task.decomposition.first, len(task.arms) > 1).number
+        for name, task in tasks.items()
+    }
+
+
+def cost(order, names, modes, last=()):
+    """Return what doing the tasks of these names in this order costs."""
+    tasks = tuple(task for task in order.tasks if task.name in names)
+    tables = tables_of(
+        put_off(prepare(replace(order, tasks=tasks), CABINET).preferred.problem, last)
+    )
+    number = {name: i for i, name in enumerate(tables.wires)}
+    listed = np.array([number[name] for name in names], np.int32)
+    kept = np.array([modes[name] for name in tables.wires], np.int32)
+    planned = AnytimePlanner(Kernel(), tables).patched(listed, kept)
+    assert [tables.wires[i] for i in planned.order] == list(names), "it is done in this order"
+    return planned.cost
+
+
+@pytest.mark.parametrize("arms", [1, 2])
+@pytest.mark.parametrize("search_s", [0.0, 0.02])
+def test_a_replan_costs_no_more_than_the_order_before_with_the_task_put_off(arms, search_s):
+    order = cabinet_order(arms)
+    planner = planner_of(order, search_s)
+    done, failed, *rest = planner.plan([task.name for task in order.tasks])
+    previous = (*rest, failed)
+    before = cost(order, previous, modes_of(planner, order, previous), last=[failed])
+    again = planner.plan(set(previous), previous, last=[failed])
+    assert again[-1] == failed
+    assert sorted(again) == sorted(previous)
+    assert done not in again
+    assert cost(order, again, modes_of(planner, order, again), last=[failed]) <= before
+
+
+@pytest.mark.parametrize("arms", [1, 2])
+def test_a_poor_order_is_improved(arms):
+    order = cabinet_order(arms)
+    planner = planner_of(order)
+    names = planner.plan([task.name for task in order.tasks])
+    previous = names[::-1]
+    before = cost(order, previous, modes_of(planner, order, previous))
+    again = planner.plan(names, previous)
+    assert cost(order, again, modes_of(planner, order, again)) < before
+
+
+def test_a_replan_prepares_and_decomposes_nothing_again(monkeypatch):
+    order = cabinet_order(1)
+    planner = planner_of(order)
+    first, *rest = planner.plan([task.name for task in order.tasks])
+    prepared, decomposed = [], []
+    decompose = Decomposer.decompose
+    monkeypatch.setattr(work_planner, "prepare", lambda *a, **b: prepared.append(a))
+    monkeypatch.setattr(
+        Decomposer, "decompose", lambda *a, **b: decomposed.append(a) or decompose(*a, **b)
+    )
+    again = planner.plan([*rest, first], [*rest, first])
+    planner.plan(again[1:], again[1:])
+    assert all(planner.expected_s(name) > 0 for name in again)
+    assert (prepared, decomposed) == ([], [])
+    assert planner.chart(again[1], Part.WHOLE, (), ()).name == f"Wire {again[1]}"
+    assert len(decomposed) == 1, "the task whose turn it is"
+
+
+def test_a_replan_searches_for_less_time_the_more_wires_there_are(monkeypatch):
+    order = cabinet_order(1)
+    planner = planner_of(order, search_s=0.05)
+    names = planner.plan([task.name for task in order.tasks])
+    limits = []
+    replan = work_planner.replan_problem
+    monkeypatch.setattr(
+        work_planner, "replan_problem", lambda *a: limits.append(a[-1]) or replan(*a)
+    )
+    planner.plan(names, names)
+    monkeypatch.setattr(work_planner, "_FULL_SEARCH_WIRES", WIRES // 4)
+    planner.plan(names, names)
+    assert limits == [work_planner.REPLAN_SEARCH_S, work_planner.REPLAN_SEARCH_S / 4]
+
+
+def test_no_garbage_is_collected_while_the_rest_is_planned_again(monkeypatch):
+    order = cabinet_order(1)
+    planner = planner_of(order)
+    names = planner.plan([task.name for task in order.tasks])
+    collecting, replan = [], work_planner.replan_problem
+    monkeypatch.setattr(
+        work_planner, "replan_problem", lambda *a: collecting.append(gc.isenabled()) or replan(*a)
+    )
+    planner.plan(names, names)
+    assert collecting == [False]
+    assert gc.isenabled()
+
+
+def test_all_moves_of_a_search_are_done_in_its_own_thread(monkeypatch):
+    order = cabinet_order(2)
+    planner = planner_of(order)
+    names = planner.plan([task.name for task in order.tasks])
+    threads, anneal = [], KernelSearch.anneal
+
+    def annealed(search, *arguments):
+        threads.append(threading.get_ident())
+        return anneal(search, *arguments)
+
+    monkeypatch.setattr(KernelSearch, "anneal", annealed)
+    planner.plan(names, names)
+    assert threads
+    assert threading.get_ident() not in threads
+
+
+def test_what_is_left_of_a_preparation_is_what_preparing_it_gives():
+    order = cabinet_order(2)
+    wishes = {
+        "format": FORMAT,
+        "prefer": [
+            {
+                "name": "blue first",
+                "pick": {"colour": "BU"},
+                "before": "all",
+                "weight": 2,
+                "if_any": True,
+            }
+        ],
+        "require": [
+            {"name": "rank", "route": "all", "in_order_of": "section_mm2", "from": "least"}
+        ],
+    }
+    whole = prepare(order, CABINET, [("wishes", wishes)])
+    chance = random.Random(5)
+    for count in (1, 2, 13, WIRES):
+        names = {f"W{i}" for i in chance.sample(range(WIRES), count)}
+        tasks = tuple(task for task in order.tasks if task.name in names)
+        alone = prepare(replace(order, tasks=tasks), CABINET, [("wishes", wishes)])
+        left = whole.only(names)
+        assert left.order == alone.order
+        assert left.plans == alone.plans
+        mine, other = left.preferred.problem, alone.preferred.problem
+        assert set(mine.tools) >= set(other.tools)
+        assert ancestors(mine.unders) == ancestors(other.unders)
+        assert replace(mine, tools=(), unders=()) == replace(other, tools=(), unders=())
+
+
+def ancestors(unders):
+    """Return what must come before each wire."""
+    before = {}
+    for under in unders:
+        before.setdefault(under.after, set()).add(under.before)
+
+    def of(wire):
+        return set().union(*({each} | of(each) for each in before.get(wire, ())))
+
+    return {wire: of(wire) for wire in before}
+
+
+def test_a_preference_about_a_task_that_is_done_is_no_error():
+    order = cabinet_order(1)
+    wishes = {"format": FORMAT, "require": [{"name": "below", "route": "W7", "before": "W8"}]}
+    planner = planner_of(order, documents=[("wishes", wishes)])
+    names = planner.plan([task.name for task in order.tasks])
+    assert names.index("W7") < names.index("W8")
+    left = [name for name in names if name != "W7"]
+    assert sorted(planner.plan(left, left)) == sorted(left)
+
+
+def test_tasks_put_off_come_last_unless_another_must_come_after_them():
+    order = replace(cabinet_order(1), unders=(Under("W3", "W5"), Under("W5", "W6")))
+    planner = planner_of(order)
+    names = planner.plan([task.name for task in order.tasks])
+    again = planner.plan(names, names, last=["W3", "W9"])
+    assert sorted(again[-4:]) == ["W3", "W5", "W6", "W9"]
+    assert again.index("W3") < again.index("W5") < again.index("W6")
+
+
+def test_a_part_of_a_problem_keeps_what_its_wires_ask_for():
+    problem = prepare(cabinet_order(1), CABINET).preferred.problem
+    ranking = problem.rankings[0]
+    part = part_of(problem, ranking.groups[0])
+    assert part.rankings == (), "wires of one rank can be picked in any order"
+    assert [wire.name for wire in part.wires] == [
+        wire.name for wire in problem.wires if wire.name in ranking.groups[0]
+    ]
+
+
+def test_a_task_that_was_never_planned_is_planned_alone():
+    order = cabinet_order(1)
+    planner = planner_of(order)
+    assert planner.expected_s("W4") == 0.0
+    assert planner.chart("W4", Part.WHOLE, (), ()).name == "Wire W4"
+    names = [task.name for task in order.tasks]
+    assert sorted(planner.plan(names, names)) == sorted(names)
+
+
+def test_how_a_task_is_done_is_decided_again_when_it_was_planned_again():
+    order = cabinet_order(1)
+    planner = planner_of(order)
+    names = planner.plan([task.name for task in order.tasks])
+    before_s = planner.task(names[1]).decomposition.duration_s
+    step = planner.task(names[0]).decomposition.steps[0]
+    for _ in range(50):
+        planner.experience.learn(Call("DetectCable", step.features, 0, 60.0))
+    assert planner.task(names[1]).decomposition.duration_s == before_s
+    planner.plan(names, names)
+    assert planner.task(names[1]).decomposition.duration_s > before_s + 30
+
+
+def test_another_view_is_taken_by_all_states_that_observe():
+    order = cabinet_order(1)
+    planner = planner_of(order)
+    name = planner.plan([task.name for task in order.tasks])[0]
+    decided = Decided(
+        *(name, "missed", 301, "", "/Insert b", "", Do.LOOK_AGAIN),
+        *((("view", 2.0),), "", "policy", 1.0),
+    )
+    chart = planner.chart(name, Part.WHOLE, (), [decided])
+    views = {node.type: [p.value for p in node.params if p.name == "view"] for node in chart.nodes}
+    assert {kind: values for kind, values in views.items() if values} == {
+        "DetectCableState": [2],
+        "LocateGearboxComponentState": [2],
+    }
+    assert all(type(value) is int for values in views.values() for value in values)
+
+
+def test_the_chart_that_discards_is_a_part_of_a_task():
+    order = cabinet_order(1)
+    chart = planner_of(order).chart("W4", Part.DISCARD, (), ())
+    assert chart.name == "Wire W4 Discard"
+    assert [node.type for node in chart.nodes] == ["DiscardCableState"]
