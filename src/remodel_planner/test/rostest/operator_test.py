@@ -22,7 +22,7 @@ from remodel_production.edge.package_files import catalogue_file
 DESIGN = "/usr/share/qelectrotech/examples/tableau_domestique.qet"
 OUTPUT = Path(sys.argv[1])
 DATABASE = f"sqlite:///{OUTPUT}/production.sqlite"
-WORK_MS = 120_000.0  # in which the cell tries a wire, on a machine that is busy
+WORK_MS = 300_000.0  # in which the cell tries a wire, on a machine that is busy
 
 
 class OperatorTest(BrowserTest):
@@ -36,7 +36,7 @@ class OperatorTest(BrowserTest):
         use_case = yaml.safe_load((use_case_folder() / "switchgear.yaml").read_text())
         use_case["recovery"] = {"responses": {"insertion_jammed": [{"do": "ask_operator"}]}}
         (OUTPUT / "use_cases" / "switchgear.yaml").write_text(yaml.safe_dump(use_case))
-        rospy.wait_for_service("cell/inject_fault", 60.0)
+        rospy.wait_for_service("cell/inject_fault", 180.0)
 
     def first_bore(self):
         """Return component/terminal of the end that is inserted first."""

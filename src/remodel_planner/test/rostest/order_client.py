@@ -30,7 +30,7 @@ DESIGN = "/usr/share/qelectrotech/examples/tableau_domestique.qet"
 SUPERVISOR = "use_case_supervisor"
 
 # [s] wall time for what must happen; beyond it something hangs.
-LIMIT_S = 60.0
+LIMIT_S = 120.0
 
 # [s] wall time between two checks of what nobody reports.
 _CHECK_S = 0.01

@@ -34,6 +34,7 @@ from remodel_supervision.ros.peers.ability_watch import ABILITIES
 DESIGN = "/usr/share/qelectrotech/examples/tableau_domestique.qet"
 OUTPUT = Path(sys.argv[1])
 DATABASE = f"sqlite:///{OUTPUT}/production.sqlite"
+LIMIT_S = 120.0
 
 
 def planner(*line):
@@ -60,7 +61,7 @@ class SupervisionTest(unittest.TestCase):
         rospy.Subscriber("remodel/use_case/state", UseCaseState, cls.states.append)
 
     def wait(self, holds, what):
-        end = time.monotonic() + 60.0
+        end = time.monotonic() + LIMIT_S
         while not holds():
             self.assertLess(time.monotonic(), end, what)
             time.sleep(0.01)

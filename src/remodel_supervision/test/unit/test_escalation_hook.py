@@ -70,18 +70,17 @@ def test_a_program_that_does_not_read_is_no_failure(tmp_path, reports):
 
 def test_a_program_that_hangs_is_killed_with_what_it_started(tmp_path, reports):
     text = 'sleep 600 & echo "[$$, $!]" >"$1"; wait'
-    hook = EscalationHook.from_option(program(tmp_path, text), reports.append, limit_s=1.0)
-    began = time.monotonic()
+    hook = EscalationHook.from_option(program(tmp_path, text), reports.append, limit_s=2.0)
     hook.notify(ASKED)
-    assert time.monotonic() - began < 0.5, "whoever notifies does not wait"
+    assert reports == [], "whoever notifies does not wait"
     hook.close()
     (report,) = reports
-    assert report.endswith("did not end within 1 s and was killed")
+    assert report.endswith("did not end within 2 s and was killed")
     for process in got(tmp_path)[0]:
         assert not is_running(process)
 
 
-def is_running(process, limit_s=5.0):
+def is_running(process, limit_s=20.0):
     """Tell whether a process still runs after a while that its killing may take."""
     end = time.monotonic() + limit_s
     while time.monotonic() < end:
@@ -151,10 +150,9 @@ def test_a_web_server_that_refuses_is_reported_without_the_path_that_may_be_secr
 
 def test_a_web_server_that_hangs_or_is_gone_holds_up_nobody(server, reports):
     server.hangs = True
-    hook = EscalationHook.from_option(server.url, reports.append, limit_s=0.5)
-    began = time.monotonic()
+    hook = EscalationHook.from_option(server.url, reports.append, limit_s=2.0)
     hook.notify(ASKED)
-    assert time.monotonic() - began < 0.4
+    assert reports == [], "whoever notifies does not wait"
     hook.close()
     gone = EscalationHook.from_option("http://127.0.0.1:1/hook", reports.append)
     gone.notify(ASKED)
