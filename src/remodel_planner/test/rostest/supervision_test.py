@@ -27,9 +27,9 @@ from remodel_msgs.msg import (
 )
 from remodel_msgs.srv import AnswerQuestion, CommandRun, GetRun, GetTasks, InjectFault, ListRuns
 
+from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.testing.ledger import account
 from remodel_states.testing.world_file import WorldFile
-from remodel_supervision.ros.peers.ability_watch import ABILITIES
 
 DESIGN = "/usr/share/qelectrotech/examples/tableau_domestique.qet"
 OUTPUT = Path(sys.argv[1])
@@ -154,7 +154,7 @@ class SupervisionTest(unittest.TestCase):
             rospy.Subscriber(
                 f"remodel_abilities/{ability.lower()}/goal", rospy.AnyMsg, begun.append
             )
-            for ability in ABILITIES
+            for ability in read_abilities()
         ]
         route = "remodel_abilities/routewire"
         routes = rospy.Subscriber(f"{route}/goal", RouteWireActionGoal, on_goal)
