@@ -38,8 +38,8 @@ LAYERS = {
     "remodel_production": ["errors", "core", "edge"],
     "remodel_planning": ["errors", "core", "edge"],
     "remodel_planning.core": [
-        *("condition", "problem", "search", "plan", "use_case", "orders", "decomposition"),
-        "task_charts",
+        *("condition", "cycle", "problem", "search", "plan", "use_case", "orders"),
+        *("decomposition", "task_charts"),
     ],
     "remodel_supervision": ["errors", "core", "edge", "supervisors", "ros"],
     "remodel_supervision.core": ["run", "trace", "runs", "recovery", "learning"],
