@@ -150,7 +150,7 @@ class PlaceConnectorTest(unittest.TestCase):
         self.assertEqual(seen["error_message"], failure.error_message)
         self.assertFalse(self.a_is_placed())
 
-    def test_preempt_in_the_middle_of_an_insertion_stops_within_half_a_second(self):
+    def test_preempt_in_the_middle_of_an_insertion_stops_it(self):
         inserting = threading.Event()
         rospy.Subscriber(
             "remodel_abilities/insertcable/feedback",
