@@ -94,6 +94,13 @@ class SupervisionTest(unittest.TestCase):
         self.wait(lambda: self.last().run > run, "the run begins")
         return handle
 
+    def record_of(self, run):
+        """Yield the entries of a run with their pictures, of which an answer holds few."""
+        first = 1
+        while entries := call("record", GetRun, run=run, first=first, with_pictures=True).entries:
+            yield from entries
+            first += len(entries)
+
     def task_running(self):
         return bool(self.last().task)
 
@@ -114,8 +121,7 @@ class SupervisionTest(unittest.TestCase):
         self.assertEqual(played.returncode, 0, played.stdout)
         runs = call("runs", ListRuns).runs
         self.assertEqual((runs[0].run, runs[0].ended, runs[0].done), (state.run, True, 3))
-        record = call("record", GetRun, run=state.run, first=1, with_pictures=True)
-        self.assertTrue(any(entry.picture.data for entry in record.entries))
+        self.assertTrue(any(entry.picture.data for entry in self.record_of(state.run)))
 
     def test_an_operator_answers_and_stops(self):
         rospy.wait_for_service("cell/inject_fault", 30.0)
