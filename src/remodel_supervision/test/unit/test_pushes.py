@@ -56,6 +56,12 @@ ATTENDED, UNATTENDED = set(Do), set(Do) - {Do.ASK_OPERATOR}
 ORDERS = ["house", "automotive_harness", "branched_harness", "cabinet", "dialysis_hoses"]
 
 
+def routed(node, code):
+    """Return where a state's error routes lead with a code; empty if none has it."""
+    routes = zip(node.on_error, codes_of_routes(node.on_error, ERROR_NAMES), strict=True)
+    return next((route.target for route, codes in routes if code in codes), "")
+
+
 class Walk:
     """One run of a chart in which an ability always fails with a code."""
 
@@ -88,11 +94,7 @@ class Walk:
         self.visited.append((path, node))
         if node.type != self.failing:
             return next(target for event, target in targets.items() if event not in NO_SUCCESS)
-        routed = codes_of_routes(node.on_error, ERROR_NAMES)
-        taken = (
-            r.target for r, codes in zip(node.on_error, routed, strict=True) if self.code in codes
-        )
-        return next(taken, targets["failed"])
+        return routed(node, self.code) or targets["failed"]
 
     def count(self, ability):
         return sum(node.type == f"{ability}State" for _, node in self.visited)
@@ -252,10 +254,9 @@ class SupervisedWalk(Walk):
         goal = f"{path}#{len(self.visited)}"
         done = Operation(path, ability, event, code, "", 1.0, 1.0, goal)
         assert self.tasks.keep_record(behavior, done) == (True, "")
-        routed = [r.target for r in node.on_error if r.first <= code <= r.last]
         if not code:
             return next(target for name, target in targets.items() if name not in NO_SUCCESS)
-        return routed[0] if routed and event == "failed" else targets[event]
+        return (routed(node, code) if event == "failed" else "") or targets[event]
 
     def _end_of(self, node, ability):
         """Return error code and outcome of an operation."""
