@@ -20,6 +20,12 @@ from remodel_console.session import Session
 SRC = Path(__file__).parents[3]
 
 
+def path_with(package):
+    """Return a package path with a package, states, and the names of error codes."""
+    packages = ("remodel_msgs", "remodel_states", "flexbe/flexbe_states")
+    return ":".join(map(str, (package, *(SRC / one for one in packages))))
+
+
 @pytest.fixture
 def package(tmp_path):
     """Return a copy of the behaviors that commands may write to."""
@@ -28,7 +34,7 @@ def package(tmp_path):
 
 @pytest.fixture
 def session(package):
-    path = f"{package}:{SRC / 'remodel_states'}:{SRC / 'flexbe' / 'flexbe_states'}"
+    path = path_with(package)
     return Session(Workspace(path))
 
 
@@ -224,7 +230,7 @@ def test_changes_are_taken_back_one_by_one(session, give):
 
 
 def test_synthesis_may_be_switched_off(package):
-    path = f"{package}:{SRC / 'remodel_states'}:{SRC / 'flexbe' / 'flexbe_states'}"
+    path = path_with(package)
     session = Session(Workspace(path), lambda: Settings(is_synthesis_enabled=False))
     session.carry_out(read_command("load my_first_behavior"))
     with pytest.raises(CommandError, match="switched off"):
@@ -232,7 +238,7 @@ def test_synthesis_may_be_switched_off(package):
 
 
 def test_a_server_is_asked_for_what_is_put_in(package):
-    path = f"{package}:{SRC / 'remodel_states'}:{SRC / 'flexbe' / 'flexbe_states'}"
+    path = path_with(package)
     settings = Settings(synthesis_topic="flexbe/synthesize", system="cell 1")
     session = Session(Workspace(path), lambda: settings)
     session.carry_out(read_command("load my_first_behavior"))

@@ -14,7 +14,9 @@ from remodel_console.core.editor.server_states import chart_from_states
 from remodel_console.errors import CommandError
 
 SRC = Path(__file__).parents[3]
-PATH = ":".join(str(SRC / one) for one in ("remodel_states", "flexbe/flexbe_states"))
+PATH = ":".join(
+    str(SRC / one) for one in ("remodel_msgs", "remodel_states", "flexbe/flexbe_states")
+)
 CHARTS = sorted((SRC / "remodel_behaviors" / "charts").glob("*.xml"))
 
 

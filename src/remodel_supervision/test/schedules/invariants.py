@@ -49,6 +49,7 @@ class Invariants:
     ended: dict[int, RunState] = field(default_factory=dict)
     closed: dict[str, str] = field(default_factory=dict)
     stopped: dict[str, str] = field(default_factory=dict)
+    _engine_died_s: dict[str, float] = field(default_factory=dict)
     _fixed: set[str] = field(default_factory=set)
     _discards: set[str] = field(default_factory=set)
     _serial: str = ""
@@ -147,12 +148,14 @@ class Invariants:
             self.simulation.violated(f"{motion.what} begins without an owner")
 
     def _on_result(self, motion: Motion, code: int) -> None:
-        if code in PERSON_FIRST - {Code.STALE_OWNER}:
+        is_attended = motion.begun_s > self._engine_died_s.get(motion.station, -1.0)
+        if code in PERSON_FIRST - {Code.STALE_OWNER} and is_attended:
             self.stopped[motion.station] = f"{motion.what} ended with {code}"
 
     def on_engine_death(self, station: Station) -> None:
-        """Note that a record that was not kept is lost with the engine."""
+        """Note that records that were not kept, and states that wait, are lost with the engine."""
         self.stopped.pop(station.name, None)
+        self._engine_died_s[station.name] = self.simulation.now_s
 
     # --- the world
 
