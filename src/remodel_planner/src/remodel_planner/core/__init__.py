@@ -1,1 +1,1 @@
-"""What commands tell: values in, values out."""
+"""What commands print: values in, values out."""

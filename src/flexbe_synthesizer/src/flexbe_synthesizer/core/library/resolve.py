@@ -79,7 +79,7 @@ class Use:
 
     @cached_property
     def is_like_others(self) -> bool:
-        """Tell whether what it offers is the same whatever values its parameters have."""
+        """Return whether what it offers is the same whatever values its parameters have."""
         return (
             isinstance(self.declaration, StateClass)
             and not self.declaration.depends_on_values

@@ -153,7 +153,7 @@ class Values:
         """Return, for each state and outcome that can be reached, what may be written by then.
 
         Args:
-            homes: the only ones that are told apart.
+            homes: the only ones that are distinguished.
         """
         among = reduce(or_, (self._bits[home] for home in homes), 0)
         before: dict[str, int] = {self.graph.initial: 0}

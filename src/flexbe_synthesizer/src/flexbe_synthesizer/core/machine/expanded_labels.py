@@ -67,7 +67,7 @@ class _StepNames:
         self.nodes: dict[str, str] = {}
         self.counters: dict[str, str] = {}
         self.choosers: dict[str, str] = {}
-        self.parted: set[tuple[str, str]] = set()  # steps that a chooser tells of more closely
+        self.parted: set[tuple[str, str]] = set()  # steps that a chooser describes in more detail
         self._add(chart, "", "")
 
     def _add(self, chart: Chart, above: str, prefix: str) -> None:

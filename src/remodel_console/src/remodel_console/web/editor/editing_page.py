@@ -49,7 +49,7 @@ class EditingPage(Page):
         return container_at(self.chart, path[:-1])
 
     async def change(self, what: str, path: Path, change: Callable[[Chart], Chart]) -> bool:
-        """Change the container at a path; tell whether it could be."""
+        """Change the container at a path; return whether that was possible."""
         session = self.console.session
 
         def deed() -> None:

@@ -1,1 +1,1 @@
-"""The commands that run orders, and tell of runs."""
+"""The commands that run orders and report on runs."""

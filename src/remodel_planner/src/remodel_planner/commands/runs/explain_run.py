@@ -1,4 +1,4 @@
-"""`planner explain RUN`: tell a recorded run in words."""
+"""`planner explain RUN`: print the report of a recorded run."""
 
 from __future__ import annotations
 
