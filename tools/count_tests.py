@@ -1,35 +1,61 @@
 #!/usr/bin/env python3
-"""Print how many tests passed and failed, from the result files below a folder."""
+"""Print which tests failed, and how many passed, from the result files below a folder."""
 
 import sys
 import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass, field
 from pathlib import Path
 
 
-def count(folder: Path) -> tuple[int, int, int]:
-    """Return the number of passed, failed and skipped tests.
+@dataclass
+class Count:
+    """How tests ended.
+
+    Attributes:
+        failed: a line for each test that failed: its file and its name.
+    """
+
+    passed: int = 0
+    skipped: int = 0
+    failed: list[str] = field(default_factory=list)
+
+
+def count(folder: Path) -> Count:
+    """Return how the tests of all result files ended.
 
     A rostest writes its tests to `rosunit-*.xml`, and to `rostest-*.xml` one entry for the whole,
-    which fails only if the tests could not be run: that one counts when it fails.
+    which fails only if the tests could not be run: that one counts when it fails. A file may tell
+    in its head of failures that it has no entry for; they count, too.
     """
-    passed = failed = skipped = 0
+    found = Count()
     for path in sorted(folder.rglob("*.xml")):
-        whole = path.name.startswith("rostest-")
-        for case in ElementTree.parse(path).getroot().iter("testcase"):
+        root = ElementTree.parse(path).getroot()
+        named = 0
+        for case in root.iter("testcase"):
             if case.find("failure") is not None or case.find("error") is not None:
-                failed += 1
+                found.failed.append(f"{path.stem}: {case.get('classname')}.{case.get('name')}")
+                named += 1
             elif case.find("skipped") is not None:
-                skipped += 1
-            elif not whole:
-                passed += 1
-    return passed, failed, skipped
+                found.skipped += 1
+            elif not path.name.startswith("rostest-"):
+                found.passed += 1
+        told = sum(
+            int(suite.get(kind, 0))
+            for suite in root.iter("testsuite")
+            for kind in ("failures", "errors")
+        )
+        found.failed += [f"{path.stem}: a failure without an entry"] * (told - named)
+    return found
 
 
 def main() -> int:
     """Print the count and return the exit code: 0 only if there were tests and none failed."""
-    passed, failed, skipped = count(Path(sys.argv[1]))
-    print(f"{passed} passed, {failed} failed" + (f", {skipped} skipped" if skipped else ""))
-    return 0 if passed and not failed else 1
+    found = count(Path(sys.argv[1]))
+    for line in found.failed:
+        print(f"failed: {line}")
+    skipped = f", {found.skipped} skipped" if found.skipped else ""
+    print(f"{found.passed} passed, {len(found.failed)} failed{skipped}")
+    return 0 if found.passed and not found.failed else 1
 
 
 if __name__ == "__main__":

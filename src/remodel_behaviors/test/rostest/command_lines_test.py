@@ -104,14 +104,13 @@ class CommandLinesTest(unittest.TestCase):
 
     def test_both_preempt_topics_stop_a_behavior(self):
         for topic in ("/flexbe/commands/preempt", "/flexbe/command/preempt"):
-            with self.subTest(topic):
-                statuses = Statuses()
-                self.start_line("rosrun flexbe_widget be_launcher -b 'Example Behavior'")
-                self.assertIsNotNone(statuses.wait_for(BEStatus.STARTED))
-                self.run_line(f"rostopic pub -1 {topic} std_msgs/Empty")
-                status = statuses.wait_for(BEStatus.FINISHED)
-                statuses.close()
-                self.assertEqual(status.args, ["preempted"])
+            statuses = Statuses()
+            self.start_line("rosrun flexbe_widget be_launcher -b 'Example Behavior'")
+            self.assertIsNotNone(statuses.wait_for(BEStatus.STARTED), topic)
+            self.run_line(f"rostopic pub -1 {topic} std_msgs/Empty")
+            status = statuses.wait_for(BEStatus.FINISHED)
+            statuses.close()
+            self.assertEqual(status.args, ["preempted"], topic)
 
     def test_an_unknown_behavior_is_refused_with_near_names(self):
         done = self.run_line("rosrun flexbe_widget be_launcher -b 'Exmaple Behavior'")

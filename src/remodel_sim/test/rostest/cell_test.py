@@ -158,11 +158,10 @@ class CellTest(unittest.TestCase):
         ]
         for name, fields, code, words in cases:
             result = self.on[name].do(**fields)
-            with self.subTest(name=name, code=code):
-                self.assertEqual(self.on[name].client.get_state(), GoalStatus.REJECTED)
-                self.assertEqual(result.error_code, code)
-                self.assertIn(words, result.error_message)
-                self.assertEqual(result.id, f"test-{name}")
+            self.assertEqual(self.on[name].client.get_state(), GoalStatus.REJECTED, name)
+            self.assertEqual(result.error_code, code, name)
+            self.assertIn(words, result.error_message)
+            self.assertEqual(result.id, f"test-{name}")
         self.assertEqual(insert.client.get_goal_status_text(), "socket_pose holds NaN or infinity")
 
     def test_goals_and_requests_of_an_older_owner_are_refused(self):

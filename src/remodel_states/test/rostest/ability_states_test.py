@@ -188,37 +188,33 @@ class AbilityStatesTest(unittest.TestCase):
             self.assertEqual(outcomes, set(documented_writes(STATES[ability][0])))
             self.assertEqual(outcomes - set(answers), {SLOW} if ability == "PlacePin" else set())
             for outcome, answer in answers.items():
-                with self.subTest(ability=ability, outcome=outcome):
-                    self.fakes[ability].script(answer)
-                    self.check_writes(self.state(ability), outcome)
+                self.fakes[ability].script(answer)
+                self.check_writes(self.state(ability), outcome)
         self.fakes["PlacePin"].script(Answer())
         self.check_writes(self.state("PlacePin", max_time=-1.0), SLOW)
 
     def test_each_ability_succeeds_with_its_outcome(self):
         for ability, (_, _, done) in STATES.items():
-            with self.subTest(ability):
-                self.fakes[ability].script(Answer())
-                self.assertEqual(run(self.state(ability), userdata()), done)
-                goal = self.fakes[ability].goals[0]
-                self.assertTrue(goal.id)
-                self.assertGreater(goal.timeout, 0)
+            self.fakes[ability].script(Answer())
+            self.assertEqual(run(self.state(ability), userdata()), done, ability)
+            goal = self.fakes[ability].goals[0]
+            self.assertTrue(goal.id, ability)
+            self.assertGreater(goal.timeout, 0, ability)
 
     def test_each_ability_failure_tells_its_code(self):
         for ability in STATES:
-            with self.subTest(ability):
-                self.fakes[ability].script(Answer(ErrorCode.NOT_SEATED))
-                data = userdata()
-                self.assertEqual(run(self.state(ability), data), "failed")
-                self.assertEqual(data["error_code"], ErrorCode.NOT_SEATED)
-                self.assertIn("304", data["error_message"])
+            self.fakes[ability].script(Answer(ErrorCode.NOT_SEATED))
+            data = userdata()
+            self.assertEqual(run(self.state(ability), data), "failed", ability)
+            self.assertEqual(data["error_code"], ErrorCode.NOT_SEATED, ability)
+            self.assertIn("304", data["error_message"], ability)
 
     def test_each_refused_goal_is_a_command_error(self):
         for ability in STATES:
-            with self.subTest(ability):
-                self.fakes[ability].script(Answer(refuse=True))
-                data = userdata()
-                self.assertEqual(run(self.state(ability), data), "command_error")
-                self.assertEqual(data["error_code"], ErrorCode.INVALID_GOAL)
+            self.fakes[ability].script(Answer(refuse=True))
+            data = userdata()
+            self.assertEqual(run(self.state(ability), data), "command_error", ability)
+            self.assertEqual(data["error_code"], ErrorCode.INVALID_GOAL, ability)
 
     def test_success_leaves_the_last_failure_in_userdata(self):
         fake = self.fakes["InsertCable"]
@@ -319,17 +315,16 @@ class AbilityStatesTest(unittest.TestCase):
 
     def test_a_jump_of_the_clock_ends_no_goal(self):
         for jump_s in (-1000.0, 1000.0):
-            with self.subTest(jump_s):
-                fake = self.fakes["FixCable"]
-                fake.script(Answer(hang=True))
-                state, data = self.state("FixCable"), userdata()
-                self.assertIsNone(run(state, data, 0.3))
-                real = rospy.Time.now
-                jumped = lambda: real() + rospy.Duration(jump_s)  # noqa: E731, B023
-                with mock.patch.object(rospy.Time, "now", jumped):
-                    self.assertIsNone(run(state, data, 0.5))
-                self.assertIsNone(run(state, data, 0.3))
-                state.on_exit(data)
+            fake = self.fakes["FixCable"]
+            fake.script(Answer(hang=True))
+            state, data = self.state("FixCable"), userdata()
+            self.assertIsNone(run(state, data, 0.3))
+            real = rospy.Time.now
+            jumped = lambda: real() + rospy.Duration(jump_s)  # noqa: E731, B023
+            with mock.patch.object(rospy.Time, "now", jumped):
+                self.assertIsNone(run(state, data, 0.5), jump_s)
+            self.assertIsNone(run(state, data, 0.3), jump_s)
+            state.on_exit(data)
 
     def test_a_server_that_dies_is_noticed_long_before_the_timeout(self):
         script = (
