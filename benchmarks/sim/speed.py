@@ -9,11 +9,11 @@ import numpy as np
 from panels import wire
 from row import Row
 
-from remodel_sim.core.cable import Piece, chain
+from remodel_sim.core.workpiece.wire_mechanics import Piece, chain
 from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.physics.cable import Cable
-from remodel_sim.physics.panel_scene import add_plate_surface
+from remodel_sim.physics.fixtures.panel_scene import add_plate_surface
 from remodel_sim.physics.robot import Robot
+from remodel_sim.physics.wires.cable import Cable
 from remodel_sim.physics.world import World
 
 CELLS = 24

@@ -15,15 +15,15 @@ import numpy as np
 import wire_task as task
 
 from remodel_sim.abilities.check_connection import check_connection
-from remodel_sim.abilities.grasping import release
-from remodel_sim.abilities.motions import HAND_OPEN_M, rise
+from remodel_sim.abilities.primitives.grasping import release
+from remodel_sim.abilities.primitives.motions import HAND_OPEN_M, rise
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
-from remodel_sim.core.course import world_from_clip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.panel import End, Panel, Wire
-from remodel_sim.core.wire_colours import WIRE_RGB
+from remodel_sim.core.workpiece.panel import End, Panel, Wire
+from remodel_sim.core.workpiece.routes import world_from_clip
+from remodel_sim.core.workpiece.wire_colours import WIRE_RGB
 from remodel_sim.physics.truth import ground_truth, lies_in
 from remodel_states.core.codes import Code
 

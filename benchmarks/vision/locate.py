@@ -22,13 +22,13 @@ from label_scenes import Condition, LabelScene
 from row import Row, tell
 
 from remodel_sim.abilities.locate_gearbox_component import LOOKS
-from remodel_sim.abilities.viewpoints import LABEL_ASIDE_M
+from remodel_sim.abilities.primitives.viewpoints import LABEL_ASIDE_M
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.layout import WORLD_FROM_PANEL
-from remodel_sim.core.panel import Component
 from remodel_sim.core.vision.label_pose import Look, locate_component
 from remodel_sim.core.vision.labels import find_labels, search_label
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import Component
 from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.world import World
 from remodel_sim.ros.conversions import read_panel

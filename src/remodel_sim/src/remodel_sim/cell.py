@@ -7,16 +7,16 @@ from typing import TypeVar
 
 import numpy as np
 
-from remodel_sim.abilities.runner import occupy, run
-from remodel_sim.abilities.station import Audience, Station, Steps
-from remodel_sim.core.book import Book, EndState, Feed
-from remodel_sim.core.cell_design import CellDesign
+from remodel_sim.abilities.execution.robot_context import Audience, Station, Steps
+from remodel_sim.abilities.execution.runner import occupy, run
+from remodel_sim.core.belief.belief_state import Book, EndState, Feed
+from remodel_sim.core.belief.placed_wires import PlacedWires
+from remodel_sim.core.cell.cell_design import CellDesign
+from remodel_sim.core.cell.ownership import check_owner
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.goals import check_hands_empty, check_not_in_cell
-from remodel_sim.core.ownership import check_owner
-from remodel_sim.core.panel import End, Panel
-from remodel_sim.core.placed_wires import PlacedWires
-from remodel_sim.core.traffic import Traffic
+from remodel_sim.core.goals.ability_goals import check_hands_empty, check_not_in_cell
+from remodel_sim.core.robot.traffic import Traffic
+from remodel_sim.core.workpiece.panel import End, Panel
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.plant import Plant

@@ -6,18 +6,18 @@ import math
 import numpy as np
 from panels import component, wire
 
-from remodel_sim.core.arm import ToolPose
-from remodel_sim.core.cable import Piece, chain, discretise
-from remodel_sim.core.component_shape import component_boxes
-from remodel_sim.core.fixtures import PLAY_M, lips_of
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.panel import Clip, End
-from remodel_sim.physics.cable import Cable
-from remodel_sim.physics.clamps import close_clamp
-from remodel_sim.physics.clips import add_clip
-from remodel_sim.physics.panel_scene import add_plate_surface
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.workpiece.component_shape import component_boxes
+from remodel_sim.core.workpiece.fixtures import PLAY_M, lips_of
+from remodel_sim.core.workpiece.panel import Clip, End
+from remodel_sim.core.workpiece.wire_mechanics import Piece, chain, discretise
+from remodel_sim.physics.fixtures.clamps import close_clamp
+from remodel_sim.physics.fixtures.clips import add_clip
+from remodel_sim.physics.fixtures.panel_scene import add_plate_surface
 from remodel_sim.physics.robot import HAND_30_N, Robot
 from remodel_sim.physics.static_body import add_static
+from remodel_sim.physics.wires.cable import Cable
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
 
 # A pull grows by this share of what should hold, per second: quasi-static.

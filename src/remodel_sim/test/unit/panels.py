@@ -3,7 +3,7 @@
 import dataclasses
 import math
 
-from remodel_sim.core.panel import Channel, Component, Panel, Terminal, Wire
+from remodel_sim.core.workpiece.panel import Channel, Component, Panel, Terminal, Wire
 
 ROW_X = 0.080
 

@@ -12,10 +12,10 @@ from remodel_sim.abilities.place_cable import place_cable
 from remodel_sim.abilities.route_wire import route_wire
 from remodel_sim.core import goals
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.layout import WORLD_FROM_PANEL
-from remodel_sim.core.panel import End
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import End
 
-ROBOT = goals.ROBOT
+ROBOT = "robot_1"
 # In the channel, beyond end b's terminal.
 BESIDE = Pose.level(0.50, 0.14, 0.028, math.pi / 2)
 

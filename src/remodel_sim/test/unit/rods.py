@@ -6,9 +6,9 @@ import numpy as np
 from elastica import buckling_load
 from panels import wire
 
-from remodel_sim.core.cable import Piece, chain
-from remodel_sim.core.panel import End
-from remodel_sim.physics.cable import Cable
+from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.wire_mechanics import Piece, chain
+from remodel_sim.physics.wires.cable import Cable
 from remodel_sim.physics.world import GRAVITY, World
 
 LENGTH = 0.30

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from remodel_sim.core.vision.cables import End, detect_cables
-from remodel_sim.core.vision.cables.pairing import Arm, best_pairs, join_prices
-from remodel_sim.core.vision.cables.polyline import arc_lengths
-from remodel_sim.core.vision.cables.skeleton import find_strands, thin
-from remodel_sim.core.vision.cables.spline import basis, fit
+from remodel_sim.core.vision.cables.curves.polyline import arc_lengths
+from remodel_sim.core.vision.cables.curves.spline import basis, fit
+from remodel_sim.core.vision.cables.strands.pairing import Arm, best_pairs, join_prices
+from remodel_sim.core.vision.cables.strands.skeleton import find_strands, thin
 
 RED, BLUE, TABLE = (190, 30, 30), (30, 60, 190), (150, 140, 120)
 

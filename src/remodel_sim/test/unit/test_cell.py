@@ -9,7 +9,7 @@ from panels import panel
 from remodel_sim.cell import Cell
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.panel import Channel, End
+from remodel_sim.core.workpiece.panel import Channel, End
 from remodel_sim.physics.truth import ground_truth
 from remodel_states.core.codes import Code
 

@@ -7,11 +7,11 @@ from panels import panel
 from remodel_msgs.msg import FixCableGoal
 
 from remodel_sim.abilities.ability import cell_abilities
-from remodel_sim.abilities.runner import advance
+from remodel_sim.abilities.execution.runner import advance
 from remodel_sim.cell import Cell
+from remodel_sim.core.belief.placed_wires import ParkedWire, PlacedWires
 from remodel_sim.core.errors import AbilityError, MemoryFileError
-from remodel_sim.core.panel import End
-from remodel_sim.core.placed_wires import ParkedWire, PlacedWires
+from remodel_sim.core.workpiece.panel import End
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.job import Job

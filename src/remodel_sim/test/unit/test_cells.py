@@ -5,22 +5,22 @@ import place_wire
 import pytest
 from panels import panel
 
+from remodel_sim.abilities.execution.runner import occupy, run
 from remodel_sim.abilities.fix_cable import fix_cable
 from remodel_sim.abilities.insert_cable import insert_cable
 from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
-from remodel_sim.abilities.motions import TRAVEL_Z, move_to
 from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.abilities.place_cable import place_cable
 from remodel_sim.abilities.place_pin import place_pin
-from remodel_sim.abilities.runner import occupy, run
-from remodel_sim.abilities.together import together
+from remodel_sim.abilities.primitives.concurrently import together
+from remodel_sim.abilities.primitives.motions import TRAVEL_Z, move_to
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
-from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.panel import End
-from remodel_sim.core.pin_goal import PlacePinGoal
+from remodel_sim.core.goals.pin_goal import PlacePinGoal
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.workpiece.panel import End
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.truth import ground_truth
 from remodel_states.core.codes import Code

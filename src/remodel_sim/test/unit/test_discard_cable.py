@@ -8,13 +8,13 @@ from panels import panel
 
 from remodel_sim.abilities.discard_cable import discard_cable
 from remodel_sim.cell import Cell
-from remodel_sim.core.arm import ToolPose
-from remodel_sim.core.book import EndState
-from remodel_sim.core.discard_goal import DiscardGoal
+from remodel_sim.core.belief.belief_state import EndState
+from remodel_sim.core.cell.scrap_bin import bin_of
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.layout import PLATE_MAX_M
-from remodel_sim.core.panel import End
-from remodel_sim.core.scrap_bin import bin_of
+from remodel_sim.core.goals.discard_goal import DiscardGoal
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.workpiece.layout import PLATE_MAX_M
+from remodel_sim.core.workpiece.panel import End
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.truth import ground_truth

@@ -4,9 +4,9 @@ import numpy as np
 import place_wire as do
 import pytest
 
+from remodel_sim.core.cell.faults import check_fault
 from remodel_sim.core.errors import AbilityError, FaultError
-from remodel_sim.core.faults import check_fault
-from remodel_sim.core.panel import End
+from remodel_sim.core.workpiece.panel import End
 
 
 @pytest.mark.parametrize(

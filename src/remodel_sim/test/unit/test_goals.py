@@ -5,12 +5,13 @@ import pytest
 from panels import panel
 
 from remodel_sim.core import goals
-from remodel_sim.core.arm import ToolPose
-from remodel_sim.core.book import Book, EndState, Feed, Grip
+from remodel_sim.core.belief.belief_state import Book, EndState, Feed, Grip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.layout import WORLD_FROM_PANEL
-from remodel_sim.core.panel import End
+from remodel_sim.core.goals.ability_goals import parse_end
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import End
 from remodel_states.core.codes import Code
 
 SOCKET = WORLD_FROM_PANEL @ panel().panel_from_socket("X1", "1")
@@ -71,7 +72,7 @@ def pose_with(position=(0.5, 0.0, 0.03), quaternion=(0.0, 0.0, 0.0, 1.0)):
             Code.INVALID_GOAL,
             "pull_test_force",
         ),
-        (lambda: goals.parse_end("c"), Code.INVALID_GOAL, "'a', 'b'"),
+        (lambda: parse_end("c"), Code.INVALID_GOAL, "'a', 'b'"),
     ],
 )
 def test_a_goal_that_makes_no_sense_is_never_born(make, code, words):

@@ -6,8 +6,8 @@ import pytest
 from panels import component, panel, wire
 
 from remodel_sim.core.errors import PanelError
-from remodel_sim.core.layout import find_problems
-from remodel_sim.core.panel import Clip, Duct
+from remodel_sim.core.workpiece.layout import find_problems
+from remodel_sim.core.workpiece.panel import Clip, Duct
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.plant import Plant

@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 from panels import panel
 
-from remodel_sim.core.arm import PANDA_AT_ORIGIN, Arm
-from remodel_sim.core.book import Book, EndState, Feed
+from remodel_sim.core.belief.belief_state import Book, EndState, Feed
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.layout import WORLD_FROM_PANEL
-from remodel_sim.core.panel import End
-from remodel_sim.core.pin_goal import PlacePinGoal, pin_row
+from remodel_sim.core.goals.pin_goal import PlacePinGoal, pin_row
+from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN, Arm
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import End
 from remodel_states.core.codes import Code
 
 FACING = Arm(PANDA_AT_ORIGIN.model, (1.0, 0.0, 0.0, math.pi))

@@ -10,11 +10,11 @@ from place_wire import ROBOT, do, extract, locate
 from remodel_sim.abilities.place_connector import place_connector
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
-from remodel_sim.core.book import Book, EndState, Feed
+from remodel_sim.core.belief.belief_state import Book, EndState, Feed
 from remodel_sim.core.errors import AbilityError, PanelError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.layout import WORLD_FROM_PANEL, find_problems
-from remodel_sim.core.panel import End
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL, find_problems
+from remodel_sim.core.workpiece.panel import End
 from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel

@@ -7,13 +7,13 @@ import place_wire as do
 import pytest
 from formboards import along_clips, duct, formboard
 
-from remodel_sim.abilities.course_check import check_ducts
+from remodel_sim.abilities.primitives.route_check import check_ducts
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.layout import WORLD_FROM_PANEL
-from remodel_sim.core.panel import End
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import End
 from remodel_sim.physics.truth import lies_in
 from remodel_states.core.codes import Code
 

@@ -6,14 +6,14 @@ import pytest
 from panels import panel
 
 from remodel_sim.abilities.detect_cable import detect_cable
+from remodel_sim.abilities.execution.robot_context import Audience
 from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
-from remodel_sim.abilities.station import Audience
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
-from remodel_sim.core.component_shape import Box, label_corners
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.panel import End
+from remodel_sim.core.workpiece.component_shape import Box, label_corners
+from remodel_sim.core.workpiece.panel import End
 from remodel_sim.physics.static_body import add_static
 from remodel_states.core.codes import Code
 

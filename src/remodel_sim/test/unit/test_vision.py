@@ -11,16 +11,16 @@ from place_wire import do
 
 from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.cell import Cell
-from remodel_sim.core.book import EndState
+from remodel_sim.core.belief.belief_state import EndState
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.goals import DetectGoal
-from remodel_sim.core.panel import End
+from remodel_sim.core.goals.ability_goals import DetectGoal
 from remodel_sim.core.vision.label_pose import Look, locate_component
 from remodel_sim.core.vision.labels import find_labels
 from remodel_sim.core.vision.tracing import at_distance, trace
 from remodel_sim.core.vision.wire_ends import find_ends, trace_between
-from remodel_sim.core.wire_colours import WIRE_RGB
-from remodel_sim.physics.parked_wire import draw_parked
+from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.wire_colours import WIRE_RGB
+from remodel_sim.physics.wires.parked_wire import draw_parked
 from remodel_states.core.codes import Code
 
 

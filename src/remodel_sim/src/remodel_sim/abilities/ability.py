@@ -50,9 +50,10 @@ def ability(name: str, parse: Callable[[Any], Any]) -> Callable[[Function], Func
 
 
 def cell_abilities() -> dict[str, CellAbility]:
-    """Return the abilities of all modules of this folder, by name."""
-    names = [module.name for module in pkgutil.iter_modules(abilities.__path__)]
-    modules = [import_module(f"{abilities.__name__}.{name}") for name in sorted(names)]
+    """Return the abilities of all modules directly in this folder, by name."""
+    found_here = pkgutil.iter_modules(abilities.__path__)
+    names = sorted(module.name for module in found_here if not module.ispkg)
+    modules = [import_module(f"{abilities.__name__}.{name}") for name in names]
     values = [value for module in modules for value in vars(module).values()]
     found = [getattr(value, _MARK) for value in values if hasattr(value, _MARK)]
     return {each.name: each for each in found}

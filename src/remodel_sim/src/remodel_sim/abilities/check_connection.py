@@ -13,29 +13,29 @@ from typing import Any
 import numpy as np
 
 from remodel_sim.abilities.ability import ability
-from remodel_sim.abilities.grasping import holds
-from remodel_sim.abilities.looking import go_and_see
-from remodel_sim.abilities.motions import park
-from remodel_sim.abilities.station import Station, Steps
-from remodel_sim.abilities.viewpoints import camera_above
-from remodel_sim.core.arm import ToolPose
+from remodel_sim.abilities.execution.robot_context import Station, Steps
+from remodel_sim.abilities.primitives.grasping import holds
+from remodel_sim.abilities.primitives.motions import park
+from remodel_sim.abilities.primitives.observing import go_and_see
+from remodel_sim.abilities.primitives.viewpoints import camera_above
 from remodel_sim.core.camera import Picture
-from remodel_sim.core.component_shape import label_corners
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.goals import CheckGoal, parse_end
-from remodel_sim.core.layout import WORLD_FROM_PANEL
-from remodel_sim.core.panel import Component
+from remodel_sim.core.goals.ability_goals import CheckGoal, parse_end
+from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.label_pose import ComponentSighting, Look, locate_component
 from remodel_sim.core.vision.labels import find_labels, search_label
-from remodel_sim.core.vision.mouth_sight import (
+from remodel_sim.core.vision.opening_occupancy import (
     MouthSight,
     Sight,
     light_on,
     look_at_mouth,
     settle,
 )
+from remodel_sim.core.workpiece.component_shape import label_corners
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import Component
 from remodel_states.core.codes import Code
 
 # Places of the lens beside a mouth [m]: out of its face, where the mouth is not hidden by the

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from remodel_sim.abilities.ability import ability
-from remodel_sim.abilities.looking import (
+from remodel_sim.abilities.execution.robot_context import Station, Steps
+from remodel_sim.abilities.primitives.observing import (
     GraspSighting,
     OverheadSighting,
     look_from_above,
@@ -16,14 +17,13 @@ from remodel_sim.abilities.looking import (
     loose_ends,
     mark_end,
 )
-from remodel_sim.abilities.station import Station, Steps
-from remodel_sim.core.book import TipSighting
+from remodel_sim.core.belief.belief_state import TipSighting
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.goals import DetectGoal
-from remodel_sim.core.panel import End, Wire
+from remodel_sim.core.goals.ability_goals import DetectGoal
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.wire_ends import trace_between, trace_from
+from remodel_sim.core.workpiece.panel import End, Wire
 from remodel_states.core.codes import Code
 
 

@@ -9,33 +9,33 @@ from typing import Any
 import numpy as np
 
 from remodel_sim.abilities.ability import ability
-from remodel_sim.abilities.carrying import carry
+from remodel_sim.abilities.execution.robot_context import Station, Steps
 from remodel_sim.abilities.extract_cable import extract_cable, where_it_lay
-from remodel_sim.abilities.grasping import (
+from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
+from remodel_sim.abilities.primitives.carrying import carry
+from remodel_sim.abilities.primitives.grasping import (
     RELEASE_OPENING_M,
     check_grip,
     holds,
     pick_end,
     release,
 )
-from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
-from remodel_sim.abilities.looking import loose_ends
-from remodel_sim.abilities.motions import (
+from remodel_sim.abilities.primitives.laying import lay_down
+from remodel_sim.abilities.primitives.motions import (
     CARRY_SPEED,
     HAND_OPEN_M,
     nearest_hand_yaw,
     rise,
     wait,
 )
-from remodel_sim.abilities.place_cable import lay_down
-from remodel_sim.abilities.station import Station, Steps
-from remodel_sim.core.arm import ToolPose
-from remodel_sim.core.discard_goal import DiscardGoal
+from remodel_sim.abilities.primitives.observing import loose_ends
+from remodel_sim.core.belief.openings import TerminalKey, mouth_of, nearest_terminal
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.goals import ExtractGoal, LocateGoal
-from remodel_sim.core.mouths import TerminalKey, mouth_of, nearest_terminal
-from remodel_sim.core.panel import End
+from remodel_sim.core.goals.ability_goals import ExtractGoal, LocateGoal
+from remodel_sim.core.goals.discard_goal import DiscardGoal
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.workpiece.panel import End
 from remodel_states.core.codes import Code
 
 # A wire that is drawn out of clips or out of a duct pulls more than a free one; one that pulls more

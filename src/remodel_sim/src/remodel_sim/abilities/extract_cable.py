@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 
 from remodel_sim.abilities.ability import ability
-from remodel_sim.abilities.grasping import FLOOR_CLEARANCE_M, close_on_wire, holds
-from remodel_sim.abilities.motions import (
+from remodel_sim.abilities.execution.robot_context import Station, Steps
+from remodel_sim.abilities.primitives.grasping import FLOOR_CLEARANCE_M, close_on_wire, holds
+from remodel_sim.abilities.primitives.laying import lay_down, tip_of
+from remodel_sim.abilities.primitives.motions import (
     APPROACH_SPEED,
     FREE_SPEED,
     HAND_OPEN_M,
@@ -20,17 +22,15 @@ from remodel_sim.abilities.motions import (
     move_to,
     swing_to,
 )
-from remodel_sim.abilities.place_cable import lay_down, tip_of
-from remodel_sim.abilities.pulling_out import pull_out
-from remodel_sim.abilities.pushing import tool_before
-from remodel_sim.abilities.station import Station, Steps
-from remodel_sim.core.arm import ToolPose
-from remodel_sim.core.book import EndState, Grip
+from remodel_sim.abilities.primitives.pulling_out import pull_out
+from remodel_sim.abilities.primitives.pushing import tool_before
+from remodel_sim.core.belief.belief_state import EndState, Grip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.goal_pose import pose_from
-from remodel_sim.core.goals import ExtractGoal
-from remodel_sim.core.panel import End
+from remodel_sim.core.goals.ability_goals import ExtractGoal
+from remodel_sim.core.goals.goal_pose import pose_from
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.workpiece.panel import End
 from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M
 from remodel_states.core.codes import Code
 

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from remodel_sim.abilities.ability import ability
-from remodel_sim.abilities.grasping import check_grip, let_go_fixed
-from remodel_sim.abilities.motions import wait
-from remodel_sim.abilities.proving import prove_by_pull
-from remodel_sim.abilities.station import Station, Steps
+from remodel_sim.abilities.execution.robot_context import Station, Steps
+from remodel_sim.abilities.primitives.grasping import check_grip, let_go_fixed
+from remodel_sim.abilities.primitives.motions import wait
+from remodel_sim.abilities.primitives.pull_test import prove_by_pull
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.goals import FixGoal
+from remodel_sim.core.goals.ability_goals import FixGoal
 from remodel_states.core.codes import Code
 
 

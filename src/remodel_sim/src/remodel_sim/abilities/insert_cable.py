@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from remodel_sim.abilities.ability import ability
-from remodel_sim.abilities.grasping import check_grip, pick_end
-from remodel_sim.abilities.motions import disengage
-from remodel_sim.abilities.pushing import bring_before, judge_bore, judge_depth, push_in
-from remodel_sim.abilities.station import Station, Steps
-from remodel_sim.core.goal_pose import pose_from
-from remodel_sim.core.goals import InsertGoal, parse_end
-from remodel_sim.core.mouths import mouth_of
+from remodel_sim.abilities.execution.robot_context import Station, Steps
+from remodel_sim.abilities.primitives.grasping import check_grip, pick_end
+from remodel_sim.abilities.primitives.motions import disengage
+from remodel_sim.abilities.primitives.pushing import bring_before, judge_bore, judge_depth, push_in
+from remodel_sim.core.belief.openings import mouth_of
+from remodel_sim.core.goals.ability_goals import InsertGoal, parse_end
+from remodel_sim.core.goals.goal_pose import pose_from
 
 
 @dataclass(frozen=True)

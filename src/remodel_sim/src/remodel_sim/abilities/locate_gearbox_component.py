@@ -9,20 +9,20 @@ from typing import Any
 import numpy as np
 
 from remodel_sim.abilities.ability import ability
-from remodel_sim.abilities.looking import go_and_see
-from remodel_sim.abilities.motions import disengage, park
-from remodel_sim.abilities.station import Station, Steps
-from remodel_sim.abilities.viewpoints import label_views
+from remodel_sim.abilities.execution.robot_context import Station, Steps
+from remodel_sim.abilities.primitives.motions import disengage, park
+from remodel_sim.abilities.primitives.observing import go_and_see
+from remodel_sim.abilities.primitives.viewpoints import label_views
 from remodel_sim.core.camera import Picture
-from remodel_sim.core.component_shape import label_corners
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.goals import LocateGoal
-from remodel_sim.core.layout import WORLD_FROM_PANEL
-from remodel_sim.core.panel import Component
+from remodel_sim.core.goals.ability_goals import LocateGoal
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.label_pose import ComponentSighting, Look, locate_component
 from remodel_sim.core.vision.labels import find_labels, search_label
+from remodel_sim.core.workpiece.component_shape import label_corners
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import Component
 from remodel_states.core.codes import Code
 
 # Further than this from its place on the panel, something is wrong with the panel or the component.

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from remodel_sim.abilities.ability import ability
-from remodel_sim.abilities.grasping import check_grip, let_go_fixed, pick_end
-from remodel_sim.abilities.motions import disengage
-from remodel_sim.abilities.proving import prove_by_pull
-from remodel_sim.abilities.pushing import (
+from remodel_sim.abilities.execution.robot_context import Station, Steps
+from remodel_sim.abilities.primitives.grasping import check_grip, let_go_fixed, pick_end
+from remodel_sim.abilities.primitives.motions import disengage
+from remodel_sim.abilities.primitives.pull_test import prove_by_pull
+from remodel_sim.abilities.primitives.pushing import (
     CONNECTOR,
     Push,
     bring_before,
@@ -17,12 +18,11 @@ from remodel_sim.abilities.pushing import (
     judge_depth,
     push_in,
 )
-from remodel_sim.abilities.station import Station, Steps
+from remodel_sim.core.belief.openings import mouth_of
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.goal_pose import pose_from
-from remodel_sim.core.goals import ConnectGoal
-from remodel_sim.core.mouths import mouth_of
+from remodel_sim.core.goals.ability_goals import ConnectGoal
+from remodel_sim.core.goals.goal_pose import pose_from
 from remodel_states.core.codes import Code
 
 # Resistance so far before the pins are in whole is not the body's on the header's face: a connector

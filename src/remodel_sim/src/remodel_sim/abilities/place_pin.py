@@ -14,14 +14,15 @@ from typing import Any
 import numpy as np
 
 from remodel_sim.abilities.ability import ability
-from remodel_sim.abilities.grasping import (
+from remodel_sim.abilities.execution.robot_context import Station, Steps
+from remodel_sim.abilities.primitives.concurrently import together
+from remodel_sim.abilities.primitives.grasping import (
     FLOOR_CLEARANCE_M,
     check_grip,
     pick_end,
     release,
 )
-from remodel_sim.abilities.looking import OverheadSighting, look_from_above, mark_end
-from remodel_sim.abilities.motions import (
+from remodel_sim.abilities.primitives.motions import (
     APPROACH_SPEED,
     CARRY_SPEED,
     CARRY_Z,
@@ -32,18 +33,17 @@ from remodel_sim.abilities.motions import (
     rise,
     wait,
 )
-from remodel_sim.abilities.pushing import BLIND_S, axial, tool_before
-from remodel_sim.abilities.station import Station, Steps
-from remodel_sim.abilities.together import together
-from remodel_sim.core.arm import ToolPose
-from remodel_sim.core.book import Grip
+from remodel_sim.abilities.primitives.observing import OverheadSighting, look_from_above, mark_end
+from remodel_sim.abilities.primitives.pushing import BLIND_S, axial, tool_before
+from remodel_sim.core.belief.belief_state import Grip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose, wrap_angle
-from remodel_sim.core.motion import MAX_TURN_RATE, PEAK_OVER_MEAN
-from remodel_sim.core.panel import End
-from remodel_sim.core.pin_goal import PlacePinGoal, pin_row
+from remodel_sim.core.goals.pin_goal import PlacePinGoal, pin_row
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.robot.motion import MAX_TURN_RATE, PEAK_OVER_MEAN
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.wire_ends import trace_from
+from remodel_sim.core.workpiece.panel import End
 from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M
 from remodel_states.core.codes import Code
 

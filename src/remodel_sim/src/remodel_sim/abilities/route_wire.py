@@ -8,26 +8,26 @@ from typing import Any
 import numpy as np
 
 from remodel_sim.abilities.ability import ability
-from remodel_sim.abilities.carrying import carry
-from remodel_sim.abilities.clipping import lay_into, press_from_above
-from remodel_sim.abilities.course_check import (
+from remodel_sim.abilities.execution.robot_context import Station, Steps
+from remodel_sim.abilities.primitives.carrying import carry
+from remodel_sim.abilities.primitives.clipping import lay_into, press_from_above
+from remodel_sim.abilities.primitives.grasping import check_grip
+from remodel_sim.abilities.primitives.laying import lay_down
+from remodel_sim.abilities.primitives.motions import CARRY_SPEED, disengage, held_tool
+from remodel_sim.abilities.primitives.route_check import (
     check_ducts,
     clip_fault,
     judge_clips,
     look_at_course,
 )
-from remodel_sim.abilities.grasping import check_grip
-from remodel_sim.abilities.motions import CARRY_SPEED, disengage, held_tool
-from remodel_sim.abilities.place_cable import lay_down
-from remodel_sim.abilities.station import Station, Steps
-from remodel_sim.core.book import Grip
-from remodel_sim.core.course import clips_along, world_from_clip
+from remodel_sim.core.belief.belief_state import Grip
+from remodel_sim.core.belief.openings import mouth_of
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.goal_pose import pose_from
-from remodel_sim.core.goals import RouteGoal
-from remodel_sim.core.mouths import mouth_of
-from remodel_sim.core.panel import Clip
+from remodel_sim.core.goals.ability_goals import RouteGoal
+from remodel_sim.core.goals.goal_pose import pose_from
+from remodel_sim.core.workpiece.panel import Clip
+from remodel_sim.core.workpiece.routes import clips_along, world_from_clip
 from remodel_states.core.codes import Code
 
 # A wire that is seen to stand off its clips is pressed in again so often.

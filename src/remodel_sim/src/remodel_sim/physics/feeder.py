@@ -7,14 +7,14 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from remodel_sim.core.cable import discretise
-from remodel_sim.core.component_shape import Box
-from remodel_sim.core.connector_shape import connector_solids
-from remodel_sim.core.feeding import Feeder, Laying, plan_laying
+from remodel_sim.core.cell.feeding import Feeder, Laying, plan_laying
 from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.panel import Channel, Panel, Wire
-from remodel_sim.physics.cable import Cable
+from remodel_sim.core.workpiece.component_shape import Box
+from remodel_sim.core.workpiece.connector_shape import connector_solids
+from remodel_sim.core.workpiece.panel import Channel, Panel, Wire
+from remodel_sim.core.workpiece.wire_mechanics import discretise
 from remodel_sim.physics.static_body import add_static
+from remodel_sim.physics.wires.cable import Cable
 from remodel_sim.physics.world import World
 
 FORK_RGB = (0.16, 0.45, 0.30)

@@ -13,29 +13,29 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from remodel_sim.core.arm import ToolPose
-from remodel_sim.core.cable import discretise
+from remodel_sim.core.belief.openings import TerminalKey
+from remodel_sim.core.belief.placed_wires import ParkedWire
 from remodel_sim.core.camera import Picture, View
-from remodel_sim.core.cell_design import CellDesign, WristCamera
-from remodel_sim.core.component_shape import Box
+from remodel_sim.core.cell.cell_design import CellDesign, WristCamera
+from remodel_sim.core.cell.faults import Disturbances, Stray, check_fault
+from remodel_sim.core.cell.feeding import Laying
 from remodel_sim.core.errors import FaultError, PanelError
-from remodel_sim.core.faults import Disturbances, Stray, check_fault
-from remodel_sim.core.feeding import Laying
 from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.layout import WORLD_FROM_PANEL, find_problems
-from remodel_sim.core.mouths import TerminalKey
-from remodel_sim.core.panel import Connector, End, Panel, Wire
-from remodel_sim.core.placed_wires import ParkedWire
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.workpiece.component_shape import Box
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL, find_problems
+from remodel_sim.core.workpiece.panel import Connector, End, Panel, Wire
+from remodel_sim.core.workpiece.wire_mechanics import discretise
 from remodel_sim.physics import cameras
-from remodel_sim.physics.cable import Cable
-from remodel_sim.physics.clamps import close_clamp
 from remodel_sim.physics.feeder import lay
-from remodel_sim.physics.latches import Header
+from remodel_sim.physics.fixtures.clamps import close_clamp
+from remodel_sim.physics.fixtures.latches import Header
+from remodel_sim.physics.fixtures.panel_scene import PanelScene
 from remodel_sim.physics.live_wire import LiveWire, bent_cable
-from remodel_sim.physics.panel_scene import PanelScene
-from remodel_sim.physics.parked_wire import add_solid, draw_parked
 from remodel_sim.physics.robot import Robot
 from remodel_sim.physics.static_body import add_static
+from remodel_sim.physics.wires.cable import Cable
+from remodel_sim.physics.wires.parked_wire import add_solid, draw_parked
 from remodel_sim.physics.world import World
 
 FILM_WIDTH_PX = 640

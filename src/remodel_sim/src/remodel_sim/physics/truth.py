@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remodel_sim.core.course import world_from_clip
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.panel import Clip, End
+from remodel_sim.core.workpiece.panel import Clip, End
+from remodel_sim.core.workpiece.routes import world_from_clip
 from remodel_sim.physics.plant import Plant
 
 # A tip that is so near to the bottom sits at it; InsertCable judges by the same distance. The

@@ -8,10 +8,10 @@ from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-from remodel_sim.core.component_shape import HOUSING
-from remodel_sim.core.goal_pose import WORLD
-from remodel_sim.core.panel import Component, Wire
-from remodel_sim.core.wire_colours import WIRE_RGB, Rgb
+from remodel_sim.core.goals.goal_pose import WORLD
+from remodel_sim.core.workpiece.component_shape import HOUSING
+from remodel_sim.core.workpiece.panel import Component, Wire
+from remodel_sim.core.workpiece.wire_colours import WIRE_RGB, Rgb
 from remodel_sim.physics.plant import Plant
 from remodel_sim.ros.sim_clock import SimClock
 

@@ -18,7 +18,7 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import Generic, TypeVar
 
-from remodel_sim.abilities.runner import advance
+from remodel_sim.abilities.execution.runner import advance
 from remodel_sim.cell import Cell
 from remodel_sim.core.errors import CellError
 from remodel_sim.ros.job import Job

@@ -11,10 +11,10 @@ from sensor_msgs.msg import CameraInfo, Image, JointState
 from tf2_ros import StaticTransformBroadcaster, TransformBroadcaster
 
 from remodel_sim.core.camera import Picture
-from remodel_sim.core.cell_design import CellDesign
+from remodel_sim.core.cell.cell_design import CellDesign
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.goal_pose import PANEL, WORLD
-from remodel_sim.core.layout import WORLD_FROM_PANEL
+from remodel_sim.core.goals.goal_pose import PANEL, WORLD
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.physics.plant import Plant
 from remodel_sim.physics.robot_description import BASE_LINKS, CAMERA_MOUNT, HAND
 from remodel_sim.ros.conversions import camera_info, image

@@ -11,9 +11,9 @@ import rospy
 from remodel_msgs import srv
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
+from remodel_sim.core.cell.faults import check_fault
 from remodel_sim.core.errors import AbilityError, CellError, PanelError
-from remodel_sim.core.faults import check_fault
-from remodel_sim.core.wire_materials import WireMaterials
+from remodel_sim.core.workpiece.wire_materials import WireMaterials
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import image, panel_from, truth_message
 from remodel_sim.ros.owner import Owner

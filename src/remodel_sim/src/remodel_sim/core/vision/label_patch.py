@@ -8,10 +8,10 @@ import cv2
 import numpy as np
 
 from remodel_sim.core.camera import Picture
-from remodel_sim.core.component_shape import LABEL_CELLS, LABEL_MARGIN_CELLS, marker_cells
 from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.panel import Component
 from remodel_sim.core.vision.pixels import Pixels
+from remodel_sim.core.workpiece.component_shape import LABEL_CELLS, LABEL_MARGIN_CELLS, marker_cells
+from remodel_sim.core.workpiece.panel import Component
 
 # Samples of the drawing per cell, and white cells around its black square.
 FINE = 16

@@ -20,10 +20,10 @@ import numpy as np
 import numpy.typing as npt
 
 from remodel_sim.core.camera import Picture
-from remodel_sim.core.component_shape import label_corners
 from remodel_sim.core.geometry import Array, Pose, multiply_quaternions
-from remodel_sim.core.panel import Component
 from remodel_sim.core.vision.label_patch import LabelPatch
+from remodel_sim.core.workpiece.component_shape import label_corners
+from remodel_sim.core.workpiece.panel import Component
 
 # Blurs of the lens that are tried: standard deviations [px]; the first fit takes the one before.
 BLURS_PX = (0.5, 0.8, 1.2, 1.7, 2.4, 3.4)

@@ -16,10 +16,10 @@ import numpy as np
 import numpy.typing as npt
 
 from remodel_sim.core.camera import Picture
-from remodel_sim.core.component_shape import LABEL_CELLS, label_corners, marker_cells
 from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.panel import Component
 from remodel_sim.core.vision.pixels import Pixels
+from remodel_sim.core.workpiece.component_shape import LABEL_CELLS, label_corners, marker_cells
+from remodel_sim.core.workpiece.panel import Component
 
 # The detector samples cells of 3 px badly: it looks at a picture this much larger.
 ENLARGED = 2

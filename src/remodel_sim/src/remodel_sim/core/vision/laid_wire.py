@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.panel import Wire
+from remodel_sim.core.workpiece.panel import Wire
 
 # Samples are so far apart across the wire [m], and as many, so far apart, are taken along it.
 ACROSS_M = 0.00025

@@ -9,15 +9,15 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from remodel_sim.core.book import TipSighting
+from remodel_sim.core.belief.belief_state import TipSighting
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.panel import End, Wire
-from remodel_sim.core.vision.cables.polyline import arc_lengths
+from remodel_sim.core.vision.cables.curves.polyline import arc_lengths
 from remodel_sim.core.vision.colour import wire_likelihood
 from remodel_sim.core.vision.ferrules import Ferrule, find_ferrules
 from remodel_sim.core.vision.tracing import trace
+from remodel_sim.core.workpiece.panel import End, Wire
 from remodel_states.core.codes import Code
 
 # An end is looked for within this distance of where the cell left it [m].

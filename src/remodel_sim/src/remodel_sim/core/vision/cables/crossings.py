@@ -13,8 +13,8 @@ import cv2
 import numpy as np
 
 from remodel_sim.core.geometry import Array
+from remodel_sim.core.vision.cables.curves.robust_statistics import limited
 from remodel_sim.core.vision.cables.model import Cable, Crossing
-from remodel_sim.core.vision.cables.robust import limited
 from remodel_sim.core.vision.pixels import Pixels
 
 # Every so many points of a centreline are intersected.

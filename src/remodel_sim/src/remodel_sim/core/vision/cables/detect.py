@@ -13,7 +13,16 @@ import cv2
 import numpy as np
 
 from remodel_sim.core.vision.cables.crossings import find_crossings
-from remodel_sim.core.vision.cables.doubts import (
+from remodel_sim.core.vision.cables.curves.polyline import arc_lengths
+from remodel_sim.core.vision.cables.curves.robust_statistics import median_colour
+from remodel_sim.core.vision.cables.curves.spline import fit
+from remodel_sim.core.vision.cables.edges.confidence import Evidence, ramp, weigh
+from remodel_sim.core.vision.cables.edges.refining import Refined, refine
+from remodel_sim.core.vision.cables.ends import AXIS_FROM, find_end
+from remodel_sim.core.vision.cables.model import Cable, Detection, End, Tip
+from remodel_sim.core.vision.cables.strands.foreground import Foreground, find_foreground
+from remodel_sim.core.vision.cables.strands.joining import rough_cables
+from remodel_sim.core.vision.cables.warnings import (
     CLUTTERED,
     NOTHING,
     SURE,
@@ -21,15 +30,6 @@ from remodel_sim.core.vision.cables.doubts import (
     exposure_doubts,
     rest_doubts,
 )
-from remodel_sim.core.vision.cables.ends import AXIS_FROM, find_end
-from remodel_sim.core.vision.cables.evidence import Evidence, ramp, weigh
-from remodel_sim.core.vision.cables.foreground import Foreground, find_foreground
-from remodel_sim.core.vision.cables.joining import rough_cables
-from remodel_sim.core.vision.cables.model import Cable, Detection, End, Tip
-from remodel_sim.core.vision.cables.polyline import arc_lengths
-from remodel_sim.core.vision.cables.refining import Refined, refine
-from remodel_sim.core.vision.cables.robust import median_colour
-from remodel_sim.core.vision.cables.spline import fit
 from remodel_sim.core.vision.pixels import Pixels
 
 # The foreground is found in a picture of about so many columns; in the finer one where cables are

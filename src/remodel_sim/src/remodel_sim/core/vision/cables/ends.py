@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 
 from remodel_sim.core.geometry import Array
+from remodel_sim.core.vision.cables.curves.polyline import arc_lengths, parabola
 from remodel_sim.core.vision.cables.model import End, Tip
-from remodel_sim.core.vision.cables.polyline import arc_lengths, parabola
 from remodel_sim.core.vision.pixels import Pixels
 
 # The axis at an end is fitted to this part of the centreline, counted from the end: nearer to it

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.vision.cables.spline import Spline
+from remodel_sim.core.vision.cables.curves.spline import Spline
 
 
 class End(Enum):

@@ -1,0 +1,61 @@
+"""Draw a held end straight out of a bore, by feel."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from remodel_sim.abilities.execution.robot_context import Station, Steps
+from remodel_sim.abilities.primitives.motions import wait
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.workpiece.panel import unit_x
+from remodel_states.core.codes import Code
+
+PULL_SPEED = 0.04  # [m/s]
+# The tip is drawn so far out of the mouth.
+CLEAR_M = 0.015
+# A hand that gives up lets the wire's tension go before anything else is done [s].
+RELAX_S = 0.15
+
+
+def pull_out(station: Station, socket: Pose, most_n: float) -> Steps[float]:
+    """Draw the held end straight back until its tip is clear of the mouth.
+
+    Args:
+        station: the cell; its hand holds the end.
+        socket: the mouth's frame, x into the bore.
+        most_n: a force at which the end counts as stuck; the hand goes back to where it was [N].
+
+    Returns:
+        The peak force [N].
+
+    Raises:
+        AbilityError: EXTRACTION_STUCK.
+    """
+    out = -unit_x(socket)
+    grip, start = station.book.grip, station.commanded
+    assert grip is not None, "the end is held"
+    ahead = float((start.position - socket.position) @ -out) + grip.distance
+    length = max(0.0, ahead) + CLEAR_M
+    peak = 0.0
+    for tick in range(1, math.ceil(length / PULL_SPEED / station.tick_s) + 1):
+        station.drive(_shifted(start, out, min(length, tick * PULL_SPEED * station.tick_s)))
+        yield
+        force = float((station.force - station.free_force) @ out)
+        peak = max(peak, force)
+        if force > most_n:
+            station.drive(start)
+            yield from wait(station, RELAX_S)
+            raise AbilityError(
+                Code.EXTRACTION_STUCK, f"it does not come out at {force:.0f} N", peak_force=peak
+            )
+    station.book.engaged = None
+    return peak
+
+
+def _shifted(tool: ToolPose, direction: Array, distance: float) -> ToolPose:
+    x, y = np.array([tool.x, tool.y]) + distance * direction[:2]
+    return ToolPose(float(x), float(y), tool.z, tool.yaw)

@@ -1,0 +1,38 @@
+"""The goal of DiscardCable."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from remodel_sim.core.belief.belief_state import Book
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.goals.ability_goals import check_hands_empty, check_held, require_robot
+from remodel_sim.core.workpiece.panel import Panel
+from remodel_states.core.codes import Code
+
+
+@dataclass(frozen=True)
+class DiscardGoal:
+    """Take a wire off the panel; an empty `cable_id` means the one in the hand."""
+
+    robot_name: str
+    cable_id: str
+
+    def __post_init__(self) -> None:
+        """Refuse unknown robots."""
+        require_robot(self.robot_name)
+
+    def check(self, panel: Panel, book: Book) -> None:
+        """Raise when nothing is held, or a hand holds what it must place first."""
+        if not self.cable_id:
+            check_held(book)
+        elif panel.wire(self.cable_id).id not in book.fed:
+            return  # there is nothing to discard
+        if book.feed is not None and self.cable_id not in ("", book.feed.wire_id):
+            check_hands_empty(book)
+        for robot, grip in book.hands.items():
+            if robot != book.robot:
+                raise AbilityError(
+                    Code.OTHER_CABLE_HELD,
+                    f"{robot} holds end {grip.end.value}; have it placed first",
+                )
