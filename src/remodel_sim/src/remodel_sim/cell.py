@@ -14,7 +14,7 @@ from remodel_sim.core.belief.placed_wires import PlacedWires
 from remodel_sim.core.cell.cell_design import CellDesign
 from remodel_sim.core.cell.ownership import check_owner
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.goals.ability_goals import check_hands_empty, check_not_in_cell
+from remodel_sim.core.goals.checks import check_hands_empty, check_not_in_cell
 from remodel_sim.core.robot.traffic import Traffic
 from remodel_sim.core.workpiece.panel import End, Panel
 from remodel_sim.edge.cell_file import read_cell

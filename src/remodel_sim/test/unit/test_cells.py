@@ -18,7 +18,7 @@ from remodel_sim.cell import Cell
 from remodel_sim.core import goals
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.goals.pin_goal import PlacePinGoal
+from remodel_sim.core.goals import PlacePinGoal
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.workpiece.panel import End
 from remodel_sim.edge.cell_file import read_cell

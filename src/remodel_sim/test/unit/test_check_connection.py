@@ -5,7 +5,7 @@ from place_wire import carry, connect, do
 
 from remodel_sim.abilities.check_connection import check_connection
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.goals.ability_goals import CheckGoal
+from remodel_sim.core.goals import CheckGoal
 from remodel_sim.core.vision.opening_occupancy import MouthSight, Sight, settle
 from remodel_sim.core.workpiece.panel import End
 from remodel_sim.physics.truth import ground_truth

@@ -11,7 +11,7 @@ from remodel_sim.cell import Cell
 from remodel_sim.core.belief.belief_state import EndState
 from remodel_sim.core.cell.scrap_bin import bin_of
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.goals.discard_goal import DiscardGoal
+from remodel_sim.core.goals import DiscardGoal
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.workpiece.layout import PLATE_MAX_M
 from remodel_sim.core.workpiece.panel import End

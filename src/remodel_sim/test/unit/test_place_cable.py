@@ -9,7 +9,7 @@ from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.core.belief.belief_state import EndState
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.goals.ability_goals import DetectGoal, PickGoal
+from remodel_sim.core.goals import DetectGoal, PickGoal
 from remodel_sim.core.workpiece.panel import End
 from remodel_sim.physics.truth import ground_truth
 from remodel_states.core.codes import Code

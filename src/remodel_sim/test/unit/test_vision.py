@@ -13,7 +13,7 @@ from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.cell import Cell
 from remodel_sim.core.belief.belief_state import EndState
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.goals.ability_goals import DetectGoal
+from remodel_sim.core.goals import DetectGoal
 from remodel_sim.core.vision.label_pose import Look, locate_component
 from remodel_sim.core.vision.labels import find_labels
 from remodel_sim.core.vision.tracing import at_distance, trace

@@ -21,7 +21,8 @@ from remodel_sim.abilities.primitives.viewpoints import camera_above
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.goals.ability_goals import CheckGoal, parse_end
+from remodel_sim.core.goals import CheckGoal
+from remodel_sim.core.goals.requirements import parse_end
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.label_pose import ComponentSighting, Look, locate_component

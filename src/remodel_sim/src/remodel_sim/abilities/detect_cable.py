@@ -20,7 +20,7 @@ from remodel_sim.abilities.primitives.observing import (
 from remodel_sim.core.belief.belief_state import TipSighting
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.goals.ability_goals import DetectGoal
+from remodel_sim.core.goals import DetectGoal
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.wire_ends import trace_between, trace_from
 from remodel_sim.core.workpiece.panel import End, Wire

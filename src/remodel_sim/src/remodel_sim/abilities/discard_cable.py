@@ -32,8 +32,7 @@ from remodel_sim.abilities.primitives.observing import loose_ends
 from remodel_sim.core.belief.openings import TerminalKey, mouth_of, nearest_terminal
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.goals.ability_goals import ExtractGoal, LocateGoal
-from remodel_sim.core.goals.discard_goal import DiscardGoal
+from remodel_sim.core.goals import DiscardGoal, ExtractGoal, LocateGoal
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.workpiece.panel import End
 from remodel_states.core.codes import Code

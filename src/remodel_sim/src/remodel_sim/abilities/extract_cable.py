@@ -27,7 +27,7 @@ from remodel_sim.abilities.primitives.pushing import tool_before
 from remodel_sim.core.belief.belief_state import EndState, Grip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.goals.ability_goals import ExtractGoal
+from remodel_sim.core.goals import ExtractGoal
 from remodel_sim.core.goals.goal_pose import pose_from
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.workpiece.panel import End

@@ -11,7 +11,7 @@ from remodel_sim.abilities.primitives.grasping import check_grip, let_go_fixed
 from remodel_sim.abilities.primitives.motions import wait
 from remodel_sim.abilities.primitives.pull_test import prove_by_pull
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.goals.ability_goals import FixGoal
+from remodel_sim.core.goals import FixGoal
 from remodel_states.core.codes import Code
 
 

@@ -11,8 +11,9 @@ from remodel_sim.abilities.primitives.grasping import check_grip, pick_end
 from remodel_sim.abilities.primitives.motions import disengage
 from remodel_sim.abilities.primitives.pushing import bring_before, judge_bore, judge_depth, push_in
 from remodel_sim.core.belief.openings import mouth_of
-from remodel_sim.core.goals.ability_goals import InsertGoal, parse_end
+from remodel_sim.core.goals import InsertGoal
 from remodel_sim.core.goals.goal_pose import pose_from
+from remodel_sim.core.goals.requirements import parse_end
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from remodel_sim.abilities.primitives.viewpoints import label_views
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.goals.ability_goals import LocateGoal
+from remodel_sim.core.goals import LocateGoal
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.label_pose import ComponentSighting, Look, locate_component
 from remodel_sim.core.vision.labels import find_labels, search_label

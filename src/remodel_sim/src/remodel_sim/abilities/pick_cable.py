@@ -8,7 +8,8 @@ from typing import Any
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import Station, Steps
 from remodel_sim.abilities.primitives.grasping import pick_end
-from remodel_sim.core.goals.ability_goals import PickGoal, parse_end
+from remodel_sim.core.goals import PickGoal
+from remodel_sim.core.goals.requirements import parse_end
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 

@@ -17,7 +17,7 @@ from remodel_sim.abilities.primitives.pulling_out import pull_out
 from remodel_sim.core.belief.belief_state import EndState
 from remodel_sim.core.belief.openings import nearest_terminal
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.goals.ability_goals import PlaceGoal
+from remodel_sim.core.goals import PlaceGoal
 from remodel_sim.core.goals.goal_pose import pose_from
 from remodel_states.core.codes import Code
 

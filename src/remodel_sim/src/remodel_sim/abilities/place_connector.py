@@ -21,7 +21,7 @@ from remodel_sim.abilities.primitives.pushing import (
 from remodel_sim.core.belief.openings import mouth_of
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.goals.ability_goals import ConnectGoal
+from remodel_sim.core.goals import ConnectGoal
 from remodel_sim.core.goals.goal_pose import pose_from
 from remodel_states.core.codes import Code
 

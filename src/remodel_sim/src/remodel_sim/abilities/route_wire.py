@@ -24,7 +24,7 @@ from remodel_sim.core.belief.belief_state import Grip
 from remodel_sim.core.belief.openings import mouth_of
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.goals.ability_goals import RouteGoal
+from remodel_sim.core.goals import RouteGoal
 from remodel_sim.core.goals.goal_pose import pose_from
 from remodel_sim.core.workpiece.panel import Clip
 from remodel_sim.core.workpiece.routes import clips_along, world_from_clip

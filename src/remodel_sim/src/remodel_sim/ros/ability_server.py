@@ -10,7 +10,8 @@ from genpy import Message
 from remodel_sim.abilities.ability import CellAbility
 from remodel_sim.abilities.execution.robot_context import Station
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.goals.ability_goals import Goal, require, require_number
+from remodel_sim.core.goals import Goal
+from remodel_sim.core.goals.requirements import require, require_number
 from remodel_sim.ros.job import Job
 from remodel_sim.ros.owner import Owner
 from remodel_states.ability_server import AbilityServer

@@ -12,7 +12,7 @@ from remodel_sim.abilities.ability import CellAbility
 from remodel_sim.abilities.execution.robot_context import Found, Station
 from remodel_sim.abilities.execution.runner import occupy
 from remodel_sim.core.errors import MemoryFileError
-from remodel_sim.core.goals.ability_goals import Goal
+from remodel_sim.core.goals import Goal
 from remodel_sim.ros.conversions import result_fields
 from remodel_states.core.ability_error import AbilityError
 from remodel_states.core.codes import Code

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 from remodel_sim.core.belief.belief_state import Book
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.goals.ability_goals import check_hands_empty, check_held, require_robot
+from remodel_sim.core.goals.checks import check_hands_empty, check_held
+from remodel_sim.core.goals.requirements import require_robot
 from remodel_sim.core.workpiece.panel import Panel
 from remodel_states.core.codes import Code
 

@@ -16,7 +16,8 @@ import numpy as np
 from remodel_sim.core.belief.belief_state import Book, EndState
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.goals.ability_goals import check_reach, require, require_number
+from remodel_sim.core.goals.checks import check_reach
+from remodel_sim.core.goals.requirements import require, require_number
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.workpiece.layout import GRASP_DISTANCE_M, WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import Panel, Wire
