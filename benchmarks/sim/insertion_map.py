@@ -75,7 +75,7 @@ def measure(panel: Panel, offset_mm: float, angle_deg: float) -> Point:
     goal = InsertGoal(ROBOT, wire.id, End.A, *terminal, given, FORCE_LIMIT_N)
     found = SEATED
     try:
-        cell.run(insert_cable(cell.station, goal))
+        cell.run(insert_cable(cell.context, goal))
     except AbilityError as failure:
         found = failure.code.name
     (truth,) = ground_truth(cell.plant, [wire.id])

@@ -11,7 +11,7 @@ import chart_run
 
 from flexbe_synthesizer.core.chart.model import State
 from remodel_sim.abilities.detect_cable import detect_cable
-from remodel_sim.abilities.execution.robot_context import Station, Steps
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.extract_cable import extract_cable
 from remodel_sim.abilities.fix_cable import fix_cable
 from remodel_sim.abilities.insert_cable import insert_cable
@@ -60,18 +60,18 @@ class History:
     failures: list[AbilityError] = field(default_factory=list)
 
 
-def do(cell: Cell, ability: Callable[[Station, G], Steps[T]], goal: G) -> T:
+def do(cell: Cell, ability: Callable[[RobotContext, G], Steps[T]], goal: G) -> T:
     """Check a goal and run it; raises AbilityError, RejectedError before anything has moved."""
     try:
-        goal.check(cell.station.panel, cell.station.book)
+        goal.check(cell.context.panel, cell.context.belief)
     except AbilityError as error:
         raise RejectedError(error.code, str(error), **error.found) from error
-    return cell.run(ability(cell.station, goal))
+    return cell.run(ability(cell.context, goal))
 
 
 def channel_of(cell: Cell, wire: Wire) -> str:
     """Return the channel in front of end a's terminal, where the wire is laid."""
-    panel = cell.station.panel
+    panel = cell.context.panel
     return panel.channel_in_front_of(panel.panel_from_socket(*wire.goes_to(End.A)).position).id
 
 
@@ -160,9 +160,9 @@ def place(cell: Cell, wire: Wire, history: History) -> None:
 def carry(cell: Cell, wire: Wire) -> None:
     """Pick end b and route it along its channel to beside its terminal."""
     pick(cell, wire, End.B)
-    panel, book = cell.station.panel, cell.station.book
-    assert book.feed is not None, "a wire was picked"
-    direction = book.feed.direction
+    panel, belief = cell.context.panel, cell.context.belief
+    assert belief.feed is not None, "a wire was picked"
+    direction = belief.feed.direction
     lane = float(WORLD_FROM_PANEL.position[0]) + panel.channel(channel_of(cell, wire)).x
     mouth = WORLD_FROM_PANEL @ panel.panel_from_socket(*wire.goes_to(End.B))
     beside = float(mouth.position[1]) + BESIDE_M * direction

@@ -116,11 +116,11 @@ class LabelScene:
         colour = str(self._random.choice(sorted(WIRE_RGB)))
         draw_parked(self._world, nodes, replace(panel.wires[0], colour=colour))
 
-    def look_overhead(self) -> Picture:
+    def take_overhead_picture(self) -> Picture:
         """Take a picture of the whole plate."""
         return self._worse(take(self._world, self._overhead, self._random))
 
-    def look_wrist(self, place: Array) -> Picture:
+    def take_wrist_picture(self, place: Array) -> Picture:
         """Take a picture from the hand over a place (2,) [m]; the hand is turned by chance."""
         turn = self._random.uniform(-math.pi, math.pi)
         view = View(self._wrist_lens, looking_down(float(place[0]), float(place[1]), LENS_Z, turn))

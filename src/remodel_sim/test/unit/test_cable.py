@@ -71,8 +71,8 @@ def test_an_overbent_wire_keeps_a_set():
     def left_after_bending(**properties):
         rod = rods.Rod(**properties)
         moment_free_angle = rod.tip_angle
-        rod.settle((0.0, 0.0, 0.03))
-        rod.settle()
+        rod.come_to_rest((0.0, 0.0, 0.03))
+        rod.come_to_rest()
         angle = rod.tip_angle
         rod.close()
         return angle - moment_free_angle

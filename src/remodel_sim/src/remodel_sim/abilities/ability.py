@@ -1,9 +1,9 @@
 """What makes a function an ability of the cell.
 
-A module of this folder becomes one by the decorator:
+A module directly in this folder becomes one by the decorator:
 
     @ability("PickCable", _goal)
-    def pick_cable(station: Station, goal: PickGoal) -> Steps[CablePicked]:
+    def pick_cable(context: RobotContext, goal: PickGoal) -> Steps[CablePicked]:
 
 The name is that of the action, and of the row in the table of abilities. The goal's class checks
 its values when it is made, and `check` of it whether the cell can do it as it is now.
@@ -31,7 +31,7 @@ class CellAbility:
     Attributes:
         name: of the action, such as "InsertCable".
         parse: makes the goal of a goal message; raises AbilityError.
-        perform: the steps that do it, by the robots' stations and the goal.
+        perform: the steps that do it, given the robots' contexts and the goal.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""PlaceCable: lay the held end down and let go."""
+"""PlaceCable: lay the held end down and release it."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from remodel_sim.abilities.ability import ability
-from remodel_sim.abilities.execution.robot_context import Station, Steps
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.grasping import RELEASE_OPENING_M, release
 from remodel_sim.abilities.primitives.laying import lay_down
 from remodel_sim.abilities.primitives.motions import (
@@ -43,38 +43,38 @@ def _goal(message: Any) -> PlaceGoal:  # noqa: ANN401 - messages have no types
 
 
 @ability("PlaceCable", _goal)
-def place_cable(station: Station, goal: PlaceGoal) -> Steps[CablePlaced]:
-    """Carry the held end to the target, let go there, and lift the empty hand.
+def place_cable(context: RobotContext, goal: PlaceGoal) -> Steps[CablePlaced]:
+    """Carry the held end to the target, release it there, and lift the empty hand.
 
-    An end that sits in a terminal is drawn out; one that is fixed there is let go where it is.
+    An end that sits in a terminal is pulled out; one that is fixed there is released where it is.
     """
-    yield from _draw_out(station)
-    target = held_tool(station, goal.target)
-    yield from lay_down(station, target, (0.0, 1.0))
+    yield from _draw_out(context)
+    target = held_tool(context, goal.target)
+    yield from lay_down(context, target, (0.0, 1.0))
     x, y = target.x, target.y
-    return CablePlaced(f"{station.wire.id} laid down at x {x * 1e3:.0f}, y {y * 1e3:.0f} mm")
+    return CablePlaced(f"{context.wire.id} laid down at x {x * 1e3:.0f}, y {y * 1e3:.0f} mm")
 
 
-def _draw_out(station: Station) -> Steps[None]:
-    """Draw the held end out of the mouth that it is in; raises EXTRACTION_STUCK, the hand empty."""
-    book = station.book
-    grip, socket = book.grip, book.engaged
+def _draw_out(context: RobotContext) -> Steps[None]:
+    """Pull the held end out of its opening; raises EXTRACTION_STUCK, the hand empty."""
+    belief = context.belief
+    grip, socket = belief.grip, belief.engaged
     if grip is None or socket is None:
         return
-    station.report("drawing the end out of its mouth", 0.0)
+    context.report("pulling the end out of its opening", 0.0)
     try:
-        yield from pull_out(station, socket, MAX_PULL_N)
-        book.loosen(grip.end)
+        yield from pull_out(context, socket, MAX_PULL_N)
+        belief.loosen(grip.end)
     except AbilityError as error:
         if error.code is not Code.EXTRACTION_STUCK:
             raise
-        where = nearest_terminal(socket.position, station.panel, book.seen)
-        book.seat(grip.end, where)
-        book.ends[grip.end] = EndState.FIXED
-        yield from release(station, RELEASE_OPENING_M)
-        yield from rise(station)
+        where = nearest_terminal(socket.position, context.panel, belief.seen)
+        belief.seat(grip.end, where)
+        belief.ends[grip.end] = EndState.FIXED
+        yield from release(context, RELEASE_OPENING_M)
+        yield from rise(context)
         raise AbilityError(
             error.code,
-            f"end {grip.end.value} is fixed in '{'/'.join(where)}': {error}; it was let go there, "
-            "the hand is empty; extract it first",
+            f"end {grip.end.value} is fixed in '{'/'.join(where)}': {error}; it was released "
+            "there, the hand is empty; extract it first",
         ) from error

@@ -140,5 +140,5 @@ class CellMemory:
 
 
 def _mark(panel: Panel) -> str:
-    """Return what tells a panel from others: all that its message says."""
+    """Return a hash of all fields of a panel: no two panels share it."""
     return hashlib.sha256(repr(panel).encode()).hexdigest()

@@ -1,4 +1,4 @@
-"""The arm in the world: drives joints and fingers, and reads what a real arm's sensors tell."""
+"""The arm in the world: drives joints and fingers, and reads what a real arm's sensors measure."""
 
 from __future__ import annotations
 

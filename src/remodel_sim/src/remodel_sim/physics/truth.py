@@ -23,8 +23,8 @@ class EndTruth:
     """One end of a wire.
 
     Attributes:
-        at: "component/terminal" whose bore holds it; empty: none.
-        depth: of the tip in that bore [m].
+        at: "component/terminal" whose opening holds it; empty: none.
+        depth: of the tip in that opening [m].
         fixed: whether that clamp is closed on it.
         seated: whether it sits at the bottom of its own terminal.
     """

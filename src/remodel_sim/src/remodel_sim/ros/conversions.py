@@ -19,7 +19,7 @@ from remodel_msgs.msg import WireTruth as WireTruthMsg
 from sensor_msgs.msg import CameraInfo, Image
 
 from remodel_sim.abilities.detect_cable import CableDetected
-from remodel_sim.abilities.execution.robot_context import Found
+from remodel_sim.abilities.execution.robot_context import AbilityResult
 from remodel_sim.core.camera import View
 from remodel_sim.core.errors import MaterialError, PanelError
 from remodel_sim.core.geometry import Pose
@@ -154,7 +154,7 @@ def observation(detected: CableDetected, cable_id: str) -> CableObservation:
     )
 
 
-def result_fields(found: Found, goal: Message) -> dict[str, object]:
+def result_fields(found: AbilityResult, goal: Message) -> dict[str, object]:
     """Return what an ability found out as fields of its result."""
     if isinstance(found, CableDetected):
         return {"observation": observation(found, goal.cable_id)}

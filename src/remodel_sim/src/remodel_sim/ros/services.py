@@ -66,7 +66,7 @@ class Services:
             self._require_idle()
             self._owner.cell.reset()
 
-        return TriggerResponse(*self._done(reset, "the same panel anew, no wire on it"))
+        return TriggerResponse(*self._done(reset, "panel rebuilt, no wire on it"))
 
     def _inject_fault(self, request: srv.InjectFaultRequest) -> srv.InjectFaultResponse:
         text = f"{request.kind} {request.target!r}"
@@ -86,7 +86,9 @@ class Services:
 
     def _ground_truth(self, _: srv.GetGroundTruthRequest) -> srv.GetGroundTruthResponse:
         cell = self._owner.cell
-        truths = self._owner.ask(lambda: ground_truth(cell.plant, cell.station.book.fed), TIMEOUT_S)
+        truths = self._owner.ask(
+            lambda: ground_truth(cell.plant, cell.context.belief.fed), TIMEOUT_S
+        )
         return srv.GetGroundTruthResponse([truth_message(truth) for truth in truths])
 
     def _take_picture(self, request: srv.TakePictureRequest) -> srv.TakePictureResponse:

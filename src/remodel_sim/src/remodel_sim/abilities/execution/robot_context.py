@@ -1,6 +1,6 @@
 """What an ability may use.
 
-The arm, its sensors, the cameras, the clamps' drives, the panel's drawing and the book.
+The arm, its sensors, the cameras, the clamps' drives, the panel's drawing and the belief state.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Protocol, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from remodel_sim.core.belief.belief_state import Book, Feed, Grip
+from remodel_sim.core.belief.belief_state import BeliefState, Feed, Grip
 from remodel_sim.core.camera import Picture, View
 from remodel_sim.core.cell.cell_design import RobotDesign
 from remodel_sim.core.cell.feeding import resting_place
@@ -39,9 +39,9 @@ T = TypeVar("T")
 Steps = Generator[None, None, T]
 
 Image = npt.NDArray[np.uint8]
-# Called after every look: camera, picture, and what was found drawn into it (None before it is
-# known).
-OnLook = Callable[[str, Picture, Image | None], None]
+# Called after every observation: camera, picture, and what was found drawn into it (None before it
+# is known).
+OnObservation = Callable[[str, Picture, Image | None], None]
 
 
 # Called with poses in the world, by the names of their frames, that a goal asks to be shown.
@@ -49,19 +49,19 @@ OnFrames = Callable[[Mapping[str, Pose]], None]
 
 
 @dataclass(frozen=True)
-class Audience:
-    """Who is told what abilities see and intend; it changes nothing.
+class Observers:
+    """Callbacks that receive what abilities observe and intend; they change nothing.
 
     Attributes:
-        on_look: of every look.
-        on_frames: of poses that a goal asks to be shown.
+        on_observation: called after every observation.
+        on_frames: called with the poses that a goal asks to show.
     """
 
-    on_look: OnLook | None = None
+    on_observation: OnObservation | None = None
     on_frames: OnFrames | None = None
 
 
-class Found(Protocol):
+class AbilityResult(Protocol):
     """What an ability returns: what it did, and fields named as in its action's result."""
 
     message: str
@@ -80,18 +80,18 @@ class Progress:
     share: float = 0.0
 
 
-class Station:
+class RobotContext:
     """The abilities' only access to the plant, for one robot of the cell.
 
-    Nothing here tells where things really are.
+    Nothing here returns ground truth.
 
     Attributes:
         name: of the robot.
         busy: whether the robot does something.
-        crew: the stations of all robots of the cell, by name.
+        robots: the contexts of all robots of the cell, by name.
         arm: its kinematics.
         home: where the empty hand waits, out of the overhead camera's picture.
-        book: what the cell knows of its own doing.
+        belief: what the cell believes from its own actions and observations.
         progress: of the ability that runs.
         tick_s: time between two commands to the arm [s].
         free_force: what the wrist felt, world frame (3,) [N], when the hand last touched nothing:
@@ -102,20 +102,20 @@ class Station:
         self,
         plant: Plant,
         design: RobotDesign,
-        book: Book,
-        crew: Mapping[str, Station],
+        belief: BeliefState,
+        robots: Mapping[str, RobotContext],
         traffic: Traffic,
-        audience: Audience,
+        observers: Observers,
     ) -> None:
         """Take over a robot of a freshly built plant."""
         self._plant = plant
         self._design = design
         self._camera = design.camera.name
-        self._audience = audience
+        self._observers = observers
         self.name, self.arm, self.home = design.name, design.arm, design.home
-        self.book = book
+        self.belief = belief
         self.busy = False
-        self.crew = crew
+        self.robots = robots
         self._traffic = traffic
         self.progress = Progress()
         self.steps_per_tick = max(1, round(1.0 / (TICK_HZ * plant.world.time_step)))
@@ -127,13 +127,13 @@ class Station:
 
     @property
     def _robot(self) -> Robot:
-        """The arm and its sensors; the plant builds them anew for every wire."""
+        """The arm and its sensors; the plant rebuilds them for every wire."""
         return self._plant.robots[self.name]
 
     @property
-    def peers(self) -> list[Station]:
+    def peers(self) -> list[RobotContext]:
         """The cell's other robots."""
-        return [station for name, station in self.crew.items() if name != self.name]
+        return [context for name, context in self.robots.items() if name != self.name]
 
     def begin(self) -> None:
         """Note that the robot begins to do something."""
@@ -145,16 +145,16 @@ class Station:
         self.wait_for(None)
         self.stand()
 
-    def claim(self, postures: Array) -> Station | None:
+    def claim(self, postures: Array) -> RobotContext | None:
         """Ask for the room of a path, (n, 7) [rad]; return who is in the way, if anybody is."""
-        if len(self.crew) == 1:
+        if len(self.robots) == 1:
             return None
         other = self._traffic.claim(self.name, volume_of(self.arm, postures))
-        return None if other is None else self.crew[other]
+        return None if other is None else self.robots[other]
 
     def has_room(self, tool: ToolPose) -> bool:
         """Return whether no other robot is in the way where the arm would stand."""
-        if len(self.crew) == 1:
+        if len(self.robots) == 1:
             return True
         there = volume_of(self.arm, self.arm.joints_for(tool))
         return self._traffic.in_the_way(self.name, there) is None
@@ -164,13 +164,13 @@ class Station:
         here = volume_of(self.arm, self.arm.joints_for(self.commanded))
         self._traffic.stand(self.name, here)
 
-    def wait_for(self, other: Station | None) -> None:
+    def wait_for(self, other: RobotContext | None) -> None:
         """Note whom the robot waits for."""
         self._traffic.waits_for.pop(self.name, None)
         if other is not None:
             self._traffic.waits_for[self.name] = other.name
 
-    def waits_for(self, other: Station) -> bool:
+    def waits_for(self, other: RobotContext) -> bool:
         """Return whether the robot waits for another one."""
         return self._traffic.waits_for.get(self.name) == other.name
 
@@ -182,21 +182,21 @@ class Station:
     @property
     def wire(self) -> Wire:
         """The live wire as ordered."""
-        if self.book.feed is None:
+        if self.belief.feed is None:
             raise ValueError("no wire has been fed")
-        return self.panel.wire(self.book.feed.wire_id)
+        return self.panel.wire(self.belief.feed.wire_id)
 
     def arm_restarted(self) -> None:
         """Note that the arm stands where it was sent, its fingers open."""
         self.fingers_open_to = self._robot.finger_gap / 2
 
     def report(self, message: str, share: float) -> None:
-        """Tell what is being done and how far it is, 0 to 1."""
+        """Report what is being done, and its progress from 0 to 1."""
         self.progress = Progress(message, max(self.progress.share, share))
 
     def drive(self, tool: ToolPose) -> None:
         """Command a tool pose by feel; raises UNREACHABLE, or ROBOT_IN_THE_WAY and stops."""
-        if len(self.crew) > 1:
+        if len(self.robots) > 1:
             here = volume_of(self.arm, self.arm.joints_for(tool))
             other = self._traffic.in_the_way(self.name, here)
             if other is not None:
@@ -255,29 +255,29 @@ class Station:
         """Where the wrist camera is, by the arm's own measure."""
         return self._plant.wrist_view(self.name)
 
-    def look_overhead(self) -> Picture:
+    def take_overhead_picture(self) -> Picture:
         """Take a colour and depth picture of the whole plate."""
-        return self._looked("overhead", self._plant.look_overhead())
+        return self._observed("overhead", self._plant.take_overhead_picture())
 
-    def look_wrist(self) -> Picture:
+    def take_wrist_picture(self) -> Picture:
         """Take a colour picture from the hand."""
-        return self._looked(self._camera, self._plant.look_wrist(self.name))
+        return self._observed(self._camera, self._plant.take_wrist_picture(self.name))
 
-    def _looked(self, camera: str, picture: Picture) -> Picture:
-        if self._audience.on_look is not None:
-            self._audience.on_look(camera, picture, None)
+    def _observed(self, camera: str, picture: Picture) -> Picture:
+        if self._observers.on_observation is not None:
+            self._observers.on_observation(camera, picture, None)
         return picture
 
     def show(self, camera: str, picture: Picture, drawing: Image) -> None:
         """Show what was found in a picture of a camera, "overhead" or "wrist": this robot's."""
-        if self._audience.on_look is not None:
+        if self._observers.on_observation is not None:
             name = self._camera if camera == "wrist" else camera
-            self._audience.on_look(name, picture, drawing)
+            self._observers.on_observation(name, picture, drawing)
 
     def show_frames(self, frames: Mapping[str, Pose]) -> None:
         """Show poses in the world, by the names of their frames."""
-        if self._audience.on_frames is not None:
-            self._audience.on_frames(frames)
+        if self._observers.on_frames is not None:
+            self._observers.on_frames(frames)
 
     @property
     def scrap_bin(self) -> ToolPose:
@@ -287,7 +287,7 @@ class Station:
     def make_live(self, wire_id: str) -> None:
         """Make a wire that was parked live again, so that it can be handled; a live one is.
 
-        The world is built again for it, so every other robot must stand still; raises BUSY.
+        The world is rebuilt for it, so every other robot must be idle; raises BUSY.
         """
         live = self._plant.live
         if live is not None and live.wire.id == wire_id:
@@ -299,7 +299,7 @@ class Station:
                     f"{other.name} is busy, and {wire_id!r} can be handled again only while it is "
                     "not; try again",
                 )
-        tools = {name: station.commanded for name, station in self.crew.items()}
+        tools = {name: context.commanded for name, context in self.robots.items()}
         parked = self._plant.revive(wire_id, tools)
         wire, overlap = self.panel.wire(wire_id), self._plant.design.feeder.overlap
         places = {end: resting_place(self.panel, wire, end, overlap) for end in End}
@@ -309,16 +309,16 @@ class Station:
         feed = Feed(wire_id, channel.id, places[End.A][1])
         expected = {End.A: parked.nodes[0, :2], End.B: parked.nodes[-1, :2]}
         lay_at = {end: Grip.of_tip(end, place) for end, (place, _) in places.items()}
-        for station in self.crew.values():
-            station.arm_restarted()
-            station.book.resume_wire(feed, expected, parked.fixed, lay_at)
+        for context in self.robots.values():
+            context.arm_restarted()
+            context.belief.resume_wire(feed, expected, parked.fixed, lay_at)
 
     def discard(self) -> None:
         """Drop the live wire into the scrap bin: it leaves the world."""
         wire_id = self.wire.id
         self._plant.discard()
-        for station in self.crew.values():
-            station.book.end_wire(wire_id)
+        for context in self.robots.values():
+            context.belief.end_wire(wire_id)
 
     def move_fork(self, x: float, y: float) -> None:
         """Bring the feeder's fork up around a wire, world frame [m].

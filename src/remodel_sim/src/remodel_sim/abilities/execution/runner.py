@@ -5,34 +5,34 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypeVar
 
-from remodel_sim.abilities.execution.robot_context import Station, Steps
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.physics.plant import Plant
 
 T = TypeVar("T")
 
 
-def advance(plant: Plant, station: Station) -> None:
+def advance(plant: Plant, context: RobotContext) -> None:
     """Let one tick pass."""
-    for _ in range(station.steps_per_tick):
+    for _ in range(context.steps_per_tick):
         plant.step()
 
 
-def occupy(stations: Sequence[Station], steps: Steps[T]) -> Steps[T]:
+def occupy(contexts: Sequence[RobotContext], steps: Steps[T]) -> Steps[T]:
     """Do an ability's steps, its robots busy until it ends."""
-    for station in stations:
-        station.begin()
+    for context in contexts:
+        context.begin()
     try:
         return (yield from steps)
     finally:
-        for station in stations:
-            station.end()
+        for context in contexts:
+            context.end()
 
 
-def run(plant: Plant, station: Station, steps: Steps[T]) -> T:
+def run(plant: Plant, context: RobotContext, steps: Steps[T]) -> T:
     """Run steps to their end and return their result; raises what they raise."""
     while True:
         try:
             next(steps)
         except StopIteration as done:
             return done.value
-        advance(plant, station)
+        advance(plant, context)

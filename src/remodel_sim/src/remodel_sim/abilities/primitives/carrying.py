@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from remodel_sim.abilities.execution.robot_context import Station, Steps
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.motions import move_to
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
@@ -20,28 +20,28 @@ TIGHTEST_BEND_M = 0.020
 
 
 def carry(
-    station: Station, tool: ToolPose, speed: float, free: Array, most: float | None = None
+    context: RobotContext, tool: ToolPose, speed: float, free: Array, most: float | None = None
 ) -> Steps[None]:
     """Move as `move_to`; raises SNAGGED, the arm standing, when the wire pulls back.
 
     Args:
-        station: the cell, a wire in its hand.
+        context: the cell, a wire in its hand.
         tool: where to.
         speed: peak speed of the tool centre [m/s].
         free: what the wrist feels without the wire's pull, world frame (3,) [N].
         most: by which it may pull, level [N]; None for what a free wire of its stiffness does.
     """
     if most is None:
-        most = SNAG_N + station.wire.bending_stiffness / TIGHTEST_BEND_M**2
+        most = SNAG_N + context.wire.bending_stiffness / TIGHTEST_BEND_M**2
     pulled_s = 0.0
-    for _ in move_to(station, tool, speed):
+    for _ in move_to(context, tool, speed):
         yield
-        pull = float(np.linalg.norm((station.force - free)[:2]))
-        pulled_s = pulled_s + station.tick_s if pull > most else 0.0
+        pull = float(np.linalg.norm((context.force - free)[:2]))
+        pulled_s = pulled_s + context.tick_s if pull > most else 0.0
         if pulled_s > SNAG_S:
-            station.drive(station.tool)
+            context.drive(context.tool)
             raise AbilityError(
                 Code.SNAGGED,
-                f"{station.wire.id!r} pulls at the hand with {pull:.0f} N at {station.tool}: it "
-                "hangs on something or is too short; move back, look at it, go another way",
+                f"{context.wire.id!r} pulls at the hand with {pull:.0f} N at {context.tool}: it "
+                "hangs on something or is too short; move back, observe it, take another route",
             )

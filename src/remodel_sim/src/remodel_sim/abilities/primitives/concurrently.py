@@ -7,7 +7,7 @@ from typing import Any
 from remodel_sim.abilities.execution.robot_context import Steps
 
 
-def together(*all_steps: Steps[Any]) -> Steps[tuple[Any, ...]]:
+def concurrently(*all_steps: Steps[Any]) -> Steps[tuple[Any, ...]]:
     """Do one step of each per tick, until the last is done; return what each returns.
 
     When one of them raises, the others are stopped where they are.

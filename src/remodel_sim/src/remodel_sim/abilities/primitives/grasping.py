@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from remodel_sim.abilities.execution.robot_context import Station, Steps
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.motions import (
     APPROACH_SPEED,
     CARRY_Z,
@@ -16,7 +16,7 @@ from remodel_sim.abilities.primitives.motions import (
     rise,
     wait,
 )
-from remodel_sim.abilities.primitives.observing import GraspSighting, look_at_end
+from remodel_sim.abilities.primitives.observing import GraspObservation, observe_end
 from remodel_sim.core.belief.belief_state import EndState, Grip
 from remodel_sim.core.belief.openings import TerminalKey
 from remodel_sim.core.errors import AbilityError
@@ -46,36 +46,36 @@ FINGER_ROOM_M = HAND_OPEN_M + 0.012
 
 
 def pick_end(
-    station: Station, end: End, distance: float, socket: Pose, shares: tuple[float, float]
+    context: RobotContext, end: End, distance: float, socket: Pose, shares: tuple[float, float]
 ) -> Steps[None]:
-    """Look for a loose end, grasp it and lift it a little.
+    """Find a loose end, grasp it and lift it a little.
 
     Args:
-        station: the cell; its hand is empty.
+        context: the cell; its hand is empty.
         end: of the live wire.
         distance: from the tip to the grasp along the wire [m]; 0: `grasp_distance`.
         socket: where the end is to go: the hand is turned so that it can insert there.
         shares: of the ability's progress at the start and at the end.
     """
-    distance = distance or grasp_distance(station.wire, end)
+    distance = distance or grasp_distance(context.wire, end)
     first, last = shares
-    station.report(f"looking for end {end.value} of {station.wire.id}", first)
-    seen = yield from look_at_end(station, end, distance)
-    station.report(f"grasping end {end.value}", first + 0.6 * (last - first))
-    _check_room(station, seen)
-    tool, flip = _grasp_pose(station.arm, seen, distance, socket)
-    yield from move_to(station, tool.at(z=station.commanded.z), FREE_SPEED)
-    station.drive_fingers(HAND_OPEN_M)
-    yield from move_to(station, tool.at(z=APPROACH_Z), FREE_SPEED)
-    yield from move_to(station, tool, APPROACH_SPEED)
+    context.report(f"searching for end {end.value} of {context.wire.id}", first)
+    seen = yield from observe_end(context, end, distance)
+    context.report(f"grasping end {end.value}", first + 0.6 * (last - first))
+    _check_room(context, seen)
+    tool, flip = _grasp_pose(context.arm, seen, distance, socket)
+    yield from move_to(context, tool.at(z=context.commanded.z), FREE_SPEED)
+    context.drive_fingers(HAND_OPEN_M)
+    yield from move_to(context, tool.at(z=APPROACH_Z), FREE_SPEED)
+    yield from move_to(context, tool, APPROACH_SPEED)
     height = float(seen.point[2]) - tool.z
-    station.book.tips.pop(end, None)
-    yield from close_on_wire(station, Grip(end, distance, height, flip, tool))
-    if station.book.ends[end.other] is not EndState.LOOSE:
-        station.lower_fork()  # it has nothing more to keep, and the wire could hang on it
-    station.report(f"lifting end {end.value}", first + 0.9 * (last - first))
-    yield from move_to(station, station.commanded.at(z=CARRY_Z), LIFT_SPEED)
-    check_grip(station)
+    context.belief.tips.pop(end, None)
+    yield from close_on_wire(context, Grip(end, distance, height, flip, tool))
+    if context.belief.ends[end.other] is not EndState.LOOSE:
+        context.lower_fork()  # it has nothing more to keep, and the wire could hang on it
+    context.report(f"lifting end {end.value}", first + 0.9 * (last - first))
+    yield from move_to(context, context.commanded.at(z=CARRY_Z), LIFT_SPEED)
+    check_grip(context)
 
 
 def grasp_distance(wire: Wire, end: End) -> float:
@@ -84,11 +84,11 @@ def grasp_distance(wire: Wire, end: End) -> float:
     return GRASP_DISTANCE_M if connector is None else connector.length - PAD_LENGTH_M / 2
 
 
-def _check_room(station: Station, seen: GraspSighting) -> None:
+def _check_room(context: RobotContext, seen: GraspObservation) -> None:
     """Raise UNREACHABLE when a row leaves no room for a finger beside the wire."""
-    if station.book.feed is None:
+    if context.belief.feed is None:
         return
-    channel = station.panel.channel(station.book.feed.channel_id)
+    channel = context.panel.channel(context.belief.feed.channel_id)
     aside = abs(float(seen.point[0] - WORLD_FROM_PANEL.position[0]) - channel.x)
     room = channel.width / 2 - aside
     if 0 < room < FINGER_ROOM_M:
@@ -101,7 +101,7 @@ def _check_room(station: Station, seen: GraspSighting) -> None:
 
 
 def _grasp_pose(
-    arm: Arm, seen: GraspSighting, distance: float, socket: Pose
+    arm: Arm, seen: GraspObservation, distance: float, socket: Pose
 ) -> tuple[ToolPose, float]:
     x, y, z = (float(v) for v in seen.point)
     into = unit_x(socket)
@@ -110,72 +110,72 @@ def _grasp_pose(
     return ToolPose(x, y, max(z, PAD_BELOW_TOOL_M + FLOOR_CLEARANCE_M), seen.tip_yaw - flip), flip
 
 
-def close_on_wire(station: Station, grip: Grip) -> Steps[None]:
+def close_on_wire(context: RobotContext, grip: Grip) -> Steps[None]:
     """Close the fingers until they press on the wire; raises GRASP_MISSED, the hand open again."""
-    wire = station.wire
+    wire = context.wire
     connector = wire.connector_at(grip.end)
     thickness = wire.diameter if connector is None else connector.body_width
-    station.close_fingers(thickness)
+    context.close_fingers(thickness)
     gap = math.inf
-    for _ in range(math.ceil(CLOSE_TIMEOUT_S / station.tick_s)):
+    for _ in range(math.ceil(CLOSE_TIMEOUT_S / context.tick_s)):
         yield
-        before, gap = gap, station.finger_gap
+        before, gap = gap, context.finger_gap
         if abs(before - gap) < 1e-5:
             break
     if gap < MISSED_SHARE * thickness:
-        station.drive_fingers(HAND_OPEN_M)
-        yield from wait(station, 0.2)
-        yield from rise(station)
+        context.drive_fingers(HAND_OPEN_M)
+        yield from wait(context, 0.2)
+        yield from rise(context)
         raise AbilityError(
             Code.GRASP_MISSED,
             f"the fingers closed to {gap * 1e3:.1f} mm on {thickness * 1e3:.1f} mm of {wire.id!r}: "
             "it is not between them; detect it again",
         )
-    station.book.grip = grip
-    station.book.engaged = None
-    station.book.picked_at[grip.end] = grip
+    context.belief.grip = grip
+    context.belief.engaged = None
+    context.belief.picked_at[grip.end] = grip
 
 
-def holds(station: Station) -> bool:
+def holds(context: RobotContext) -> bool:
     """Return whether the fingers press on something: they stay where they are when it slips out."""
-    return station.finger_load > HELD_LOAD_N
+    return context.finger_load > HELD_LOAD_N
 
 
-def check_grip(station: Station) -> None:
+def check_grip(context: RobotContext) -> None:
     """Raise GRASP_SLIPPED, and note an empty hand, when nothing presses the fingers apart."""
-    if station.book.grip is not None and not holds(station):
-        end = station.book.grip.end
-        station.book.grip = None
+    if context.belief.grip is not None and not holds(context):
+        end = context.belief.grip.end
+        context.belief.grip = None
         raise AbilityError(
             Code.GRASP_SLIPPED,
-            f"end {end.value} of {station.wire.id!r} slipped out of the fingers, which feel "
-            f"{station.finger_load:.1f} N; detect it again",
+            f"end {end.value} of {context.wire.id!r} slipped out of the fingers, which feel "
+            f"{context.finger_load:.1f} N; detect it again",
         )
 
 
-def release(station: Station, opening: float) -> Steps[None]:
-    """Open the fingers by a little, let the wire be, and lift the hand clear of it.
+def release(context: RobotContext, opening: float) -> Steps[None]:
+    """Open the fingers a little, leave the wire where it is, and lift the hand clear of it.
 
     Slowly: a bent wire leans on a pad, and one that is thrown aside pulls at its fixed end.
     """
-    start = station.finger_gap / 2
-    station.book.grip = None
-    station.book.engaged = None
-    for tick in range(1, math.ceil(opening / OPEN_SPEED / station.tick_s) + 1):
-        station.drive_fingers(start + min(opening, tick * OPEN_SPEED * station.tick_s))
+    start = context.finger_gap / 2
+    context.belief.grip = None
+    context.belief.engaged = None
+    for tick in range(1, math.ceil(opening / OPEN_SPEED / context.tick_s) + 1):
+        context.drive_fingers(start + min(opening, tick * OPEN_SPEED * context.tick_s))
         yield
-    clear = station.commanded.z + CLEAR_OF_WIRE_M
-    yield from move_to(station, station.commanded.at(z=clear), CLEAR_SPEED)
+    clear = context.commanded.z + CLEAR_OF_WIRE_M
+    yield from move_to(context, context.commanded.at(z=clear), CLEAR_SPEED)
 
 
-def let_go_fixed(station: Station, end: End, terminal: TerminalKey) -> Steps[None]:
-    """Note that a terminal holds the end in the hand, let go, and lift the hand off."""
-    book = station.book
-    if book.feed is not None and book.occupant(terminal) != (book.feed.wire_id, end):
-        book.seat(end, terminal)
-    book.ends[end] = EndState.FIXED
-    station.report("letting go", 0.8)
-    yield from release(station, RELEASE_OPENING_M)
-    yield from move_to(station, station.commanded.at(z=TRAVEL_Z), APPROACH_SPEED * 2)
-    if book.ends[end.other] is EndState.LOOSE and end.other in book.expected:
-        book.tips.pop(end.other, None)
+def release_fixed(context: RobotContext, end: End, terminal: TerminalKey) -> Steps[None]:
+    """Note that a terminal holds the end in the hand, release it, and lift the hand off."""
+    belief = context.belief
+    if belief.feed is not None and belief.occupant(terminal) != (belief.feed.wire_id, end):
+        belief.seat(end, terminal)
+    belief.ends[end] = EndState.FIXED
+    context.report("releasing", 0.8)
+    yield from release(context, RELEASE_OPENING_M)
+    yield from move_to(context, context.commanded.at(z=TRAVEL_Z), APPROACH_SPEED * 2)
+    if belief.ends[end.other] is EndState.LOOSE and end.other in belief.expected:
+        belief.tips.pop(end.other, None)

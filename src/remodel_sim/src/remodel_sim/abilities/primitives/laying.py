@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from remodel_sim.abilities.execution.robot_context import Station, Steps
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.grasping import check_grip, release
 from remodel_sim.abilities.primitives.motions import (
     APPROACH_SPEED,
@@ -29,43 +29,43 @@ FORK_TOLERANCE_M = 0.010
 
 
 def lay_down(
-    station: Station, target: ToolPose, shares: tuple[float, float], *, fork: bool = True
+    context: RobotContext, target: ToolPose, shares: tuple[float, float], *, fork: bool = True
 ) -> Steps[None]:
-    """Carry the held end to a tool pose, let go, and lift the empty hand.
+    """Carry the held end to a tool pose, release it, and lift the empty hand.
 
     `fork`: whether the feeder's fork may come up around it.
     """
     first, last = shares
-    station.report("carrying the end to where it is laid down", first)
-    yield from carry_over(station, target)
-    check_grip(station)
-    station.report("laying the end down", first + 0.6 * (last - first))
-    yield from move_to(station, target, APPROACH_SPEED)
-    grip = station.book.grip
+    context.report("carrying the end to where it is laid down", first)
+    yield from carry_over(context, target)
+    check_grip(context)
+    context.report("laying the end down", first + 0.6 * (last - first))
+    yield from move_to(context, target, APPROACH_SPEED)
+    grip = context.belief.grip
     if grip is not None:
         tip = tip_of(target, grip)
-        station.book.expected[grip.end] = tip
-        station.book.tips.pop(grip.end, None)
+        context.belief.expected[grip.end] = tip
+        context.belief.tips.pop(grip.end, None)
         if fork:
-            _bring_fork(station, target, grip)
-    yield from release(station, HAND_OPEN_M)
-    yield from rise(station)
+            _bring_fork(context, target, grip)
+    yield from release(context, HAND_OPEN_M)
+    yield from rise(context)
 
 
-def _bring_fork(station: Station, tool: ToolPose, grip: Grip) -> None:
+def _bring_fork(context: RobotContext, tool: ToolPose, grip: Grip) -> None:
     """Hold an end in the middle of its channel.
 
     A wire that is fixed at the other end would spring to a side.
     """
-    book = station.book
-    if book.feed is None or book.ends[grip.end.other] is EndState.LOOSE:
+    belief = context.belief
+    if belief.feed is None or belief.ends[grip.end.other] is EndState.LOOSE:
         return
-    channel = station.panel.channel(book.feed.channel_id)
+    channel = context.panel.channel(belief.feed.channel_id)
     middle = WORLD_FROM_PANEL.position[0] + channel.x
     if abs(tool.x - middle) < FORK_TOLERANCE_M:
         behind = np.array([tool.x, tool.y]) - tip_of(tool, grip)
         behind *= FORK_BEHIND_GRASP_M / np.linalg.norm(behind)
-        station.move_fork(middle, tool.y + float(behind[1]))
+        context.move_fork(middle, tool.y + float(behind[1]))
 
 
 def tip_of(tool: ToolPose, grip: Grip) -> np.ndarray:
@@ -74,17 +74,17 @@ def tip_of(tool: ToolPose, grip: Grip) -> np.ndarray:
     return np.array([tool.x, tool.y]) + grip.distance * np.array([np.cos(yaw), np.sin(yaw)])
 
 
-def carry_over(station: Station, target: ToolPose) -> Steps[None]:
+def carry_over(context: RobotContext, target: ToolPose) -> Steps[None]:
     """Bring the held end above a tool pose, turned as there.
 
     Low within a channel, else over the rows.
     """
-    now = station.commanded
+    now = context.commanded
     if abs(now.x - target.x) > LOW_CARRY_M:
-        yield from move_to(station, now.at(z=TRAVEL_Z), FREE_SPEED / 2)
-        yield from move_to(station, ToolPose(target.x, target.y, TRAVEL_Z, now.yaw), CARRY_SPEED)
-        yield from move_to(station, station.commanded.at(z=CARRY_Z), APPROACH_SPEED)
+        yield from move_to(context, now.at(z=TRAVEL_Z), FREE_SPEED / 2)
+        yield from move_to(context, ToolPose(target.x, target.y, TRAVEL_Z, now.yaw), CARRY_SPEED)
+        yield from move_to(context, context.commanded.at(z=CARRY_Z), APPROACH_SPEED)
     elif now.z > CARRY_Z:
-        yield from move_to(station, ToolPose(target.x, target.y, now.z, now.yaw), CARRY_SPEED)
-        yield from move_to(station, station.commanded.at(z=CARRY_Z), APPROACH_SPEED)
-    yield from move_to(station, target.at(z=CARRY_Z), CARRY_SPEED)
+        yield from move_to(context, ToolPose(target.x, target.y, now.z, now.yaw), CARRY_SPEED)
+        yield from move_to(context, context.commanded.at(z=CARRY_Z), APPROACH_SPEED)
+    yield from move_to(context, target.at(z=CARRY_Z), CARRY_SPEED)

@@ -1,8 +1,8 @@
-"""Prove by a pull that an end is held where it was pushed in, as steps of an ability."""
+"""Test by a pull that an end is held where it was pushed in, as steps of an ability."""
 
 from __future__ import annotations
 
-from remodel_sim.abilities.execution.robot_context import Station, Steps
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.motions import wait
 from remodel_sim.abilities.primitives.pushing import axial
 from remodel_sim.core.errors import AbilityError
@@ -20,12 +20,12 @@ TAKEN_UP = 0.4
 MAX_SLIP_M = 0.0015
 
 
-def prove_by_pull(station: Station, socket: Pose, newtons: float, where: str) -> Steps[float]:
-    """Pull the held end back, out of the bore, until the force is reached; return the slip [m].
+def pull_test(context: RobotContext, socket: Pose, newtons: float, where: str) -> Steps[float]:
+    """Pull the held end outwards until the force is reached; return the slip [m].
 
     Args:
-        station: the cell; its hand holds the end.
-        socket: the mouth's frame, x into the bore.
+        context: the cell; its hand holds the end.
+        socket: the opening's frame, x into the terminal.
         newtons: the force [N].
         where: the terminal's name.
 
@@ -33,14 +33,14 @@ def prove_by_pull(station: Station, socket: Pose, newtons: float, where: str) ->
         AbilityError: PULLED_OUT.
     """
     out = -unit_x(socket)
-    start = station.commanded
+    start = context.commanded
     travel, taken_up, force = 0.0, None, 0.0
     while force < newtons and travel < PULL_TRAVEL_M:
-        travel += PULL_SPEED * station.tick_s
-        station.drive(_shifted(start, out, travel))
+        travel += PULL_SPEED * context.tick_s
+        context.drive(_shifted(start, out, travel))
         yield
         # The push left the end under load; the pull counts from the free hand.
-        force = axial(station.force - station.free_force, out)
+        force = axial(context.force - context.free_force, out)
         if taken_up is None and force >= TAKEN_UP * newtons:
             taken_up = travel
     slip = travel - (taken_up if taken_up is not None else 0.0)
@@ -51,8 +51,8 @@ def prove_by_pull(station: Station, socket: Pose, newtons: float, where: str) ->
             "extract, locate again, insert again",
             slip=slip,
         )
-    station.drive(start)
-    yield from wait(station, 0.15)
+    context.drive(start)
+    yield from wait(context, 0.15)
     return slip
 
 

@@ -1,4 +1,4 @@
-"""See from above whether a wire lies in its clips and ducts, as steps of an ability."""
+"""Check from above whether a wire lies in its clips and ducts, as steps of an ability."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from remodel_sim.abilities.execution.robot_context import Station, Steps
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.motions import park
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.errors import AbilityError
@@ -21,9 +21,9 @@ from remodel_sim.core.workpiece.panel import Clip, Duct, Wire
 from remodel_sim.core.workpiece.routes import places_in, world_from_clip
 from remodel_states.core.codes import Code
 
-# Beside a clip the wire is looked at so far from its slopes; it is looked for so far aside [m].
+# Beside a clip the wire is observed so far from its slopes; it is searched for so far aside [m].
 BESIDE_CLIP_M = 0.003
-LOOK_ASIDE_M = 0.025
+SEARCH_ASIDE_M = 0.025
 # The same beside a duct.
 BESIDE_DUCT_M = 0.060
 # A wire in a clip passes so near to its axis, and so little above it in the mean of both ends; on
@@ -33,13 +33,13 @@ ABOVE_M = 0.0012
 
 
 @dataclass(frozen=True, eq=False)
-class CourseSighting:
+class RouteObservation:
     """The plate from above.
 
     Attributes:
         picture: what the camera saw.
         likelihood: of the wire's colour, (height, width), 0 to 1.
-        wire: that is looked for.
+        wire: the one searched for.
     """
 
     picture: Picture
@@ -51,22 +51,22 @@ class CourseSighting:
         return wire_past(place, aside, self.picture, self.likelihood, self.wire)
 
 
-def look_at_course(station: Station) -> Steps[CourseSighting]:
-    """Look at the plate from above, the empty hand out of the way."""
-    if station.book.grip is None:
-        yield from park(station)
-    picture = station.look_overhead()
+def observe_route(context: RobotContext) -> Steps[RouteObservation]:
+    """Observe the plate from above, the empty hand out of the way."""
+    if context.belief.grip is None:
+        yield from park(context)
+    picture = context.take_overhead_picture()
     yield
-    likelihood = wire_likelihood(picture.rgb, station.wire.colour)
-    return CourseSighting(picture, likelihood, station.wire)
+    likelihood = wire_likelihood(picture.rgb, context.wire.colour)
+    return RouteObservation(picture, likelihood, context.wire)
 
 
-def clip_fault(clip: Clip, seen: CourseSighting) -> str:
+def clip_fault(clip: Clip, seen: RouteObservation) -> str:
     """Return what is wrong with the wire at a clip; empty: nothing."""
-    passings = [seen.at(place, LOOK_ASIDE_M) for place in _beside(clip)]
+    passings = [seen.at(place, SEARCH_ASIDE_M) for place in _beside(clip)]
     found = [passing for passing in passings if passing is not None]
     if len(found) < len(passings):
-        return f"it is not seen at clip {clip.id!r}"
+        return f"it is not visible at clip {clip.id!r}"
     aside = max(abs(passing.aside) for passing in found)
     above = float(np.mean([passing.height for passing in found])) - clip.height
     if aside <= ASIDE_M and abs(above) <= ABOVE_M:
@@ -82,33 +82,33 @@ def _beside(clip: Clip) -> tuple[Pose, ...]:
     return tuple(world_from_clip(clip) @ Pose.level(x, 0.0, clip.height) for x in (-out, out))
 
 
-def judge_clips(station: Station, clips: Sequence[Clip], seen: CourseSighting) -> None:
+def judge_clips(context: RobotContext, clips: Sequence[Clip], seen: RouteObservation) -> None:
     """Show the clips, and raise OUT_OF_DUCT when the wire does not lie in all of them."""
     faults = [fault for clip in clips if (fault := clip_fault(clip, seen))]
-    _show(station, seen, [place for clip in clips for place in _beside(clip)], faults)
+    _show(context, seen, [place for clip in clips for place in _beside(clip)], faults)
     if faults:
-        raise _out(station, faults)
+        raise _out(context, faults)
 
 
-def check_ducts(station: Station, path: tuple[Pose, ...]) -> Steps[None]:
-    """Look whether the wire lies in the ducts in which a path runs.
+def check_ducts(context: RobotContext, path: tuple[Pose, ...]) -> Steps[None]:
+    """Check whether the wire lies in the ducts in which a path runs.
 
     Raises:
-        AbilityError: OUT_OF_DUCT when it lies beside one, CABLE_OCCLUDED when it is not seen at all
+        AbilityError: OUT_OF_DUCT when it lies beside one, CABLE_OCCLUDED when it is not visible
             in one.
     """
-    places = {duct: found for duct in station.panel.ducts if (found := places_in(duct, path))}
+    places = {duct: found for duct in context.panel.ducts if (found := places_in(duct, path))}
     if not places:
         return
-    station.report("looking at the ducts from above", 0.95)
-    seen = yield from look_at_course(station)
+    context.report("observing the ducts from above", 0.95)
+    seen = yield from observe_route(context)
     faults = [f for duct, at in places.items() if (f := _duct_fault(duct, at, seen))]
-    _show(station, seen, [place for at in places.values() for place in at], faults)
+    _show(context, seen, [place for at in places.values() for place in at], faults)
     if faults:
-        raise _out(station, faults)
+        raise _out(context, faults)
 
 
-def _duct_fault(duct: Duct, places: Sequence[Pose], seen: CourseSighting) -> str:
+def _duct_fault(duct: Duct, places: Sequence[Pose], seen: RouteObservation) -> str:
     """Return how far beside a duct the wire lies; what is still held above it does not count."""
     reach = duct.width / 2 + BESIDE_DUCT_M
     passings = [passing for place in places if (passing := seen.at(place, reach)) is not None]
@@ -116,7 +116,7 @@ def _duct_fault(duct: Duct, places: Sequence[Pose], seen: CourseSighting) -> str
         raise AbilityError(
             Code.CABLE_OCCLUDED,
             f"{seen.wire.id!r} is not seen in duct {duct.id!r} nor within "
-            f"{BESIDE_DUCT_M * 1e3:.0f} mm of it; look at it from another side",
+            f"{BESIDE_DUCT_M * 1e3:.0f} mm of it; observe it from another side",
         )
     down = [abs(passing.aside) for passing in passings if passing.height < duct.height]
     beside = max(down, default=0.0) - duct.width / 2
@@ -124,19 +124,19 @@ def _duct_fault(duct: Duct, places: Sequence[Pose], seen: CourseSighting) -> str
 
 
 def _show(
-    station: Station, seen: CourseSighting, places: Sequence[Pose], faults: Sequence[str]
+    context: RobotContext, seen: RouteObservation, places: Sequence[Pose], faults: Sequence[str]
 ) -> None:
     drawing = Drawing(seen.picture.rgb, seen.picture.view)
     colour = ORANGE if faults else BLUE
     for place in places:
         drawing.circle(seen.picture.view.project(place.position)[0], 6, colour)
     drawing.title(f"{seen.wire.id}: {'; '.join(faults) or 'lies where it should'}")
-    station.show("overhead", seen.picture, drawing.image)
+    context.show("overhead", seen.picture, drawing.image)
 
 
-def _out(station: Station, faults: Sequence[str]) -> AbilityError:
+def _out(context: RobotContext, faults: Sequence[str]) -> AbilityError:
     return AbilityError(
         Code.OUT_OF_DUCT,
-        f"{station.wire.id!r} does not lie where it should: {'; '.join(faults)}; pick its end and "
+        f"{context.wire.id!r} does not lie where it should: {'; '.join(faults)}; pick its end and "
         "route it again",
     )

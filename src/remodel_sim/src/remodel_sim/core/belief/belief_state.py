@@ -1,4 +1,4 @@
-"""What the cell knows of its own doing: no camera tells it, and it is never ground truth."""
+"""The belief state: what the cell derives from its actions and observations, not ground truth."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class EndState(Enum):
 
 
 @dataclass(frozen=True, eq=False)
-class TipSighting:
+class TipObservation:
     """A loose end as a camera saw it.
 
     Attributes:
@@ -77,8 +77,8 @@ class Grip:
 
 
 @dataclass
-class Book:
-    """The running record of one panel, as one robot of the cell keeps it.
+class BeliefState:
+    """The belief about one panel, as one robot of the cell keeps it.
 
     The robots of a cell share what the containers hold: those are changed, never replaced.
 
@@ -87,10 +87,10 @@ class Book:
         arm: that robot's.
         feed: the live wire; None before the first.
         hands: what each robot's fingers hold, by its name; nothing of an empty hand.
-        engaged: the mouth (world frame) into which the held end has been pushed at least a little.
+        engaged: the opening (world frame) into which the held end has been pushed at least a little.
         ends: of the live wire.
         tips: last sightings of its loose ends, until the wire is touched.
-        expected: where its loose ends should lie, (2,) [m], world frame, by the cell's own doing.
+        expected: where its loose ends should lie, (2,) [m], world frame, by the cell's own actions.
         picked_at: where each end was last grasped: there it can be laid down again.
         occupied: which wire end each terminal holds, over all wires.
         fed: every wire of which a piece is in the cell, in the order of feeding.
@@ -105,7 +105,7 @@ class Book:
     hands: dict[str, Grip] = field(default_factory=dict)
     engaged: Pose | None = None
     ends: dict[End, EndState] = field(default_factory=dict)
-    tips: dict[End, TipSighting] = field(default_factory=dict)
+    tips: dict[End, TipObservation] = field(default_factory=dict)
     expected: dict[End, Array] = field(default_factory=dict)
     picked_at: dict[End, Grip] = field(default_factory=dict)
     occupied: dict[TerminalKey, tuple[str, End]] = field(default_factory=dict)
@@ -113,8 +113,8 @@ class Book:
     in_clips: list[Array] = field(default_factory=list)
     seen: dict[str, Pose] = field(default_factory=dict)
 
-    def beside(self, robot: str, arm: Arm) -> Book:
-        """Return the book of another robot of the same cell."""
+    def beside(self, robot: str, arm: Arm) -> BeliefState:
+        """Return the belief state of another robot of the same cell."""
         return replace(self, robot=robot, arm=arm, engaged=None)
 
     @property
@@ -173,7 +173,7 @@ class Book:
             self.fed.remove(wire_id)
 
     def restore(self, placed: PlacedWires) -> None:
-        """Note the wires that lay on the panel before the cell was started anew."""
+        """Note the wires that lay on the panel before the cell was restarted."""
         self.occupied.update(placed.occupied)
         self.fed.extend(placed.parked)
 

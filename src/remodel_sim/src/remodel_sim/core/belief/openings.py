@@ -1,4 +1,4 @@
-"""Where the terminals' mouths are, by the last look at their component, else by the panel."""
+"""Where the terminals' openings are: as last observed, else as drawn on the panel."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from remodel_sim.core.workpiece.panel import Panel
 TerminalKey = tuple[str, str]
 
 
-def mouth_of(terminal: TerminalKey, panel: Panel, seen: Mapping[str, Pose]) -> Pose:
-    """Return a mouth's frame in the world, x into the bore.
+def opening_of(terminal: TerminalKey, panel: Panel, seen: Mapping[str, Pose]) -> Pose:
+    """Return the frame of a terminal's opening in the world, x into the terminal.
 
     Args:
-        terminal: whose mouth.
+        terminal: whose opening.
         panel: the panel as drawn.
         seen: frames of components in the world, as they were last seen.
     """
@@ -30,11 +30,11 @@ def mouth_of(terminal: TerminalKey, panel: Panel, seen: Mapping[str, Pose]) -> P
 
 
 def nearest_terminal(point: Array, panel: Panel, seen: Mapping[str, Pose]) -> TerminalKey:
-    """Return the terminal whose mouth is nearest to a point (3,) [m], world frame."""
+    """Return the terminal whose opening is nearest to a point (3,) [m], world frame."""
 
     def away(terminal: TerminalKey) -> float:
-        mouth = mouth_of(terminal, panel, seen)
-        return float(np.linalg.norm(mouth.position - point))
+        opening = opening_of(terminal, panel, seen)
+        return float(np.linalg.norm(opening.position - point))
 
     return min(_terminals(panel), key=away)
 

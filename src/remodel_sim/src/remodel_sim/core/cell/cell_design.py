@@ -111,7 +111,7 @@ class CellDesign:
 
 
 def find_design_problems(design: CellDesign) -> tuple[str, ...]:
-    """Return everything that makes no sense in a cell, one sentence each: place, found, allowed."""
+    """Return every problem of a cell, one sentence each: place, found, allowed."""
     return (*_names(design), *_homes(design), *_bases(design))
 
 

@@ -92,7 +92,7 @@ class Stray:
 
 @dataclass(frozen=True)
 class Disturbances:
-    """What is wrong with the cell, until its panel is built anew.
+    """What is wrong with the cell, until its panel is rebuilt.
 
     Attributes:
         friction: share of the pads' friction.

@@ -27,8 +27,8 @@ class Feeder:
     """How a cell's feeder lays wires; lengths in metres.
 
     Attributes:
-        overlap: tip a lies so far beyond its terminal: then turning it into the bore hardly drags
-            the rest.
+        overlap: tip a lies so far beyond its terminal: then turning it into the opening hardly
+            drags the rest.
         fork_behind_tip: placing end a draws end b back by some 80 mm; fingers that grasp it then
             stay clear of the fork.
         fork_length, fork_height, fork_post: of the fork along the wire, up, and of a post across.
@@ -68,11 +68,11 @@ def resting_place(panel: Panel, wire: Wire, end: End, overlap: float) -> tuple[P
     The pose is the tip's, x out of the wire, in the middle of the channel in front of the terminal
     and `overlap` [m] beyond it; world frame. The direction is +1 when a to b runs towards +y.
     """
-    mouths = {e: panel.panel_from_socket(*wire.goes_to(e)).position for e in End}
-    direction = feed_direction(float(mouths[End.A][1]), float(mouths[End.B][1]))
+    openings = {e: panel.panel_from_socket(*wire.goes_to(e)).position for e in End}
+    direction = feed_direction(float(openings[End.A][1]), float(openings[End.B][1]))
     out = direction if end is End.B else -direction
-    channel = panel.channel_in_front_of(mouths[end])
-    tip = Pose.level(channel.x, float(mouths[end][1]) + out * overlap, 0.0, out * math.pi / 2)
+    channel = panel.channel_in_front_of(openings[end])
+    tip = Pose.level(channel.x, float(openings[end][1]) + out * overlap, 0.0, out * math.pi / 2)
     return WORLD_FROM_PANEL @ tip, direction
 
 
@@ -85,14 +85,14 @@ def plan_laying(
     noise: np.random.Generator,
 ) -> Laying:
     """Choose where a wire of `joints` + 1 links lies."""
-    mouth_a = WORLD_FROM_PANEL.apply(
+    opening_a = WORLD_FROM_PANEL.apply(
         panel.panel_from_socket(wire.a_component, wire.a_terminal).position
     )
-    mouth_b = WORLD_FROM_PANEL.apply(
+    opening_b = WORLD_FROM_PANEL.apply(
         panel.panel_from_socket(wire.b_component, wire.b_terminal).position
     )
-    direction = feed_direction(float(mouth_a[1]), float(mouth_b[1]))
-    start = float(mouth_a[1]) - direction * feeder.overlap
+    direction = feed_direction(float(opening_a[1]), float(opening_b[1]))
+    start = float(opening_a[1]) - direction * feeder.overlap
     beyond = direction * start + wire.length - FEED_LIMIT_Y_M
     start -= direction * max(0.0, beyond)
     curvature = _random_bow(joints, wire, noise)

@@ -14,7 +14,7 @@ from remodel_sim.core.workpiece.panel import Panel
 from remodel_states.core.codes import Code
 
 # A cell whose file names no place has its bin so far beyond the plate's edge, and drops from so
-# high: a wire's end passes over the components there.
+# high: a wire's end clears the components there.
 BEYOND_EDGE_M = 0.08
 DROP_Z_M = 0.15
 STEP_M = 0.02

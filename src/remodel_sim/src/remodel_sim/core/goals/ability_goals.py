@@ -1,6 +1,6 @@
 """The goals of the abilities, valid from birth.
 
-`check` tells whether the cell can take them as it is now.
+`check` raises when the cell cannot take them as it is now.
 
 Whatever raises here is found before anything moves.
 """
@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from remodel_sim.core.belief.belief_state import Book, EndState
+from remodel_sim.core.belief.belief_state import BeliefState, EndState
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals.checks import (
@@ -18,7 +18,7 @@ from remodel_sim.core.goals.checks import (
     check_hand,
     check_held,
     check_live,
-    check_mouth,
+    check_opening,
     check_socket,
     check_tool_path,
 )
@@ -34,7 +34,7 @@ from remodel_states.core.codes import Code
 
 # What the grip holds safely by friction [N].
 MAX_FORCE_N = 25.0
-# A connector's ribs give a better hold.
+# A connector's ribbed body gives a better hold.
 MAX_MATING_FORCE_N = 40.0
 GRASP_RANGE_M = (0.030, 0.080)
 
@@ -42,7 +42,7 @@ GRASP_RANGE_M = (0.030, 0.080)
 class Goal(Protocol):
     """What every goal can be asked."""
 
-    def check(self, panel: Panel, book: Book) -> None:
+    def check(self, panel: Panel, belief: BeliefState) -> None:
         """Raise AbilityError when the cell cannot take the goal as it is now."""
 
 
@@ -57,7 +57,7 @@ class LocateGoal:
     terminal_id: str
     view: int = 0
 
-    def check(self, panel: Panel, book: Book) -> None:
+    def check(self, panel: Panel, belief: BeliefState) -> None:
         """Raise when a name is unknown."""
         component = panel.component(self.component_id)
         if self.terminal_id:
@@ -73,7 +73,7 @@ class CheckGoal:
     component_id: str
     terminal_id: str
 
-    def check(self, panel: Panel, book: Book) -> None:
+    def check(self, panel: Panel, belief: BeliefState) -> None:
         """Raise when a name is unknown."""
         panel.wire(self.cable_id)
         check_clamp(self.component_id, self.terminal_id, panel)
@@ -86,9 +86,9 @@ class DetectGoal:
     cable_id: str
     view: int = 0
 
-    def check(self, panel: Panel, book: Book) -> None:
+    def check(self, panel: Panel, belief: BeliefState) -> None:
         """Raise when the wire is unknown or not fed."""
-        check_live(self.cable_id, panel, book)
+        check_live(self.cable_id, panel, belief)
 
 
 @dataclass(frozen=True)
@@ -106,20 +106,20 @@ class PickGoal:
         if self.grasp_distance != 0.0:
             require_number("grasp_distance", self.grasp_distance, *GRASP_RANGE_M, "m")
 
-    def check(self, panel: Panel, book: Book) -> None:
+    def check(self, panel: Panel, belief: BeliefState) -> None:
         """Raise when the end cannot be picked."""
-        check_live(self.cable_id, panel, book)
-        check_hand(book, self.end)
-        if book.grip is not None:
+        check_live(self.cable_id, panel, belief)
+        check_hand(belief, self.end)
+        if belief.grip is not None:
             raise AbilityError(
                 Code.OTHER_CABLE_HELD,
-                f"the gripper holds end {book.grip.end.value} of {self.cable_id!r} already; "
+                f"the gripper holds end {belief.grip.end.value} of {self.cable_id!r} already; "
                 "place it first",
             )
-        if book.feed is not None and book.ends[self.end].value != "loose":
+        if belief.feed is not None and belief.ends[self.end].value != "loose":
             raise AbilityError(
                 Code.INVALID_GOAL,
-                f"end {self.end.value} of {self.cable_id!r} is {book.ends[self.end].value} in a "
+                f"end {self.end.value} of {self.cable_id!r} is {belief.ends[self.end].value} in a "
                 "terminal; extract it first",
             )
 
@@ -140,12 +140,12 @@ class PlaceGoal:
         require_robot(self.robot_name)
         require_pose("target_pose", self.target)
 
-    def check(self, panel: Panel, book: Book) -> None:
+    def check(self, panel: Panel, belief: BeliefState) -> None:
         """Raise when nothing is held or the place is out of reach."""
         if self.cable_id:
-            check_live(self.cable_id, panel, book)
-        check_held(book)
-        check_tool_path((self.target,), book)
+            check_live(self.cable_id, panel, belief)
+        check_held(belief)
+        check_tool_path((self.target,), belief)
 
 
 @dataclass(frozen=True)
@@ -166,14 +166,18 @@ class RouteGoal:
         for i, pose in enumerate(self.path):
             require_pose(f"path[{i}]", pose)
 
-    def check(self, panel: Panel, book: Book) -> None:
+    def check(self, panel: Panel, belief: BeliefState) -> None:
         """Raise when nothing is held or a pose is out of reach."""
-        check_live(self.cable_id, panel, book)
-        check_held(book)
-        check_tool_path(self.path, book)
+        check_live(self.cable_id, panel, belief)
+        check_held(belief)
+        check_tool_path(self.path, belief)
         clips = clips_along(self.path, panel)
-        if clips and book.grip is not None and book.ends[book.grip.end.other] is EndState.LOOSE:
-            other = book.grip.end.other.value
+        if (
+            clips
+            and belief.grip is not None
+            and belief.ends[belief.grip.end.other] is EndState.LOOSE
+        ):
+            other = belief.grip.end.other.value
             raise AbilityError(
                 Code.INVALID_GOAL,
                 f"the path passes clips {', '.join(clip.id for clip in clips)}, and end {other} of "
@@ -183,7 +187,7 @@ class RouteGoal:
 
 @dataclass(frozen=True)
 class InsertGoal:
-    """Push an end into a terminal whose mouth is at `socket`, x into the bore."""
+    """Push an end into a terminal whose opening is at `socket`, x into the terminal."""
 
     robot_name: str
     cable_id: str
@@ -199,9 +203,9 @@ class InsertGoal:
         require_pose("socket_pose", self.socket)
         require_number("force_limit", self.force_limit, 1.0, MAX_FORCE_N, "N")
 
-    def check(self, panel: Panel, book: Book) -> None:
+    def check(self, panel: Panel, belief: BeliefState) -> None:
         """Raise when the end cannot go there."""
-        check_live(self.cable_id, panel, book)
+        check_live(self.cable_id, panel, belief)
         check_clamp(self.component_id, self.terminal_id, panel)
         connector = panel.wire(self.cable_id).connector_at(self.end)
         if connector is not None:
@@ -210,7 +214,7 @@ class InsertGoal:
                 f"end {self.end.value} of {self.cable_id!r} is connector {connector.id!r}; place "
                 "it with PlaceConnector",
             )
-        check_free(self, self.end, panel, book)
+        check_free(self, self.end, panel, belief)
 
 
 @dataclass(frozen=True)
@@ -231,9 +235,9 @@ class ConnectGoal:
         require_pose("socket_pose", self.socket)
         require_number("force_limit", self.force_limit, 1.0, MAX_MATING_FORCE_N, "N")
 
-    def check(self, panel: Panel, book: Book) -> None:
+    def check(self, panel: Panel, belief: BeliefState) -> None:
         """Raise when the connector does not fit, or cannot go there."""
-        check_live(self.cable_id, panel, book)
+        check_live(self.cable_id, panel, belief)
         connector = panel.wire(self.cable_id).connector(self.connector_id)
         header = panel.component(self.component_id).terminal(self.terminal_id)
         if not connector.fits(header):
@@ -243,7 +247,7 @@ class ConnectGoal:
                 f"{connector.pitch * 1e3:.2f} mm apart; '{self.component_id}/{self.terminal_id}' "
                 f"takes {header.ways}, {header.pitch * 1e3:.2f} mm apart",
             )
-        check_free(self, connector.end, panel, book)
+        check_free(self, connector.end, panel, belief)
 
 
 @dataclass(frozen=True)
@@ -261,16 +265,16 @@ class FixGoal:
         require_robot(self.robot_name)
         require_number("pull_test_force", self.pull_test_force, 0.0, MAX_FORCE_N, "N")
 
-    def check(self, panel: Panel, book: Book) -> None:
+    def check(self, panel: Panel, belief: BeliefState) -> None:
         """Raise when nothing is held."""
-        check_live(self.cable_id, panel, book)
+        check_live(self.cable_id, panel, belief)
         check_clamp(self.component_id, self.terminal_id, panel)
-        check_held(book)
+        check_held(belief)
 
 
 @dataclass(frozen=True)
 class ExtractGoal:
-    """Pull a wire's end out of the terminal whose mouth is at `socket`, x into the bore."""
+    """Pull a wire's end out of the terminal whose opening is at `socket`, x into it."""
 
     robot_name: str
     cable_id: str
@@ -283,25 +287,25 @@ class ExtractGoal:
         require_robot(self.robot_name)
         require_pose("socket_pose", self.socket)
 
-    def check(self, panel: Panel, book: Book) -> None:
+    def check(self, panel: Panel, belief: BeliefState) -> None:
         """Raise when the wire or the socket is not there."""
-        check_live(self.cable_id, panel, book)
-        check_socket(self.component_id, self.terminal_id, self.socket, panel, book)
+        check_live(self.cable_id, panel, belief)
+        check_socket(self.component_id, self.terminal_id, self.socket, panel, belief)
 
 
-def check_free(goal: InsertGoal | ConnectGoal, end: End, panel: Panel, book: Book) -> None:
-    """Raise unless a loose end, in the hand or to be picked, may go into a mouth as it is now."""
+def check_free(goal: InsertGoal | ConnectGoal, end: End, panel: Panel, belief: BeliefState) -> None:
+    """Raise unless a loose end, in the hand or to be picked, may now go into an opening."""
     key = (goal.component_id, goal.terminal_id)
-    check_socket(*key, goal.socket, panel, book)
-    check_mouth(*key, goal.socket, panel, book)
-    check_hand(book, end)
-    if book.ends[end] is not EndState.LOOSE:
+    check_socket(*key, goal.socket, panel, belief)
+    check_opening(*key, goal.socket, panel, belief)
+    check_hand(belief, end)
+    if belief.ends[end] is not EndState.LOOSE:
         raise AbilityError(
             Code.INVALID_GOAL,
-            f"end {end.value} of {goal.cable_id!r} is {book.ends[end].value} in a terminal; "
+            f"end {end.value} of {goal.cable_id!r} is {belief.ends[end].value} in a terminal; "
             "extract it first",
         )
-    occupant = book.occupant(key)
+    occupant = belief.occupant(key)
     if occupant is not None:
         raise AbilityError(
             Code.TERMINAL_OCCUPIED,

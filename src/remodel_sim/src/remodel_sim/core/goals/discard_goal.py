@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from remodel_sim.core.belief.belief_state import Book
+from remodel_sim.core.belief.belief_state import BeliefState
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals.checks import check_hands_empty, check_held
 from remodel_sim.core.goals.requirements import require_robot
@@ -23,16 +23,16 @@ class DiscardGoal:
         """Refuse unknown robots."""
         require_robot(self.robot_name)
 
-    def check(self, panel: Panel, book: Book) -> None:
+    def check(self, panel: Panel, belief: BeliefState) -> None:
         """Raise when nothing is held, or a hand holds what it must place first."""
         if not self.cable_id:
-            check_held(book)
-        elif panel.wire(self.cable_id).id not in book.fed:
+            check_held(belief)
+        elif panel.wire(self.cable_id).id not in belief.fed:
             return  # there is nothing to discard
-        if book.feed is not None and self.cable_id not in ("", book.feed.wire_id):
-            check_hands_empty(book)
-        for robot, grip in book.hands.items():
-            if robot != book.robot:
+        if belief.feed is not None and self.cable_id not in ("", belief.feed.wire_id):
+            check_hands_empty(belief)
+        for robot, grip in belief.hands.items():
+            if robot != belief.robot:
                 raise AbilityError(
                     Code.OTHER_CABLE_HELD,
                     f"{robot} holds end {grip.end.value}; have it placed first",

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remodel_sim.core.belief.belief_state import Book, EndState
+from remodel_sim.core.belief.belief_state import BeliefState, EndState
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.goals.checks import check_reach
@@ -58,12 +58,12 @@ class PlacePinGoal:
             f"{self.connector_space:g} m",
         )
 
-    def check(self, panel: Panel, book: Book) -> None:
+    def check(self, panel: Panel, belief: BeliefState) -> None:
         """Raise when a robot cannot lay the live wire there; asked for each of the two."""
-        if book.feed is None:
+        if belief.feed is None:
             raise AbilityError(Code.WIRE_NOT_FED, "no wire has been fed; feed one first")
-        wire = panel.wire(book.feed.wire_id)
-        for end, state in book.ends.items():
+        wire = panel.wire(belief.feed.wire_id)
+        for end, state in belief.ends.items():
             if state is not EndState.LOOSE:
                 raise AbilityError(
                     Code.INVALID_GOAL,
@@ -75,7 +75,7 @@ class PlacePinGoal:
             self._check_place(name, pose, panel)
             if name.startswith("pin"):
                 x, y, z = (float(v) for v in pose.position - pose.rotation[:, 0] * GRASP_DISTANCE_M)
-                check_reach(book.arm, ToolPose(x, y, z, pose.yaw))
+                check_reach(belief.arm, ToolPose(x, y, z, pose.yaw))
 
     def _check_length(self, wire: Wire) -> None:
         least, most = (round(wire.length - slack, 4) for slack in reversed(SLACK_M))

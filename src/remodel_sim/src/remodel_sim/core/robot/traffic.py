@@ -1,7 +1,8 @@
-"""Which room of the cell each robot has for itself.
+"""Which space of the cell each robot has for itself.
 
-A robot claims the room of its whole path before it moves, and that of its posture when it stands.
-Nobody gets room nearer than MARGIN_M to another's, so robots that keep to their claims do not meet.
+A robot claims the space of its whole path before it moves, and that of its posture when it is
+stopped. No robot gets space nearer than MARGIN_M to another's, so robots that keep to their claims
+do not collide.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from dataclasses import dataclass, field
 
 from remodel_sim.core.robot.arm_volume import Volume, gap_between
 
-# Between the rooms of two robots [m]: paths are sampled and arms lag by centimetres.
+# Between the spaces of two robots [m]: paths are sampled and arms lag by centimetres.
 MARGIN_M = 0.03
 
 
@@ -20,7 +21,7 @@ class Traffic:
     """The claims of a cell's robots.
 
     Attributes:
-        claims: the room that each robot has, by its name.
+        claims: the space that each robot has, by its name.
         waits_for: whom a robot waits for.
     """
 
@@ -28,18 +29,18 @@ class Traffic:
     waits_for: dict[str, str] = field(default_factory=dict)
 
     def stand(self, robot: str, volume: Volume) -> None:
-        """Let a robot have the room in which it stands, and nothing else."""
+        """Give a robot the space that its posture occupies, and release the rest."""
         self.claims[robot] = volume
 
     def claim(self, robot: str, volume: Volume) -> str | None:
-        """Let a robot have room for a path, or return who is in the way."""
+        """Give a robot the space of a path, or return the robot that is in the way."""
         other = self.in_the_way(robot, volume)
         if other is None:
             self.claims[robot] = volume
         return other
 
     def in_the_way(self, robot: str, volume: Volume) -> str | None:
-        """Return whose room is too near to a robot's; None: nobody's."""
+        """Return the robot whose space is too near to another's; None if there is none."""
         for other, room in self._others(robot):
             if gap_between(volume, room) < MARGIN_M:
                 return other

@@ -34,7 +34,7 @@ class LabelPatch:
     """
 
     def __init__(self, component: Component, picture: Picture, corners: Array) -> None:
-        """Cut out the label that was seen at corners (4, 2) [px]."""
+        """Cut out the label located at corners (4, 2) [px]."""
         self._size = component.marker_size
         self.scale = component.marker_size / (LABEL_CELLS * FINE)
         self._drawing = _drawing(component.marker_id)

@@ -1,14 +1,14 @@
-"""Tell from a picture what is before the mouth of a terminal.
+"""Classify what a picture shows before the opening of a terminal.
 
-The strip of the picture that the bore's axis crosses just outside the mouth is unrolled: one row
-for each distance from the face, one column for each place across. What lies behind looks alike all
-along a row, so most of a row tells what its middle would look like if nothing were there. Rows that
+The strip of the picture that the opening's axis crosses just outside it is unrolled: one row for
+each distance from the face, one column for each place across. What lies behind looks alike all
+along a row, so most of a row shows what its middle would look like if nothing were there. Rows that
 look so show an empty axis. Rows whose middle differs show something thin, which has a colour, a
 middle line and, when it is an end that is not pushed in, a ferrule.
 
-One picture that shows the axis empty proves that nothing sits in the mouth. That something sits
+One picture that shows the axis empty proves that nothing sits in the opening. That something sits
 there takes two pictures from places apart: what passes above or below the axis lies beside it in
-one of them. A picture with depth tells by itself how high a thing is.
+one of them. A picture with depth measures the height of an object by itself.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ STEP_M = 0.00025
 REACH_M = 0.014
 HALF_WIDTH_M = 0.009  # a neighbour is 12 mm away
 # What is nearer to the face than the first is mixed with the funnel's rim; within the second a
-# wire is as straight as its bore [m].
+# wire is as straight as its opening [m].
 RIM_M, STRAIGHT_M = 0.0020, 0.0080
 # A seated wire shows within so many diameters of the axis, and so much more per length that it has
 # gone on.
@@ -55,7 +55,7 @@ SAME_LEVELS, OTHER_LEVELS = 6.0, 20.0
 # Its distance from that colour is at most this [grey levels].
 FAR_LEVELS = 60.0
 # A label's white and a housing under the cell's usual light; white is overexposed from the third on
-# [grey levels]. With less than this share of the light nothing is told of colours.
+# [grey levels]. With less than this share of the light colours are not judged.
 WHITE_LEVEL, HOUSING_LEVEL, FULL_LEVEL, DARK = 246.0, 92.0, 254.0, 0.25
 # Heights by depth may err by this much [m].
 HEIGHT_M = 0.005
@@ -68,43 +68,43 @@ CORE_SHARE, CLEAR_OF_FERRULE_M, LEAST_SAMPLES = 0.8, 0.0008, 20
 Mask = npt.NDArray[np.bool_]
 
 
-class Sight(Enum):
-    """What a picture shows before a mouth."""
+class Occupancy(Enum):
+    """What a picture shows before an opening."""
 
-    WIRE = "a wire of that colour goes into the mouth"
-    OTHER_WIRE = "a wire of another colour goes into the mouth"
-    LOOSE_END = "an end lies before the mouth"
-    EMPTY = "nothing is before the mouth"
-    UNCLEAR = "it is not seen what is before the mouth"
+    WIRE = "a wire of that colour goes into the opening"
+    OTHER_WIRE = "a wire of another colour goes into the opening"
+    LOOSE_END = "an end lies before the opening"
+    EMPTY = "nothing is before the opening"
+    UNCLEAR = "it is not visible what is before the opening"
 
 
 @dataclass(frozen=True)
-class MouthSight:
-    """One picture's answer.
+class OpeningObservation:
+    """What one picture shows.
 
     Attributes:
-        sight: what it shows.
-        proven: whether a single picture is enough for that: nothing was seen, or its height too.
+        occupancy: what it shows.
+        verified: whether this picture alone is enough: nothing was seen, or its height too.
     """
 
-    sight: Sight
-    proven: bool
+    occupancy: Occupancy
+    verified: bool
 
 
-def settle(sights: Sequence[MouthSight]) -> Sight:
+def combine(observations: Sequence[OpeningObservation]) -> Occupancy:
     """Return what several pictures show together; UNCLEAR as long as they do not prove it."""
-    if any(seen.sight is Sight.EMPTY for seen in sights):
-        return Sight.EMPTY
-    clear = [seen for seen in sights if seen.sight is not Sight.UNCLEAR]
-    kinds = {seen.sight for seen in clear}
-    if len(kinds) == 1 and (len(clear) > 1 or clear[0].proven):
-        return clear[0].sight
-    return Sight.UNCLEAR
+    if any(seen.occupancy is Occupancy.EMPTY for seen in observations):
+        return Occupancy.EMPTY
+    clear = [seen for seen in observations if seen.occupancy is not Occupancy.UNCLEAR]
+    kinds = {seen.occupancy for seen in clear}
+    if len(kinds) == 1 and (len(clear) > 1 or clear[0].verified):
+        return clear[0].occupancy
+    return Occupancy.UNCLEAR
 
 
 @dataclass(frozen=True, eq=False)
 class Strip:
-    """The unrolled picture before a mouth.
+    """The unrolled picture before an opening.
 
     Attributes:
         along: (n,) distance of each row from the face [m].
@@ -120,7 +120,7 @@ class Strip:
 
 
 def unroll(picture: Picture, world_from_socket: Pose) -> Strip | None:
-    """Return the strip before a mouth; None when it is not wholly in the picture."""
+    """Return the strip before an opening; None when it is not wholly in the picture."""
     along = np.arange(0.0, REACH_M, STEP_M)
     across = np.arange(-HALF_WIDTH_M, HALF_WIDTH_M + STEP_M / 2, STEP_M)
     grid = np.stack(np.meshgrid(-along, across, indexing="ij"), axis=-1).reshape(-1, 2)
@@ -141,7 +141,7 @@ def unroll(picture: Picture, world_from_socket: Pose) -> Strip | None:
 def light_on(picture: Picture, component: Component, pose: Pose) -> float:
     """Return how bright a component's top is, as a share of the cell's usual light.
 
-    Its label's white tells it, or, where that is overexposed, the housing beside the label.
+    It is measured on its label's white or, where that is overexposed, the housing beside the label.
     """
     corners = label_corners(component)
     middle = corners.mean(axis=0)
@@ -163,20 +163,20 @@ def _brightness(picture: Picture, points: Array) -> float:
     return float(np.median(levels.mean(axis=-1)))
 
 
-def look_at_mouth(
+def observe_opening(
     picture: Picture, world_from_socket: Pose, wire: Wire, light: float
-) -> MouthSight:
-    """Return what a picture shows before a mouth.
+) -> OpeningObservation:
+    """Return what a picture shows before an opening.
 
     Args:
         picture: of it.
-        world_from_socket: the mouth's frame, x into the bore, by the component's label.
+        world_from_socket: the opening's frame, x into the terminal, by the component's label.
         wire: whose end is asked for.
         light: on it, as a share of the cell's usual light.
     """
     strip = unroll(picture, world_from_socket)
     if strip is None:
-        return MouthSight(Sight.UNCLEAR, False)
+        return OpeningObservation(Occupancy.UNCLEAR, False)
     rows = (strip.along >= RIM_M) & (strip.along <= STRAIGHT_M)
     half = SHOWN_DIAMETERS * wire.diameter + LEAVING * np.clip(strip.along - RIM_M, 0.0, None)
     near = np.abs(strip.across) <= half[:, None]
@@ -189,18 +189,18 @@ def look_at_mouth(
     if np.all(shown[rows] < NOISE_LEVELS) and not goes_on:
         return _empty(strip, rows[:, None] & near, world_from_socket)
     if np.mean(shown[rows] > SHOWN_LEVELS) < MOST:
-        return MouthSight(Sight.UNCLEAR, False)
+        return OpeningObservation(Occupancy.UNCLEAR, False)
     # The middle of what shows: its rims are mixed with what is behind.
-    thing = rows[:, None] & (differs > np.maximum(SHOWN_LEVELS, CORE_SHARE * shown[:, None]))
+    object_mask = rows[:, None] & (differs > np.maximum(SHOWN_LEVELS, CORE_SHARE * shown[:, None]))
     ferrule = _ferrule_length(strip, wire)
     if ferrule > PUSHED_OUT_M:
-        sight = Sight.LOOSE_END
+        occupancy = Occupancy.LOOSE_END
     elif ferrule > PUSHED_IN_M or not _on_axis(strip, differs, rows):
-        sight = Sight.UNCLEAR
+        occupancy = Occupancy.UNCLEAR
     else:
         beyond = strip.along > ferrule + CLEAR_OF_FERRULE_M
-        sight = _whose(strip.rgb[thing & beyond[:, None]], wire, light)
-    return _at_height(sight, strip, thing, world_from_socket, wire)
+        occupancy = _whose(strip.rgb[object_mask & beyond[:, None]], wire, light)
+    return _at_height(occupancy, strip, object_mask, world_from_socket, wire)
 
 
 def _sampled(image: npt.NDArray[np.integer[Any] | np.floating[Any]], pixels: Array) -> Array:
@@ -214,13 +214,13 @@ def _most(differs: Array, count: int) -> Array:
     return np.asarray(np.sort(differs, axis=1)[:, -count:].mean(axis=1))
 
 
-def _empty(strip: Strip, axis: Mask, world_from_socket: Pose) -> MouthSight:
+def _empty(strip: Strip, axis: Mask, world_from_socket: Pose) -> OpeningObservation:
     """Return EMPTY, or UNCLEAR when something wide hides the strip."""
     if strip.height is None:
-        return MouthSight(Sight.EMPTY, True)
+        return OpeningObservation(Occupancy.EMPTY, True)
     highest = float(np.quantile(strip.height[axis], 0.9))
     low = highest < float(world_from_socket.position[2]) - HEIGHT_M
-    return MouthSight(Sight.EMPTY if low else Sight.UNCLEAR, low)
+    return OpeningObservation(Occupancy.EMPTY if low else Occupancy.UNCLEAR, low)
 
 
 def _ferrule_length(strip: Strip, wire: Wire) -> float:
@@ -233,7 +233,7 @@ def _ferrule_length(strip: Strip, wire: Wire) -> float:
 
 
 def _on_axis(strip: Strip, differs: Array, rows: Mask) -> bool:
-    """Return whether the middle line of what shows leads out of the mouth."""
+    """Return whether the middle line of what shows leads out of the opening."""
     weights = np.clip(differs[rows] - NOISE_LEVELS, 0.0, None)
     middles = weights @ strip.across / np.maximum(weights.sum(axis=1), 1e-9)
     slope, offset = np.polyfit(strip.along[rows], middles, 1)
@@ -241,16 +241,16 @@ def _on_axis(strip: Strip, differs: Array, rows: Mask) -> bool:
     return bool(abs(offset) < ASIDE_M and abs(slope) < LEAVING)
 
 
-def _whose(pixels: Array, wire: Wire, light: float) -> Sight:
-    """Return whether pixels (n, 3) of what goes into the mouth have the colour of a wire."""
+def _whose(pixels: Array, wire: Wire, light: float) -> Occupancy:
+    """Return whether pixels (n, 3) of what goes into the opening have the colour of a wire."""
     if light < DARK or len(pixels) < LEAST_SAMPLES:
-        return Sight.UNCLEAR
+        return Occupancy.UNCLEAR
     away = {code: _away(pixels, code, light) for code in WIRE_RGB}
     own = away.pop(wire.colour)
     nearest = min(away.values())
     if own < FAR_LEVELS and own < nearest + SAME_LEVELS:
-        return Sight.WIRE
-    return Sight.OTHER_WIRE if own > nearest + OTHER_LEVELS else Sight.UNCLEAR
+        return Occupancy.WIRE
+    return Occupancy.OTHER_WIRE if own > nearest + OTHER_LEVELS else Occupancy.UNCLEAR
 
 
 def _away(pixels: Array, colour: str, light: float) -> float:
@@ -263,11 +263,11 @@ def _away(pixels: Array, colour: str, light: float) -> float:
 
 
 def _at_height(
-    sight: Sight, strip: Strip, thing: Mask, world_from_socket: Pose, wire: Wire
-) -> MouthSight:
-    """Return what is seen, proven when it is as high as the mouth, UNCLEAR when it is not."""
-    if strip.height is None or sight is Sight.UNCLEAR:
-        return MouthSight(sight, False)
-    top = float(np.median(strip.height[thing]))
+    occupancy: Occupancy, strip: Strip, object_mask: Mask, world_from_socket: Pose, wire: Wire
+) -> OpeningObservation:
+    """Return what is seen, verified when it is as high as the opening, UNCLEAR when it is not."""
+    if strip.height is None or occupancy is Occupancy.UNCLEAR:
+        return OpeningObservation(occupancy, False)
+    top = float(np.median(strip.height[object_mask]))
     fits = abs(top - float(world_from_socket.position[2]) - wire.radius) < HEIGHT_M
-    return MouthSight(sight if fits else Sight.UNCLEAR, fits)
+    return OpeningObservation(occupancy if fits else Occupancy.UNCLEAR, fits)

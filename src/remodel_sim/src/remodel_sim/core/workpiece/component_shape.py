@@ -1,11 +1,12 @@
-r"""The solid shape of a component: boxes around its bores, a funnel at each mouth, and its label.
+r"""The solid shape of a component: boxes around its openings, a funnel at each, and its label.
 
 The half of the component on each side that has terminals is cut into pockets. A pocket is as wide
-as its mouth; inside it four walls narrow it to the bore, and four inclined plates make the funnel:
+as its opening with the funnel; inside it four walls narrow it, and four inclined plates make the
+funnel:
 
       face   chamfer        depth
         |\\_____|______________|
-        |       bore           | bottom
+        |       inside         | bottom
         | _____________________|
         |/      |              |
 """
@@ -47,7 +48,7 @@ class Box:
         size: [m].
         rpy: fixed-axis rotation [rad].
         rgb: colour.
-        solid: whether things collide with it.
+        solid: whether others collide with it.
     """
 
     centre: Vector
@@ -63,7 +64,7 @@ def component_boxes(component: Component) -> tuple[Box, ...]:
 
 
 def opens_forward(terminal: Terminal) -> bool:
-    """Return whether the mouth is on the component's +x side (the bore goes towards -x)."""
+    """Return whether the opening is on the component's +x side and leads towards -x."""
     return math.cos(terminal.insertion_yaw) < 0
 
 
@@ -72,7 +73,7 @@ def _housing(component: Component) -> Iterator[Box]:
     cut = {}
     for side in (-1, 1):
         terminals = sorted(
-            (bore for bore in _bores(component) if opens_forward(bore) == (side > 0)),
+            (bore for bore in _openings(component) if opens_forward(bore) == (side > 0)),
             key=lambda t: t.mouth[1],
         )
         cut[side] = max((t.depth for t in terminals), default=0.0)
@@ -82,8 +83,8 @@ def _housing(component: Component) -> Iterator[Box]:
     yield Box(((cut[-1] - cut[1]) / 2, 0, height / 2), (core, width, height), HOUSING)
 
 
-def _bores(component: Component) -> Iterator[Terminal]:
-    """Yield every bore, those of a header one by one."""
+def _openings(component: Component) -> Iterator[Terminal]:
+    """Yield every opening, those of a header one by one."""
     for terminal in component.terminals:
         x, y, z = terminal.mouth
         for offset in terminal.offsets:
@@ -126,18 +127,18 @@ def _side(side: int, terminals: list[Terminal], cut: float, size: Vector) -> Ite
 
 
 def _funnel(terminal: Terminal, side: int) -> Iterator[Box]:
-    """Four plates at 45 degrees from the mouth down to the bore."""
+    """Four plates at 45 degrees from the face down to the opening's width."""
     chamfer = terminal.chamfer
     if chamfer <= 0:
         return
-    mouth_x, y, z = terminal.mouth
+    opening_x, y, z = terminal.mouth
     half = terminal.bore / 2 + chamfer
     length = chamfer * math.sqrt(2)
     # The middle of the funnel's surface, moved outward by half the plate's thickness.
     inward = chamfer / 2 - PLATE_THICKNESS_M / 2 / math.sqrt(2)
     outward = terminal.bore / 2 + chamfer / 2 + PLATE_THICKNESS_M / 2 / math.sqrt(2)
     inward += PLATE_THICKNESS_M / math.sqrt(2)
-    x = mouth_x - side * inward
+    x = opening_x - side * inward
     for sign in (-1, 1):
         yield Box(
             (x, y + sign * outward, z),

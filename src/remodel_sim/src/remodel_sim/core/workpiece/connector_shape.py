@@ -15,7 +15,7 @@ from remodel_sim.core.workpiece.wire_colours import FERRULE_RGB, WIRE_RGB, Rgb
 # The mark is as long as a ferrule, begins at the body's face, and stands so far out of the body.
 MARK_WIDTH_M = 0.004
 MARK_THICKNESS_M = 0.0002
-# Of polyamide with ribs to be gripped by; estimated.
+# Of polyamide, ribbed to be gripped by; estimated.
 BODY_FRICTION = 0.8
 
 

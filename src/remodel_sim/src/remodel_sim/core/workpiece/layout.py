@@ -31,20 +31,20 @@ WORLD_FROM_PANEL = Pose.level(0.50, 0.0, 0.0)
 # Tool centre to tip when a wire is held for insertion: short enough not to buckle or sag, long
 # enough for the fingers.
 GRASP_DISTANCE_M = 0.045
-# The tip waits so far in front of the mouth before it is pushed in.
+# The tip waits so far in front of the opening before it is pushed in.
 STANDOFF_M = 0.008
 
 PLATE_MAX_M = (0.55, 1.00)
-COMPONENT_HEIGHT_M = (0.030, 0.045)  # the hand passes over, and covers the bores
-MOUTH_HEIGHT_M = (0.020, 0.026)  # above the plate
+COMPONENT_HEIGHT_M = (0.030, 0.045)  # the hand clears it, and covers the openings
+OPENING_HEIGHT_M = (0.020, 0.026)  # above the plate
 TERMINAL_MAX_Y_M = 0.30
 CHANNEL_WIDTH_M = (0.100, 0.150)
-MOUTH_OFF_EDGE_M = 0.003  # between a mouth and its channel's edge
-BORE_CLEARANCE_M = (0.0006, 0.0020)  # bore minus wire diameter
+OPENING_OFF_EDGE_M = 0.003  # between an opening and its channel's edge
+OPENING_CLEARANCE_M = (0.0006, 0.0020)  # its width minus the wire diameter
 CHAMFER_M = (0.0010, 0.0025)
 DEPTH_M = (0.010, 0.020)
 DEPTH_BEYOND_FERRULE_M = 0.001  # an inserted ferrule is hidden: only loose ends show its colour
-MOUTH_GAP_M = 0.0005  # between neighbouring mouths
+OPENING_GAP_M = 0.0005  # between neighbouring openings
 RETENTION_N = (1.0, 200.0)
 MARKER_MIN_M = 0.011
 MARKER_MARGIN = 1 / 6  # of the label's side, all around
@@ -69,7 +69,7 @@ PIN_LENGTH_M = (0.006, 0.012)
 BODY_LENGTH_M = (0.021, 0.030)  # the pads hold it behind its face
 BODY_WIDTH_M = (0.006, 0.018)  # the open hand goes over it
 MATING_N = (1.0, 30.0)
-# A header holds more than the pull that proves its latch; its bores are deeper than the pins.
+# A header holds more than the pull that tests its latch; its openings are deeper than the pins.
 LATCH_N = (15.0, 200.0)
 DEPTH_BEYOND_PINS_M = 0.0005
 CLIP_FLOOR_M = 0.002  # under the wire
@@ -77,7 +77,7 @@ CLIP_MAX_HEIGHT_M = 0.030
 CLIP_LENGTH_M = (0.004, 0.030)
 CLIP_RETENTION_N = (2.0, 20.0)
 DUCT_WIDTH_M = (0.010, 0.150)
-DUCT_HEIGHT_M = (0.005, 0.045)  # the hand passes over
+DUCT_HEIGHT_M = (0.005, 0.045)  # the hand clears them
 # Feeding: the far tip lies within this, and after end a is in, end b is picked within reach.
 FEED_LIMIT_Y_M = 0.45
 FEED_REACH_M = 0.52
@@ -202,11 +202,11 @@ def _component(component: Component, panel: Panel, arms: Sequence[Arm]) -> Itera
         )
         for left, right in pairwise(row):
             gap = right.mouth[1] - left.mouth[1] - _half_row(left) - _half_row(right)
-            if gap < MOUTH_GAP_M:
+            if gap < OPENING_GAP_M:
                 yield (
-                    f"{name}: the mouths of terminals {left.id!r} and {right.id!r} are "
+                    f"{name}: the openings of terminals {left.id!r} and {right.id!r} are "
                     f"{gap * 1e3:.1f} mm apart; "
-                    f"at least {MOUTH_GAP_M * 1e3:.1f} mm"
+                    f"at least {OPENING_GAP_M * 1e3:.1f} mm"
                 )
     deepest = sum(
         max(
@@ -216,25 +216,26 @@ def _component(component: Component, panel: Panel, arms: Sequence[Arm]) -> Itera
         for s in (True, False)
     )
     if deepest + 0.002 > depth:
-        yield f"{name}: bores of {deepest:.3f} m in all do not fit into its depth of {depth:.3f} m"
+        yield f"{name}: openings of {deepest:.3f} m in all do not fit into its {depth:.3f} m"
 
 
-def _mouth_half(terminal: Terminal) -> float:
+def _opening_half(terminal: Terminal) -> float:
     return terminal.bore / 2 + terminal.chamfer
 
 
 def _half_row(terminal: Terminal) -> float:
-    """Return how far a terminal's mouths reach from their middle [m]."""
-    return terminal.offsets[-1] + _mouth_half(terminal)
+    """Return how far a terminal's openings reach from their middle [m]."""
+    return terminal.offsets[-1] + _opening_half(terminal)
 
 
 def _header(terminal: Terminal, name: str) -> Iterator[str]:
     yield from _within(f"{name}: ways", terminal.ways, WAYS, "")
     yield from _within(f"{name}: retention_force", terminal.retention_force, LATCH_N, "N")
-    gap = terminal.pitch - 2 * _mouth_half(terminal)
-    if gap < MOUTH_GAP_M:
+    gap = terminal.pitch - 2 * _opening_half(terminal)
+    if gap < OPENING_GAP_M:
         yield (
-            f"{name}: its mouths are {gap * 1e3:.1f} mm apart; at least {MOUTH_GAP_M * 1e3:.1f} mm"
+            f"{name}: its openings are {gap * 1e3:.1f} mm apart; "
+            f"at least {OPENING_GAP_M * 1e3:.1f} mm"
         )
 
 
@@ -249,10 +250,10 @@ def _terminal(
         return
     face = -math.cos(yaw) * component.size[0] / 2
     if abs(x - face) > 0.0005:
-        yield f"{name}: its mouth is at x {x:.4f} m; the side it opens to is at {face:.4f} m"
+        yield f"{name}: its opening is at x {x:.4f} m; the side it opens to is at {face:.4f} m"
     if abs(y) + _half_row(terminal) > component.size[1] / 2:
-        yield f"{name}: its mouth reaches beyond the component's side"
-    yield from _within(f"{name}: height of the mouth", z, MOUTH_HEIGHT_M)
+        yield f"{name}: its opening reaches beyond the component's side"
+    yield from _within(f"{name}: height of the opening", z, OPENING_HEIGHT_M)
     yield from _within(f"{name}: depth", terminal.depth, DEPTH_M)
     yield from _within(f"{name}: chamfer", terminal.chamfer, CHAMFER_M)
     yield from _within(f"{name}: retention_force", terminal.retention_force, RETENTION_N, "N")
@@ -265,19 +266,19 @@ def _terminal(
 
 
 def _reach(name: str, panel_from_socket: Pose, panel: Panel, arms: Sequence[Arm]) -> Iterator[str]:
-    mouth, into = panel_from_socket.position, unit_x(panel_from_socket)
-    channel = panel.channel_in_front_of(mouth)
+    opening, into = panel_from_socket.position, unit_x(panel_from_socket)
+    channel = panel.channel_in_front_of(opening)
     edge = channel.x + math.copysign(channel.width / 2, into[0])
-    if abs(mouth[0] - edge) > MOUTH_OFF_EDGE_M:
+    if abs(opening[0] - edge) > OPENING_OFF_EDGE_M:
         yield (
-            f"{name}: its mouth is at x {mouth[0]:.4f} m of the panel; it must open at an edge "
+            f"{name}: its opening is at x {opening[0]:.4f} m of the panel; it must open at an edge "
             "of a channel, "
             f"the nearest is channel {channel.id!r} at {edge:.4f} m"
         )
-    if not channel.y_min <= mouth[1] <= channel.y_max:
-        yield f"{name}: at y {mouth[1]:.3f} m it lies beyond the end of channel {channel.id!r}"
-    yield from _within(f"{name}: |y| on the panel", abs(mouth[1]), (0.0, TERMINAL_MAX_Y_M))
-    tool = WORLD_FROM_PANEL.apply(mouth - into * (GRASP_DISTANCE_M + STANDOFF_M))
+    if not channel.y_min <= opening[1] <= channel.y_max:
+        yield f"{name}: at y {opening[1]:.3f} m it lies beyond the end of channel {channel.id!r}"
+    yield from _within(f"{name}: |y| on the panel", abs(opening[1]), (0.0, TERMINAL_MAX_Y_M))
+    tool = WORLD_FROM_PANEL.apply(opening - into * (GRASP_DISTANCE_M + STANDOFF_M))
     yaws = (panel_from_socket.yaw, panel_from_socket.yaw + math.pi)
     poses = [ToolPose(tool[0], tool[1], tool[2], yaw) for yaw in yaws]
     if not any(arm.reaches(pose) for arm in arms for pose in poses):
@@ -347,15 +348,15 @@ def _wire(wire: Wire, panel: Panel) -> Iterator[str]:
             yield (
                 f"{name}: the ferrule of {wire.ferrule_length:.4f} m does not hide in "
                 f"'{component_id}/{terminal_id}', "
-                f"{terminal.depth:.4f} m deep; the bore must be {DEPTH_BEYOND_FERRULE_M} m deeper"
+                f"{terminal.depth:.4f} m deep; it must be {DEPTH_BEYOND_FERRULE_M} m deeper"
             )
     if len(sockets) == 2 and panel.channels:
         yield from _wire_length(name, wire, sockets, panel)
 
 
 def _clearance(name: str, terminal: Terminal, diameter: float, where: str) -> Iterator[str]:
-    limits = (BORE_CLEARANCE_M[0] * 1e3, BORE_CLEARANCE_M[1] * 1e3)
-    what = f"{name}: bore of {where} minus diameter"
+    limits = (OPENING_CLEARANCE_M[0] * 1e3, OPENING_CLEARANCE_M[1] * 1e3)
+    what = f"{name}: opening of {where} minus diameter"
     yield from _within(what, (terminal.bore - diameter) * 1e3, limits, "mm")
 
 
@@ -399,20 +400,24 @@ def _connectors(wire: Wire) -> Iterator[str]:
 
 
 def length_limits(
-    mouth_a: tuple[float, float], mouth_b: tuple[float, float], *, crossing: bool, direction: int
+    opening_a: tuple[float, float],
+    opening_b: tuple[float, float],
+    *,
+    crossing: bool,
+    direction: int,
 ) -> tuple[float, float]:
     """Return the least and the greatest length of a wire [m].
 
     Args:
-        mouth_a: (x, y) of one mouth, panel frame [m].
-        mouth_b: of the other.
+        opening_a: (x, y) of one opening, panel frame [m].
+        opening_b: of the other.
         crossing: whether they open into different channels.
         direction: +1 when the wire is fed from a towards +y, else -1.
     """
-    span = abs(mouth_b[1] - mouth_a[1])
+    span = abs(opening_b[1] - opening_a[1])
     least, most = CROSSING_BEYOND_M if crossing else LENGTH_BEYOND_M
     low = max(LENGTH_M[0], span + least)
-    high = min(LENGTH_M[1], max(low, span + most), FEED_REACH_M - direction * mouth_a[1])
+    high = min(LENGTH_M[1], max(low, span + most), FEED_REACH_M - direction * opening_a[1])
     return low, high
 
 
@@ -427,7 +432,7 @@ def _wire_length(name: str, wire: Wire, sockets: dict[End, Pose], panel: Panel) 
 def feed_direction(y_a: float, y_b: float) -> int:
     """Return +1 when a wire is laid from a towards +y.
 
-    The way its other end goes, else where there is more room.
+    Towards its other terminal, else where there is more room.
     """
     if abs(y_b - y_a) > 0.03:
         return 1 if y_b > y_a else -1

@@ -14,7 +14,7 @@ from remodel_states.core.codes import Code
 
 
 class Named(Protocol):
-    """What is told from others of its kind by an id."""
+    """An item that its id distinguishes from others of its kind."""
 
     @property
     def id(self) -> str:
@@ -40,7 +40,10 @@ class End(Enum):
 
 @dataclass(frozen=True)
 class Terminal:
-    """A clamp: a square bore with a chamfered mouth; a header: a row of them; component frame."""
+    """A clamp: a square, chamfered opening; a header: a row of them; component frame.
+
+    `mouth` is the middle of the opening or row, `bore` the width of an opening [m].
+    """
 
     id: str
     mouth: tuple[float, float, float]
@@ -54,7 +57,7 @@ class Terminal:
 
     @property
     def component_from_socket(self) -> Pose:
-        """The mouth's frame, in the middle of a row: x points into the bore."""
+        """The opening's frame, in the middle of a row: x points into the terminal."""
         return Pose.level(*self.mouth, self.insertion_yaw)
 
     @property
@@ -64,7 +67,7 @@ class Terminal:
 
     @property
     def offsets(self) -> tuple[float, ...]:
-        """Where its bores are along y from the middle of the row [m]."""
+        """Where its openings are along y from the middle of the row [m]."""
         return row(self.ways, self.pitch)
 
 
@@ -162,12 +165,12 @@ class Connector:
         return row(self.ways, self.pitch)
 
     def fits(self, terminal: Terminal) -> bool:
-        """Return whether a terminal is a header with a bore for each pin."""
+        """Return whether a terminal is a header with an opening for each pin."""
         return self.ways == terminal.ways and abs(self.pitch - terminal.pitch) < PITCH_TOLERANCE_M
 
 
 def row(count: int, pitch: float) -> tuple[float, ...]:
-    """Return the places of things in a row around its middle [m]."""
+    """Return the places of items in a row around its middle [m]."""
     return tuple((i - (count - 1) / 2) * pitch for i in range(count))
 
 
@@ -245,14 +248,14 @@ class Panel:
         return _named(self.wires, wire_id, "wire")
 
     def panel_from_socket(self, component_id: str, terminal_id: str) -> Pose:
-        """Return the nominal frame of a terminal's mouth; x points into the bore."""
+        """Return the nominal frame of a terminal's opening; x points into the terminal."""
         component = self.component(component_id)
         terminal = component.terminal(terminal_id)
         return component.panel_from_component @ terminal.component_from_socket
 
-    def channel_in_front_of(self, mouth: Array) -> Channel:
-        """Return the channel whose edge is nearest to a mouth, (3,) [m], panel frame."""
-        return min(self.channels, key=lambda c: abs(abs(mouth[0] - c.x) - c.width / 2))
+    def channel_in_front_of(self, opening: Array) -> Channel:
+        """Return the channel whose edge is nearest to an opening, (3,) [m], panel frame."""
+        return min(self.channels, key=lambda c: abs(abs(opening[0] - c.x) - c.width / 2))
 
 
 def _named(items: tuple[Item, ...], wanted: str, noun: str) -> Item:

@@ -16,7 +16,7 @@ from remodel_sim.core.workpiece.panel import Clip, Duct, Panel
 # A clip whose middle is so near to a wire's line, and that points so nearly along it, is its clip.
 CLIP_ASIDE_M = 0.010
 CLIP_TURN_RAD = math.radians(15.0)
-# Places in a duct that are looked at are so far apart [m].
+# Places in a duct that are checked are so far apart [m].
 DUCT_STEP_M = 0.02
 
 

@@ -1,7 +1,7 @@
 """A wire that has its place: it stays at the shape it had, as a picture or as a solid.
 
 Live wires lie on a solid one and slide along it; it yields to them softly, as a slack wire does,
-but comes back. The hand passes through it: it would push a real wire aside for good.
+but returns. The hand passes through it: it would push a real wire aside for good.
 """
 
 from __future__ import annotations

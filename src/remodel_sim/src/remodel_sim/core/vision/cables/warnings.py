@@ -1,4 +1,4 @@
-"""Reasons to doubt an answer: the light, the cables found, and what they leave unexplained."""
+"""Warnings about a result: the light, the cables found, and what they leave unexplained."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from remodel_sim.core.vision.pixels import Pixels
 
 NOTHING = "nothing in the picture looks like a cable"
 CLUTTERED = "the picture is too cluttered; clear the table, or take it from nearer"
-# A cable with less confidence is doubted.
+# A cable with less confidence causes a warning.
 SURE = 0.5
 # A picture is overexposed when this share of it is at the top of the scale, and dark when that
 # share of it stays below a level.
@@ -29,22 +29,22 @@ GOES_ON = 0.28
 BESIDE_WIDTHS = 1.7
 # A line that leaves its chord by less is straight [widths].
 STRAIGHT_WIDTHS = 0.5
-# Two ends of like colours [grey levels], this near [widths], that look at each other [cosine], may
+# Two ends of like colours [grey levels], this near [widths], that face each other [cosine], may
 # be one cable, with something hidden between them.
 SAME_COLOUR, FACING_WIDTHS, FACING = 60.0, 12.0, 0.8
 # Around a cable's width, shadow and blur explain so much more, to both sides together [widths],
 # and [px of the mask].
 RIM_WIDTHS, RIM_PX = 1.8, 3
 # A rest counts from this area on [squared cable widths], where it is this far from the table's
-# colour [standard deviations] and not at the rim of a thing.
+# colour [standard deviations] and not at the rim of a foreign object.
 REST = 4.0
 CLEAR = 8.0
-# A cable over a thing of another colour than the table is doubted from this share of it on, for a
-# rim of the thing may be taken for a cable, and a cable of the thing's colour is not seen.
-OVER_THING = 0.02
+# A cable over a foreign object of another colour than the table causes a warning from this share of
+# it on: a rim of the object may be taken for a cable, and a cable of its colour is not found.
+OVER_FOREIGN_OBJECT = 0.02
 
 
-def exposure_doubts(rgb: Pixels) -> Iterator[str]:
+def exposure_warnings(rgb: Pixels) -> Iterator[str]:
     """Yield what is wrong with the light of a picture (height, width, 3)."""
     some = rgb[::2, ::2]
     brightest = np.maximum(np.maximum(some[..., 0], some[..., 1]), some[..., 2])
@@ -55,7 +55,7 @@ def exposure_doubts(rgb: Pixels) -> Iterator[str]:
         yield "the picture is dark; take it with more light or a longer exposure"
 
 
-def cable_doubts(rgb: Pixels, cables: list[Cable]) -> Iterator[str]:
+def cable_warnings(rgb: Pixels, cables: list[Cable]) -> Iterator[str]:
     """Yield what is odd about cables in a picture (height, width, 3)."""
     if not cables:
         yield NOTHING
@@ -67,7 +67,10 @@ def cable_doubts(rgb: Pixels, cables: list[Cable]) -> Iterator[str]:
         for tip in cable.tips:
             column, row = tip.point
             if tip.end is End.HIDDEN:
-                yield f"cable {i} may go on beyond ({column:.0f}, {row:.0f}), where a thing lies"
+                yield (
+                    f"cable {i} may go on beyond ({column:.0f}, {row:.0f}), where a foreign object "
+                    "lies"
+                )
             elif tip.end is End.TIP and goes_on(rgb, tip, cable.width) > GOES_ON:
                 yield f"cable {i} may go on beyond ({column:.0f}, {row:.0f}), fainter"
             for j, other in enumerate(cables):
@@ -94,19 +97,21 @@ def _is_ruled(cable: Cable) -> bool:
     return bool(straight and all(tip.end is End.TRUNCATED for tip in cable.tips))
 
 
-def rest_doubts(foreground: Foreground, cables: list[Cable], scale: int) -> Iterator[str]:
+def remainder_warnings(foreground: Foreground, cables: list[Cable], scale: int) -> Iterator[str]:
     """Yield what is odd about cables in a mask made `scale` times smaller than the picture."""
     left = (foreground.distance > CLEAR).astype(np.uint8) & foreground.mask
-    if foreground.things.any():
-        left[cv2.dilate(foreground.things, np.ones((7, 7), np.uint8)) > 0] = 0
+    if foreground.foreign_objects.any():
+        left[cv2.dilate(foreground.foreign_objects, np.ones((7, 7), np.uint8)) > 0] = 0
     for i, cable in enumerate(cables):
         line = (cable.centreline + 0.5) / scale - 0.5
         _wipe(left, line, cable.width / scale)
         columns, rows = np.rint(line).astype(int).T
         height, width = left.shape
-        at = foreground.things[np.clip(rows, 0, height - 1), np.clip(columns, 0, width - 1)]
-        if at.mean() > OVER_THING:
-            yield f"cable {i} lies on a thing for {at.mean():.0%} of its length"
+        at = foreground.foreign_objects[
+            np.clip(rows, 0, height - 1), np.clip(columns, 0, width - 1)
+        ]
+        if at.mean() > OVER_FOREIGN_OBJECT:
+            yield f"cable {i} lies on a foreign object for {at.mean():.0%} of its length"
     if not cables:
         return
     typical = float(np.median([cable.width for cable in cables])) / scale

@@ -1,4 +1,4 @@
-"""How sure it is that a centreline is a cable: what its ribs show, as factors from 0 to 1.
+"""The confidence that a centreline is a cable: what its cross sections show, from 0 to 1.
 
 The limits were read off some 600 true and 100 false centrelines in rendered scenes
 (benchmarks/vision): between the two lies a wide gap for each of the factors.
@@ -21,19 +21,19 @@ from remodel_sim.core.vision.pixels import Pixels
 CONTRAST_SPREADS = (2.5, 5.0)  # at the edges, in spreads of the table
 CONTRAST_LEVELS = (7.0, 16.0)  # the same [grey levels]
 EDGES = (0.40, 0.65)  # share of the edges that are found and agree
-RIDGE = (0.30, 0.65)  # share of the ribs whose two sides are alike, and unlike the cable
+RIDGE = (0.30, 0.65)  # share of the sections whose two sides are alike, and unlike the cable
 LENGTH_WIDTHS = (5.0, 9.0)
 UNEVEN = (0.20, 0.10)  # spread of the width
-ONE_HUE = (0.75, 0.92)  # share of the ribs that show a shade of the cable's colour
-END_HUE = (0.2, 0.6)  # the same over so many ribs at either end
-END_RIBS = 10
+ONE_HUE = (0.75, 0.92)  # share of the sections that show a shade of the cable's colour
+END_HUE = (0.2, 0.6)  # the same over so many sections at either end
+END_SECTIONS = 10
 SHADES = (0.4, 2.0)
 # Another hue is this far from the shades of the cable's, as a share of its contrast.
 OTHER_HUE = 0.5
-# Share of the ribs with a shadow on one side, deeper than that share of the light.
+# Share of the sections with a shadow on one side, deeper than that share of the light.
 SHADOWS = (0.30, 0.10)
 DEEP = 0.75
-# Share of the ribs whose two halves are of different hues: half cable, half a hard shadow.
+# Share of the sections whose two halves are of different hues: half cable, half a hard shadow.
 TWO_HUES = (0.65, 0.35)
 # How far the edges stretch when the picture is blurred [px], and what part of a width is harmless.
 SOFT_PX = (6.2, 5.0)
@@ -44,7 +44,7 @@ ALIKE = 0.7
 
 @dataclass(frozen=True)
 class Evidence:
-    """Factors from 0 (no cable) to 1 (a cable beyond doubt).
+    """Factors from 0 (no cable) to 1 (certainly a cable).
 
     Attributes:
         contrast: of the edges.
@@ -79,10 +79,10 @@ class Evidence:
 
 def weigh(refined: Refined, spread: float) -> Evidence:
     """Weigh a centreline on a table whose colours have a spread [grey levels]."""
-    ribs = refined.ribs
-    rim = np.where(np.isfinite(ribs.edges), ribs.contrast, 0.0).min(axis=1)
-    left, right = ribs.beside[:, 0], ribs.beside[:, 1]
-    contrast = np.minimum(length(ribs.middle - left), length(ribs.middle - right))
+    sections = refined.sections
+    rim = np.where(np.isfinite(sections.edges), sections.contrast, 0.0).min(axis=1)
+    left, right = sections.beside[:, 0], sections.beside[:, 1]
+    contrast = np.minimum(length(sections.middle - left), length(sections.middle - right))
     alike = length(left - right) < ALIKE * contrast
     usual = median(rim)
     long = float(arc_lengths(refined.points)[-1]) / refined.width
@@ -92,11 +92,12 @@ def weigh(refined: Refined, spread: float) -> Evidence:
         ramp(float(alike.mean()), RIDGE),
         ramp(long, LENGTH_WIDTHS),
         ramp(refined.spread, UNEVEN),
-        _of_one_hue(ribs.middle, contrast),
+        _of_one_hue(sections.middle, contrast),
         min(
-            ramp(float(np.mean(ribs.shadow < DEEP)), SHADOWS),
+            ramp(float(np.mean(sections.shadow < DEEP)), SHADOWS),
             ramp(
-                float(np.mean(_other_hue(ribs.inside[:, 0], ribs.inside[:, 1], contrast))), TWO_HUES
+                float(np.mean(_other_hue(sections.inside[:, 0], sections.inside[:, 1], contrast))),
+                TWO_HUES,
             ),
             _sharp(refined),
         ),
@@ -106,14 +107,14 @@ def weigh(refined: Refined, spread: float) -> Evidence:
 
 def _sharp(refined: Refined) -> float:
     """Return how far the edges are sharp, or blur in a part of the width only."""
-    softness = median(refined.ribs.softness)
+    softness = median(refined.sections.softness)
     return 1.0 if softness < SOFT_WIDTHS * refined.width else ramp(softness, SOFT_PX)
 
 
 def _of_one_hue(colours: Pixels, contrast: Pixels) -> float:
     """Return how far colours (n, 3) are shades of their median: all along, and at the ends."""
     same = ~_other_hue(colours, median_colour(colours)[None], contrast)
-    ends = min(float(same[:END_RIBS].mean()), float(same[-END_RIBS:].mean()))
+    ends = min(float(same[:END_SECTIONS].mean()), float(same[-END_SECTIONS:].mean()))
     return min(ramp(float(same.mean()), ONE_HUE), ramp(ends, END_HUE))
 
 

@@ -1,12 +1,12 @@
-"""Find cables' two edges on ribs across them, to a fraction of a pixel.
+"""Find cables' two edges on cross-section profiles, to a fraction of a pixel.
 
-A rib is a row of samples across a centreline, and has two sides, from the middle outwards. An edge
-is where, on the way out, the cable's share of a sample falls below a half. Where the cable's colour
-differs from the surroundings' in more than brightness, samples are taken for mixtures of any shades
-of the two, so that neither the cable's dark side nor a shadow beside it moves the edge. Otherwise
-brightness has to tell: the edge is halfway between what lies near outside and the cable's shade at
-its rim, which is darker than within, since it is round. All ribs of all cables are worked on at
-once.
+A profile is a row of samples across a centreline, and has two sides, from the middle outwards. An
+edge is where, on the way out, the cable's share of a sample falls below a half. Where the cable's
+colour differs from the surroundings' in more than brightness, samples are taken for mixtures of any
+shades of the two, so that neither the cable's dark side nor a shadow beside it moves the edge.
+Otherwise brightness decides: the edge is halfway between what lies near outside and the cable's
+shade at its rim, which is darker than within, since it is round. All profiles of all cables are
+processed at once.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from remodel_sim.core.geometry import Array
 from remodel_sim.core.vision.cables.curves.robust_statistics import limited, median_colour
 from remodel_sim.core.vision.pixels import Pixels
 
-# Samples of a rib, and how far it reaches [widths].
+# Samples of a profile, and how far it reaches [widths].
 SAMPLES = 25
 REACH = 1.2
 OFFSETS = np.linspace(-REACH, REACH, SAMPLES).astype(np.float32)
 MIDDLE = SAMPLES // 2
 OUTWARD = OFFSETS[MIDDLE:]
 STEP = REACH / MIDDLE
-# Ribs averaged along the cable: noise falls, a bend within them does not matter.
+# Profiles averaged along the cable: noise falls, a bend within them does not matter.
 ALONG = 3
-# What of a rib shows the cable's body; its colour is learned from every third rib.
+# What of a profile shows the cable's body; its colour is learned from every third profile.
 SPARSE = 3
 BODY = slice(*np.searchsorted(OFFSETS, (-0.34, 0.34)).tolist())
-# Edges are looked for from here on outwards.
+# Edges are searched for from here on outwards.
 EDGE_FROM = int(np.searchsorted(OUTWARD, 0.28))
 
 
@@ -43,8 +43,8 @@ def _means(offsets: Pixels, *ranges: tuple[float, float]) -> Pixels:
     return (inside / inside.sum(axis=0)).astype(np.float32)
 
 
-# Of a rib: the surroundings at its left and at its right end, and the cable's middle.
-OF_RIB = _means(OFFSETS, (-1.3, -1.0), (1.0, 1.3), (-0.18, 0.18))
+# Of a profile: the surroundings at its left and at its right end, and the cable's middle.
+OF_SECTION = _means(OFFSETS, (-1.3, -1.0), (1.0, 1.3), (-0.18, 0.18))
 # Of a side: its middle, just inside an edge, and near outside.
 OF_SIDE = _means(OUTWARD, (-0.1, 0.18), (0.20, 0.34), (0.60, 0.80))
 # A round cable's rim is as bright as this share of its middle (set on rendered tubes); at an edge
@@ -53,9 +53,9 @@ RIM_SHADE = 0.65
 AT_EDGE = (0.05, 0.55)
 # What lies near outside differs from the middle by this share of what lies farther out, at least.
 NEAR_SHARE = 0.5
-# Colours are told apart in any shade when their directions differ by this sine, and when so much of
+# Colours are distinct in any shade when their directions differ by this sine, and when so much of
 # the cable's is no shade of the surroundings' [grey levels].
-TOLD_APART, TOLD_LEVELS = 0.12, 30.0
+DISTINCT_SINE, DISTINCT_LEVELS = 0.12, 30.0
 # A side that is this share of the other, in the same hue, lies in the cable's shadow.
 SHADOW = (0.35, 1.0)
 # Hues are the same when that much of the difference of two colours is left without shades.
@@ -63,7 +63,7 @@ SAME_HUE = 0.3
 
 
 @dataclass(frozen=True, eq=False)
-class Ribs:
+class CrossSections:
     """Edges along centrelines.
 
     Attributes:
@@ -86,9 +86,9 @@ class Ribs:
     shadow: Pixels
     softness: Pixels
 
-    def part(self, of: slice) -> Ribs:
-        """Return some of the ribs."""
-        return Ribs(
+    def part(self, of: slice) -> CrossSections:
+        """Return some of the profiles."""
+        return CrossSections(
             self.edges[of],
             self.contrast[of],
             self.middle[of],
@@ -101,8 +101,8 @@ class Ribs:
 
 def find_edges(
     rgb: Pixels, points: Array, normals: Array, width: Array, counts: npt.NDArray[np.int_]
-) -> Ribs:
-    """Return the edges on ribs.
+) -> CrossSections:
+    """Return the edges on profiles.
 
     Args:
         rgb: (height, width, 3).
@@ -117,7 +117,7 @@ def find_edges(
     picked = cv2.remap(rgb, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     blurred = cv2.blur(picked.astype(np.float32), (1, ALONG), borderType=cv2.BORDER_REPLICATE)
     colours = np.stack(cv2.split(blurred))
-    left, right, middle = (colours @ OF_RIB).transpose(2, 0, 1)
+    left, right, middle = (colours @ OF_SECTION).transpose(2, 0, 1)
     left, right, shadow = _lit(left, right)
     stops = np.cumsum(counts).tolist()
     bodies = [
@@ -125,16 +125,16 @@ def find_edges(
     ]
     own = np.stack([median_colour(body.reshape(3, -1).T) for body in bodies], axis=1)
     own = np.repeat(own, counts, axis=1)
-    # Both sides of all ribs in a row: the left ones, then the right ones.
+    # Both sides of all profiles in a row: the left ones, then the right ones.
     sides = np.concatenate([colours[:, :, MIDDLE::-1], colours[:, :, MIDDLE:]], axis=1)
     around = np.concatenate([left, right], axis=1)
     middles, insides, near = (sides @ OF_SIDE).transpose(2, 0, 1)
-    # Where the width is guessed too small, what should lie near outside is the cable itself.
+    # Where the assumed width is too small, what should lie near outside is the cable itself.
     outside, far = middles - near, middles - around
     hidden = _dot(outside, outside) < NEAR_SHARE**2 * _dot(far, far)
     near = np.where(hidden, around, near)
-    by_hue, told = _shares(sides, around, np.concatenate([own, own], axis=1))
-    edge, last = _fall(np.where(told[:, None], by_hue, _levels(sides, middles, insides, near)))
+    by_hue, distinct = _shares(sides, around, np.concatenate([own, own], axis=1))
+    edge, last = _fall(np.where(distinct[:, None], by_hue, _levels(sides, middles, insides, near)))
     apart = insides - around
     contrast = np.sqrt(_dot(apart, apart))
     rows = np.arange(len(last))
@@ -142,7 +142,7 @@ def find_edges(
     slope = np.maximum(np.sqrt(_dot(fall, fall)), 1e-3)
     softness = (contrast / slope).reshape(2, -1).max(axis=0) * (STEP * width)
     half = len(points)
-    return Ribs(
+    return CrossSections(
         np.stack([-width * edge[:half], width * edge[half:]], axis=1),
         contrast.reshape(2, -1).T,
         middle.T,
@@ -178,27 +178,27 @@ def _lit(left: Pixels, right: Pixels) -> tuple[Pixels, Pixels, Pixels]:
 
 
 def _shares(colours: Pixels, beside: Pixels, own: Pixels) -> tuple[Pixels, npt.NDArray[np.bool_]]:
-    """Return the cable's share of colours (3, n, m), and for which ribs (n,) it is to be trusted.
+    """Return the cable's share of colours (3, n, m), and for which profiles (n,) it is reliable.
 
     A colour is taken for a s + b o with the surroundings s and the cable's own colour o (3, n); the
     share is b / (a + b), by least squares.
     """
     ss, oo, so = _dot(beside, beside) + 1.0, _dot(own, own) + 1.0, _dot(beside, own)
     determinant = np.maximum(ss * oo - so**2, 1.0)
-    told = determinant > np.maximum(TOLD_APART**2 * oo, TOLD_LEVELS**2) * ss
+    distinct = determinant > np.maximum(DISTINCT_SINE**2 * oo, DISTINCT_LEVELS**2) * ss
     cs = _dot(colours, beside[:, :, None])
     co = _dot(colours, own[:, :, None])
     # The common factor 1 / determinant falls out of the share.
     a = np.maximum(oo[:, None] * cs - so[:, None] * co, 0.0)
     b = np.maximum(ss[:, None] * co - so[:, None] * cs, 0.0)
-    return b / np.maximum(a + b, 1e-3), told
+    return b / np.maximum(a + b, 1e-3), distinct
 
 
 def _levels(colours: Pixels, middle: Pixels, inside: Pixels, outside: Pixels) -> Pixels:
     """Return the cable's share of colours (3, n, m), from the middle outwards, by their level.
 
-    It is 1 where the colour is the cable's, in its middle or just inside the edge, whichever tells
-    more (a dark cable's highlight tells less), a half at the edge, and 0 near outside.
+    It is 1 where the colour is the cable's, in its middle or just inside the edge, whichever
+    differs more (a dark cable's highlight differs less), a half at the edge, and 0 near outside.
     """
     middle, inside = middle - outside, inside - outside
     way = np.where(_dot(middle, middle) > _dot(inside, inside), middle, inside)

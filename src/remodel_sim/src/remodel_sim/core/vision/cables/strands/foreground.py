@@ -3,8 +3,8 @@
 The table's colour at a place is the median around it, since cables cover little of a picture; how
 much it varies (grain, noise) is learned from the pixels that are nearest to it. A pixel counts as
 cable where its colour differs from every dimmed shade of the table by more than that variation.
-Things that are too thick for cables (cards, tools) are taken for table of another colour, so that
-a cable across them is seen as well.
+Foreign objects, too thick for cables (cards, tools), are taken for table of another colour, so that
+a cable across them is found as well.
 """
 
 from __future__ import annotations
@@ -48,16 +48,16 @@ class Foreground:
     Attributes:
         mask: (height, width), 1 where a cable is seen.
         reach: (height, width), each pixel's distance to what is no cable [px].
-        things: (height, width), 1 on and around things too thick for a cable.
+        foreign_objects: (height, width), 1 on and around objects too thick for a cable.
         half_width: of the cables, roughly [px].
         spread: standard deviation of the table's colours, the greatest direction [grey levels].
         covered: (height, width) distance from the table's colours [standard deviations].
-        distance: the same, or that from a thing's colours on a thing.
+        distance: the same, or that from a foreign object's colours on it.
     """
 
     mask: Pixels
     reach: Pixels
-    things: Pixels
+    foreign_objects: Pixels
     half_width: float
     spread: float
     covered: Pixels
@@ -75,18 +75,18 @@ def find_foreground(rgb: Pixels) -> Foreground:
     mask = _cables_without_shadows(distance, lit)
     reach = _reach(mask)
     half_width = _typical_half_width(reach)
-    things = _things(reach, half_width)
-    if things.any():
+    foreign_objects = _foreign_objects(reach, half_width)
+    if foreign_objects.any():
         near = _table_nearby(rgb, half_width)
         other = _distance(pixels, near, whiten)
-        on_thing = things > 0
-        distance = np.where(on_thing, np.minimum(covered, other), covered)
+        on_foreign_object = foreign_objects > 0
+        distance = np.where(on_foreign_object, np.minimum(covered, other), covered)
         other_lit = _unlike_any_shade(pixels, near, whiten)
-        lit = np.where(on_thing, lit & other_lit, lit)
+        lit = np.where(on_foreign_object, lit & other_lit, lit)
         mask = _cables_without_shadows(distance, lit)
-        mask[_things(_reach(mask), half_width) > 0] = 0
+        mask[_foreign_objects(_reach(mask), half_width) > 0] = 0
         reach = _reach(mask)
-    return Foreground(mask, reach, things, half_width, spread, covered, distance)
+    return Foreground(mask, reach, foreign_objects, half_width, spread, covered, distance)
 
 
 def _table(rgb: Pixels) -> Pixels:
@@ -174,7 +174,7 @@ def _typical_half_width(reach: Pixels) -> float:
     return max(1.0, median(ridge)) if len(ridge) else 1.0
 
 
-def _things(reach: Pixels, half_width: float) -> Pixels:
+def _foreign_objects(reach: Pixels, half_width: float) -> Pixels:
     """Return what is too thick for a cable, with a rim as wide as a cable's half width."""
     limit = THICK_HALF_WIDTHS * half_width + 1
     cores = (reach > limit).astype(np.uint8)
@@ -188,7 +188,7 @@ def _things(reach: Pixels, half_width: float) -> Pixels:
 
 
 def _table_nearby(rgb: Pixels, half_width: float) -> Pixels:
-    """Return the median over a few cable widths: the colour of a thing that a cable lies on."""
+    """Return the median over a few cable widths: the colour of a foreign object below a cable."""
     height, width = rgb.shape[:2]
     samples = np.ascontiguousarray(rgb[1::2, 1::2])
     window = 2 * round(1.8 * half_width) + 3

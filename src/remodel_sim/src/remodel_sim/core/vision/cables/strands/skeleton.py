@@ -1,7 +1,7 @@
 """From a mask to strands: thin it, and cut the skeleton where strands meet.
 
-Thinning is Guo and Hall's (Comm. ACM 32, 1989), each half step a look-up of the eight neighbours'
-code. (Zhang and Suen's eats up diagonal lines of two pixels from their ends.)
+Thinning is Guo and Hall's (Comm. ACM 32, 1989), each half step a table lookup of the eight
+neighbours' code. (Zhang and Suen's eats up diagonal lines of two pixels from their ends.)
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from remodel_sim.core.vision.pixels import Pixels
 MAX_ROUNDS = 40
 # A mask goes on for so much beyond its border while it is thinned [px].
 RIM = 8
-# What lies around a part of a picture is not looked at.
+# What lies around a part of a picture is not used.
 BORDER = cv2.BORDER_CONSTANT | cv2.BORDER_ISOLATED
 # The neighbours north, north-east, ... north-west as (row, column), and as bits of a code.
 NEIGHBOURS = ((-1, 0), (-1, 1), (0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1))

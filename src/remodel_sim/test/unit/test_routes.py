@@ -48,7 +48,7 @@ def test_a_clip_beside_across_or_behind_a_path_is_not_on_it(points):
     assert clips_along(path(*points), formboard(2)) == ()
 
 
-def test_a_path_is_looked_at_where_it_runs_in_a_duct():
+def test_a_path_is_checked_where_it_runs_in_a_duct():
     trough = duct(0.0, 0.0, length=0.12)
     places = places_in(trough, path((0.0, -0.2), (0.005, 0.02)))
     ys = [place.position[1] for place in places]
