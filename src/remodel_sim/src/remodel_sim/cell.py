@@ -76,7 +76,7 @@ class Cell:
         for robot in self.plant.design.robots:
             own = belief if robot is first else belief.beside(robot.name, robot.arm)
             robots[robot.name] = RobotContext(
-                self.plant, robot, own, robots, traffic, self._observers
+                self.plant, robot, own, robots, traffic=traffic, observers=self._observers
             )
         return robots
 

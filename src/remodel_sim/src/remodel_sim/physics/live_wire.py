@@ -40,7 +40,7 @@ class LiveWire:
     ) -> None:
         """Let the headers that the wire's connectors fit into latch."""
         self.latches = tuple(
-            Latch(world, self.cable, connector, headers_of(connector), self.clamps)
+            Latch(world, self.cable, connector, headers_of(connector), clamps=self.clamps)
             for connector in self.wire.connectors
         )
 

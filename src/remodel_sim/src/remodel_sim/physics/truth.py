@@ -60,8 +60,8 @@ def ground_truth(plant: Plant, wire_ids: list[str]) -> list[WireTruth]:
             nodes, fixed = parked.nodes, parked.fixed
         else:
             continue
-        a = _end_truth(plant, wire_id, End.A, nodes[0], fixed)
-        b = _end_truth(plant, wire_id, End.B, nodes[-1], fixed)
+        a = _end_truth(plant, wire_id, End.A, nodes[0], fixed=fixed)
+        b = _end_truth(plant, wire_id, End.B, nodes[-1], fixed=fixed)
         truths.append(WireTruth(wire_id, a, b))
     return truths
 

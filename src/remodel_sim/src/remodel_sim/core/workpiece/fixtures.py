@@ -77,11 +77,11 @@ def lips_of(clip: Clip) -> Lips:
     apart = clip.wire_diameter / 2 + radius
     angle, rubbing = math.acos(aside / apart), math.atan(LIP_FRICTION * WIRE_FRICTION)
     return Lips(
-        radius,
-        aside,
-        clip.height + PLAY_M + math.sqrt(apart**2 - aside**2),
-        clip.wire_diameter / 2,
-        clip.retention_force / (2 * math.tan(angle + rubbing)),
+        radius=radius,
+        aside=aside,
+        height=clip.height + PLAY_M + math.sqrt(apart**2 - aside**2),
+        travel=clip.wire_diameter / 2,
+        force=clip.retention_force / (2 * math.tan(angle + rubbing)),
     )
 
 
