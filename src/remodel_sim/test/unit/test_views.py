@@ -6,7 +6,7 @@ import pytest
 from panels import panel
 
 from remodel_sim.abilities.detect_cable import detect_cable
-from remodel_sim.abilities.execution.robot_context import Observers
+from remodel_sim.abilities.execution.observers import Observers
 from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals

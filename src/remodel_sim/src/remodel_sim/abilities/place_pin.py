@@ -208,8 +208,7 @@ def _draw(hand: Hand) -> Steps[None]:
     for tick in range(1, math.ceil(DRAW_M / DRAW_SPEED / context.tick_s) + 1):
         if tick * context.tick_s > BLIND_S and axial(context.force - rest, out) > TAUT_N:
             break
-        x, y, _ = (float(v) for v in start.position + tick * DRAW_SPEED * context.tick_s * out)
-        context.drive(ToolPose(x, y, start.z, start.yaw))
+        context.drive(start.moved(out, tick * DRAW_SPEED * context.tick_s))
         yield
     check_grip(context)
 

@@ -5,13 +5,11 @@ The arm, its sensors, the cameras, the clamps' drives, the panel's drawing and t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Generator, Mapping
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
-import numpy as np
-import numpy.typing as npt
-
+from remodel_sim.abilities.execution.observers import Image, Observers
 from remodel_sim.core.belief.belief_state import BeliefState, Feed, Grip
 from remodel_sim.core.camera import Picture, View
 from remodel_sim.core.cell.cell_design import RobotDesign
@@ -37,28 +35,6 @@ T = TypeVar("T")
 # An ability is a generator: each `yield` lets the cell advance by one tick; what it returns is its
 # result.
 Steps = Generator[None, None, T]
-
-Image = npt.NDArray[np.uint8]
-# Called after every observation: camera, picture, and what was found drawn into it (None before it
-# is known).
-OnObservation = Callable[[str, Picture, Image | None], None]
-
-
-# Called with poses in the world, by the names of their frames, that a goal asks to be shown.
-OnFrames = Callable[[Mapping[str, Pose]], None]
-
-
-@dataclass(frozen=True)
-class Observers:
-    """Callbacks that receive what abilities observe and intend; they change nothing.
-
-    Attributes:
-        on_observation: called after every observation.
-        on_frames: called with the poses that a goal asks to show.
-    """
-
-    on_observation: OnObservation | None = None
-    on_frames: OnFrames | None = None
 
 
 class AbilityResult(Protocol):

@@ -30,6 +30,8 @@ WAIT_S = 0.1
 TRACKING_TOLERANCE_M = 0.003
 # The servo lags by up to 8 mm at full speed; more means that something is in the way.
 MAX_LAG_M = 0.015
+# A held end is pulled so far out of an opening.
+CLEAR_OF_OPENING_M = 0.008
 
 
 def move_to(context: RobotContext, target: ToolPose, speed: float) -> Steps[None]:
@@ -190,12 +192,8 @@ def disengage(context: RobotContext) -> Steps[None]:
     grip, at = context.belief.grip, context.commanded
     ahead = float((at.position - socket.position) @ into) + grip.distance
     back = max(0.0, ahead + CLEAR_OF_OPENING_M)
-    target = ToolPose(at.x - back * into[0], at.y - back * into[1], at.z, at.yaw)
-    yield from move_to(context, target, APPROACH_SPEED / 2)
+    yield from move_to(context, at.moved(into, -back), APPROACH_SPEED / 2)
     context.belief.engaged = None
-
-
-CLEAR_OF_OPENING_M = 0.008
 
 
 def choose_flip(

@@ -65,13 +65,8 @@ def lip_top(clip: Clip) -> float:
     return lips.height + lips.radius
 
 
-def resting_height(clip: Clip) -> float:
-    """Return the height of a wire's axis that lies on the closed lips, above the plate [m]."""
-    return 2 * lips_of(clip).height - clip.height - PLAY_M
-
-
 def lips_of(clip: Clip) -> Lips:
-    """Return the lips that let a wire go at the clip's retention force."""
+    """Return the lips that release a wire at the clip's retention force."""
     radius = LIP_RADIUS_SHARE * clip.wire_diameter
     aside = GAP_SHARE * clip.wire_diameter / 2 + radius
     apart = clip.wire_diameter / 2 + radius
