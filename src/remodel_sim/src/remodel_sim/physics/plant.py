@@ -53,7 +53,7 @@ PLUG_FROM_M = 0.005
 
 
 class Plant:
-    """The world of one cell. Everything random comes from the seed and the order of what is asked.
+    """The world of one cell. Everything random follows from the seed and the order of requests.
 
     Attributes:
         design: of the cell.
@@ -86,7 +86,7 @@ class Plant:
         self.load(panel)
 
     def load(self, panel: Panel) -> None:
-        """Build a panel from nothing.
+        """Build a panel without wires.
 
         Raises PanelError and changes nothing when it breaks the rules.
         """

@@ -1,4 +1,4 @@
-"""Where the wires really are. Only tests, reports and scores may ask."""
+"""Ground truth: where the wires really are. Only tests, reports and scores use it."""
 
 from __future__ import annotations
 

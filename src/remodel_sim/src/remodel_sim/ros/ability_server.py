@@ -35,7 +35,7 @@ class CellAbilityServer(AbilityServer):
         super().__init__(ability)
 
     def schedule(self, take: Callable[[], None]) -> None:
-        """Have a new goal taken between two ticks."""
+        """Queue a new goal, to be accepted between two ticks."""
         self._owner.post(take)
 
     def prepare(self, goal: Message) -> tuple[list[RobotContext], Goal]:
@@ -45,7 +45,7 @@ class CellAbilityServer(AbilityServer):
         return contexts, self._checked(goal, contexts)
 
     def start(self, running: RunningGoal, prepared: tuple[list[RobotContext], Goal]) -> None:
-        """Have a goal done by the owner of the plant."""
+        """Queue a goal for the owner of the plant."""
         finish, keep = partial(self.finish, running), self._owner.cell.keep
         self._owner.jobs.append(Job(self._steps, running, *prepared, keep=keep, finish=finish))
 

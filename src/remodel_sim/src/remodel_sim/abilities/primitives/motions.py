@@ -90,7 +90,7 @@ def swing_to(context: RobotContext, target: ToolPose) -> Steps[None]:
 
 
 def wait(context: RobotContext, seconds: float) -> Steps[None]:
-    """Let time pass."""
+    """Wait for a time [s]."""
     for _ in range(math.ceil(seconds / context.tick_s)):
         yield
 
@@ -117,7 +117,7 @@ def clear_hand(context: RobotContext) -> Steps[None]:
 
 
 def clear_path(context: RobotContext, postures: Array) -> Steps[None]:
-    """Wait until no other robot is in the way of a path, (n, 7) [rad], and claim its room.
+    """Wait until no other robot is in the way of a path, (n, 7) [rad], and claim its space.
 
     A robot that does nothing and holds nothing is sent home.
 
@@ -206,8 +206,8 @@ def choose_flip(
     """Return how to hold a wire, tip along the hand's x axis (0) or against it (pi).
 
     The hand grasps at one place and turns the wire to another direction at a second one; joint 7
-    must reach both, and turn the short way between them. Of two ways the one further from joint 7's
-    limits is taken.
+    must reach both, and turn the short way between them. Of two possible holds it takes
+    the one further from joint 7's limits.
 
     Raises:
         AbilityError: UNREACHABLE.

@@ -53,7 +53,7 @@ class OverheadObservation:
 
 
 def loose_ends(context: RobotContext) -> list[End]:
-    """Return the ends of the live wire that lie about."""
+    """Return the ends of the live wire that are neither in a terminal nor in a hand."""
     belief = context.belief
     held = {grip.end for grip in belief.hands.values()}
     return [e for e, state in belief.ends.items() if state is EndState.LOOSE and e not in held]

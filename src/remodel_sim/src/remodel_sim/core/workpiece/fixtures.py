@@ -1,4 +1,4 @@
-r"""Fixtures that hold wires along their way: clips whose lips snap, and ducts.
+r"""Fixtures that hold wires along their route: clips whose lips snap, and ducts.
 
 Seen along the wire, a clip is a channel under two round lips that slide apart against a force:
 

@@ -85,7 +85,7 @@ MARKER_IDS = 250
 
 
 def find_problems(panel: Panel, arms: Sequence[Arm] = (PANDA_AT_ORIGIN,)) -> tuple[str, ...]:
-    """Return every way in which a panel breaks the rules, one sentence each.
+    """Return every violation of the rules by a panel, one sentence each.
 
     None: it can be built. Each terminal must be within reach of one of the arms.
     """
