@@ -54,10 +54,10 @@ class Client:
         return self.wait()
 
 
-def call(name, kind, **fields):
+def call(name, service_class, /, **fields):
     """Call a service of the cell; return its response, which must not report a failure."""
     rospy.wait_for_service(f"cell/{name}", 10)
-    response = rospy.ServiceProxy(f"cell/{name}", kind)(**fields)
+    response = rospy.ServiceProxy(f"cell/{name}", service_class)(**fields)
     assert getattr(response, "success", True), response
     return response
 
