@@ -69,7 +69,6 @@ FOLDERS_WITH_CYCLE = {
 }
 LARGE_FOLDERS = {
     "flexbe_core.core",
-    "flexbe_core.engine",
     "remodel_sim.abilities",
     "remodel_sim.core",
     "remodel_sim.core.vision.cables",

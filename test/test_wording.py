@@ -49,7 +49,6 @@ BANNED = {
 
 # Packages whose Python still has banned words. This list only shrinks.
 NOT_YET_CLEAN = {
-    "flexbe_core",
     "flexbe_input",
     "flexbe_mirror",
     "flexbe_onboard",

@@ -348,7 +348,7 @@ class OnboardTest(unittest.TestCase):
     def test_a_state_that_does_not_watch_fails_when_its_server_dies(self):
         self.assertLess(self.lose_server(watch=False), NOTICED_S)
         self.assert_ends(BEStatus.FAILED)
-        self.assert_told("action server lost_action has gone away during a goal")
+        self.assert_told("action server lost_action stopped during a goal")
 
     # Refusals
 

@@ -125,7 +125,9 @@ class PreparingTest(unittest.TestCase):
         self.prepare(level=255, pause=True)
         self.begin()
         self.assert_finishes()
-        told = self.engine.log.wait(lambda m: m.text.startswith("pause has no effect: nobody"))
+        told = self.engine.log.wait(
+            lambda m: m.text.startswith("pause has no effect: the behavior is not supervised")
+        )
         self.assertIn("(autonomy 255); attach to it first", told.text)
         self.assertEqual([m.command for _, m in self.engine.feedback.messages], [])
 

@@ -27,7 +27,7 @@ from flexbe_msgs.msg import BehaviorSelection, BEStatus, CommandFeedback
 
 from flexbe_core import Behavior, BehaviorLibrary, Logger
 from flexbe_core.engine.errors import BehaviorFailure, StateMachineError
-from flexbe_core.engine.handover import Handover
+from flexbe_core.engine.migration import MigratingState
 from flexbe_core.proxy.proxy_action_client import cancel_all_goals
 from flexbe_core.ros import session
 from flexbe_core.ros.command_hub import HUB
@@ -185,17 +185,17 @@ class EngineNode:
             return
         self._feedback.publish("switch", [SwitchPhase.START.value])
         if running is not None:
-            running.release(lambda handover: self._offer(request, behavior, handover))
+            running.release(lambda migrating: self._offer(request, behavior, migrating))
 
     def _offer(
-        self, request: BehaviorSelection, behavior: Behavior, handover: Handover | None
+        self, request: BehaviorSelection, behavior: Behavior, migrating: MigratingState | None
     ) -> bool:
         """Take the active state over; called by the thread of the run, between two executions."""
-        if handover is None:
+        if migrating is None:
             self._call_off(request, SwitchPhase.FAILED, "no state is active")
             return False
         try:
-            behavior.take_over(handover)
+            behavior.attach_state(migrating)
         except StateMachineError as error:
             self._call_off(request, SwitchPhase.FAILED, str(error))
             return False

@@ -17,7 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-from flexbe_core.engine.supervision import PREEMPTED
+from flexbe_core.engine.supervision.in_force import PREEMPTED
 
 # [s] Wall time without a heartbeat (they come each second) after which the engine counts as gone.
 SILENCE_S = 5.0

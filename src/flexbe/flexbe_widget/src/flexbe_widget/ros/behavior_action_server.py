@@ -37,7 +37,7 @@ from flexbe_msgs.msg import (
 )
 
 from flexbe_core import BehaviorLibrary
-from flexbe_core.engine.supervision import PREEMPTED
+from flexbe_core.engine.supervision.in_force import PREEMPTED
 from flexbe_core.ros.steady_action_server import SteadyActionServer
 from flexbe_widget.core.run_watch import (
     ENGINE_LOST_TEXT,
