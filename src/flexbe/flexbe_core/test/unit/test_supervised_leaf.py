@@ -1,4 +1,4 @@
-"""Commands to a running engine, and its answers to the operator."""
+"""Commands to a running engine, and its answers."""
 
 from flexbe_core.engine.events import (
     NO_OUTCOME,
