@@ -57,7 +57,6 @@ NOT_YET_CLEAN = {
     "remodel_planning",
     "remodel_production",
     "remodel_sim",
-    "remodel_states",
     "remodel_supervision",
 }
 

@@ -131,7 +131,7 @@ class AbilityServer:
         threading.Thread(target=self._perform, args=(running,), daemon=True).start()
 
     def cancel(self, running: RunningGoal) -> None:
-        """Stop a goal that somebody cancels."""
+        """Stop a goal that a client cancels."""
         running.cancel()
 
     def finish(self, running: RunningGoal, end: Callable[[], None]) -> None:

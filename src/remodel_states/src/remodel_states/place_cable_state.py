@@ -8,7 +8,7 @@ from remodel_states.panel_pose import panel_pose
 
 
 class PlaceCableState(EventState):
-    """Lay the held end of a wire down and let go.
+    """Lay the held end of a wire down and release it.
 
     -- target  list  [x, y, z, yaw] in the panel frame [m, rad], of the tool centre at release.
     -- robot_name  string  Arm that does it, such as "robot_1".

@@ -434,7 +434,10 @@ class AbilityStatesTest(unittest.TestCase):
             )
             self.assertGreater(len(recorder.came), 1)
             text = warn.call_args[0][0]
-            self.assertIn("keep_record is asked for 0.3 s or longer: the disk is full", text)
+            expected = (
+                "keep_record has not accepted the request for 0.3 s or longer: the disk is full"
+            )
+            self.assertIn(expected, text)
             self.assertIn("rosparam delete /remodel/recorder", text)
             recorder.says = KeepRecordResponse(True, "")
             self.assertEqual(run(state, data), "fixed")

@@ -22,7 +22,7 @@ from remodel_states.ros_stopwatch import RosStopwatch
 _QUIET_S = 0.1
 _FEEDBACK_S = 0.5
 
-# [s] Wall time between two looks at the clock.
+# [s] Wall time between two readings of the clock.
 _POLL_S = 0.02
 
 
@@ -66,7 +66,7 @@ class RunningGoal:
 
     @property
     def is_cancelled(self) -> bool:
-        """Whether somebody asked to cancel it."""
+        """Whether a client asked to cancel it."""
         return self._cancelled.is_set()
 
     def is_cancelled_within(self, seconds: float) -> bool:
