@@ -68,12 +68,11 @@ FOLDERS_WITH_CYCLE = {
     "flexbe_synthesizer.core.library",  # `resolve` keeps what is computed from it
 }
 LARGE_FOLDERS = {
-    "flexbe_core.core",
+    "flexbe_core.core",  # FlexBE's import paths: a module for each class
     "remodel_sim.abilities",
     "remodel_sim.core",
     "remodel_sim.core.vision.cables",
     "remodel_sim.physics",
-    "remodel_states",
 }
 TEST_MODULES = {
     "remodel_console.testing.browser_test",

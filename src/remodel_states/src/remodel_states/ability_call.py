@@ -45,9 +45,8 @@ from remodel_msgs.srv import BeginOperationRequest
 from flexbe_core import EventState, Logger
 from flexbe_core.core import UserData
 from flexbe_core.proxy import ProxyActionClient, ProxyPublisher
-from remodel_states.core.contract_times import GRACE_S
-from remodel_states.described import described
-from remodel_states.record_keeping import (
+from remodel_states.calling.described import described
+from remodel_states.calling.record_keeping import (
     Keeping,
     Permit,
     Request,
@@ -55,7 +54,8 @@ from remodel_states.record_keeping import (
     owned_id,
     recorder,
 )
-from remodel_states.ros_stopwatch import RosStopwatch
+from remodel_states.core.contract_times import GRACE_S
+from remodel_states.core.ros_stopwatch import RosStopwatch
 
 RECORD_TOPIC = "remodel/ability_records"
 

@@ -28,7 +28,7 @@ from std_msgs.msg import String
 from flexbe_core import Logger
 from flexbe_core.core import UserData
 from flexbe_core.proxy import ProxyActionClient
-from remodel_states import record_keeping
+from remodel_states.calling import record_keeping
 from remodel_states.core.ability_tables import POSE as POSE_TYPE
 from remodel_states.core.ability_tables import POSES as POSES_TYPE
 from remodel_states.core.state_source import module_name

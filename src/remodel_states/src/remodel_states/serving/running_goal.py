@@ -13,10 +13,10 @@ from actionlib import ServerGoalHandle
 from genpy import Message
 from remodel_msgs.msg import ErrorCode
 
-from remodel_states.ability_messages import message_class
 from remodel_states.core.ability_error import AbilityError
 from remodel_states.core.ability_tables import Ability
-from remodel_states.ros_stopwatch import RosStopwatch
+from remodel_states.core.ros_stopwatch import RosStopwatch
+from remodel_states.serving.ability_messages import message_class
 
 # [s] Wall time between two feedbacks at least, and while `wait` is called, at most.
 _QUIET_S = 0.1

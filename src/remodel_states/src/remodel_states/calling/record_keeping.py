@@ -79,7 +79,8 @@ class Request:
         return (
             f"nothing moves: {self.recorder or RECORDER_PARAMETER} has not accepted the request "
             f"for {WARN_EVERY_S:g} s or longer: {self.trouble or 'no answer'}. Start the "
-            f"supervisor; or, to run behaviors unsupervised, `rosparam delete {rospy.resolve_name(RECORDER_PARAMETER)}`"
+            "supervisor; or, to run behaviors unsupervised, "
+            f"`rosparam delete {rospy.resolve_name(RECORDER_PARAMETER)}`"
         )
 
 
