@@ -56,7 +56,6 @@ NOT_YET_CLEAN = {
     "remodel_planner",
     "remodel_planning",
     "remodel_production",
-    "remodel_sim",
     "remodel_supervision",
 }
 
