@@ -16,9 +16,9 @@ from flexbe_synthesizer.core.chart.model import (
 )
 from flexbe_synthesizer.core.chart.problem import Code
 from flexbe_synthesizer.core.check.check import check_chart
+from flexbe_synthesizer.core.library.definite_assignment import outcome_effects
 from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.core.library.signature import Effect, Parameter, Port, StateClass
-from flexbe_synthesizer.core.library.written import outcome_effects
 
 
 def state_class(name, inputs=(), outputs=(), outcomes=("a", "b")):

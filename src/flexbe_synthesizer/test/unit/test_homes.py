@@ -120,7 +120,7 @@ def changed_by_another(giver):
         (shared_by_routes, "ext:on_error of state 'S' reads 'error_code'"),
         (shared_by_a_reader, "from 'a' of 'S', whose output 'b' is the same value, 'v'"),
         (written_by_its_reader, "from 'S', but 'T' writes the same value, 'v'"),
-        (written_inside, "may be written over while it is still read"),
+        (written_inside, "may be overwritten while it is still read"),
         (written_at_the_same_time, "which 'Make' writes at the same time"),
         (written_by_another, "from 'S', but 'T' writes the same value, 'v'"),
         (changed_by_another, "from 'S', but 'T' writes the same value, 'v'"),

@@ -229,7 +229,7 @@ def test_very_many_errors_are_reported_up_to_a_limit_and_in_time(ask, settings):
     code, text = refusal(ask, "wrong.xml")
     assert time.process_time() - before < 10.0
     assert len(text.splitlines()) == MOST_ERRORS
-    assert text.endswith("No more is checked after 1000 errors; mend these first.")
+    assert text.endswith("No more is checked after 1000 errors; correct these first.")
 
 
 def test_links_out_of_the_folders_bombs_and_large_files_are_refused(ask, settings, tmp_path):

@@ -36,4 +36,4 @@ def test_all_that_is_certified_is_shown():
 
 
 def test_a_run_without_a_limit_is_named():
-    assert "Nothing limits the time of a run" in certificate_html(certificate(None))
+    assert "The time of a run has no bound" in certificate_html(certificate(None))

@@ -301,7 +301,7 @@ def test_saving_an_unchanged_chart_changes_no_byte(session, charts, give, name):
     after = file.read_bytes()
     assert len(after) == len(before)
     assert sum(a != b for a, b in zip(after, before, strict=True)) == 1
-    assert give("save").endswith("nothing had changed")
+    assert give("save").endswith("nothing has changed")
 
 
 def test_a_note_goes_below_the_description(session, charts, give):
@@ -340,7 +340,7 @@ def test_a_chart_that_another_editor_has_changed_is_not_overwritten(session, giv
     session.change(partial(chart_edit.limited, node_id="B", attempts=None, timeout_s=9.0))
     file.write_bytes(mine)
     try:
-        with pytest.raises(CommandError, match="changed by somebody else"):
+        with pytest.raises(CommandError, match="changed by another program"):
             give("save")
         assert file.read_bytes() == mine
     finally:
@@ -351,7 +351,7 @@ def test_a_new_chart_does_not_take_the_place_of_another(session, give, charts):
     path = charts / "plain.xml"
     before = path.read_bytes()
     session.open(replace(chart_edit.new_chart("Plain", str(path)), description="Other."))
-    with pytest.raises(CommandError, match="somebody else"):
+    with pytest.raises(CommandError, match="another program"):
         give("save")
     session.open(chart_edit.new_chart("plain", str(charts / "new.xml")))
     with pytest.raises(CommandError, match=r"'plain' and 'Plain' of .*plain.xml become the same"):

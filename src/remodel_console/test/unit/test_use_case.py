@@ -169,9 +169,9 @@ def test_a_bar_is_as_high_as_its_share():
 def test_fake_abilities_are_no_cell():
     world = World(has_master=True, has_abilities=True)
     (*_, cell) = notices(world)
-    assert cell.what == "The cell is away"
-    assert "answer without one" in cell.meaning
-    assert [n.what for n in supervisor_notice(world)] == ["The supervisor is away"]
+    assert cell.what == "The cell is not running"
+    assert "answer without a cell" in cell.meaning
+    assert [n.what for n in supervisor_notice(world)] == ["The supervisor is not running"]
     assert not list(supervisor_notice(World()))
 
 

@@ -33,7 +33,7 @@ class _World:
     read_back: dict[str, Chart | None] = field(default_factory=dict, compare=False)
 
     def is_like(self, other: _World) -> bool:
-        """Tell whether charts have the same problems in both; files are those of one reading."""
+        """Return whether charts have the same problems in both; files are those of one reading."""
         return self.library.text_of is other.library.text_of and self == other
 
 

@@ -74,7 +74,7 @@ class SynthesisServer:
                 self._serve(handle)
 
     def _serve(self, handle: actionlib.ServerGoalHandle) -> None:
-        """Fulfil one request and tell how it ended."""
+        """Fulfil one request and return its result."""
         handle.set_accepted()
         asked = handle.get_goal().request
         rospy.loginfo("synthesizing %s for '%s'", asked.goal, asked.name)

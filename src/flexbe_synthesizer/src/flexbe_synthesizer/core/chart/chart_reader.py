@@ -1,7 +1,7 @@
 """The one reader of the chart language; its writer is in `chart_writer`.
 
 Reading reports everything that does not fit the grammar and goes on with the rest; a required
-attribute that is missing reads as the empty string, which the checks pass over.
+attribute that is missing reads as the empty string, which the checks skip.
 """
 
 from __future__ import annotations
@@ -372,7 +372,7 @@ def _nodes(element: Element) -> list[tuple[str, Element]]:
 
 
 def _has_outcome(model: Element) -> bool:
-    """Tell whether a datamodel holds an outcome, directly or in a wrapper."""
+    """Return whether a datamodel holds an outcome, directly or in a wrapper."""
     return model.find("outcome") is not None or model.find("outcomes/outcome") is not None
 
 

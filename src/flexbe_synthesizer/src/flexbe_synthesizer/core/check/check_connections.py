@@ -40,7 +40,7 @@ class _Ends:
         self._chart_name = chart.name
 
     def exist(self, connection: Connection) -> bool:
-        """Tell whether both ends are there, and not both in the chart's own data."""
+        """Return whether both ends exist, and are not both in the chart's own data."""
         giver, taker = connection.output_state_id, connection.input_state_id
         return (
             connection.output in self._givers.get(giver, ())

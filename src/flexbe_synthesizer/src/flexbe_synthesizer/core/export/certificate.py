@@ -19,10 +19,10 @@ from flexbe_synthesizer.core.chart.quick import quick
 from flexbe_synthesizer.core.check.check import CheckedChart
 from flexbe_synthesizer.core.check.nested import NestedBehaviors
 from flexbe_synthesizer.core.check.visits import Bound, most_visits
+from flexbe_synthesizer.core.library.definite_assignment import outcome_effects
 from flexbe_synthesizer.core.library.graph import Graph
 from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode, scopes
 from flexbe_synthesizer.core.library.signature import BehaviorClass, Effect, StateClass
-from flexbe_synthesizer.core.library.written import outcome_effects
 
 UNBOUNDED = "unbounded"
 _ANY, _OTHER = "any", "other"  # codes: of an outcome without routes, and those without a route

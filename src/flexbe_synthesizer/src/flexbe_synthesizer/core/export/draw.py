@@ -68,7 +68,7 @@ class _Run:
     entered: frozenset[str]
 
     def is_faint(self, path: str) -> bool:
-        """Tell whether a node or outcome is off the path."""
+        """Return whether a node or outcome is off the path."""
         return bool(self.steps) and path not in self.entered
 
 
@@ -80,8 +80,8 @@ def chart_to_dot(
     Args:
         chart: what to draw.
         path_taken: (id, event) of each state or behavior that a run left, in order; the id of one
-            inside containers has theirs before it, `Place/Insert`. `expand.chart_steps` makes it
-            from what an engine reports.
+            inside containers has theirs before it, `Place/Insert`. `expanded_labels.chart_steps`
+            makes it from what an engine reports.
         direction: "TB", from top to bottom, or "LR", from left to right.
     """
     run = _run_of(chart, path_taken)
@@ -234,7 +234,7 @@ def _missing(name: str, prefix: str) -> str:
     """Return the node of a target that there is not."""
     return (
         f'  {_id(f"{prefix}{name}")} [shape=box, style="rounded,dashed", color="{_FAILURE}", '
-        f'fontcolor="{_FAILURE}", label=<{escape(name)}?<br/><font point-size="9">there is none'
+        f'fontcolor="{_FAILURE}", label=<{escape(name)}?<br/><font point-size="9">not found'
         "</font>>];"
     )
 

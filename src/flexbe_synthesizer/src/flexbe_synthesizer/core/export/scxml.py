@@ -1,10 +1,10 @@
 """Write a chart as W3C SCXML (https://www.w3.org/TR/scxml/), for other statechart tools.
 
-A state waits for the events `ID.EVENT` of its own path, sent by whoever executes it; the blanks of
-names become `_`. An outcome of the chart is a final state of its name. Attempts are counted in the
-data model (`ecmascript`), by a state `ID._attempts` before the state itself; no name of the
-chart begins with `_`. A timeout sends the event `ID.timed_out` after its time. Routes by
-error code look at `_event.data.error_code`. A container is a compound state whose final states
+A state waits for the events `ID.EVENT` of its own path, which the executing program sends; the
+blanks of names become `_`. An outcome of the chart is a final state of its name. Attempts are
+counted in the data model (`ecmascript`), by a state `ID._attempts` before the state itself; no name
+of the chart begins with `_`. A timeout sends the event `ID.timed_out` after its time. Routes by
+error code evaluate `_event.data.error_code`. A container is a compound state whose final states
 raise `ID.OUTCOME`; a concurrency container is a parallel state, left as soon as the final states of
 its regions fulfil a condition. The flow of data is FlexBE's and is left out.
 """
@@ -44,7 +44,7 @@ def chart_to_scxml(chart: Chart, error_names: ErrorNames = MappingProxyType({}))
         error_names: error codes by the names of codes and of classes of codes.
 
     Raises:
-        ScxmlError: if two of its names cannot be told apart there.
+        ScxmlError: if two of its names are the same name there.
     """
     root = etree.Element(
         f"{{{NAMESPACE}}}scxml",

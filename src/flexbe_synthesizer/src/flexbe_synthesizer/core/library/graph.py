@@ -127,7 +127,7 @@ class Graph:
 
     @cached_property
     def looping(self) -> frozenset[str]:
-        """Return the states that can come back to themselves."""
+        """Return the states that can lead to themselves."""
         loops = self.loops
         found = set()
         for source, edges in self.leaving.items():

@@ -20,6 +20,7 @@ from flexbe_synthesizer.core.chart.model import (
 )
 from flexbe_synthesizer.core.chart.names import EXHAUSTED, PREEMPTED, TIMED_OUT
 from flexbe_synthesizer.core.chart.problem import Code, Problem
+from flexbe_synthesizer.core.library.definite_assignment import outcome_effects
 from flexbe_synthesizer.core.library.graph import looping_nodes
 from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.core.library.resolve import (
@@ -41,7 +42,6 @@ from flexbe_synthesizer.core.library.signature import (
     behavior_signature,
     state_signature,
 )
-from flexbe_synthesizer.core.library.written import outcome_effects
 
 _Found = TypeVar("_Found", StateClass, BehaviorClass)
 
@@ -150,7 +150,7 @@ class _Lookup:
         return ResolvedNode(node, _use(node, behavior, signature, is_timed=is_timed))
 
     def _find_support(self, wanted: Support, node: AnyNode) -> StateClass | None:
-        """Return the state class that an extension is expanded with; report once if missing."""
+        """Return the state class that an extension is lowered to; report once if missing."""
         if wanted in self._support:
             return self._support[wanted]
         found = self._library.find_states(f"{wanted.package}/{wanted.class_name}")

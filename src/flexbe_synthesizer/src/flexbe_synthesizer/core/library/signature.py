@@ -23,7 +23,7 @@ _SYNONYMS = (
 
 
 def is_type(text: str) -> bool:
-    """Tell whether the text is a data type of the language: a basic one or `package/Message`."""
+    """Return whether the text is a data type of the language: a basic one or `package/Message`."""
     return text in TYPES or bool(_MESSAGE.match(text))
 
 
@@ -37,7 +37,7 @@ def documented_type(text: str) -> str | None:
 
 
 def fits(given: str | None, wanted: str | None) -> bool:
-    """Tell whether a value of one type can be used as another; what is no type fits all."""
+    """Return whether a value of one type fits another; what is no type fits all."""
     if not is_type(given or "") or not is_type(wanted or ""):
         return True
     return given == wanted or (given, wanted) == ("int", "float")
@@ -63,7 +63,7 @@ class Parameter:
 
     @property
     def takes_source(self) -> bool:
-        """Tell whether the value would have to be Python source."""
+        """Return whether the value would have to be Python source."""
         return self.type in _SOURCE
 
 
@@ -112,7 +112,7 @@ class StateClass:
 
     @property
     def depends_on_values(self) -> bool:
-        """Tell whether its outcomes or keys come from the values of its parameters."""
+        """Return whether its outcomes or keys come from the values of its parameters."""
         return bool(self.deciding_parameters)
 
 

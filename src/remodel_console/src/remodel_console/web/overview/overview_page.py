@@ -29,8 +29,8 @@ from remodel_console.web.overview.task_table import TaskTable
 from remodel_console.web.page import Page
 
 _CAMERAS = (
-    ("overhead", "From above", "no picture yet; one comes when the cell looks"),
-    ("wrist", "From the hand", "no picture yet; one comes when the cell looks"),
+    ("overhead", "From above", "no picture yet; the cell's next observation sends one"),
+    ("wrist", "From the hand", "no picture yet; the cell's next observation sends one"),
     ("scene", "The cell", "no picture yet"),
 )
 _SHOWN_FAILURES = 20  # the latest; the record has all
@@ -40,7 +40,7 @@ _PLOTTED_TASKS = 100  # the latest; the figures are of all
 class OverviewPage(Page):
     """The page of the order that the cell works on (Deliverable 5.1, T3.2)."""
 
-    KEYS = (("P", "pause the run, or resume it"),)
+    KEYS = (("P", "pause or resume the run"),)
 
     def build(self) -> None:
         """Build the order on the left, the cameras in the middle, what happens on the right."""
@@ -63,13 +63,13 @@ class OverviewPage(Page):
                 self._figures = ui.element("div").classes("figures")
             with ui.element("aside").classes("panel"):
                 self._question = ui.element("div").classes("wide")
-                ui.label("What each level does").classes("heading")
+                ui.label("Activity of each level").classes("heading")
                 self._levels = ui.element("div").classes("levels")
                 ui.label("Failures").classes("heading")
                 self._failures = ui.element("div").classes("failures wide")
 
     def more_notices(self, world: World) -> Iterable[Notice]:
-        """Return whether the supervisor is away."""
+        """Return the notice of a supervisor that is not running."""
         return supervisor_notice(world)
 
     def show(self, world: World) -> None:
@@ -129,7 +129,7 @@ class OverviewPage(Page):
         if question is None:
             return
         with self._question, ui.element("div").classes("request").props('role="alert"'):
-            ui.label(f"{question.task}: the cell needs you").classes("question")
+            ui.label(f"{question.task}: the cell needs your answer").classes("question")
             ui.label(question.text)
             if question.timeout_s:
                 self._time_left = ui.label().classes("soft")
@@ -155,7 +155,7 @@ class OverviewPage(Page):
                 with ui.element("div").classes("level"):
                     ui.label(f"{word}: {level.name}" if level and level.name else word)
                     if level is None or not (level.name or level.doing):
-                        ui.label("nothing").classes("soft")
+                        ui.label("idle").classes("soft")
                         continue
                     ui.label(level.doing).classes("soft")
                     if level.since_s:
@@ -204,15 +204,15 @@ class OverviewPage(Page):
                 count_plot("Recoveries by cause", found.recoveries),
             )
 
-    # Deeds
+    # Commands
 
     async def start(self, order: str, tasks: int, *, again: bool) -> bool:
-        """Start an order; tell whether the supervisor took it.
+        """Start an order; return whether the supervisor accepted it.
 
         Args:
             order: its name.
             tasks: how many of its tasks, from the first; 0 for all.
-            again: those that are done too, on an empty panel.
+            again: repeat finished tasks, on an empty panel.
         """
         what = f"run order '{order}'" + (f", its first {tasks} tasks" if tasks else "")
         what += ", on an empty panel" if again else ""
@@ -268,7 +268,7 @@ class OverviewPage(Page):
                 "stop the run", lambda supervisor, by: supervisor.stop(by), "stopping the run"
             )
 
-        self.ask("Stop the run safely? What is done stays done.", "Stop the run", stop)
+        self.ask("Stop the run safely? Finished tasks stay done.", "Stop the run", stop)
 
     async def _do_task(self, word: str, task: str) -> None:
         def deed(supervisor: Supervisor, by: str) -> str:

@@ -1,4 +1,4 @@
-"""Expand a checked chart into a plain FlexBE behavior.
+"""Lower a checked chart to a plain FlexBE behavior.
 
 `ext:attempts` on X puts a counting state `X_attempts` before X: all that leads to X leads there,
 and its count lives in the root's userdata, where it starts at 0 in every run; containers around X
@@ -55,7 +55,7 @@ _COUNTED = "counted"
 _NONE: Mapping[str, str] = MappingProxyType({})
 
 
-def expand(resolved: ResolvedChart, package: str) -> Machine:
+def lower(resolved: ResolvedChart, package: str) -> Machine:
     """Return the behavior that a chart without errors becomes."""
     chart = resolved.chart
     counts = _count_keys(resolved)
@@ -130,10 +130,10 @@ class _Expansion:
         entries = sorted(self._resolved.nodes, key=lambda entry: entry.node.id != initial)
         found: list[Child] = []
         for entry in entries:
-            self._expand(entry, found)
+            self._lower(entry, found)
         return tuple(found)
 
-    def _expand(self, entry: ResolvedNode, found: list[Child]) -> None:
+    def _lower(self, entry: ResolvedNode, found: list[Child]) -> None:
         """Add what a node becomes: its counter, itself, and what parts its failures.
 
         What is entered first is added first: the first child of a container is its initial state.
@@ -243,7 +243,7 @@ class _Expansion:
             kept = tuple(p.name for p in declaration.inputs if (node_id, p.name) in defaulted)
             return BehaviorUse(declaration, given, kept)
         if declaration is None:
-            raise AssertionError(f"{entry.node.id} was expanded though its class is not known")
+            raise AssertionError(f"{entry.node.id} was lowered though its class is not known")
         return StateUse(declaration, _alias(declaration, entry.use.is_qualified), given)
 
     def _body(self, entry: ResolvedNode, body: ResolvedChart) -> machine.Container:
