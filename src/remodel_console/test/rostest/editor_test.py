@@ -169,7 +169,7 @@ class EditorTest(BehaviorTestCase):
         self.write_xml(source.replace('target="Report"', 'target="Repot"'))
         expect(page.locator(".problems")).to_contain_text("Repot")
         expect(page.locator(".cm-content .xml-error")).to_have_count(1)
-        expect(page.locator(".canvas-stage g.node", has_text="there is none")).to_be_visible()
+        expect(page.locator(".canvas-stage g.node", has_text="not found")).to_be_visible()
         self.press(page, "Show all")
         self.take_picture(page, "editor-xml")
         self.write_xml(source.replace("</statemachine>", ""))

@@ -9,8 +9,7 @@ from nicegui import background_tasks, ui
 
 from remodel_console.console import Supervisor
 from remodel_console.core.answer import DONE
-from remodel_console.core.plot import bar_plot, count_plot, line_plot
-from remodel_console.core.use_case.production import Figures, figures
+from remodel_console.core.use_case.production import figures
 from remodel_console.core.use_case.use_case import (
     Choice,
     Phase,
@@ -23,6 +22,7 @@ from remodel_console.core.use_case.use_case import (
 )
 from remodel_console.core.world import Notice, World, supervisor_notice
 from remodel_console.web.camera_view import CameraView
+from remodel_console.web.overview.figure_cards import FigureCards
 from remodel_console.web.overview.order_form import OrderForm
 from remodel_console.web.overview.run_head import PAUSING, RunHead
 from remodel_console.web.overview.task_table import TaskTable
@@ -34,7 +34,6 @@ _CAMERAS = (
     ("scene", "The cell", "no picture yet"),
 )
 _SHOWN_FAILURES = 20  # the latest; the record has all
-_PLOTTED_TASKS = 100  # the latest; the figures are of all
 
 
 class OverviewPage(Page):
@@ -47,7 +46,6 @@ class OverviewPage(Page):
         self._use_case: UseCase | None = None
         self._pending: list[str] = []
         self._time_left: ui.label | None = None
-        self._shown_figures: Figures | None = None
         self._head: RunHead | OrderForm | None = None
         pictures = self.console.pictures
         pictures.add_viewer(1)
@@ -60,7 +58,7 @@ class OverviewPage(Page):
             with ui.element("section").classes("watch"):
                 with ui.element("div").classes("cameras"):
                     self._cameras = {name: CameraView(*words) for name, *words in _CAMERAS}
-                self._figures = ui.element("div").classes("figures")
+                self._figures = FigureCards()
             with ui.element("aside").classes("panel"):
                 self._question = ui.element("div").classes("wide")
                 ui.label("Activity of each level").classes("heading")
@@ -90,7 +88,7 @@ class OverviewPage(Page):
         if before is None or before.failures != now.failures:
             self._show_failures(now)
         if before is None or before.tasks != now.tasks or before.failures != now.failures:
-            self._show_figures(figures(now))
+            self._figures.show(figures(now))
 
     def press(self, key: str, *, ctrl: bool) -> None:
         """Pause the run, or resume it."""
@@ -177,33 +175,6 @@ class OverviewPage(Page):
                         "soft"
                     )
 
-    def _show_figures(self, found: Figures) -> None:
-        if found == self._shown_figures:
-            return
-        self._shown_figures = found
-        self._figures.clear()
-        if found.first_pass_yield is None or found.mean_cycle_s is None:
-            return
-        names = found.tasks[-_PLOTTED_TASKS:]
-        with self._figures:
-            _plot(
-                "First-pass yield",
-                f"{found.first_pass_yield:.0%}",
-                line_plot(
-                    "First-pass yield over tasks", names, found.yields[-_PLOTTED_TASKS:], 1.0
-                ),
-            )
-            _plot(
-                "Cycle time",
-                f"{duration_words(found.mean_cycle_s)} on average",
-                bar_plot("Time of each task", names, found.cycles_s[-_PLOTTED_TASKS:], "s"),
-            )
-            _plot(
-                "Recoveries by cause",
-                str(sum(count for _, count in found.recoveries)),
-                count_plot("Recoveries by cause", found.recoveries),
-            )
-
     # Commands
 
     async def start(self, order: str, tasks: int, *, again: bool) -> bool:
@@ -284,11 +255,3 @@ class OverviewPage(Page):
             f"answer question {number} about {question.task}: {choice.words}",
             lambda supervisor, by: supervisor.answer(number, choice, by),
         )
-
-
-def _plot(title: str, figure: str, svg: str) -> None:
-    with ui.element("div").classes("card plot-card"):
-        with ui.row().classes("plot-head"):
-            ui.label(title).classes("soft")
-            ui.label(figure).classes("figure")
-        ui.html(svg, sanitize=False).classes("wide")
