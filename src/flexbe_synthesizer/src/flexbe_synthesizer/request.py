@@ -131,7 +131,7 @@ def fulfil(
             expect_time()
             report(status, progress)
 
-        return _fulfil(request, settings, report_in_time, expect_time, memory)
+        return _fulfil(request, settings, report_in_time, expect_time, memory=memory)
     except ChartRefusedError as error:
         raise RequestError(ErrorCode.CHART_REFUSED, str(error)) from error
     except ChartFileError as error:

@@ -70,7 +70,7 @@ def written_inside(output):
     inside = data + state("Make", "MakeState", made="Use", failed="Make")
     inside += state("Use", "UseState", used="o", refused="o") + flows
     return chart(
-        MAKE + node("ext:container", "T", "", ' initial="Make"', inside, o="o"),
+        MAKE + node("ext:container", "T", "", ' initial="Make"', inside=inside, o="o"),
         ("S", "item", "T", "x"),
         ("S", "item", "A", "v"),
         ("T", "y", "A", output),
@@ -85,7 +85,9 @@ def written_at_the_same_time(output):
     for name, event in (("Make", "made"), ("Make", "failed"), ("Use", "used"), ("Use", "refused")):
         inside += f'<ext:condition outcome="o"><ext:when state="{name}" event="{event}"/>'
         inside += "</ext:condition>"
-    return chart(node("ext:concurrency", "S", "", "", inside, o="o"), data='<input name="v"/>')
+    return chart(
+        node("ext:concurrency", "S", "", "", inside=inside, o="o"), data='<input name="v"/>'
+    )
 
 
 def written_by_another(output):
@@ -139,7 +141,7 @@ def test_a_timer_that_would_wait_for_what_it_is_to_end(tmp_path):
         "M", "MakeState", made="o", failed="o"
     )
     more = ' initial="M" ext:timeout_s="2"'
-    text = chart(node("ext:priority", "S", "", more, inside, o="o", timed_out="o"))
+    text = chart(node("ext:priority", "S", "", more, inside=inside, o="o", timed_out="o"))
     (error,) = Synthesis({"a.xml": text.encode()}, "a.xml", tmp_path).errors
     assert "its timer is beside it" in error.message
     text = text.replace("ext:priority", "ext:container")

@@ -38,7 +38,9 @@ def ask(settings):
         **changes,
     ):
         changed = Settings(**{**vars(settings), **changes})
-        return fulfil(Request(goal, initial, tuple(outcomes)), changed, report, expect_time, memory)
+        return fulfil(
+            Request(goal, initial, tuple(outcomes)), changed, report, expect_time, memory=memory
+        )
 
     return ask
 

@@ -196,7 +196,7 @@ class Session:
             return as_container(self._workspace.read(goal), name, initial, folder)
         where = "/".join(("", *path, name))
         topic, system = settings.synthesis_topic, settings.system
-        source = self._served(ServerRequest(topic, system, where, initial, goal), name)
+        source = self._served(ServerRequest(topic, system, where, initial, goal=goal), name)
         return as_container(source, name, "", folder)
 
     def _put(self, path: tuple[str, ...], container: Container, goal: str) -> str:

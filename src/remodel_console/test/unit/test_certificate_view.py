@@ -12,14 +12,14 @@ def certificate(longest_s):
     return Certificate(
         "Task",
         "p",
-        longest_s,
-        (StateBound("Place/Insert", 3, 30.0, 90.0), StateBound("Log", None, None, None)),
-        (
-            ErrorEnd("Place/Insert", "failed", "301, 304", "Withdraw", ("failed",)),
-            ErrorEnd("Place/Insert", "refused", "any", "Again", ("done", "failed")),
+        longest_s=longest_s,
+        states=(StateBound("Place/Insert", 3, 30.0, 90.0), StateBound("Log", None, None, None)),
+        errors=(
+            ErrorEnd("Place/Insert", "failed", "301, 304", "Withdraw", ends=("failed",)),
+            ErrorEnd("Place/Insert", "refused", "any", "Again", ends=("done", "failed")),
         ),
-        (Effect("done", NOTHING, CODE), Effect("failed", CODE, CODE)),
-        ("p/<State>",),
+        effects=(Effect("done", NOTHING, CODE), Effect("failed", CODE, CODE)),
+        assumed=("p/<State>",),
     )
 
 

@@ -262,15 +262,23 @@ def edit_scope(edit, scope, path):
     names = [outcome.name for outcome in scope.outcomes]
     inside(lambda one: chart_edit.with_outcomes(one, (*names, "more")), 0, 1)
     inside(lambda one: chart_edit.with_outcomes(one, tuple(names[::-1])), 3, 3)
-    inside(lambda one: with_input(one, len(one.inputs), "brand_new", "int", ""), 0, 1 + around)
+    inside(
+        lambda one: with_input(one, len(one.inputs), "brand_new", "int", default=""), 0, 1 + around
+    )
     inside(lambda one: with_output(one, len(one.outputs), "brand_new", ""), 0, 1)
     for place, port in enumerate(scope.inputs):
         uses = sum(scope.name == flow.output_state_id for flow in scope.connections)
         inside(
-            lambda one, i=place: with_input(one, i, "other", "", ""), 1 + uses, 1 + uses + around
+            lambda one, i=place: with_input(one, i, "other", "", default=""),
+            1 + uses,
+            1 + uses + around,
         )
-        inside(lambda one, i=place: with_input(one, i, "", "", ""), 1 + uses, 0)
-        inside(lambda one, i=place, p=port: with_input(one, i, p.name, "dict", ""), 1, 1 + around)
+        inside(lambda one, i=place: with_input(one, i, "", "", default=""), 1 + uses, 0)
+        inside(
+            lambda one, i=place, p=port: with_input(one, i, p.name, "dict", default=""),
+            1,
+            1 + around,
+        )
     for place, condition in enumerate(scope.conditions):
         pairs = tuple((when.state, when.event) for when in condition.all_of)
         put = partial(with_condition, place=place, outcome=condition.outcome)

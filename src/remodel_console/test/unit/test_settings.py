@@ -8,7 +8,14 @@ from remodel_console.core.settings import Settings, difference, read_settings, w
 from remodel_console.edge.settings_file import SettingsFile
 from remodel_console.errors import CommandError
 
-FULL = Settings(False, "flexbe/synthesize", "cell 1", False, "secret", ("/charts",))
+FULL = Settings(
+    False,
+    "flexbe/synthesize",
+    system="cell 1",
+    are_commands_allowed=False,
+    command_key="secret",
+    chart_folders=("/charts",),
+)
 
 
 @pytest.mark.parametrize("settings", [Settings(), FULL])

@@ -37,11 +37,15 @@ from remodel_console.pictures import Pictures
 
 
 def task(name, phase, *, passed=False, taken_s=0.0, expected_s=0.0):
-    return Task(name, "", phase, 1, passed, taken_s, expected_s)
+    return Task(
+        name, "", phase=phase, attempts=1, first_pass=passed, taken_s=taken_s, expected_s=expected_s
+    )
 
 
 def failure(name, fault, decision):
-    return Failure(0.0, name, fault, 0, "", "", decision, "")
+    return Failure(
+        0.0, name, fault=fault, error_code=0, ability="", text="", decision=decision, because=""
+    )
 
 
 RUN = UseCase(
@@ -199,10 +203,10 @@ def test_what_a_supervisor_told_is_gone_with_it():
 
 def test_a_picture_becomes_a_jpeg_no_larger_than_it_is_shown():
     rows = np.zeros((1000, 2000, 3), np.uint8)
-    small = as_jpeg(rows.tobytes(), 1000, 2000, 6000, "rgb8")
+    small = as_jpeg(rows.tobytes(), 1000, 2000, 6000, encoding="rgb8")
     assert small.startswith(b"\xff\xd8")
     assert len(small) < 50_000
-    grey = as_jpeg(bytes(8 * 4), 4, 6, 8, "mono8")  # rows may be longer than their pixels
+    grey = as_jpeg(bytes(8 * 4), 4, 6, 8, encoding="mono8")  # rows may be longer than their pixels
     assert grey.startswith(b"\xff\xd8")
 
 

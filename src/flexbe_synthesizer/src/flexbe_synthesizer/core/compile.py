@@ -148,5 +148,5 @@ def manifest_of(machine: Machine) -> Manifest:
         machine.package,
         names.behavior_module(machine.name),
         names.behavior_class(machine.name),
-        tuple(sorted(contained)),
+        contains=tuple(sorted(contained)),
     )

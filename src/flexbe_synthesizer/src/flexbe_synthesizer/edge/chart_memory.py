@@ -96,10 +96,10 @@ class ChartMemory:
         nested.read_back = world.read_back
         known = self._known.get(chart.file)
         if known is None or known.chart is not chart:
-            return check_chart(chart, library, charts, nested, expect_time)
+            return check_chart(chart, library, charts, nested, expect_time=expect_time)
         now, last = _World(library, charts, world.read_back), known.check
         if last is None or last.world is not world or last.inside != _charts_inside(chart, now):
-            checked = check_chart(chart, library, charts, nested, expect_time)
+            checked = check_chart(chart, library, charts, nested, expect_time=expect_time)
             known.check = last = _Check(world, _charts_inside(chart, now), checked)
         return last.checked
 

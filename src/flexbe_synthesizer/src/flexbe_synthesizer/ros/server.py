@@ -91,7 +91,7 @@ class SynthesisServer:
 
         request = Request(asked.goal, asked.initial_condition, tuple(asked.sm_outcomes))
         try:
-            answer = fulfil(request, self._settings, report, expect_time, self._memory)
+            answer = fulfil(request, self._settings, report, expect_time, memory=self._memory)
         except RequestError as error:
             self._fail(handle, error.code, str(error))
         except Exception as error:  # noqa: BLE001 - one request must not end the others

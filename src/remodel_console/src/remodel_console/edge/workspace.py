@@ -208,7 +208,7 @@ class Workspace:
         package_of = self._package_of if is_written else _package_to_check_in
         try:
             return check_files(
-                [path], library, package_of, locate, drafts or {}, memory=self.memory
+                [path], library, package_of, locate, drafts=drafts or {}, memory=self.memory
             )
         except SynthesisError as error:
             raise CommandError(str(error)) from error

@@ -330,10 +330,10 @@ class _Reading:
         element = XmlElement(
             namespace or "",
             local,
-            done.position,
-            tuple(done.attributes),
-            tuple(done.children),
-            done.text,
+            position=done.position,
+            attributes=tuple(done.attributes),
+            children=tuple(done.children),
+            text=done.text,
         )
         if self._open:
             self._open[-1].children.append(element)

@@ -49,7 +49,9 @@ def check_data_flow(resolved: ResolvedChart) -> Iterator[Problem]:
                 expected = _expected(read, connection, flow)
                 other = values.last_writers.besides(expected, home, node)
                 if other is not None:
-                    yield _overwritten(read, connection, other, values, paths_left > 0)
+                    yield _overwritten(
+                        read, connection, other, values, is_path_shown=paths_left > 0
+                    )
                     paths_left -= 1
 
 

@@ -142,7 +142,7 @@ def _scope(chart: Chart, prefix: str, run: _Run) -> Iterator[str]:
     yield from (_missing(target, prefix) for target in _missing_targets(chart))
     by_id = {node.id: node for node in chart.nodes}
     for arrow in _arrows(chart, prefix, run):
-        yield _edge(arrow, chart, by_id[arrow.source], prefix, bool(run.steps))
+        yield _edge(arrow, chart, by_id[arrow.source], prefix, has_path=bool(run.steps))
 
 
 def _cluster(node: Container, prefix: str, run: _Run) -> Iterator[str]:
@@ -281,7 +281,14 @@ def _arrows(chart: Chart, prefix: str, run: _Run) -> Iterator[_Arrow]:
         is_forward = not is_failure and order.get(target, len(order)) > order[source]
         path = f"{prefix}{source}"
         taken = sorted(number for e in events for number in run.steps.get((path, e), ()))
-        yield _Arrow(source, target, is_failure, is_forward, tuple(events), tuple(taken))
+        yield _Arrow(
+            source,
+            target,
+            is_failure=is_failure,
+            is_forward=is_forward,
+            events=tuple(events),
+            steps=tuple(taken),
+        )
 
 
 def _edge(arrow: _Arrow, chart: Chart, source: AnyNode, prefix: str, has_path: bool) -> str:

@@ -186,10 +186,10 @@ def state_signature(state: StateClass, values: Mapping[str, Literal]) -> Signatu
     return Signature(
         f"state class {state.name}",
         None if outcomes is None else tuple(o for o in outcomes if o != PREEMPTED),
-        ports(state.inputs),
-        ports(state.outputs),
-        state.parameters,
-        state.effects,
+        inputs=ports(state.inputs),
+        outputs=ports(state.outputs),
+        parameters=state.parameters,
+        effects=state.effects,
     )
 
 
@@ -198,10 +198,10 @@ def behavior_signature(behavior: BehaviorClass, effects: tuple[Effect, ...] = ()
     return Signature(
         f"behavior '{behavior.name}'",
         tuple(o for o in behavior.outcomes if o != PREEMPTED),
-        behavior.inputs,
-        behavior.outputs,
-        behavior.parameters,
-        effects,
+        inputs=behavior.inputs,
+        outputs=behavior.outputs,
+        parameters=behavior.parameters,
+        effects=effects,
     )
 
 

@@ -109,10 +109,12 @@ class _Folding:
         chart = Chart(
             name,
             "" if is_concurrent else entries.get(first, first),
-            tuple(map(Outcome, container.outcomes)),
-            tuple(nodes),
-            tuple(self._input(key, path) for key in container.input_keys if key not in counts),
-            tuple(Output(key) for key in container.output_keys if key not in counts),
+            outcomes=tuple(map(Outcome, container.outcomes)),
+            nodes=tuple(nodes),
+            inputs=tuple(
+                self._input(key, path) for key in container.input_keys if key not in counts
+            ),
+            outputs=tuple(Output(key) for key in container.output_keys if key not in counts),
             conditions=tuple(
                 Condition(c.outcome, tuple(When(*pair) for pair in c.pairs))
                 for c in container.conditions
@@ -202,7 +204,7 @@ def _signature(child: Child) -> Signature:
         return state_signature(content.state, values)
     if isinstance(content, BehaviorUse):
         behavior = content.behavior
-        return Signature("", behavior.outcomes, behavior.inputs, behavior.outputs, ())
+        return Signature("", behavior.outcomes, behavior.inputs, behavior.outputs, parameters=())
     raise TypeError(child)
 
 

@@ -68,10 +68,10 @@ def lower(resolved: ResolvedChart, package: str) -> Machine:
     root = machine.Container(
         Kind.STATE_MACHINE,
         tuple(outcome.name for outcome in chart.outcomes),
-        inputs,
-        outputs,
-        _Expansion(resolved, flow, "", counts).children(),
-        tuple(userdata),
+        input_keys=inputs,
+        output_keys=outputs,
+        children=_Lowering(resolved, flow, "", counts).children(),
+        userdata=tuple(userdata),
     )
     is_visible = any(c.isprintable() and not c.isspace() for c in chart.description)
     description = chart.description if is_visible else f"The state chart {chart.name}."
@@ -103,7 +103,7 @@ def _counted_paths(resolved: ResolvedChart, above: str) -> Iterator[str]:
             yield from _counted_paths(entry.body, f"{path}/")
 
 
-class _Expansion:
+class _Lowering:
     """The children that the nodes of a chart or container become.
 
     Attributes:
@@ -217,7 +217,7 @@ class _Expansion:
             tuple(dict.fromkeys(condition.outcome for condition in conditions)),
             (*(n for n in inputs if (entry.node.id, n) not in self._flow.defaulted), *passed),
             (*outputs, *passed),
-            (
+            children=(
                 Child(
                     RUN,
                     self._content(entry),
@@ -249,13 +249,13 @@ class _Expansion:
     def _body(self, entry: ResolvedNode, body: ResolvedChart) -> machine.Container:
         """Return the container that a container of the chart becomes."""
         chart, passed = body.chart, self._passed_counts(entry)
-        inside = _Expansion(body, body.flow, f"{self._above}{entry.node.id}/", self._counts)
+        inside = _Lowering(body, body.flow, f"{self._above}{entry.node.id}/", self._counts)
         return machine.Container(
             _KINDS[body.runs],
             tuple(outcome.name for outcome in chart.outcomes),
             (*(port.name for port in chart.inputs), *passed),
             (*(port.name for port in chart.outputs), *passed),
-            inside.children(),
+            children=inside.children(),
             conditions=tuple(
                 Condition(c.outcome, tuple((when.state, when.event) for when in c.all_of))
                 for c in chart.conditions

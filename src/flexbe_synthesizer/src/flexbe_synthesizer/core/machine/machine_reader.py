@@ -244,11 +244,11 @@ class _Reader:
         return Container(
             _KINDS[ast.unparse(call.func)],
             self._names(given.get("outcomes"), "outcomes"),
-            self._names(given.get("input_keys"), "input_keys"),
-            self._names(given.get("output_keys"), "output_keys"),
-            children,
-            userdata,
-            tuple(self._conditions(given.get("conditions"))),
+            input_keys=self._names(given.get("input_keys"), "input_keys"),
+            output_keys=self._names(given.get("output_keys"), "output_keys"),
+            children=children,
+            userdata=userdata,
+            conditions=tuple(self._conditions(given.get("conditions"))),
         )
 
     def _child(self, add: ast.Call) -> Child | None:

@@ -74,7 +74,7 @@ def _container(by_path: dict[str, Instantiation], path: str, library: Library) -
         entry.outcomes,
         entry.input_keys,
         entry.output_keys,
-        tuple(inside),
+        children=tuple(inside),
         conditions=tuple(Condition(outcome, pairs) for outcome, pairs in conditions),
     )
 

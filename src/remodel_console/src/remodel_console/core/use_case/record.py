@@ -166,7 +166,16 @@ class Record:
             picture = entry.position if entry.has_picture else picture
         reasons = tuple(e for e in reversed(self.entries[: index + 1]) if e.kind in REASONS)
         now = self.entries[index]
-        return Moment(now, task, behavior, path, tuple(passed), feedback, picture, reasons)
+        return Moment(
+            now,
+            task,
+            behavior=behavior,
+            state_path=path,
+            passed=tuple(passed),
+            feedback=feedback,
+            picture=picture,
+            reasons=reasons,
+        )
 
     def next_reason(self, index: int, step: int) -> int:
         """Return the index of the next failure, decision or answer, or of the one before.

@@ -81,8 +81,8 @@ class _Row:
                 _cell("time"),
             )
             with ui.element("td").classes("deeds"):
-                self._skip = _button("Skip", "skip_next", name, deeds, is_operator)
-                self._retry = _button("Retry", "replay", name, deeds, is_operator)
+                self._skip = _button("Skip", "skip_next", name, deeds, is_operator=is_operator)
+                self._retry = _button("Retry", "replay", name, deeds, is_operator=is_operator)
 
     def show(self, task: Task, *, is_under_way: bool) -> None:
         """Show what may have changed."""
