@@ -62,7 +62,6 @@ NOT_YET_CLEAN = {
     "remodel_pddl",
     "remodel_planner",
     "remodel_planning",
-    "remodel_production",
     "remodel_sim",
     "remodel_states",
     "remodel_supervision",

@@ -37,7 +37,9 @@ def story(name, *operations, placed=True, attempt=1):
 
 
 def report(*stories, planned=None, before=0):
-    order = Order("house", "A <house>", "house.qet", (Component("Q1", "", ()),), (), ("a guess",))
+    order = Order(
+        "house", "A <house>", "house.qet", (Component("Q1", "", ()),), (), ("an assumption",)
+    )
     return Report(order, planned or len(stories), 12.3, stories, (), before=before)
 
 
@@ -90,7 +92,7 @@ def test_the_data_says_the_same():
     (wire,) = data["wires"]
     assert wire["insertions"] == 2
     assert wire["failures"] == ["InsertCable, error 301: jammed <here>"]
-    assert data["notes"] == ["a guess"]
+    assert data["notes"] == ["an assumption"]
 
 
 def test_bars_lie_where_the_operations_were():

@@ -63,7 +63,7 @@ def test_a_station_takes_over_when_the_lease_has_run_out(stations, database):
     first, second = stations
     first.acquire()
     run_out(database)
-    assert first.renew(1), "nobody has taken the cell over yet"
+    assert first.renew(1), "no other supervisor has taken the cell over yet"
     run_out(database)
     assert live_owners(database) == ()
     assert second.acquire() == Owned(2)

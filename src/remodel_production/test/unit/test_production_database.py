@@ -1,4 +1,4 @@
-"""Orders go into the database and come back equal."""
+"""Orders stored in the database are read back equal."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -38,7 +38,7 @@ ORDER = Order(
         Wire("W1", TerminalRef("Q1", "B1"), TerminalRef("Q2", "T1"), "BU", 1.5, "line 1"),
         Wire("W2", TerminalRef("Q1", "B2"), TerminalRef("Q2", "T2"), "BK", 2.5, "line 2"),
     ),
-    ("a guess",),
+    ("an assumption",),
 )
 
 

@@ -57,7 +57,7 @@ class TerminalRule:
         role: of the components.
         part: pattern of their part numbers.
         force_limit_n: [N] that an insertion must not exceed.
-        clearance_m: [m] around a mouth that belongs to it.
+        clearance_m: [m] around an opening, for the gripper.
     """
 
     role: Role

@@ -1,7 +1,7 @@
 """The production knowledge database: orders, what they are made of, and what was done.
 
 SQLite by default, PostgreSQL by URL. Every change is one transaction, so that nothing is stored by
-half. docs/production-database.md tells and draws the tables.
+half. docs/production-database.md describes and draws the tables.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from remodel_production.errors import OrderError, RecordLostError
 # [s] that a program waits for another one's transaction; an import takes one second.
 _WAIT_S = 30
 
-# [s] between two tries to change the mode of a new database.
+# [s] between two attempts to change the mode of a new database.
 _LOOK_S = 0.02
 
 _ORDER = select(OrderRow).where(OrderRow.name == bindparam("order"))
@@ -230,7 +230,7 @@ def _prepare_sqlite(connection: object, _record: object) -> None:
 
 
 def _write_ahead(cursor: sqlite3.Cursor) -> None:
-    """Have SQLite write ahead. A new database changes its mode once, with nobody else in it.
+    """Let SQLite write ahead. A new database changes its mode once, with no other connection.
 
     SQLite does not wait for the others then, whatever busy_timeout says, so this does.
     """
