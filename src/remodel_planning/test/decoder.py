@@ -224,7 +224,7 @@ def _arrival(world: _World, run: _ArmRun) -> int:
 
 
 def _earliest(world: _World, index: int) -> int | None:
-    """Return when an arm can start its next step, as far as the steps begun tell; None: not yet."""
+    """Return when an arm can start its next step, as far as the steps begun show; None: not yet."""
     run = world.arms[index]
     if run.step is None:
         return None

@@ -2,7 +2,7 @@
 
 A panel has rows of components, horizontal ducts between the rows and a vertical duct at either
 side. Only integers and one seeded generator are used: the same size, seed and arms give the same
-document for ever, and one and two arms get the same wires. The order constraints are drawn from a
+document forever, and one and two arms get the same wires. The order constraints are drawn from a
 hidden order, so that every panel can be wired.
 """
 
@@ -68,7 +68,7 @@ def random_panel(wires: int, seed: int, arms: int) -> Json:
     place = {p.name: p for p in layout.places}
     rows = _draw_wires(wires, arms, layout, rng)
     precedence = _draw_precedence(rows, place, rng)
-    soft = _draw_wishes(wires, rng)
+    soft = _draw_soft_constraints(wires, rng)
     used = {row[end] for row in rows for end in "ab"}
     components = {place[name].component for name in used}
     arm_rows = _arms(layout.width, arms)
@@ -300,11 +300,11 @@ def _draw_pins(
     return pins
 
 
-def _draw_wishes(wires: int, rng: random.Random) -> list[Json]:
-    wishes = []
+def _draw_soft_constraints(wires: int, rng: random.Random) -> list[Json]:
+    soft = []
     for j in rng.sample(range(wires), max(1, wires // 5)):
         i = rng.randrange(wires)
         if i != j:
             weight = rng.choice([10, 15, 20])
-            wishes.append({"before": f"w{i}", "after": f"w{j}", "weight": weight})
-    return wishes
+            soft.append({"before": f"w{i}", "after": f"w{j}", "weight": weight})
+    return soft

@@ -50,8 +50,8 @@ def main(arguments: list[str] | None = None) -> int:
         if not verdict.valid:
             print("\n".join(("the plan is not valid:", *verdict.violations)))
             return 1
-        mender = _Mender(preferred.problem, plan)
-        lines = list(explain(preferred, plan, verdict, mender))
+        alternatives = _Alternatives(preferred.problem, plan)
+        lines = list(explain(preferred, plan, verdict, alternatives))
     except PlannerError as error:
         print(f"explain: {error}", file=sys.stderr)
         return 3
@@ -59,7 +59,7 @@ def main(arguments: list[str] | None = None) -> int:
     return 0
 
 
-class _Mender:
+class _Alternatives:
     """Simulates a plan with one wire changed."""
 
     def __init__(self, problem: Problem, plan: Plan) -> None:

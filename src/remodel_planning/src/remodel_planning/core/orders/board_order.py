@@ -10,7 +10,7 @@ from __future__ import annotations
 from remodel_planning.core.condition import Value
 from remodel_planning.core.orders.branch_order import branch_order
 from remodel_planning.core.orders.surroundings import Surroundings, in_mm
-from remodel_planning.core.orders.work_order import Access, Clip, Task, Way, WorkOrder
+from remodel_planning.core.orders.work_order import Access, Clip, Route, Task, WorkOrder
 from remodel_planning.core.problem.problem import Terminal
 from remodel_planning.core.use_case.designs import DesignKind, DesignTasks
 from remodel_planning.core.use_case.model import UseCase, declared
@@ -23,7 +23,7 @@ from remodel_production.errors import OrderError
 
 
 def kind_of(board: Board) -> DesignKind:
-    """Tell what a board is for: a harness has segments of its own, or connectors alone."""
+    """Return what a board is for: a harness has segments of its own, or connectors alone."""
     has_devices = any(device.component.role is Role.DEVICE for device in board.devices)
     return DesignKind.CABINET if board.is_cabinet and has_devices else DesignKind.HARNESS
 
@@ -48,16 +48,16 @@ def board_order(board: Board, use_case: UseCase, arms: int) -> WorkOrder:
     if not board.routes:
         raise OrderError(
             f"order {name} has no wire with both ends on the plate: all {len(board.order.wires)} "
-            "lead away, and there is nothing to plan"
+            "leave the cabinet, and there is nothing to plan"
         )
     if designs.tasks is DesignTasks.BRANCHES:
         return branch_order(board, use_case, designs, arms)
-    points = (in_mm(point) for way in board.routes.values() for point in way)
+    points = (in_mm(point) for route in board.routes.values() for point in route)
     return _Wiring(board, use_case, Surroundings(points, designs, arms)).order()
 
 
 class _Wiring:
-    """One pass over the wires of one board."""
+    """Makes the order of the wires of one board."""
 
     def __init__(self, board: Board, use_case: UseCase, surroundings: Surroundings) -> None:
         self._board = board
@@ -125,8 +125,8 @@ class _Wiring:
             terminals=(self._names[wire.a], self._names[wire.b]),
             slot_mm=(min(high, max(low, slot_x)), self._around.slot_y),
             characteristics=self._stated(wire),
-            ways=(
-                Way(
+            routes=(
+                Route(
                     path,
                     tuple(Clip(clip.name, in_mm(self._board.clips[clip.name])) for clip in clips),
                     tuple(sorted(set(wire.route))),

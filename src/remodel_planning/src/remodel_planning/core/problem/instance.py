@@ -17,12 +17,12 @@ from remodel_planning.core.problem.problem import (
     Pin,
     Problem,
     Ranking,
+    SoftConstraint,
     Stage,
     Terminal,
     Under,
     Weights,
     Wire,
-    Wish,
 )
 
 Json = dict[str, Any]
@@ -83,8 +83,8 @@ def problem_from(data: object) -> Problem:
             if kind == "under"
         ),
         pins=tuple(_pin(item) for item, kind in precedence if kind == "pin"),
-        wishes=tuple(
-            Wish(item.text("before"), item.text("after"), item.number("weight"))
+        soft_constraints=tuple(
+            SoftConstraint(item.text("before"), item.text("after"), item.number("weight"))
             for item in fields.objects("soft_before")
         ),
         rankings=tuple(
@@ -110,7 +110,7 @@ def _wire_states(states: Fields) -> dict[str, Fields]:
 
 
 def arm_from(item: Fields, state: Fields) -> Arm:
-    """Return the arm of an entry, and of one that tells what it is doing."""
+    """Return the arm of an entry, and of the one with its state."""
     return Arm(
         item.text("id"),
         item.pair("station"),
@@ -202,7 +202,7 @@ def _picks(init: Fields) -> list[tuple[str, str]]:
 
 
 def problem_data(problem: Problem) -> Json:
-    """Return the document of a problem; reasons of order constraints and wishes are not told."""
+    """Return the document of a problem; it does not hold the reasons of constraints."""
     times, weights = problem.durations, problem.weights
     return {
         "format": FORMAT,
@@ -230,8 +230,8 @@ def problem_data(problem: Problem) -> Json:
             *map(_pin_data, problem.pins),
         ],
         "soft_before": [
-            {"before": wish.before, "after": wish.after, "weight": wish.weight}
-            for wish in problem.wishes
+            {"before": soft.before, "after": soft.after, "weight": soft.weight}
+            for soft in problem.soft_constraints
         ],
         "soft_order": [
             {"groups": [list(group) for group in ranking.groups], "weight": ranking.weight}
