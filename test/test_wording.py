@@ -58,7 +58,6 @@ NOT_YET_CLEAN = {
     "flexbe_testing",
     "flexbe_widget",
     "remodel_console",
-    "remodel_planner",
     "remodel_sim",
     "remodel_states",
     "remodel_supervision",

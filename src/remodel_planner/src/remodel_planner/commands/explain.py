@@ -1,4 +1,4 @@
-"""`planner explain INSTANCE.json PLAN.json`: say why a plan is as it is."""
+"""`planner explain INSTANCE.json PLAN.json`: explain a plan, or a run."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ def main(arguments: list[str] | None = None) -> int:
         return explain_run.main(words)
     parser = argparse.ArgumentParser(
         prog="planner explain",
-        description="Say what a plan costs, which preferences it breaks, why, and what keeping "
-        "each of them would cost.",
+        description="Print what a plan costs, which preferences it violates, why, and what "
+        "satisfying each of them would cost.",
         usage="planner explain RUN [--database URL]\n"
         "       planner explain [OPTIONS] [INSTANCE] PLAN",
-        epilog="With the number of a run, what was done in it, what failed, what was decided and "
-        "why. Exit code: 0 explained, 1 the plan is not valid, 2 wrong usage, 3 a file is "
+        epilog="With the number of a run, print what was done in it, what failed, what was decided "
+        "and why. Exit code: 0 explained, 1 the plan is not valid, 2 wrong usage, 3 a file is "
         "malformed.",
     )
     add_problem_options(parser)

@@ -1,4 +1,4 @@
-"""A recorded run is told cause by cause, and plays back to itself."""
+"""A recorded run is explained cause by cause, and plays back to itself."""
 
 import pytest
 from house import HOUSE, owner_of
@@ -52,7 +52,7 @@ def operation(outcome, code):
     return Operation("/Insert", "InsertCable", outcome, code, said, 5.0, 1.0, "", asked, found)
 
 
-STORY = (
+RUN = (
     Planned(("W1", "W2"), "the run begins"),
     begun("W1", 1),
     OperationEnded("W1", operation("failed", 301)),
@@ -109,8 +109,8 @@ def keep(url):
     return keep
 
 
-def test_a_run_is_told_cause_by_cause(keep, url, capsys):
-    keep(*STORY)
+def test_a_run_is_explained_cause_by_cause(keep, url, capsys):
+    keep(*RUN)
     assert explain.main(["1", "--database", url]) == 0
     head, *lines = capsys.readouterr().out.splitlines()
     assert head.startswith("run 1 of order house in cell cell, begun ")
@@ -142,10 +142,10 @@ def test_a_run_is_told_cause_by_cause(keep, url, capsys):
 
 
 def test_a_run_plays_back_to_itself(keep, url, capsys):
-    keep(*STORY)
+    keep(*RUN)
     assert replay.main(["1", "--database", url]) == 0
     *lines, last = capsys.readouterr().out.splitlines()
-    assert len(lines) == len(STORY) + 1
+    assert len(lines) == len(RUN) + 1
     assert last == "19 events, 3 behaviors, 0 differences"
 
 
@@ -160,9 +160,9 @@ def test_a_run_plays_back_to_itself(keep, url, capsys):
     ],
 )
 def test_a_record_that_was_tampered_with_differs(keep, url, capsys, position, event, differs):
-    story = list(STORY[: position + 1])
-    story[position] = event
-    keep(*story)
+    events_of_run = list(RUN[: position + 1])
+    events_of_run[position] = event
+    keep(*events_of_run)
     assert replay.main(["1", "--quiet", "--database", url]) == 1
     assert differs in capsys.readouterr().out
 
@@ -184,13 +184,13 @@ def test_what_is_refused_after_a_server_was_lost_needs_no_record(keep, url, caps
 
 
 @pytest.mark.parametrize("command", [explain, replay])
-def test_a_run_that_is_not_there_is_told_with_those_there_are(command, keep, url, capsys):
+def test_for_a_missing_run_the_existing_ones_are_named(command, keep, url, capsys):
     keep()
     assert command.main(["7", "--database", url]) == 3
     assert "there is no record of run 7; there are 1" in capsys.readouterr().err
 
 
-def test_a_run_in_which_nothing_was_done_is_told(keep, url, capsys):
+def test_a_run_in_which_nothing_was_done_is_explained(keep, url, capsys):
     keep()
     assert explain.main(["1", "--database", url]) == 0
     assert capsys.readouterr().out.endswith("0 of 2 tasks done; not done: W1 W2\n")
