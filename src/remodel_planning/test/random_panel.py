@@ -120,8 +120,8 @@ def _lay_out(wires: int, rng: random.Random) -> _Layout:
         x, y = 60 + column * 120 + rng.randrange(0, 30), 150 + row * _ROW_MM
         components.append({"id": f"c{i}", "x": x + 40, "y": y})
         for j in range(4):
-            places.append(_Place(f"c{i}t{j}", f"c{i}", x + j * 25, y + 60, row + 1))
-            places.append(_Place(f"c{i}b{j}", f"c{i}", x + j * 25, y - 60, row))
+            places.append(_Place(f"c{i}t{j}", f"c{i}", x + j * 25, y + 60, duct=row + 1))
+            places.append(_Place(f"c{i}b{j}", f"c{i}", x + j * 25, y - 60, duct=row))
     return _Layout(max(600, columns * 120 + 120), tuple(components), tuple(places))
 
 
@@ -157,9 +157,9 @@ def _draw_wires(count: int, arms: int, layout: _Layout, rng: random.Random) -> l
     rows = []
     for i in range(count):
         a = place[free.pop()]
-        b = place[rng.choice(_partners(a, free, place, layout.width, rng))]
+        b = place[rng.choice(_partners(a, free, place, layout.width, rng=rng))]
         free.remove(b.name)
-        rows.append(_wire(f"w{i}", a, b, layout.width, arms, rng))
+        rows.append(_wire(f"w{i}", a, b, layout.width, arms=arms, rng=rng))
     return rows
 
 

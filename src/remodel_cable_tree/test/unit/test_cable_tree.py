@@ -51,8 +51,8 @@ def random_tree(ends, seed, *, hidden_order=True):
         cables,
         tuple(pair() for _ in range(count)),
         tuple((*pair(), *any_pair()) for _ in range(count)),
-        tuple(any_pair() for _ in range(ends // 2)),
-        tuple(direct),
+        soft=tuple(any_pair() for _ in range(ends // 2)),
+        direct=tuple(direct),
     )
 
 
@@ -115,7 +115,7 @@ def test_example_without_order_is_proved_so():
 
 
 def test_tree_without_ends_has_the_empty_order():
-    found = sequence(CableTree(0, 0, (), (), (), ()), 0.1, 1)
+    found = sequence(CableTree(0, 0, (), (), soft=(), direct=()), 0.1, 1)
     assert (found.feasibility, found.order) == (Feasibility.FOUND, ())
 
 
@@ -126,7 +126,7 @@ def test_search_stops_when_told():
 
 
 def test_costs_are_counted_as_the_paper_says():
-    tree = CableTree(6, 3, (), (), ((2, 1),), ())
+    tree = CableTree(6, 3, (), (), soft=((2, 1),), direct=())
     # Cable 1 is stored over 2 and 3, whose ends follow each other.
     cost = cost_of(tree, (1, 2, 5, 3, 6, 4))
     assert (cost.stored, cost.open, cost.longest, cost.soft) == (1, 1, 4, 1)
@@ -134,7 +134,7 @@ def test_costs_are_counted_as_the_paper_says():
 
 
 def test_breaks_are_told():
-    tree = CableTree(4, 2, ((1, 2),), ((1, 2, 4, 3),), (), (1,))
+    tree = CableTree(4, 2, ((1, 2),), ((1, 2, 4, 3),), soft=(), direct=(1,))
     assert len(list(violations(tree, (2, 3, 4, 1)))) == 2
     assert len(list(violations(tree, (1, 2, 3, 4)))) == 1
     assert list(violations(tree, (1, 1, 2, 3))) == ["not an order of the ends 1 to 4"]

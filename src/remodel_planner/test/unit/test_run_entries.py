@@ -30,18 +30,18 @@ def test_a_behavior_is_told_in_the_order_of_time_with_what_was_measured():
         "InsertCable",
         "inserted",
         0,
-        "inserted",
-        9.0,
-        4.0,
+        text="inserted",
+        ended_s=9.0,
+        elapsed_s=4.0,
         measurements=(("depth", "0.0139"), ("peak_force", "5.5"), ("note", "text")),
     )
     picture = "W1-1-whole_6.000_wrist.jpg"
     entries = entries_of(
         (
             BEGUN,
-            TaskBegun("W1", 1, Part.WHOLE, "Place Wire W1", "", 4.0),
+            TaskBegun("W1", 1, Part.WHOLE, "Place Wire W1", chart="", at_s=4.0),
             OperationEnded("W1", operation),
-            TaskEnded("W1", "finished", 10.0, True, (), (picture,)),
+            TaskEnded("W1", "finished", 10.0, True, path=(), pictures=(picture,)),
         )
     )
     kinds = [(entry.kind, entry.stamp.to_sec()) for entry in entries]

@@ -19,28 +19,65 @@ from remodel_supervision.core.run import Execution, Operation
 
 TEMPLATE = (Path(__file__).parents[2] / "templates" / "report.html.j2").read_text()
 COLOURS = {"InsertCable": "#ffb703"}
-GOOD = Operation("/Connect a/InsertCable", "InsertCable", "inserted", 0, "seated", 12.0, 2.0)
-BAD = Operation("/Connect a/InsertCable", "InsertCable", "failed", 301, "jammed <here>", 9.0, 3.0)
+GOOD = Operation(
+    "/Connect a/InsertCable",
+    "InsertCable",
+    "inserted",
+    0,
+    text="seated",
+    ended_s=12.0,
+    elapsed_s=2.0,
+)
+BAD = Operation(
+    "/Connect a/InsertCable",
+    "InsertCable",
+    "failed",
+    301,
+    text="jammed <here>",
+    ended_s=9.0,
+    elapsed_s=3.0,
+)
 
 
 def attempted(name, *operations, placed=True, attempt=1):
-    wire = Wire(name, TerminalRef("Q1", "B1"), TerminalRef("Q2", "T1"), "BU", 1.5, "line 7")
+    wire = Wire(
+        name,
+        TerminalRef("Q1", "B1"),
+        TerminalRef("Q2", "T1"),
+        "BU",
+        section_mm2=1.5,
+        source="line 7",
+    )
     outcome = "finished" if placed else "failed"
-    execution = Execution(name, f"Place {name}", attempt, outcome, placed, 5.0, 15.0, operations)
+    execution = Execution(
+        name,
+        f"Place {name}",
+        attempt,
+        outcome,
+        placed=placed,
+        started_s=5.0,
+        ended_s=15.0,
+        operations=operations,
+    )
     return AttemptReport(
         wire,
         0.3,
         execution,
         (Drawing("chart", "<svg id='drawing'/>"),),
-        (Picture("overhead", "data:image/jpeg;base64,"),),
+        pictures=(Picture("overhead", "data:image/jpeg;base64,"),),
     )
 
 
 def report(*attempts, planned=None, before=0):
     order = Order(
-        "house", "A <house>", "house.qet", (Component("Q1", "", ()),), (), ("an assumption",)
+        "house",
+        "A <house>",
+        "house.qet",
+        (Component("Q1", "", ()),),
+        wires=(),
+        notes=("an assumption",),
     )
-    return Report(order, planned or len(attempts), 12.3, attempts, (), before=before)
+    return Report(order, planned or len(attempts), 12.3, attempts, overview=(), before=before)
 
 
 def test_a_wire_that_failed_once_is_placed_but_not_at_first_pass():

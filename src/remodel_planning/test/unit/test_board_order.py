@@ -49,7 +49,9 @@ def imported(file):
     data = file.read_bytes()
     catalogue = read_catalogue(CONFIG / "catalogue.yaml")
     form = format_of(data, MAPPINGS)
-    return import_design(data, form, file.stem, file.name, catalogue, MAPPINGS).order
+    return import_design(
+        data, form, file.stem, file.name, catalogue=catalogue, mappings=MAPPINGS
+    ).order
 
 
 def loom():
@@ -73,7 +75,7 @@ def order(*pairs, section_mm2=2.5, outside=()):
         Component(name, "", tuple(used), Mount.FIELD if name in outside else Mount.PLATE)
         for name, used in terminals.items()
     )
-    return Order("test", "", "", components, tuple(wires))
+    return Order("test", "", "", components, wires=tuple(wires))
 
 
 def work(stored, use_case=CABINET, arms=2):
@@ -160,7 +162,7 @@ def test_terminals_whose_names_read_the_same_stay_apart():
         Component(ref.component, "", (Terminal(ref.terminal, Side.TOP),)) for ref in refs
     )
     wires = (Wire("W1", *refs, "", 7.0, "test"),)
-    made = work(Order("test", "", "", components, wires))
+    made = work(Order("test", "", "", components, wires=wires))
     assert [terminal.name for terminal in made.terminals] == ["A:1:2", "A:1:2#2"]
     assert made.tasks[0].characteristics["section_mm2"] == 7.0
     assert "colour" not in made.tasks[0].characteristics

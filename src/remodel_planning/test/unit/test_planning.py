@@ -88,7 +88,7 @@ def residual(planned, seed):
         return after_jam(problem, plan, rng.choice(inserts)) if inserts else problem
     index = rng.choice(picks)
     shift = (rng.randrange(-20, 20), rng.randrange(-40, 40))
-    return after_move(problem, plan, index, rng.choice(problem.components), shift)
+    return after_move(problem, plan, index, rng.choice(problem.components), shift_mm=shift)
 
 
 @PANELS

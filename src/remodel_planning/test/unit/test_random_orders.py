@@ -64,17 +64,19 @@ def orders(draw):
                 (names[0], names[1]),
                 draw(PLACES),
                 draw(stated(use_case.task_characteristics)),
-                (Route((ends[0], middle, ends[1]), clips, draw(st.sampled_from([(), ("s",)]))),),
-                draw(PLACES) if hands_over and draw(st.booleans()) else None,
+                routes=(
+                    Route((ends[0], middle, ends[1]), clips, draw(st.sampled_from([(), ("s",)]))),
+                ),
+                meeting_mm=draw(PLACES) if hands_over and draw(st.booleans()) else None,
             )
         )
     reaches = draw(st.sampled_from([((0, 1000),), ((0, 700), (300, 1000)), ((0, 1000), (0, 1000))]))
     arms = tuple(
-        Arm(f"R{i}", (500, -100), reach, (500, 0), "narrow", None)
+        Arm(f"R{i}", (500, -100), reach, (500, 0), tool="narrow", holding=None)
         for i, reach in enumerate(reaches)
     )
     return use_case, WorkOrder(
-        "random", use_case.name, arms, components, tuple(terminals), tuple(tasks)
+        "random", use_case.name, arms, components, terminals=tuple(terminals), tasks=tuple(tasks)
     )
 
 

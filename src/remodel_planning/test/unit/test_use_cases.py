@@ -192,15 +192,15 @@ def learned(ability, frozen, least, most, values):
             "abilities.PickCable: the last entry must have no `when`",
         ),
         (
-            ("actions:", learned("PickCable", 9, 4, 8, 5) + "\nactions:"),
+            ("actions:", learned("PickCable", 9, 4, 8, values=5) + "\nactions:"),
             "learned.PickCable: bounds must be low <= frozen <= high",
         ),
         (
-            ("actions:", learned("Grip", 6, 4, 8, 5) + "\nactions:"),
+            ("actions:", learned("Grip", 6, 4, 8, values=5) + "\nactions:"),
             "learned: no ability Grip; there are PickCable",
         ),
         (
-            ("actions:", learned("PickCable", 6, 4, 8, 1) + "\nactions:"),
+            ("actions:", learned("PickCable", 6, 4, 8, values=1) + "\nactions:"),
             "learned.PickCable.force.values: 1 is less than the minimum of 2",
         ),
     ],

@@ -62,7 +62,7 @@ def order(*pairs, field=()):
         Component(name, "", tuple(used), Mount.FIELD if name in field else Mount.PLATE)
         for name, used in terminals.items()
     )
-    return Order("test", "", "test.qet", components, tuple(wires))
+    return Order("test", "", "test.qet", components, wires=tuple(wires))
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -128,7 +128,7 @@ def test_places_of_the_design_are_kept_and_make_rows():
     posed = tuple(
         Component(c.name, "", c.terminals, pose=Pose(places[c.name])) for c in given.components
     )
-    laid = laid_out(Order("test", "", "", posed, given.wires))
+    laid = laid_out(Order("test", "", "", posed, wires=given.wires))
     assert {c.name: c.pose.position for c in laid.components} == places
     heights = sorted({node.position[1] for node in laid.nodes})
     assert heights == pytest.approx([0.2, 0.555, 0.91], abs=0.01)
@@ -205,7 +205,7 @@ def test_a_connector_without_a_node_lies_below_the_harness():
     loose = tuple(
         Component(c.name, c.kind, c.terminals) if c.name == "X3" else c for c in harness.components
     )
-    board = board_of(Order("loom", "", "", loose, harness.wires, nodes=harness.nodes,
+    board = board_of(Order("loom", "", "", loose, wires=harness.wires, nodes=harness.nodes,
                            segments=harness.segments, clips=harness.clips))  # fmt: skip
     centres = {device.component.name: device.centre for device in board.devices}
     assert centres["X3"][1] < min(centres["X1"][1], centres["X2"][1])

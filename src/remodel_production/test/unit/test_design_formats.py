@@ -26,7 +26,7 @@ def test_every_example_is_recognised_and_accounted_for(file):
     data = file.read_bytes()
     form = format_of(data, MAPPINGS)
     assert form is FORMATS[file.suffix]
-    imported = import_design(data, form, "x", file.name, CATALOGUE, MAPPINGS)
+    imported = import_design(data, form, "x", file.name, catalogue=CATALOGUE, mappings=MAPPINGS)
     account = imported.account
     direct = len(imported.order.wires) - account.wires_joined
     assert account.connections == direct + account.joined + len(account.left_out)

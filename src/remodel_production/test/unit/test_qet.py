@@ -93,7 +93,7 @@ TWO = [element(BREAKER, "q1", "Q1"), element(BREAKER, "q2", "Q2")]
 
 def test_a_conductor_between_two_devices_is_a_wire():
     attributes = 'conductor_section="1.5mm²" conductor_color="Bleu"'
-    order, account = read((TWO, [wire("q1", "b2", "q2", "t1", attributes)]))
+    order, account = read((TWO, [wire("q1", "b2", "q2", "t1", more=attributes)]))
     assert ends(order) == [("Q1:B2", "Q2:T1")]
     assert (order.wires[0].colour, order.wires[0].section_mm2) == ("BU", 1.5)
     assert order.components[0].terminal("B2").side is Side.BOTTOM

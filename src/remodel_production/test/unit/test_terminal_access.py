@@ -22,7 +22,7 @@ CATALOGUE = replace(
 
 
 def filled(component):
-    order = Order("o", "", "", (component,), (), notes=("before",))
+    order = Order("o", "", "", (component,), wires=(), notes=("before",))
     return with_access(Imported(order, Account("lines", 0, ("before",), ())), CATALOGUE)
 
 

@@ -20,7 +20,7 @@ DESIGNS = Path(__file__).parent / "designs"
 
 def read(data, *mappings):
     data = data if isinstance(data, bytes) else data.encode()
-    return import_wire_list(data, "test", "test.csv", CATALOGUE, mappings or MAPPINGS)
+    return import_wire_list(data, "test", "test.csv", CATALOGUE, mappings=mappings or MAPPINGS)
 
 
 def rows(imported):

@@ -44,7 +44,7 @@ def cost_of(tree: CableTree, order: Sequence[int]) -> OrderCost:
     soft = sum(place[x] > place[y] for x, y in tree.soft)
     k = tree.ends
     total = ((stored * k + hanging) * k + longest) * k + soft
-    return OrderCost(stored, hanging, longest, soft, total)
+    return OrderCost(stored, hanging, longest, soft, total=total)
 
 
 def violations(tree: CableTree, order: Sequence[int]) -> Iterator[str]:

@@ -104,7 +104,7 @@ def symbols_of(problem: Problem) -> Symbols:
         },
         tuple(writer.facts()),
         tuple(writer.costs()),
-        names,
+        names=names,
     )
 
 

@@ -77,7 +77,7 @@ def _read(options: argparse.Namespace, name: str) -> Imported:
             DesignFormat.WIRE_LIST if options.mapping else format_of(data, mappings)
         )
         catalogue = read_catalogue(catalogue_file())
-        return import_design(data, form, name, file.name, catalogue, mappings)
+        return import_design(data, form, name, file.name, catalogue=catalogue, mappings=mappings)
     except DesignError as error:
         raise DesignError(f"{file}: {error}") from error
 

@@ -133,7 +133,12 @@ class AnytimePlanner:
     def _decoded(self, order: Integers, modes: Integers) -> Planned:
         decoded = self._problem.decode(order, modes)
         return Planned(
-            self._tables, order, modes, decoded.actions, decoded.makespan, decoded.penalty
+            self._tables,
+            order,
+            modes,
+            decoded.actions,
+            makespan=decoded.makespan,
+            penalty=decoded.penalty,
         )
 
 

@@ -37,7 +37,7 @@ class AttemptReporter:
             length_m,
             attempt.execution,
             tuple(_drawings(taken)),
-            tuple(self._picture(name, operations) for name in self._there(attempt)),
+            pictures=tuple(self._picture(name, operations) for name in self._there(attempt)),
         )
 
     def overview(self, attempt: Attempt) -> tuple[Picture, ...]:

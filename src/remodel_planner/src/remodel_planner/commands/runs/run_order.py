@@ -89,7 +89,7 @@ def main(arguments: list[str] | None = None) -> int:
     wall_s = time.monotonic() - started
     lengths = {cut.wire.name: cut.length for cut in layout.wires}
     pictures = options.output / "runs" / str(follower.number)
-    report = _report(order, lengths, follower.attempts, state, pictures, wall_s)
+    report = _report(order, lengths, follower.attempts, state, pictures=pictures, wall_s=wall_s)
     page = write_report(report, options.output)
     _print_summary(report, page)
     print(
@@ -123,7 +123,9 @@ def _report(
     here = {attempt.execution.wire for attempt in attempts}
     done = [name for name, task in state.tasks.items() if task.stage is Stage.DONE]
     before = sum(name not in here for name in done)
-    return Report(order, len(order.wires), wall_s, reports, overview, stopped, before)
+    return Report(
+        order, len(order.wires), wall_s, reports, overview=overview, stopped=stopped, before=before
+    )
 
 
 def _print_summary(report: Report, page: Path) -> None:

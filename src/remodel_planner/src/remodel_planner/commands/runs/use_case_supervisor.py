@@ -111,12 +111,12 @@ def main(arguments: list[str] | None = None) -> int:
         faults,
         options.cell,
         options.use_case,
-        not options.unattended,
-        options.reconnect_timeout,
-        options.lease,
-        options.search,
-        options.explore,
-        hook,
+        attended=not options.unattended,
+        reconnect_s=options.reconnect_timeout,
+        lease_s=options.lease,
+        search_s=options.search,
+        explore=options.explore,
+        escalation=hook,
     )
     loop = RosEventLoop()
     cell = Cell(loop.background)
@@ -125,13 +125,13 @@ def main(arguments: list[str] | None = None) -> int:
         BehaviorSynthesizer(loop, output / "charts"),
         EngineLink(loop),
         AbilityWatch(),
-        Inspection(loop),
-        CellPictures(cell, output / "runs"),
+        inspection=Inspection(loop),
+        pictures=CellPictures(cell, output / "runs"),
     )
-    ownership = CellOwnership(database, options.cell, _station(), _holder(), options.lease)
+    ownership = CellOwnership(database, options.cell, _station(), _holder(), lease_s=options.lease)
     servers = (
         RecordServer(database, output / "runs"),
-        RunServer(RunLog(database), maker, peers, ownership, loop),
+        RunServer(RunLog(database), maker, peers, ownership, loop=loop),
     )
     exit_code = spin()
     del servers

@@ -145,7 +145,8 @@ def timeline(
                 round(max(operation.elapsed_s * scale, 0.2), 3),
                 colours.get(operation.ability, _OTHER_COLOUR),
                 operation.error_code != 0,
-                f"{operation.ability}: {operation.outcome or 'left'}, {operation.elapsed_s:.1f} s",
+                title=f"{operation.ability}: {operation.outcome or 'left'}, "
+                f"{operation.elapsed_s:.1f} s",
             )
             for operation in attempt.execution.operations
         )

@@ -181,7 +181,9 @@ class _Run:
         rejected = tuple(
             Rejected(*pair, why) for pair, why in self._rejected.items() if pair not in taken
         )
-        return Decomposition(self._task, route, self._first, state.steps, state.cost_s, rejected)
+        return Decomposition(
+            self._task, route, self._first, state.steps, cost_s=state.cost_s, rejected=rejected
+        )
 
     def _sequence(self, route: Route, *, hands_over: bool) -> list[_Pending]:
         """Return the macro operations of the task."""
@@ -270,11 +272,11 @@ class _Run:
             action,
             head.end,
             head.clip,
-            head.route,
-            head.methods,
-            expected,
-            access,
-            features,
+            route=head.route,
+            methods=head.methods,
+            expected=expected,
+            access=access,
+            features=features,
         )
         why = self._forbidden(step, features, state)
         if why:
@@ -287,7 +289,7 @@ class _Run:
         cost_s = state.cost_s + expected.duration_s + failure_s
         tool = state.tool or action.tool
         steps = (*state.steps, step)
-        return [_State(steps, frozenset(known), tool, state.passed_over, cost_s)]
+        return [_State(steps, frozenset(known), tool, state.passed_over, cost_s=cost_s)]
 
     def _features_of(self, head: _Pending) -> Features:
         key = (head.route.length_m, len(head.route.clips), head.end)

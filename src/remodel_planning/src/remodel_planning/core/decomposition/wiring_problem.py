@@ -29,7 +29,7 @@ from remodel_production.errors import InstanceError
 
 _TICKS_PER_S = 10
 _ZONES = 4
-_NO_WEIGHTS = Weights(0, 0, 0, 0, 0, 0)
+_NO_WEIGHTS = Weights(0, 0, 0, 0, heavy=0, arm=0)
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ def decomposer_of(
                 raise InstanceError(
                     f"task {task.name}, end {end.letter}: no terminal {task.terminals[end]}"
                 )
-    return Decomposer(use_case, order.components, component_of, expectations, order.access)
+    return Decomposer(use_case, order.components, component_of, expectations, access=order.access)
 
 
 def wiring_problem(order: WorkOrder, use_case: UseCase, plans: Sequence[TaskPlan]) -> Problem:

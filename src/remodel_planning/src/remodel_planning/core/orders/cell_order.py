@@ -49,7 +49,7 @@ def cell_order(layout: PanelLayout) -> WorkOrder:
     return WorkOrder(
         name=layout.name,
         use_case=USE_CASE,
-        arms=(Arm(_ARM, _HOME_MM, _REACH_MM, _HOME_MM, _TOOL, None),),
+        arms=(Arm(_ARM, _HOME_MM, _REACH_MM, _HOME_MM, tool=_TOOL, holding=None),),
         components={placed.component.name: {} for placed in layout.components},
         terminals=tuple(
             Terminal(str(ref), ref.component, position) for ref, position in openings.items()

@@ -35,7 +35,14 @@ class Surroundings:
                 (right, right + beside, (right - reach, right + beyond)),
             ]
         return tuple(
-            Arm(name, (station, self.slot_y), reach, (home, self._home_y), designs.tool, None)
+            Arm(
+                name,
+                (station, self.slot_y),
+                reach,
+                (home, self._home_y),
+                tool=designs.tool,
+                holding=None,
+            )
             for name, (home, station, reach) in zip(designs.arms, sides, strict=False)
         )
 

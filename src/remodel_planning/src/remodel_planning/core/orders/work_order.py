@@ -178,17 +178,17 @@ def order_from(data: object) -> WorkOrder:
         fields.text("use_case"),
         tuple(arm_from(item, item) for item in fields.objects("arms")),
         _components(fields),
-        tuple(terminal_from(item) for item in fields.objects("terminals")),
-        tuple(_task(item) for item in fields.objects("tasks")),
-        tuple(
+        terminals=tuple(terminal_from(item) for item in fields.objects("terminals")),
+        tasks=tuple(_task(item) for item in fields.objects("tasks")),
+        unders=tuple(
             Under(item.text("before"), item.text("after"))
             for item in (fields.objects("under") if fields.has("under") else ())
         ),
-        tuple(
+        soft_constraints=tuple(
             SoftConstraint(item.text("before"), item.text("after"), item.number("weight"))
             for item in (fields.objects("soft_before") if fields.has("soft_before") else ())
         ),
-        {item.text("id"): _access(item) for item in fields.objects("terminals")},
+        access={item.text("id"): _access(item) for item in fields.objects("terminals")},
     )
 
 
@@ -243,11 +243,11 @@ def _task(item: Fields) -> Task:
         (item.text("a"), item.text("b")),
         item.pair("slot"),
         dict(characteristics_of(item)),
-        routes,
-        item.pair("meeting") if item.has("meeting") else None,
-        item.text("prefer_arm") if item.has("prefer_arm") else None,
-        End("ab".index(item.choice("first", ("a", "b")))) if item.has("first") else None,
-        tuple((key, values.value(key)) for key in values.keys()) if values else (),  # noqa: SIM118 - not a dict
+        routes=routes,
+        meeting_mm=item.pair("meeting") if item.has("meeting") else None,
+        preferred_arm=item.text("prefer_arm") if item.has("prefer_arm") else None,
+        first=End("ab".index(item.choice("first", ("a", "b")))) if item.has("first") else None,
+        values=tuple((key, values.value(key)) for key in values.keys()) if values else (),  # noqa: SIM118 - not a dict
     )
 
 

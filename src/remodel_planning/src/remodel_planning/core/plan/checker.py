@@ -153,21 +153,29 @@ class _Simulation:
                 f"starts at {action.start_ticks}, but arm {arm} is there only at {arrival}"
             )
 
-    def _work(self, action: Action, ticks: int, at: Point, to: Point, *taken: str) -> int:
-        """Bring the arm to the place of work, and let the work take its time."""
-        arm: Arm = self.arm[action.arm]
-        for point in (at, to):
-            self._require(arm.reaches(point), f"x = {point[0]} is out of reach of arm {arm.name}")
-        return self._spend(action, ticks, at, to, *taken)
+    def _work(
+        self, action: Action, ticks: int, at: Point, *taken: str, to: Point | None = None
+    ) -> int:
+        """Bring the arm to the place of work, and let the work take its time and end `to` or there.
 
-    def _spend(self, action: Action, ticks: int, at: Point, to: Point, *taken: str) -> int:
+        Returns:
+            When it ends.
+        """
+        arm: Arm = self.arm[action.arm]
+        for point in (at, to or at):
+            self._require(arm.reaches(point), f"x = {point[0]} is out of reach of arm {arm.name}")
+        return self._spend(action, ticks, at, *taken, to=to)
+
+    def _spend(
+        self, action: Action, ticks: int, at: Point, *taken: str, to: Point | None = None
+    ) -> int:
         self._move(action, action.arm, at)
         end = action.start_ticks + ticks
         state = self.arms[action.arm]
-        state.position, state.free_at = to, end
+        state.position, state.free_at = to or at, end
         self.end = max(self.end, end)
         for what in taken:
-            self.uses.append(_Use(what, action.start_ticks, end, action.arm, self._index))
+            self.uses.append(_Use(what, action.start_ticks, end, action.arm, index=self._index))
         return end
 
     def _wire(self, action: Action) -> tuple[Wire, _WireState]:
@@ -185,7 +193,7 @@ class _Simulation:
             raise _RefusedError(f"no tool {action.target}")
         self._require(arm.holding is None, f"arm {action.arm} holds a wire while its tool changes")
         station = self.arm[action.arm].station_mm
-        self._spend(action, self.problem.durations.change_tool, station, station)
+        self._spend(action, self.problem.durations.change_tool, station)
         arm.tool = action.target
         self.tool_changes += 1
 
@@ -195,7 +203,7 @@ class _Simulation:
         self._require(state.stage is Stage.STORED, f"wire {wire.name} is not in the magazine")
         self._require(arm.tool == wire.tool, f"wire {wire.name} needs tool {wire.tool}")
         ticks = self.problem.pick_ticks(wire)
-        self._work(action, ticks, wire.slot_mm, wire.slot_mm, "the magazine")
+        self._work(action, ticks, wire.slot_mm, "the magazine")
         arm.holding, state.stage = wire.name, Stage.HELD
         self.picks.append((action.arm, wire.name))
 
@@ -205,7 +213,7 @@ class _Simulation:
             raise _RefusedError(f"no terminal {action.target}")
         at = terminal.position_mm
         taken = ("the camera", f"component {terminal.component}")
-        end = self._work(action, self.problem.durations.locate, at, at, *taken)
+        end = self._work(action, self.problem.durations.locate, at, *taken)
         earlier = self.located_at.get(terminal.component, end)
         self.located_at[terminal.component] = min(earlier, end)
 
@@ -227,7 +235,7 @@ class _Simulation:
             self._after(action, time, f"inserting end {other.letter} of wire {name}")
         at = terminal.position_mm
         done = self._work(
-            action, self.problem.insert_ticks(wire, end), at, at, f"component {component}"
+            action, self.problem.insert_ticks(wire, end), at, f"component {component}"
         )
         state.inserted_at[end] = done
         if state.stage is Stage.HELD:
@@ -245,17 +253,17 @@ class _Simulation:
         first = self.problem.end_terminal(wire, state.first).position_mm
         second = self.problem.end_terminal(wire, state.first.other).position_mm
         if state.stage is Stage.FIRST_IN and action.end is not None:
-            state.routed_at = self._work(action, wire.route_ticks, first, second, *ducts)
+            state.routed_at = self._work(action, wire.route_ticks, first, *ducts, to=second)
             state.stage = Stage.ROUTED
         elif state.stage is Stage.FIRST_IN and wire.handover is not None:
             meeting = wire.handover.position_mm
             ticks = wire.handover.route_ticks[state.first]
-            self._work(action, ticks, first, meeting, *ducts)
+            self._work(action, ticks, first, *ducts, to=meeting)
             state.stage = Stage.HALF
         elif state.stage is Stage.GIVEN and wire.handover and action.end is not None:
             meeting = wire.handover.position_mm
             ticks = wire.handover.route_ticks[action.end]
-            state.routed_at = self._work(action, ticks, meeting, second, *ducts)
+            state.routed_at = self._work(action, ticks, meeting, *ducts, to=second)
             state.stage = Stage.ROUTED
         else:
             raise _RefusedError(f"wire {wire.name} is {state.stage.name}, and cannot be routed so")
@@ -274,7 +282,7 @@ class _Simulation:
             receiving.reaches(meeting), f"the handover is out of reach of arm {receiving.name}"
         )
         self._move(action, receiving.name, meeting)
-        end = self._work(action, self.problem.durations.hand_over, meeting, meeting)
+        end = self._work(action, self.problem.durations.hand_over, meeting)
         receiver.position, receiver.free_at, receiver.holding = meeting, end, wire.name
         arm.holding, state.stage = None, Stage.GIVEN
 
@@ -284,7 +292,7 @@ class _Simulation:
             raise _RefusedError(f"wire {wire.name} is {state.stage.name}, and cannot be fixed")
         terminal = self.problem.end_terminal(wire, state.first.other)
         ticks, at = self.problem.fix_ticks(wire), terminal.position_mm
-        self._work(action, ticks, at, at, f"component {terminal.component}")
+        self._work(action, ticks, at, f"component {terminal.component}")
         arm.holding, state.stage = None, Stage.FIXED
 
     def _extract(self, action: Action, arm: _ArmState) -> None:
@@ -293,7 +301,7 @@ class _Simulation:
             raise _RefusedError(f"that end of wire {wire.name} is not jammed")
         terminal = self.problem.end_terminal(wire, action.end)
         ticks, at = self.problem.durations.extract, terminal.position_mm
-        self._work(action, ticks, at, at, f"component {terminal.component}")
+        self._work(action, ticks, at, f"component {terminal.component}")
         state.jammed = None
 
 

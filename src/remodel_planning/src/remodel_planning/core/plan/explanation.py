@@ -107,7 +107,7 @@ def explain(
         after.setdefault(before, []).append(later)
     by_reason = sorted(violated_constraints(problem, plan), key=lambda item: item.soft.reason)
     for reason, group in itertools.groupby(by_reason, lambda item: item.soft.reason):
-        yield from _explain_group(reason, list(group), problem, after, alternatives)
+        yield from _explain_group(reason, list(group), problem, after, alternatives=alternatives)
 
 
 def _count(problem: Problem, reason: str | None = None) -> int:

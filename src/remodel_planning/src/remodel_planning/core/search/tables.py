@@ -73,7 +73,12 @@ def tables_of(problem: Problem) -> Tables:
         "light_started": int(light),
     }
     return Tables(
-        problem, tuple(number), scalars, arrays, opening.modes, lost_by_pair + lost_by_rank
+        problem,
+        tuple(number),
+        scalars,
+        arrays,
+        modes=opening.modes,
+        lost_penalty=lost_by_pair + lost_by_rank,
     )
 
 

@@ -97,7 +97,7 @@ class PlannedTask:
 
     def _part(self, steps: tuple[Step, ...], suffix: str) -> Chart:
         done = replace(self.decomposition, steps=steps)
-        return task_chart(self.use_case, done, self.component_of, self.arms, suffix)
+        return task_chart(self.use_case, done, self.component_of, self.arms, suffix=suffix)
 
 
 def planned_tasks(prepared: Prepared, plan: Plan) -> Iterator[PlannedTask]:

@@ -69,7 +69,7 @@ def task_chart(
     Raises:
         UseCaseError: if an action refers to a value that the task does not have, or there is none.
     """
-    return marked(_Charting(use_case, decomposition, component_of, arms, suffix).chart())
+    return marked(_Charting(use_case, decomposition, component_of, arms, suffix=suffix).chart())
 
 
 def marked(chart: Chart) -> Chart:

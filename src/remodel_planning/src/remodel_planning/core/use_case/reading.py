@@ -97,7 +97,7 @@ def _characteristics(stated: Json) -> dict[str, Characteristic]:
             item["default"],
             tuple(item.get("one_of", ())),
             item.get("at_least", float("-inf")),
-            item.get("at_most", float("inf")),
+            most=item.get("at_most", float("inf")),
         )
         for name, item in stated.items()
     }

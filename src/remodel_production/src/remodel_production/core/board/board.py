@@ -86,7 +86,7 @@ def _plate(order: Order) -> Board:
         devices.append(PlacedDevice(component, (x, y), (2 * half, height)))
     lines = {s.name: (nodes[s.start], nodes[s.end]) for s in order.segments}
     routes = {w.name: _through_ducts(order, w, openings, lines) for w in inside.wires}
-    return Board(order, tuple(devices), openings, lines, {}, routes, True)
+    return Board(order, tuple(devices), openings, lines, clips={}, routes=routes, is_cabinet=True)
 
 
 def _through_ducts(
@@ -136,7 +136,9 @@ def _formboard(order: Order) -> Board:
         for clip in order.clips
     }
     routes = {wire.name: _along_bundles(order, wire, openings, nodes) for wire in order.wires}
-    return Board(order, tuple(devices), openings, lines, clips, routes, False)
+    return Board(
+        order, tuple(devices), openings, lines, clips=clips, routes=routes, is_cabinet=False
+    )
 
 
 def _along_bundles(

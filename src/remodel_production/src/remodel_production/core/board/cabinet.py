@@ -250,12 +250,12 @@ class _Cabinet:
             for j in range(pieces):
                 piece = round(width / pieces, 6)
                 start, end = f"D{k}/{j}", f"D{k}/{j + 1}"
-                segments.append(Segment(f"D{k}.{j}", start, end, piece, SegmentKind.DUCT))
+                segments.append(Segment(f"D{k}.{j}", start, end, piece, kind=SegmentKind.DUCT))
         for k, (above, below) in enumerate(pairwise(self._ducts)):
             for name, j in (("L", 0), ("R", pieces)):
                 start, end = f"D{k}/{j}", f"D{k + 1}/{j}"
                 length = round(above - below, 6)
-                segments.append(Segment(f"{name}{k}", start, end, length, SegmentKind.DUCT))
+                segments.append(Segment(f"{name}{k}", start, end, length, kind=SegmentKind.DUCT))
         return tuple(nodes), tuple(segments)
 
 

@@ -88,21 +88,21 @@ class _Reader:
             len(found),
             (*self._assumptions.lines, *assembly.assumptions),
             tuple(self._left_out),
-            tuple(self._ignored),
-            self._joined,
-            self._wires_joined,
+            ignored=tuple(self._ignored),
+            joined=self._joined,
+            wires_joined=self._wires_joined,
         )
         order = Order(
             name,
             self._title(),
             source,
             assembly.components,
-            assembly.wires,
-            account.notes,
-            tuple(self._cables(connections)),
-            self._topology.nodes,
-            self._topology.segments,
-            self._topology.clips,
+            wires=assembly.wires,
+            notes=account.notes,
+            cables=tuple(self._cables(connections)),
+            nodes=self._topology.nodes,
+            segments=self._topology.segments,
+            clips=self._topology.clips,
         )
         return Imported(order, account)
 
@@ -189,7 +189,7 @@ class _Reader:
         length = self._length(wires[0], route, source)
         for a, b in pairwise(refs):
             yield self._connection(
-                wires[0], a, b, source, length if len(refs) == 2 else None, route
+                wires[0], a, b, source, length=length if len(refs) == 2 else None, route=route
             )
 
     def _ends(self, element: etree._Element) -> list[etree._Element]:
@@ -295,14 +295,14 @@ class _Reader:
             b,
             self._assumptions.colour(colour, source),
             self._assumptions.section(section, source),
-            source,
-            _wire_name(occurrence)
+            source=source,
+            name=_wire_name(occurrence)
             if cable is None
             else f"{_cable_name(cable)}.{_wire_name(occurrence)}",
-            length,
-            "" if cable is None else _cable_name(cable),
-            "" if cable is None else _wire_name(occurrence),
-            tuple(segment.name for segment in route),
+            length_m=length,
+            cable="" if cable is None else _cable_name(cable),
+            core="" if cable is None else _wire_name(occurrence),
+            route=tuple(segment.name for segment in route),
         )
 
     def _length(
@@ -344,7 +344,7 @@ class _Reader:
                 designator = "" if part is None else text_of(part, "Cable_designator")
                 shielded = "shield" in designator.lower()
                 length = self._length(occurrence, (), "")
-                yield Cable(name, kind, length, shielded, line_of(occurrence))
+                yield Cable(name, kind, length, shielded, source=line_of(occurrence))
 
     def _devices(self) -> Iterator[Device]:
         for owner, name in self._names.items():

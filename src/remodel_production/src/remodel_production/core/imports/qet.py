@@ -131,12 +131,14 @@ class _Reader:
             count,
             (*self._assumptions.lines, *assembly.assumptions),
             tuple(self._left_out),
-            self._unwired({end.element for wire in wires for end in wire.ends}),
-            joined,
-            wires_joined,
+            ignored=self._unwired({end.element for wire in wires for end in wire.ends}),
+            joined=joined,
+            wires_joined=wires_joined,
         )
         title = self._project.get("title", "")
-        order = Order(name, title, source, assembly.components, assembly.wires, account.notes)
+        order = Order(
+            name, title, source, assembly.components, wires=assembly.wires, notes=account.notes
+        )
         return Imported(order, account)
 
     def _note_version(self) -> None:
@@ -332,7 +334,7 @@ class _Reader:
         )
         colour = self._assumptions.colour(wire.colour, wire.source)
         section = self._assumptions.section(wire.section, wire.source)
-        return Connection(a, b, colour, section, wire.source)
+        return Connection(a, b, colour, section, source=wire.source)
 
     def _unwired(self, wired: set[str]) -> tuple[LeftOut, ...]:
         """Return the devices with terminals to which no wire goes."""

@@ -169,9 +169,9 @@ class _Reader:
             self._table.mapping.name,
             source,
             assembly.components,
-            assembly.wires,
-            account.notes,
-            tuple(self._cables.values()),
+            wires=assembly.wires,
+            notes=account.notes,
+            cables=tuple(self._cables.values()),
         )
         return Imported(order, account)
 
@@ -207,11 +207,11 @@ class _Reader:
             b,
             self.assumptions.colour(self._cell(row, Field.COLOUR), source),
             self._section(row, source),
-            source,
-            name,
-            self._length(row, source),
-            self._cable(row, source),
-            self._cell(row, Field.CORE),
+            source=source,
+            name=name,
+            length_m=self._length(row, source),
+            cable=self._cable(row, source),
+            core=self._cell(row, Field.CORE),
         )
 
     def _cell(self, row: _Row, field: Field) -> str:
@@ -290,7 +290,7 @@ class _Reader:
     def _cable(self, row: _Row, source: str) -> str:
         name = self._cell(row, Field.CABLE)
         if name:
-            self._cables.setdefault(name, Cable(name, "", None, False, source))
+            self._cables.setdefault(name, Cable(name, "", None, False, source=source))
         return name
 
 

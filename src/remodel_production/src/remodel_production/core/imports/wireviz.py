@@ -133,16 +133,16 @@ class _Reader:
             len(connections) + len(self._left_out),
             (*self.assumptions.lines, *assembly.assumptions),
             tuple(self._left_out),
-            tuple(self._ignored),
+            ignored=tuple(self._ignored),
         )
         order = Order(
             name,
             title.text if title is not None and title.is_scalar else "",
             source,
             assembly.components,
-            assembly.wires,
-            account.notes,
-            cables,
+            wires=assembly.wires,
+            notes=account.notes,
+            cables=cables,
         )
         return Imported(order, account)
 
@@ -306,7 +306,9 @@ class _Reader:
                     self._left_out.append(LeftOut(where, reason))
                 else:
                     connections.append(
-                        self._connection(designator, key, cable, core.left, core.right, where)
+                        self._connection(
+                            designator, key, cable, core.left, right=core.right, where=where
+                        )
                     )
         return connections
 
@@ -325,11 +327,11 @@ class _Reader:
             right,
             "" if key == SHIELD else self.assumptions.colour(colour, where),
             self.assumptions.section(cable.gauge, where),
-            where,
-            f"{designator}.{key}",
-            cable.length_m,
-            "" if cable.is_bundle else designator,
-            key,
+            source=where,
+            name=f"{designator}.{key}",
+            length_m=cable.length_m,
+            cable="" if cable.is_bundle else designator,
+            core=key,
         )
 
     def _devices(self) -> list[Device]:
@@ -359,7 +361,11 @@ class _Reader:
                     self.assumptions.add(f"line {part.line}: length {part.length!r} not understood")
                 cables.append(
                     Cable(
-                        designator, part.kind, part.length_m, part.is_shielded, f"line {part.line}"
+                        designator,
+                        part.kind,
+                        part.length_m,
+                        part.is_shielded,
+                        source=f"line {part.line}",
                     )
                 )
         return cables

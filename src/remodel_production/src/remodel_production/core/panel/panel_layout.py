@@ -154,10 +154,10 @@ def lay_out(order: Order, catalogue: Catalogue, rules: PanelRules) -> PanelLayou
             marker_id,
             _row_x(row, len(rows), rules),
             y[component.name],
-            rules.component_depth,
-            _width(component, rules),
-            rules.component_height,
-            terminals[component.name],
+            depth=rules.component_depth,
+            width=_width(component, rules),
+            height=rules.component_height,
+            terminals=terminals[component.name],
         )
         for marker_id, (row, component) in enumerate(
             (row, component) for row, members in enumerate(rows) for component in members
@@ -169,13 +169,15 @@ def lay_out(order: Order, catalogue: Catalogue, rules: PanelRules) -> PanelLayou
             _row_x(row, len(rows), rules) - rules.row_pitch / 2,
             rules.row_pitch - rules.component_depth,
             -rules.plate_width / 2,
-            rules.plate_width / 2,
+            y_max=rules.plate_width / 2,
         )
         for row in range(max(1, len(rows) - 1))
     )
-    wires = tuple(_cut(wire, components, channels, catalogue, rules) for wire in order.wires)
+    wires = tuple(_cut(wire, components, channels, catalogue, rules=rules) for wire in order.wires)
     depth = (max(1, len(rows) - 1)) * rules.row_pitch + 2 * rules.component_depth
-    return PanelLayout(order.name, depth, rules.plate_width, components, channels, wires)
+    return PanelLayout(
+        order.name, depth, rules.plate_width, components, channels=channels, wires=wires
+    )
 
 
 def _row_x(row: int, count: int, rules: PanelRules) -> float:
@@ -203,9 +205,9 @@ def _terminals(
                     (1 if side is Side.TOP else -1) * rules.component_depth / 2,
                     ((len(terminals) - 1) / 2 - index) * rules.terminal_pitch,
                     rules.opening_height,
-                    math.pi if side is Side.TOP else 0.0,
-                    round(wire_type.diameter_m + rules.bore_clearance, 6),
-                    round(wire_type.ferrule_m + rules.bore_beyond_ferrule, 6),
+                    insertion_yaw=math.pi if side is Side.TOP else 0.0,
+                    bore=round(wire_type.diameter_m + rules.bore_clearance, 6),
+                    depth=round(wire_type.ferrule_m + rules.bore_beyond_ferrule, 6),
                 )
             )
     return tuple(placed)
@@ -233,7 +235,7 @@ def _along_rows(
         most[component.name] = min(edge, rules.opening_y - max(offsets))
     in_rows = [*_beside_each_other(rows, rules)]
     for distance_min in rules.distances_min:
-        distances = _distances(order, rows, terminals, distance_min, rules)
+        distances = _distances(order, rows, terminals, distance_min, rules=rules)
         y = least_solution(least, [*in_rows, *distances])
         if y is not None and all(y[name] <= most[name] + 1e-9 for name in y):
             to_the_middle = min(most[name] - y[name] for name in y) / 2
@@ -298,7 +300,16 @@ def _cut(
             f"reach beyond {rules.reach_y:.2f} m from the panel's middle: choose fewer wires"
         )
     wire_type = catalogue.wire_type(wire.section_mm2)
-    return CutWire(wire, wire_type, first, second, length, channel.name, first_y, second_y)
+    return CutWire(
+        wire,
+        wire_type,
+        first,
+        second,
+        length=length,
+        channel=channel.name,
+        first_y=first_y,
+        second_y=second_y,
+    )
 
 
 def _loose_end(first_y: float, second_y: float, length: float) -> float:

@@ -231,7 +231,12 @@ def _run(program: str, url: URL, arguments: list[str]) -> str:
     if shutil.which(program) is None:
         raise BackupError(f"{program} is not installed: install PostgreSQL's client programs")
     bare = URL.create(
-        "postgresql", url.username, None, url.host, url.port, url.database, url.query
+        "postgresql",
+        username=url.username,
+        host=url.host,
+        port=url.port,
+        database=url.database,
+        query=url.query,
     ).render_as_string()
     password = {"PGPASSWORD": url.password} if url.password else {}
     done = subprocess.run(

@@ -100,12 +100,12 @@ def assemble(devices: Iterable[Device], connections: Sequence[Connection]) -> As
             clamps.take(connection.a),
             clamps.take(connection.b),
             connection.colour,
-            connection.section_mm2,
-            connection.source,
-            connection.length_m,
-            connection.cable,
-            connection.core,
-            connection.route,
+            section_mm2=connection.section_mm2,
+            source=connection.source,
+            length_m=connection.length_m,
+            cable=connection.cable,
+            core=connection.core,
+            route=connection.route,
         )
         for name, connection in zip(names, connections, strict=True)
     )
@@ -191,10 +191,10 @@ def _component(device: Device, taken: list[tuple[str, str]]) -> Component:
         device.kind,
         tuple(sorted(terminals, key=lambda terminal: _natural_key(terminal.name))),
         device.mount,
-        device.role,
-        device.part_number,
-        device.pose,
-        device.node,
+        role=device.role,
+        part_number=device.part_number,
+        pose=device.pose,
+        node=device.node,
     )
 
 
