@@ -68,9 +68,7 @@ FOLDERS_WITH_CYCLE = {
     "flexbe_synthesizer.core.library",  # `resolve` keeps what is computed from it
 }
 LARGE_FOLDERS = {
-    "flexbe_core.core",
-    "flexbe_core.engine",
-    "remodel_states",
+    "flexbe_core.core",  # FlexBE's import paths: a module for each class
 }
 TEST_MODULES = {
     "remodel_console.testing.browser_test",

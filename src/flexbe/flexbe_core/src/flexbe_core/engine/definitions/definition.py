@@ -1,7 +1,7 @@
 """What the engine reads of a behavior's definition.
 
 The stock classes (flexbe_core.core) are the definitions: trees of states that users write. They
-hold no state of a run but what users put there. The engine keeps its own record of each state in a
+hold no state of a run but what users put there. The engine has a runtime node for each state of a
 run (node.py) and reads a definition only through the attributes below.
 """
 
@@ -11,11 +11,11 @@ from collections.abc import Callable, Mapping, Sequence
 from enum import Enum
 from typing import Any, Protocol
 
-from flexbe_core.engine.user_data import UserData
+from flexbe_core.engine.userdata.user_data import UserData
 
 
 class Kind(Enum):
-    """What a definition is; it decides which record runs it."""
+    """What a definition is; it decides which class of node runs it."""
 
     STATE = "state"
     MACHINE = "state machine"

@@ -1,4 +1,4 @@
-"""Carry out what decision.decide decides about a supervised state."""
+"""Supervise a state: apply commands, and carry out what supervision.decision decides."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from flexbe_core.engine.commands import StateCommand
-from flexbe_core.engine.decision import PENDING, Act, Moment, Pending, decide
-from flexbe_core.engine.facts import NO_OUTCOME, Forced, Requested
-from flexbe_core.engine.obey import ActiveState, obey
+from flexbe_core.engine.events import NO_OUTCOME, Forced, Requested
+from flexbe_core.engine.supervision.apply_commands import ActiveState, apply_command
+from flexbe_core.engine.supervision.commands import StateCommand
+from flexbe_core.engine.supervision.decision import PENDING, Act, Moment, Pending, decide
 
 if TYPE_CHECKING:
     from flexbe_core.engine.leaf import Leaf
@@ -22,60 +22,60 @@ def before(leaf: Leaf) -> tuple[Act, str | None]:
         the act and, if the state is not to be executed but to leave, the outcome to leave with.
     """
     engine = leaf.engine
-    _obey_commands(leaf)
-    record = engine.record
-    act = decide(record, _moment(leaf, PENDING, record.stored))
+    _apply_commands(leaf)
+    supervision = engine.supervision
+    act = decide(supervision, _moment(leaf, PENDING, supervision.stored))
     if act is Act.RELEASE:
-        engine.record = replace(record, stored=None)
-        return act, record.stored
+        engine.supervision = replace(supervision, stored=None)
+        return act, supervision.stored
     if act is Act.FORCE:
         if engine.recording:
-            engine.facts.append(Forced(leaf.path, record.forced or "", record.requested))
-        return act, record.forced
+            engine.events.append(Forced(leaf.path, supervision.forced or "", supervision.requested))
+        return act, supervision.forced
     if act is Act.WITHDRAW:
         _withdraw(leaf)
     return act, None
 
 
 def after(leaf: Leaf, outcome: str | None) -> Act:
-    """Decide whether the state may leave with `outcome`, and tell the operator."""
+    """Decide whether the state may leave with `outcome`, and ask the operator if necessary."""
     engine = leaf.engine
-    record = engine.record
-    act = decide(record, _moment(leaf, outcome, outcome))
+    supervision = engine.supervision
+    act = decide(supervision, _moment(leaf, outcome, outcome))
     if act is Act.STORE:
-        engine.record = replace(record, stored=outcome, forced=None)
+        engine.supervision = replace(supervision, stored=outcome, forced=None)
     elif act is Act.REPEAT:
-        engine.record = replace(record, repeat=False)
+        engine.supervision = replace(supervision, repeat=False)
     elif act is Act.WITHDRAW:
         _withdraw(leaf)
     elif act is Act.REQUEST and outcome is not None:
-        engine.record = replace(record, requested=outcome)
-        engine.facts.append(Requested(leaf.path, leaf.definition._outcomes.index(outcome)))
+        engine.supervision = replace(supervision, requested=outcome)
+        engine.events.append(Requested(leaf.path, leaf.definition._outcomes.index(outcome)))
     return act
 
 
 def left(leaf: Leaf, outcome: str) -> None:
-    """Note for mirrors that the state was left, and drop what concerned only this visit."""
+    """Note for mirrors that the state was left, and clear what applied only to this visit."""
     engine = leaf.engine
     if outcome in leaf.definition._outcomes:
         engine.leave(leaf, outcome)
-    engine.record = engine.record.after_visit()
+    engine.supervision = engine.supervision.after_visit()
 
 
-def _obey_commands(leaf: Leaf) -> None:
-    """Obey what the operator asked of the active state, up to an outcome that he forces.
+def _apply_commands(leaf: Leaf) -> None:
+    """Apply the commands to the active state, up to a forced outcome.
 
-    What comes behind a forced outcome is meant for the next state.
+    Commands after a forced outcome are for the next state.
     """
     engine = leaf.engine
     if not engine.commands:
         return
     name = leaf.definition._name or ""
     state = ActiveState(name, leaf.path, leaf.definition._outcomes, leaf.ancestors())
-    while engine.commands and engine.record.forced is None:
+    while engine.commands and engine.supervision.forced is None:
         command: StateCommand = engine.commands.popleft()
-        engine.record, facts = obey(engine.record, command, state)
-        engine.facts.extend(facts)
+        engine.supervision, events = apply_command(engine.supervision, command, state)
+        engine.events.extend(events)
     engine.claim_while_paused(leaf.path)
 
 
@@ -98,7 +98,7 @@ def _required_autonomy(leaf: Leaf, outcome: str) -> int:
 
 def _leaves_locked(leaf: Leaf, outcome: str) -> bool:
     """Return whether a locked container around the state would be left with this outcome."""
-    locks = leaf.engine.record.locks
+    locks = leaf.engine.supervision.locks
     target: str | None = leaf.targets.get(outcome)
     container = leaf.parent
     while locks and container is not None and target is not None:
@@ -113,5 +113,5 @@ def _leaves_locked(leaf: Leaf, outcome: str) -> bool:
 
 def _withdraw(leaf: Leaf) -> None:
     engine = leaf.engine
-    engine.record = replace(engine.record, requested=None)
-    engine.facts.append(Requested(leaf.path, NO_OUTCOME))
+    engine.supervision = replace(engine.supervision, requested=None)
+    engine.events.append(Requested(leaf.path, NO_OUTCOME))

@@ -1,10 +1,9 @@
-"""A recorded run in words: what was done, what failed, what was decided about it and why."""
+"""A recorded run as text: what was done, what failed, what was decided about it and why."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from datetime import datetime
-from functools import singledispatch
 
 from remodel_planner.core.reports.run_report import failure_line
 from remodel_planning.core.use_case.fault import FaultTable
@@ -34,16 +33,16 @@ from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import Stage
 
 
-def tell(
+def explain_run(
     number: int, begun: datetime, events: Sequence[Event], faults: FaultTable
 ) -> Iterator[str]:
-    """Yield the lines of a run's story.
+    """Yield the explanation of a run, line by line.
 
     Args:
         number: of the run.
         begun: wall time, UTC.
         events: of the run, in order.
-        faults: that there are, for their symptoms.
+        faults: with their symptoms.
     """
     state = state_after(events)
     attempts = list(attempts_of(events))
@@ -66,7 +65,7 @@ def tell(
             for name, value in event.change:
                 yield f"    with {name} {value:g}"
         else:
-            yield from _line(event)
+            yield from _lines(event)
     left = [name for name, task in state.tasks.items() if task.stage is not Stage.DONE]
     done = len(state.tasks) - len(left)
     end = f"not done: {' '.join(left)}" if left else "all are done"
@@ -85,91 +84,57 @@ def _ended(execution: Execution) -> Iterator[str]:
             if pairs:
                 yield f"        {how}: {', '.join(f'{name} {value}' for name, value in pairs)}"
     if execution.failures and execution.outcome == "finished":
-        yield "    the behavior itself put it right"
+        yield "    the behavior recovered by itself"
 
 
-@singledispatch
-def _line(_event: Event) -> Iterator[str]:
-    """Yield what is to be said of an event that stands alone; of most, nothing."""
-    yield from ()
+def _lines(event: Event) -> Iterator[str]:
+    """Yield the lines about an event that stands alone; of most, none."""
+    match event:
+        case Planned():
+            yield f"planned, since {event.because}: {' '.join(event.tasks)}"
+        case TaskBegun():
+            for chosen in event.chosen:
+                yield (
+                    f"{event.task}, attempt {event.attempt}: {chosen.step} with "
+                    f"{chosen.parameter} {chosen.value:g}, chosen by learning"
+                )
+        case Settled():
+            yield _inspection(event)
+        case StopReported():
+            operation = event.operation
+            yield f"{event.task}: {operation.state_path} had ended: {failure_line(operation)}"
+        case Asked():
+            choices = ", ".join(choice.value for choice in event.choices)
+            yield f"question {event.number}: {event.text} ({choices})"
+        case Answered():
+            yield f"{event.by} answered {event.choice.value} to question {event.number}"
+        case Escalated():
+            response = event.do.value.replace("_", " ")
+            yield f"no answer to question {event.number} in time: {response}"
+        case FeedRefused():
+            yield f"{event.task}: no piece was presented: error {event.code}: {event.text}"
+        case Commanded():
+            command = event.command.value.replace("_", " ")
+            yield f"{event.by} asked for: {command} {event.task}".rstrip()
+        case TaskElsewhere():
+            cell = f"cell {event.cell}" if event.cell else "another cell"
+            is_running = event.as_left is AsLeft.RUNNING
+            how = "has it" if is_running else f"has left it {event.as_left.value}"
+            yield f"{event.task}: {cell} {how}"
+        case TaskReturned():
+            yield f"{event.task}: taken over from cell {event.cell}, which began it and went silent"
+        case Blocked():
+            yield f"it cannot go on: {event.because}"
+        case RunEnded():
+            yield f"ended {event.ending.value}: {event.because}"
 
 
-@_line.register
-def _(event: Planned) -> Iterator[str]:
-    yield f"planned, since {event.because}: {' '.join(event.tasks)}"
-
-
-@_line.register
-def _(event: TaskBegun) -> Iterator[str]:
-    for chosen in event.chosen:
-        yield (
-            f"{event.task}, attempt {event.attempt}: {chosen.step} with {chosen.parameter} "
-            f"{chosen.value:g}, chosen by learning"
-        )
-
-
-@_line.register
-def _(event: Settled) -> Iterator[str]:
+def _inspection(event: Settled) -> str:
     if event.unseen:
-        yield f"{event.task}: the inspection failed: {event.unseen}"
-        return
+        return f"{event.task}: the inspection failed: {event.unseen}"
     seen = f"end {' and end '.join(event.connected)} connected" if event.connected else "no end in"
     left = f"{_count(event.left, 'step')} left" if event.left else "it is done"
-    yield f"{event.task}: inspected: {seen}; {left}"
-
-
-@_line.register
-def _(event: StopReported) -> Iterator[str]:
-    operation = event.operation
-    yield f"{event.task}: {operation.state_path} had ended: {failure_line(operation)}"
-
-
-@_line.register
-def _(event: Asked) -> Iterator[str]:
-    choices = ", ".join(choice.value for choice in event.choices)
-    yield f"question {event.number}: {event.text} ({choices})"
-
-
-@_line.register
-def _(event: Answered) -> Iterator[str]:
-    yield f"{event.by} answered {event.choice.value} to question {event.number}"
-
-
-@_line.register
-def _(event: Escalated) -> Iterator[str]:
-    yield f"nobody answered question {event.number} in time: {event.do.value.replace('_', ' ')}"
-
-
-@_line.register
-def _(event: FeedRefused) -> Iterator[str]:
-    yield f"{event.task}: no piece was presented: error {event.code}: {event.text}"
-
-
-@_line.register
-def _(event: Commanded) -> Iterator[str]:
-    command = event.command.value.replace("_", " ")
-    yield f"{event.by} asked for: {command} {event.task}".rstrip()
-
-
-@_line.register
-def _(event: TaskElsewhere) -> Iterator[str]:
-    how = "has it" if event.as_left is AsLeft.RUNNING else f"has left it {event.as_left.value}"
-    yield f"{event.task}: {f'cell {event.cell}' if event.cell else 'another cell'} {how}"
-
-
-@_line.register
-def _(event: TaskReturned) -> Iterator[str]:
-    yield f"{event.task}: taken over from cell {event.cell}, which has begun it and gone silent"
-
-
-@_line.register
-def _(event: Blocked) -> Iterator[str]:
-    yield f"it cannot go on: {event.because}"
-
-
-@_line.register
-def _(event: RunEnded) -> Iterator[str]:
-    yield f"ended {event.ending.value}: {event.because}"
+    return f"{event.task}: inspected: {seen}; {left}"
 
 
 def _count(number: int, what: str) -> str:

@@ -1,4 +1,4 @@
-"""Expand a checked chart into a plain FlexBE behavior.
+"""Lower a checked chart to a plain FlexBE behavior.
 
 `ext:attempts` on X puts a counting state `X_attempts` before X: all that leads to X leads there,
 and its count lives in the root's userdata, where it starts at 0 in every run; containers around X
@@ -55,7 +55,7 @@ _COUNTED = "counted"
 _NONE: Mapping[str, str] = MappingProxyType({})
 
 
-def expand(resolved: ResolvedChart, package: str) -> Machine:
+def lower(resolved: ResolvedChart, package: str) -> Machine:
     """Return the behavior that a chart without errors becomes."""
     chart = resolved.chart
     counts = _count_keys(resolved)
@@ -68,10 +68,10 @@ def expand(resolved: ResolvedChart, package: str) -> Machine:
     root = machine.Container(
         Kind.STATE_MACHINE,
         tuple(outcome.name for outcome in chart.outcomes),
-        inputs,
-        outputs,
-        _Expansion(resolved, flow, "", counts).children(),
-        tuple(userdata),
+        input_keys=inputs,
+        output_keys=outputs,
+        children=_Lowering(resolved, flow, "", counts).children(),
+        userdata=tuple(userdata),
     )
     is_visible = any(c.isprintable() and not c.isspace() for c in chart.description)
     description = chart.description if is_visible else f"The state chart {chart.name}."
@@ -103,7 +103,7 @@ def _counted_paths(resolved: ResolvedChart, above: str) -> Iterator[str]:
             yield from _counted_paths(entry.body, f"{path}/")
 
 
-class _Expansion:
+class _Lowering:
     """The children that the nodes of a chart or container become.
 
     Attributes:
@@ -130,10 +130,10 @@ class _Expansion:
         entries = sorted(self._resolved.nodes, key=lambda entry: entry.node.id != initial)
         found: list[Child] = []
         for entry in entries:
-            self._expand(entry, found)
+            self._lower(entry, found)
         return tuple(found)
 
-    def _expand(self, entry: ResolvedNode, found: list[Child]) -> None:
+    def _lower(self, entry: ResolvedNode, found: list[Child]) -> None:
         """Add what a node becomes: its counter, itself, and what parts its failures.
 
         What is entered first is added first: the first child of a container is its initial state.
@@ -217,7 +217,7 @@ class _Expansion:
             tuple(dict.fromkeys(condition.outcome for condition in conditions)),
             (*(n for n in inputs if (entry.node.id, n) not in self._flow.defaulted), *passed),
             (*outputs, *passed),
-            (
+            children=(
                 Child(
                     RUN,
                     self._content(entry),
@@ -243,19 +243,19 @@ class _Expansion:
             kept = tuple(p.name for p in declaration.inputs if (node_id, p.name) in defaulted)
             return BehaviorUse(declaration, given, kept)
         if declaration is None:
-            raise AssertionError(f"{entry.node.id} was expanded though its class is not known")
+            raise AssertionError(f"{entry.node.id} was lowered though its class is not known")
         return StateUse(declaration, _alias(declaration, entry.use.is_qualified), given)
 
     def _body(self, entry: ResolvedNode, body: ResolvedChart) -> machine.Container:
         """Return the container that a container of the chart becomes."""
         chart, passed = body.chart, self._passed_counts(entry)
-        inside = _Expansion(body, body.flow, f"{self._above}{entry.node.id}/", self._counts)
+        inside = _Lowering(body, body.flow, f"{self._above}{entry.node.id}/", self._counts)
         return machine.Container(
             _KINDS[body.runs],
             tuple(outcome.name for outcome in chart.outcomes),
             (*(port.name for port in chart.inputs), *passed),
             (*(port.name for port in chart.outputs), *passed),
-            inside.children(),
+            children=inside.children(),
             conditions=tuple(
                 Condition(c.outcome, tuple((when.state, when.event) for when in c.all_of))
                 for c in chart.conditions

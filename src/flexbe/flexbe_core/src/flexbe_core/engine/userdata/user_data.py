@@ -1,7 +1,7 @@
 """Userdata: a view on a container's data, as one state may see it.
 
-A view has a store of its own on top of a reference (another view, or a dict). Reading looks into
-the store first, then through the remapping into the reference. Writing an output key writes both.
+A view has a store of its own on top of a reference (another view, or a dict). Reading tries the
+store first, then the reference through the remapping. Writing an output key writes both.
 
     own key --remap--> key of the container          (missing in the map: the same name)
 
@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 
 from flexbe_core.engine.errors import UserDataError
-from flexbe_core.engine.fingerprint import Fingerprint, Value, fingerprint, is_unchanged
+from flexbe_core.engine.userdata.fingerprint import Fingerprint, Value, fingerprint, is_unchanged
 
 _set = object.__setattr__
 
@@ -50,7 +50,7 @@ class UserData:
         output_keys: Collection[str] | None = None,
         remap: Mapping[str, str] | None = None,
     ) -> None:
-        """Look into `reference` through `remap`.
+        """Make a view on `reference` through `remap`.
 
         Args:
             reference: where values come from and go to.
@@ -75,9 +75,9 @@ class UserData:
         """Change the view itself.
 
         Args:
-            reference: look into this from now on.
-            add_from: take over the keys of its store that are missing in the own one.
-            update_from: take over all keys of its store.
+            reference: read from this from now on.
+            add_from: copy the keys of its store that are missing in the own one.
+            update_from: copy all keys of its store.
             remove_key: remove this key from the own store.
         """
         if reference is not None:
@@ -102,7 +102,7 @@ class UserData:
         """Return a value.
 
         Raises:
-            UserDataError: if the key is not declared as input, or nobody has written it.
+            UserDataError: if the key is not declared as input, or has not been written.
         """
         data = self._data
         if key in data:

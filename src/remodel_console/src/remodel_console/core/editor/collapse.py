@@ -10,13 +10,13 @@ from remodel_console.core.editor.editing import Path
 _MOST_OPEN = 40  # states and containers that are readable in one drawing
 
 
-def folded(chart: Chart, path: Path) -> Chart:
+def collapsed(chart: Chart, path: Path) -> Chart:
     """Return a chart to be drawn; a large one has all containers closed that are not on a path."""
     is_small = sum(1 for _ in walk_nodes(chart)) <= _MOST_OPEN
-    return chart if is_small else _folded(chart, path)
+    return chart if is_small else _closed_beside(chart, path)
 
 
-def _folded(scope: Chart, path: Path) -> Chart:
+def _closed_beside(scope: Chart, path: Path) -> Chart:
     return replace(scope, nodes=tuple(_closed(node, path) for node in scope.nodes))
 
 
@@ -25,7 +25,7 @@ def _closed(node: AnyNode, path: Path) -> AnyNode:
     if not isinstance(node, Container):
         return node
     if path and node.id == path[0]:
-        return replace(node, body=_folded(node.body, path[1:]))
+        return replace(node, body=_closed_beside(node.body, path[1:]))
     count = sum(not isinstance(inner, Container) for inner in walk_nodes(node.body))
     return State(
         id=node.id,

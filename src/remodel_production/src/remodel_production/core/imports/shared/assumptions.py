@@ -7,16 +7,16 @@ from remodel_production.core.imports.shared.colours import colour_code
 from remodel_production.core.imports.shared.units import section_mm2
 
 
-class Guesses:
-    """The lines of what was guessed, in the order of the file."""
+class Assumptions:
+    """One line for each assumption, in the order of the file."""
 
     def __init__(self, catalogue: Catalogue) -> None:
-        """Guess by a catalogue's defaults."""
+        """Assume a catalogue's defaults."""
         self._catalogue = catalogue
         self.lines: list[str] = []
 
     def add(self, line: str) -> None:
-        """Note something guessed."""
+        """Note an assumption."""
         self.lines.append(line)
 
     def colour(self, text: str, source: str) -> str:

@@ -1,4 +1,4 @@
-"""Which values are certainly written when a state is entered, and what each outcome writes.
+"""Definite assignment: the values certainly written when a state is entered, or by an outcome.
 
 A forward analysis over sets of homes, each set one integer with a bit per home. What a state,
 behavior or container writes depends on the outcome that it ends with, see `signature.Effect`; this
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 class Values:
     """Who writes which home of a chart or container, and on which edges.
 
-    Only homes that are outputs, or that somebody reads, are told apart.
+    Only homes that are outputs, or that an input reads, are distinguished.
     """
 
     def __init__(self, resolved: ResolvedChart) -> None:
@@ -99,7 +99,7 @@ class Values:
         return reduce(or_, (limited.get(outcome, (own, own))[1] for outcome in outcomes), 0)
 
     def has(self, written: int, home: str) -> bool:
-        """Tell whether a home is in a set."""
+        """Return whether a home is in a set."""
         return bool(written & self._bits[home])
 
     def edges_not_writing(self, home: str) -> dict[str, Sequence[Edge]]:
@@ -119,7 +119,7 @@ class Values:
     def written_before(self) -> Mapping[str, int]:
         """Return, for each state and outcome that can be reached, the homes written by then.
 
-        States are looked at again in the order of the graph, until nothing changes any more.
+        States are visited again in the order of the graph, until a fixed point.
         """
         graph, loops = self.graph, self.graph.loops
         leaving = graph.leaving
@@ -146,7 +146,7 @@ class Values:
                         round_trips[target] = self._written_on_way_round(target)
                     has_changed |= _narrow(spent, target, arriving | round_trips[target])
                 if has_changed:
-                    steps.look_at(target)
+                    steps.visit(target)
         return before
 
     def touched_before(self, homes: Iterable[str]) -> Mapping[str, int]:
@@ -169,7 +169,7 @@ class Values:
         return before
 
     def _written_on_way_round(self, name: str) -> int:
-        """Return what a state that comes back to itself has written, whichever way it left."""
+        """Return what a state has written whenever it is entered again, whichever event left it."""
         loops = self.graph.loops
         ways = [
             self.written_on(edge)
@@ -183,7 +183,7 @@ class LastWriters:
     """Which states can have written a home last when a state is entered.
 
     A forward analysis, too, over sets of (state, home), each set one integer; only homes with more
-    than one writer are told apart.
+    than one writer are distinguished.
     """
 
     def __init__(self, values: Values) -> None:
@@ -223,7 +223,7 @@ class LastWriters:
                 old = before.get(edge.target)
                 before[edge.target] = arriving if old is None else old | arriving
                 if before[edge.target] != old:
-                    steps.look_at(edge.target)
+                    steps.visit(edge.target)
         return before
 
     def _after(self, edge: Edge, before: int) -> int:
@@ -240,7 +240,7 @@ class LastWriters:
 
 
 class Steps:
-    """The states of a graph that are still to be looked at, in the graph's order."""
+    """The states of a graph that are still to be visited, in the graph's order."""
 
     def __init__(self, graph: Graph) -> None:
         """Begin with the initial state."""
@@ -248,10 +248,10 @@ class Steps:
         self._rank = graph.rank
         self._waiting: list[int] = []
         self._is_waiting: set[str] = set()
-        self.look_at(graph.initial)
+        self.visit(graph.initial)
 
-    def look_at(self, name: str) -> None:
-        """Have a state looked at again; an outcome needs none."""
+    def visit(self, name: str) -> None:
+        """Have a state visited again; an outcome needs no visit."""
         if name in self._rank and name not in self._is_waiting:
             self._is_waiting.add(name)
             heappush(self._waiting, self._rank[name])
@@ -265,7 +265,7 @@ class Steps:
 
 
 def _narrow(homes: dict[str, int], name: str, arriving: int) -> bool:
-    """Keep what arrives on every edge; tell whether that changed anything."""
+    """Keep what arrives on every edge; return whether that changed anything."""
     old = homes.get(name)
     homes[name] = new = arriving if old is None else old & arriving
     return new != old

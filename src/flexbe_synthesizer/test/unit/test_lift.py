@@ -10,7 +10,7 @@ from flexbe_synthesizer.core.check.check import check_chart
 from flexbe_synthesizer.core.compile import compile_chart
 from flexbe_synthesizer.core.export.layout import lay_out
 from flexbe_synthesizer.core.export.render_python import render_python
-from flexbe_synthesizer.core.machine.fold import fold
+from flexbe_synthesizer.core.machine.lift import lift
 from flexbe_synthesizer.core.machine.machine_reader import InexpressibleError, read_machine
 from flexbe_testing.app.judge import saved_by_app
 
@@ -29,7 +29,7 @@ def text_of(golden, name):
 @pytest.fixture
 def read_back(known):
     """Return a function: text of a behavior -> its chart."""
-    return lambda text: fold(read_machine(text, "a_sm.py", known), "a_sm.py")
+    return lambda text: lift(read_machine(text, "a_sm.py", known), "a_sm.py")
 
 
 @pytest.mark.parametrize("name", CHARTS)
@@ -76,7 +76,7 @@ INSERT = "InsertCableState(force_limit_n=20)"
         (
             "# [MANUAL_INIT]\n",
             "# [MANUAL_INIT]\n        self.x = 1\n",
-            "code of its own",
+            "custom code",
         ),
         (INSERT, "InsertCableState(force_limit_n=self.f)", "no literal"),
         (INSERT, "NoState()", "class NoState, whose arguments"),
@@ -86,22 +86,22 @@ INSERT = "InsertCableState(force_limit_n=20)"
             "        self.add_parameter('a', 1) #",
             "a parameter of",
         ),
-        ("        return _s", "        print()\n        return _s", "a statement of its own"),
+        ("        return _s", "        print()\n        return _s", "a custom statement"),
         ("'pose': 'locate_pose', 'force'", "'pose': 'nowhere', 'force'", "which nobody writes"),
         ("class PlaceConnectorSM(Behavior)", "class PlaceConnectorSM(M)", "no class (Behavior)"),
         ("self.name = 'Place Connector'", "pass", "no self.name"),
         ("        return _state_machine", "        return None", "does not return a container"),
-        ("            # x:1080 y:40", "            print()", "a call of its own"),
-        ("class", "clas", "no Python"),
+        ("            # x:1080 y:40", "            print()", "a custom call"),
+        ("class", "clas", "not Python"),
         ("class", "x = " + "-" * 100_000 + "1\nclass", "nested too deeply"),
         ("class", "x = " + "+".join("1" * 3000) + "\nclass", "nested too deeply"),
-        ("class", "x = 1\nclass", "a statement of its own: x = 1"),
-        ("        # parameters of", "        self.x = 1 #", "a statement of its own: self.x = 1"),
-        ("            # x:1080 y:40", "            x = 1", "a statement of its own: x = 1"),
+        ("class", "x = 1\nclass", "a custom statement: x = 1"),
+        ("        # parameters of", "        self.x = 1 #", "a custom statement: self.x = 1"),
+        ("            # x:1080 y:40", "            x = 1", "a custom statement: x = 1"),
         (
             "    def create(self)",
             "    def other(self):\n        pass\n\n    def create(self)",
-            "a method",
+            "a custom method",
         ),
         ("add('Locate',", "add('Lo' 'cate' + '',", "the label of a state is no literal"),
         ("conditions=[", "conditions=['x', ", "a condition that is not"),

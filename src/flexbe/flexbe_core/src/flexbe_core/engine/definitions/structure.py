@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from flexbe_core.engine.definition import Definition, Kind
+from flexbe_core.engine.definitions.definition import Definition, Kind
 
 
 @dataclass(frozen=True, slots=True)

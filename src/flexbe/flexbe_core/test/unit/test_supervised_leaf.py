@@ -1,6 +1,16 @@
-"""Commands to a running engine, and what it tells the operator."""
+"""Commands to a running engine, and its answers."""
 
-from flexbe_core.engine.commands import (
+from flexbe_core.engine.events import (
+    NO_OUTCOME,
+    Answered,
+    Entered,
+    Left,
+    Refused,
+    Requested,
+    Shown,
+    Synced,
+)
+from flexbe_core.engine.supervision.commands import (
     Attach,
     ForceOutcome,
     Lock,
@@ -11,16 +21,6 @@ from flexbe_core.engine.commands import (
     SetAutonomy,
     Sync,
     Unlock,
-)
-from flexbe_core.engine.facts import (
-    NO_OUTCOME,
-    Answered,
-    Entered,
-    Left,
-    Refused,
-    Requested,
-    Shown,
-    Synced,
 )
 from flexbe_core.testing import ScriptedState
 
@@ -47,8 +47,8 @@ def step(bench, engine, *commands):
         engine.handle(command)
     outcome = engine.run(bench.now)
     bench.now += 1.0
-    facts = [fact for fact in engine.take_facts() if not isinstance(fact, Entered | Shown)]
-    return facts if outcome is None else [*facts, outcome]
+    events = [event for event in engine.take_events() if not isinstance(event, Entered | Shown)]
+    return events if outcome is None else [*events, outcome]
 
 
 def test_a_transition_is_told_to_mirrors(bench):
@@ -98,8 +98,8 @@ def test_a_forced_outcome_for_another_state_is_refused(bench):
 
 def test_what_follows_a_forced_outcome_is_for_the_next_state(bench):
     _, engine = started(bench, script=[None])
-    facts = step(bench, engine, ForceOutcome("a", 0), ForceOutcome("b", 0))
-    assert facts == [Answered("transition", ("a", "a")), Left("/a", "done", 0)]
+    events = step(bench, engine, ForceOutcome("a", 0), ForceOutcome("b", 0))
+    assert events == [Answered("transition", ("a", "a")), Left("/a", "done", 0)]
     assert step(bench, engine)[-1] == "finished"
 
 
@@ -123,8 +123,8 @@ def test_a_locked_container_is_not_left_but_its_states_are(bench):
     assert step(bench, engine, Lock("/box"))[-1] == Left("/box/a", "done", 0)
     assert step(bench, engine, ForceOutcome("b", 0)) == [Answered("transition", ("b", "b"))]
     assert step(bench, engine) == []
-    facts = step(bench, engine, Unlock("/box"))
-    assert facts == [Answered("unlock", ("/box", "/box")), Left("/box/b", "done", 0), "finished"]
+    events = step(bench, engine, Unlock("/box"))
+    assert events == [Answered("unlock", ("/box", "/box")), Left("/box/b", "done", 0), "finished"]
 
 
 def test_a_request_is_withdrawn_when_the_state_is_locked(bench):
@@ -170,13 +170,13 @@ def test_a_mirror_that_asks_is_answered_also_where_nothing_has_changed(bench):
     step(bench, engine)
     engine.handle(Sync())
     engine.run(bench.now)
-    assert engine.take_facts() == [Shown("/a"), Synced("/a"), Answered("sync")]
+    assert engine.take_events() == [Shown("/a"), Synced("/a"), Answered("sync")]
 
 
 def test_attach_sets_the_level_and_names_the_behavior(bench):
     _, engine = started(bench, level=255, script=[None])
     assert step(bench, engine, Attach(1)) == [Answered("attach", ("My Behavior",)), Synced("/a")]
-    assert engine.record.autonomy_level == 1
+    assert engine.supervision.autonomy_level == 1
 
 
 def test_who_attaches_is_asked_again_what_was_asked_before(bench):
@@ -189,14 +189,16 @@ def test_an_unsupervised_state_ignores_commands_but_preempt(bench):
     root = two_states(bench, script=[None])
     engine = bench.engine(root)
     commands = [ForceOutcome("a", 0), Lock(""), Pause(), Repeat()]
-    warnings = [fact.text.split(":")[0] for fact in step(bench, engine, *commands)]
+    warnings = [event.text.split(":")[0] for event in step(bench, engine, *commands)]
     assert warnings == ["lock has no effect", "pause has no effect"]
     root._is_controlled = root["a"]._is_controlled = True
-    assert step(bench, engine) == [], "they are not obeyed later either"
+    assert step(bench, engine) == [], "they are not applied later either"
     assert step(bench, engine, Preempt())[-1] == "preempted"
 
 
 def test_a_breakpoint_asks_for_every_transition(bench):
     _, engine = started(bench)
-    engine.record = engine.record.__class__(autonomy_level=255, breakpoints=frozenset({"/a"}))
+    engine.supervision = engine.supervision.__class__(
+        autonomy_level=255, breakpoints=frozenset({"/a"})
+    )
     assert step(bench, engine) == [Requested("/a", 0)]

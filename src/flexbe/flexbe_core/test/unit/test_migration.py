@@ -1,14 +1,14 @@
-"""A running behavior goes on in another version of itself."""
+"""The active state of a running behavior migrates to another version of it."""
 
 import pytest
 
 from flexbe_core import Behavior, EventState
 from flexbe_core.core import ConcurrencyContainer, OperatableStateMachine
-from flexbe_core.engine.commands import Pause, Preempt, Release, Unlock
 from flexbe_core.engine.engine import Engine
 from flexbe_core.engine.errors import StateMachineError
-from flexbe_core.engine.facts import Answered
-from flexbe_core.engine.handover import take_over
+from flexbe_core.engine.events import Answered
+from flexbe_core.engine.migration import attach_state
+from flexbe_core.engine.supervision.commands import Pause, Preempt, Release, Unlock
 from flexbe_core.testing import ScriptedState
 
 
@@ -71,20 +71,20 @@ def switch(engine, version):
     """Hand over to another version; return its engine, or None if it did not take over."""
     offered = []
 
-    def offer(handover):
+    def offer(migrating):
         try:
-            version.take_over(handover)
+            version.attach_state(migrating)
         except StateMachineError as error:
             offered.append(error)
             return False
-        offered.append(handover)
+        offered.append(migrating)
         return True
 
     engine.handle(Release(offer))
     if isinstance(offered[0], Exception):
         return None
     successor = Engine(version._state_machine)
-    take_over(successor, offered[0])
+    attach_state(successor, offered[0])
     return successor
 
 
@@ -95,10 +95,10 @@ def test_the_active_state_goes_on_with_its_visit_and_its_userdata(bench):
     version = prepared(Version(log))
     successor = switch(engine, version)
     assert bench.run(engine) == "preempted"
-    assert Answered("preempt") not in engine.take_facts()
+    assert Answered("preempt") not in engine.take_events()
     assert successor.root.leaf().definition is work
     assert work.parent is version._state_machine["Box"]
-    assert successor.record.locks == {"/Box/Work"}
+    assert successor.supervision.locks == {"/Box/Work"}
     work._script = ["done"]
     assert bench.run(successor) == "finished"
     assert version._state_machine["Box"]["Read"].seen == "A7", "runtime userdata, not the default"
@@ -123,12 +123,12 @@ def test_a_paused_run_goes_on_paused_if_it_is_supervised(bench, is_supervised):
     engine = running(bench, Version(log))
     engine.handle(Pause())
     bench.run(engine, ticks=2)
-    version, handed = prepared(Version(log)), []
-    engine.handle(Release(lambda handover: not handed.append(handover)))
-    version.take_over(handed[0])
+    version, detached = prepared(Version(log)), []
+    engine.handle(Release(lambda migrating: not detached.append(migrating)))
+    version.attach_state(detached[0])
     successor = Engine(version._state_machine)
-    handed[0].state._is_controlled = is_supervised
-    take_over(successor, handed[0])
+    detached[0].state._is_controlled = is_supervised
+    attach_state(successor, detached[0])
     log.clear()
     assert bench.run(successor, ticks=3) is None
     assert (("Work", "execute") in log) != is_supervised
@@ -156,16 +156,16 @@ def test_a_state_in_the_first_place_of_a_concurrency_container_goes_on(bench):
 def test_before_anything_is_active_there_is_nothing_to_hand_over():
     engine = Engine(prepared(Version([]))._state_machine)
     offered = []
-    engine.handle(Release(lambda handover: offered.append(handover)))
+    engine.handle(Release(lambda migrating: offered.append(migrating)))
     assert offered == [None]
-    assert not engine.record.preempt
+    assert not engine.supervision.preempt
 
 
-def test_a_behavior_that_is_being_stopped_is_not_handed_over(bench):
+def test_a_behavior_that_is_being_stopped_does_not_migrate(bench):
     engine = running(bench, Version([]))
     offered = []
     engine.handle(Preempt())
-    engine.handle(Release(lambda handover: offered.append(handover)))
+    engine.handle(Release(lambda migrating: offered.append(migrating)))
     assert offered == [None]
     assert bench.run(engine) == "preempted"
 

@@ -26,7 +26,7 @@ class Left:
 
 @dataclass(frozen=True, slots=True)
 class Requested:
-    """A supervised state asks to take an outcome; NO_OUTCOME withdraws the last request."""
+    """A supervised state requests to take an outcome; NO_OUTCOME withdraws the last request."""
 
     path: str
     index: int
@@ -51,7 +51,7 @@ class Synced:
 class Shown:
     """Mirrors of this engine show this state from now on; empty at the end of the run.
 
-    Left and Synced lead mirrors of stock FlexBE, on two topics that may overtake each other.
+    Mirrors of stock FlexBE follow Left and Synced, on two topics that may overtake each other.
     """
 
     path: str
@@ -59,14 +59,14 @@ class Shown:
 
 @dataclass(frozen=True, slots=True)
 class Refused:
-    """A command made no sense; the text says why."""
+    """A command cannot be applied; the text says why."""
 
     text: str
 
 
 @dataclass(frozen=True, slots=True)
 class Raised:
-    """A state or container raised, and the run goes on.
+    """A state or container raised, and the run continues.
 
     Attributes:
         path: its path.
@@ -81,9 +81,9 @@ class Raised:
 
 @dataclass(frozen=True, slots=True)
 class Forced:
-    """An operator made a state take an outcome; `requested` is what he had been asked for.
+    """An operator forced an outcome; `requested` is the outcome that the state had requested.
 
-    Told only for a record (Engine.recording).
+    Returned only for the run log (Engine.recording).
     """
 
     path: str
@@ -93,10 +93,10 @@ class Forced:
 
 @dataclass(frozen=True, slots=True)
 class Ended:
-    """A state took an outcome, supervised or not; told only for a record (Engine.recording)."""
+    """A state took an outcome, supervised or not; only for the run log (Engine.recording)."""
 
     path: str
     outcome: str
 
 
-Fact = Entered | Left | Requested | Answered | Synced | Shown | Refused | Raised | Forced | Ended
+Event = Entered | Left | Requested | Answered | Synced | Shown | Refused | Raised | Forced | Ended

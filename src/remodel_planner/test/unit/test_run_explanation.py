@@ -1,4 +1,4 @@
-"""A recorded run is told cause by cause, and plays back to itself."""
+"""A recorded run is explained cause by cause, and plays back to itself."""
 
 import pytest
 from house import HOUSE, owner_of
@@ -43,32 +43,43 @@ CHART = """<statemachine name="Place Wire" initial="Insert">
 
 
 def begun(task, attempt, part=Part.WHOLE):
-    return TaskBegun(task, attempt, part, f"Place Wire {task}", CHART, 1.0)
+    return TaskBegun(task, attempt, part, f"Place Wire {task}", chart=CHART, at_s=1.0)
 
 
 def operation(outcome, code):
     said = "stuck at 4 mm" if code else "done"
     asked, found = (("force_limit", "8.0"),), (("depth", "0.004"), ("peak_force", "8.2"))
-    return Operation("/Insert", "InsertCable", outcome, code, said, 5.0, 1.0, "", asked, found)
+    return Operation(
+        "/Insert",
+        "InsertCable",
+        outcome,
+        code,
+        text=said,
+        ended_s=5.0,
+        elapsed_s=1.0,
+        goal_id="",
+        parameters=asked,
+        measurements=found,
+    )
 
 
-STORY = (
+RUN = (
     Planned(("W1", "W2"), "the run begins"),
     begun("W1", 1),
     OperationEnded("W1", operation("failed", 301)),
-    TaskEnded("W1", "failed", 9.5, False, ("/Insert",)),
+    TaskEnded("W1", "failed", 9.5, False, path=("/Insert",)),
     Decided(
         "W1",
         "insertion_jammed",
         301,
         "InsertCable",
-        "/Insert",
-        "stuck at 4 mm",
-        Do.ASK_OPERATOR,
-        (),
-        "nothing else fits",
-        "policy",
-        9.5,
+        state_path="/Insert",
+        text="stuck at 4 mm",
+        do=Do.ASK_OPERATOR,
+        change=(),
+        because="nothing else fits",
+        by="policy",
+        at_s=9.5,
     ),
     Asked(1, "W1", "W1 failed", (Answer.RETRY, Answer.SKIP)),
     Answered(1, Answer.RETRY, "ann"),
@@ -109,8 +120,8 @@ def keep(url):
     return keep
 
 
-def test_a_run_is_told_cause_by_cause(keep, url, capsys):
-    keep(*STORY)
+def test_a_run_is_explained_cause_by_cause(keep, url, capsys):
+    keep(*RUN)
     assert explain.main(["1", "--database", url]) == 0
     head, *lines = capsys.readouterr().out.splitlines()
     assert head.startswith("run 1 of order house in cell cell, begun ")
@@ -142,10 +153,10 @@ def test_a_run_is_told_cause_by_cause(keep, url, capsys):
 
 
 def test_a_run_plays_back_to_itself(keep, url, capsys):
-    keep(*STORY)
+    keep(*RUN)
     assert replay.main(["1", "--database", url]) == 0
     *lines, last = capsys.readouterr().out.splitlines()
-    assert len(lines) == len(STORY) + 1
+    assert len(lines) == len(RUN) + 1
     assert last == "19 events, 3 behaviors, 0 differences"
 
 
@@ -154,15 +165,15 @@ def test_a_run_plays_back_to_itself(keep, url, capsys):
     [
         (1, begun("W2", 1), "event 2, TaskBegun: next was Execute(task='W1'"),
         (2, OperationEnded("W2", operation("failed", 301)), "W2 was not under way"),
-        (3, TaskEnded("W1", "failed", 9.5, False, ("/Other",)), "the engine entered []"),
+        (3, TaskEnded("W1", "failed", 9.5, False, path=("/Other",)), "the engine entered []"),
         (3, TaskEnded("W1", "finished", 9.5, True), "the chart leads to failed"),
         (6, Answered(1, Answer.STOP, "ann"), "has no such answer"),
     ],
 )
 def test_a_record_that_was_tampered_with_differs(keep, url, capsys, position, event, differs):
-    story = list(STORY[: position + 1])
-    story[position] = event
-    keep(*story)
+    events_of_run = list(RUN[: position + 1])
+    events_of_run[position] = event
+    keep(*events_of_run)
     assert replay.main(["1", "--quiet", "--database", url]) == 1
     assert differs in capsys.readouterr().out
 
@@ -175,22 +186,22 @@ def test_what_is_refused_after_a_server_was_lost_needs_no_record(keep, url, caps
     chart = chart.replace("</statemachine>", lay_down)
     keep(
         Planned(("W1", "W2"), "the run begins"),
-        TaskBegun("W1", 1, Part.WHOLE, "Place Wire W1", chart, 1.0),
+        TaskBegun("W1", 1, Part.WHOLE, "Place Wire W1", chart=chart, at_s=1.0),
         OperationEnded("W1", operation("failed", code)),
-        TaskEnded("W1", "failed", 9.5, False, ("/Insert", "/Lay")),
+        TaskEnded("W1", "failed", 9.5, False, path=("/Insert", "/Lay")),
     )
     assert replay.main(["1", "--quiet", "--database", url]) == differs
     assert f"{differs} differences" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("command", [explain, replay])
-def test_a_run_that_is_not_there_is_told_with_those_there_are(command, keep, url, capsys):
+def test_for_a_missing_run_the_existing_ones_are_named(command, keep, url, capsys):
     keep()
     assert command.main(["7", "--database", url]) == 3
     assert "there is no record of run 7; there are 1" in capsys.readouterr().err
 
 
-def test_a_run_in_which_nothing_was_done_is_told(keep, url, capsys):
+def test_a_run_in_which_nothing_was_done_is_explained(keep, url, capsys):
     keep()
     assert explain.main(["1", "--database", url]) == 0
     assert capsys.readouterr().out.endswith("0 of 2 tasks done; not done: W1 W2\n")

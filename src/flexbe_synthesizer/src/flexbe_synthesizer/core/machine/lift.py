@@ -1,8 +1,8 @@
-"""Fold a plain FlexBE machine back into the chart that says the same: the inverse of `expand`.
+"""Lift a plain FlexBE machine to the chart with the same meaning: the inverse of `lower`.
 
-Counters, timers and choosers that `expand` would have added become extensions again; everything
-else becomes a state, a behavior or a container of its own. Values are told by connections where
-names do not tell them.
+Counters, timers and choosers that `lower` would have added become extensions again; everything
+else becomes a state, a behavior or a container of its own. Connections name the source of a value
+where its name does not.
 """
 
 from __future__ import annotations
@@ -52,11 +52,11 @@ _KINDS = {
 _PREDICATE_NAMES = {expression.text: name for name, expression in PREDICATES.items()}
 
 
-def fold(machine: Machine, file: str, *, is_outline: bool = False) -> Chart:
+def lift(machine: Machine, file: str, *, is_outline: bool = False) -> Chart:
     """Return the chart that a machine comes from, or could come from.
 
     Args:
-        machine: what to fold.
+        machine: what to lift.
         file: what to call it in messages.
         is_outline: leave out what no chart can say. Which states there are, where they lead, and
             what feeds the outputs is then right all the same.
@@ -109,10 +109,12 @@ class _Folding:
         chart = Chart(
             name,
             "" if is_concurrent else entries.get(first, first),
-            tuple(map(Outcome, container.outcomes)),
-            tuple(nodes),
-            tuple(self._input(key, path) for key in container.input_keys if key not in counts),
-            tuple(Output(key) for key in container.output_keys if key not in counts),
+            outcomes=tuple(map(Outcome, container.outcomes)),
+            nodes=tuple(nodes),
+            inputs=tuple(
+                self._input(key, path) for key in container.input_keys if key not in counts
+            ),
+            outputs=tuple(Output(key) for key in container.output_keys if key not in counts),
             conditions=tuple(
                 Condition(c.outcome, tuple(When(*pair) for pair in c.pairs))
                 for c in container.conditions
@@ -202,7 +204,7 @@ def _signature(child: Child) -> Signature:
         return state_signature(content.state, values)
     if isinstance(content, BehaviorUse):
         behavior = content.behavior
-        return Signature("", behavior.outcomes, behavior.inputs, behavior.outputs, ())
+        return Signature("", behavior.outcomes, behavior.inputs, behavior.outputs, parameters=())
     raise TypeError(child)
 
 
@@ -259,7 +261,7 @@ def _number(child: Child, name: str) -> float:
 
 
 def _is_counter(child: Child, by_label: dict[str, Child]) -> bool:
-    """Tell whether a child counts the attempts of the one that it is named after."""
+    """Return whether a child counts the attempts of the one that it is named after."""
     target = {e.outcome: e.target for e in child.exits}.get("counted", "")
     return (
         _is_a(child, "remodel_states", "CountAttemptsState")
@@ -269,7 +271,7 @@ def _is_counter(child: Child, by_label: dict[str, Child]) -> bool:
 
 
 def _is_chooser(child: Child, by_label: dict[str, Child]) -> bool:
-    """Tell whether a child parts the failures of the one that it is named after."""
+    """Return whether a child routes the failures of the one that it is named after."""
     owner = next((label for label in by_label if chooser_label(label) == child.label), None)
     events = [e.outcome for e in child.exits[:-1]]
     return (

@@ -1,16 +1,16 @@
-"""The one record of everything an operator has in force over a running behavior."""
+"""Everything that an operator has in force over a running behavior, in one value."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-# Autonomy level at which nobody supervises: no transition asks, no state is controlled.
+# Autonomy level of an unsupervised behavior: no transition asks, no state is controlled.
 UNSUPERVISED = 255
 
-# Stock FlexBE's level until somebody sets one.
+# Stock FlexBE's level until one is set.
 DEFAULT_AUTONOMY = 3
 
-# Outcome of whatever was stopped; reserved, every container passes it on.
+# Outcome of a stopped state or container; reserved, every container passes it on.
 PREEMPTED = "preempted"
 
 
@@ -41,7 +41,7 @@ class Supervision:
     requested: str | None = None
 
     def after_visit(self) -> Supervision:
-        """Return the record without what concerned only the visit that has ended."""
+        """Return the supervision without what concerned only the visit that has ended."""
         if self.forced is self.stored is self.requested is None and not self.repeat:
             return self
         return replace(self, forced=None, repeat=False, stored=None, requested=None)

@@ -1,13 +1,20 @@
-"""What each command to the active state changes, and what the operator is told."""
+"""What each command to the active state changes, and how it is answered."""
 
 import dataclasses
 
 import pytest
 
-from flexbe_core.engine.commands import ForceOutcome, Lock, Pause, Repeat, Resume, Unlock
-from flexbe_core.engine.facts import Answered, Refused
-from flexbe_core.engine.obey import ActiveState, obey
-from flexbe_core.engine.supervision import Supervision
+from flexbe_core.engine.events import Answered, Refused
+from flexbe_core.engine.supervision.apply_commands import ActiveState, apply_command
+from flexbe_core.engine.supervision.commands import (
+    ForceOutcome,
+    Lock,
+    Pause,
+    Repeat,
+    Resume,
+    Unlock,
+)
+from flexbe_core.engine.supervision.in_force import Supervision
 
 STATE = ActiveState("b", "/a/b", ["done", "failed"], ("/a", ""))
 NOTHING = Supervision()
@@ -30,10 +37,10 @@ ACCEPTED = [
 
 
 @pytest.mark.parametrize(("command", "before", "changes", "feedback"), ACCEPTED, ids=str)
-def test_a_command_is_obeyed_and_answered(command, before, changes, feedback):
-    after, facts = obey(before, command, STATE)
+def test_a_command_is_applied_and_answered(command, before, changes, feedback):
+    after, events = apply_command(before, command, STATE)
     assert after == dataclasses.replace(before, **changes)
-    assert facts == (Answered(*feedback),)
+    assert events == (Answered(*feedback),)
 
 
 REFUSED = [
@@ -46,7 +53,7 @@ REFUSED = [
 
 @pytest.mark.parametrize(("command", "feedback", "reason"), REFUSED, ids=str)
 def test_a_senseless_command_changes_nothing_and_is_explained(command, feedback, reason):
-    after, (answer, refusal) = obey(NOTHING, command, STATE)
+    after, (answer, refusal) = apply_command(NOTHING, command, STATE)
     assert after == NOTHING
     assert answer == Answered(*feedback)
     assert isinstance(refusal, Refused)
@@ -54,5 +61,5 @@ def test_a_senseless_command_changes_nothing_and_is_explained(command, feedback,
 
 
 def test_lock_then_unlock_is_identity():
-    locked, _ = obey(NOTHING, Lock(""), STATE)
-    assert obey(locked, Unlock(""), STATE)[0] == NOTHING
+    locked, _ = apply_command(NOTHING, Lock(""), STATE)
+    assert apply_command(locked, Unlock(""), STATE)[0] == NOTHING

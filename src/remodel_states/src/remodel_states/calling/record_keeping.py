@@ -4,12 +4,12 @@ A supervisor that can be paused, and that survives its own death, decides about 
 needs every finished one in its database before anything else moves. It announces itself by the
 parameter `remodel/recorder`: the name of its service of type remodel_msgs/KeepRecord. Its service
 of type remodel_msgs/BeginOperation is `begin_operation` in the same namespace. Without the
-parameter nobody is asked.
+parameter no operation waits for a supervisor.
 
-A thread of its own asks, over one connection to each service, and tries each request again until
-it is settled; the state only polls. While one state is held, the record of another is kept. But
-nothing asks to begin before the record of a state that was left is kept: it may report that a
-person is needed before anything moves again.
+A separate thread sends the requests, over one connection to each service, and retries each until
+the answer is final; the state only polls. While one state is held, the record of another is kept.
+But no operation may begin before the record of a state that was left is kept: it may report that
+a person is needed before anything moves again.
 """
 
 from __future__ import annotations
@@ -53,19 +53,19 @@ def owned_id(owner: int, goal_id: str) -> str:
 
 
 class Request:
-    """Something that a supervisor is asked for until it is settled.
+    """A request to a supervisor, repeated until the answer is final.
 
     Attributes:
         recorder: name of the supervisor's KeepRecord service; empty once the parameter is gone.
-        trouble: why it is not settled so far; empty if nobody has answered.
-        is_settled: whether the answer is final, or no longer needed.
+        trouble: why there is no final answer yet; empty before the first attempt.
+        is_final: whether the answer is final, or no longer needed.
     """
 
     def __init__(self, recorder: str) -> None:
         """Begin to wait."""
         self.recorder = recorder
         self.trouble = ""
-        self.is_settled = False
+        self.is_final = False
         self.due_s = 0.0
         self.is_withdrawn = False
         self._warned_s = time.monotonic()
@@ -77,9 +77,10 @@ class Request:
             return ""
         self._warned_s = time.monotonic()
         return (
-            f"nothing moves: {self.recorder or RECORDER_PARAMETER} is asked for {WARN_EVERY_S:g} s "
-            f"or longer: {self.trouble or 'no answer'}. Start the supervisor; or, to run behaviors "
-            f"unsupervised, `rosparam delete {rospy.resolve_name(RECORDER_PARAMETER)}`"
+            f"nothing moves: {self.recorder or RECORDER_PARAMETER} has not accepted the request "
+            f"for {WARN_EVERY_S:g} s or longer: {self.trouble or 'no answer'}. Start the "
+            "supervisor; or, to run behaviors unsupervised, "
+            f"`rosparam delete {rospy.resolve_name(RECORDER_PARAMETER)}`"
         )
 
 
@@ -122,7 +123,7 @@ class Permit(Request):
 
     @property
     def warning(self) -> str:
-        """As of any request, but nothing while the run is paused: that is no trouble."""
+        """As of any request, but empty while the run is paused."""
         return "" if self.is_held else super().warning
 
     def take(self, answer: BeginOperationResponse) -> bool:
@@ -165,7 +166,7 @@ class _Line:
 
 
 class RecordKeeper:
-    """The thread that asks."""
+    """The thread that sends the requests."""
 
     def __init__(self) -> None:
         """Start the thread; it ends with the process."""
@@ -179,7 +180,7 @@ class RecordKeeper:
         Args:
             operation: what is to begin.
             recorder: as Request has it.
-            trouble: why the recorder is not known yet; it is looked up then.
+            trouble: why the recorder is not known yet; it is then read again for each attempt.
         """
         permit = Permit(operation, recorder)
         permit.trouble = trouble
@@ -200,7 +201,7 @@ class RecordKeeper:
     def give_back(self, permit: Permit, unsent: AbilityRecord) -> None:
         """Do not send the goal; if it was granted, have the record kept that it was not sent.
 
-        Otherwise the supervisor would count the operation as moving for ever.
+        Otherwise the supervisor would count the operation as moving forever.
         """
         permit.unsent = unsent
         self.withdraw(permit)
@@ -226,26 +227,26 @@ class RecordKeeper:
             return None
 
     def _is_done(self, request: Request, waiting: list[Request]) -> bool:
-        """Attempt a request, if its turn has come; return whether it is settled."""
+        """Attempt a request, if its turn has come; return whether its answer is final."""
         if isinstance(request, Permit) and any(_is_of_left_state(other) for other in waiting):
             request.trouble = "the record of a state that was left is not kept yet"
-        elif not request.is_settled:
+        elif not request.is_final:
             self._attempt(request)
         request.due_s = time.monotonic() + _RETRY_S
-        return request.is_settled
+        return request.is_final
 
     def _attempt(self, request: Request) -> None:
         try:
             if request.trouble:  # the recorder may be another one by now, or none
                 request.recorder = recorder()
-            request.is_settled = not request.recorder or self._answered(request)
+            request.is_final = not request.recorder or self._answered(request)
         except Exception as error:  # noqa: BLE001 - rospy promises no type; the thread goes on
             request.trouble = str(error) or type(error).__name__
             if isinstance(request, Permit):
                 request.is_held = False
 
     def _answered(self, request: Request) -> bool:
-        """Return whether the supervisor's answer settles a request."""
+        """Return whether the supervisor's answer to a request is final."""
         if isinstance(request, Permit):
             namespace, slash, _ = request.recorder.rpartition("/")
             name = f"{namespace}{slash}begin_operation"
@@ -258,7 +259,7 @@ class RecordKeeper:
 
 def _is_of_left_state(request: Request) -> bool:
     """Return whether a request is to keep the record of a state that was left, and is not done."""
-    return isinstance(request, Keeping) and request.is_withdrawn and not request.is_settled
+    return isinstance(request, Keeping) and request.is_withdrawn and not request.is_final
 
 
 def _to_do(request: Request) -> list[Request]:

@@ -43,9 +43,9 @@ def period_s(rate: object) -> float:
 
 
 def is_over(rate: object) -> bool:
-    """Return whether a rate of a user's own class, which only tells what remains, is over.
+    """Return whether the period of a rate of a user's own class, with only `remaining`, is over.
 
-    Tests of states put such rates there, to have every tick execute the state.
+    Tests of states use such rates to have every tick execute the state.
     """
     remaining = getattr(rate, "remaining", None)
     if remaining is None or hasattr(rate, "sleep_dur"):

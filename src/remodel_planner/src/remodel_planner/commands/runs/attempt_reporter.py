@@ -1,4 +1,4 @@
-"""Turn what was run and seen into the report's stories: charts drawn, pictures chosen."""
+"""Report attempts: draw the charts with the path taken, and choose the pictures."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.export.draw import chart_to_dot
 from flexbe_synthesizer.edge.graphviz import dot_picture
-from remodel_planner.core.reports.run_report import Drawing, Picture, WireStory
+from remodel_planner.core.reports.run_report import AttemptReport, Drawing, Picture
 from remodel_planning.edge.fault_file import read_error_names
 from remodel_production.core.production import Wire
 from remodel_supervision.core.run import Operation
@@ -18,8 +18,8 @@ from remodel_supervision.core.trace import Trace, trace
 from remodel_supervision.edge.nested_charts import nested_charts
 
 
-class Storyteller:
-    """Tells attempts at wires."""
+class AttemptReporter:
+    """Makes the reports of attempts at wires."""
 
     def __init__(self, pictures: Path) -> None:
         """Take the folder of the run's pictures; those that are not there are left out."""
@@ -27,17 +27,17 @@ class Storyteller:
         self._nested = nested_charts()
         self._error_names = read_error_names()
 
-    def story(self, attempt: Attempt, wire: Wire, length_m: float) -> WireStory:
-        """Return one attempt's story."""
+    def report(self, attempt: Attempt, wire: Wire, length_m: float) -> AttemptReport:
+        """Return the report of one attempt."""
         operations = attempt.execution.operations
         chart = parse_chart(attempt.chart, "record")
         taken = trace(chart, operations, self._nested, self._error_names)
-        return WireStory(
+        return AttemptReport(
             wire,
             length_m,
             attempt.execution,
             tuple(_drawings(taken)),
-            tuple(self._picture(name, operations) for name in self._there(attempt)),
+            pictures=tuple(self._picture(name, operations) for name in self._there(attempt)),
         )
 
     def overview(self, attempt: Attempt) -> tuple[Picture, ...]:

@@ -14,7 +14,7 @@ class Preempt:
 
 @dataclass(frozen=True, slots=True)
 class SetAutonomy:
-    """Let transitions that need less than `level` pass without asking."""
+    """Take transitions that need less than `level` without asking the operator."""
 
     level: int
 
@@ -28,12 +28,12 @@ class Attach:
 
 @dataclass(frozen=True, slots=True)
 class Sync:
-    """Tell a mirror where the behavior is."""
+    """Publish the active state for mirrors."""
 
 
 @dataclass(frozen=True, slots=True)
 class ShowStructure:
-    """Tell a mirror what the behavior is made of, and let operators supervise it from now on."""
+    """Publish the behavior's structure for mirrors; operators supervise it from now on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +65,7 @@ class Pause:
 
 @dataclass(frozen=True, slots=True)
 class Resume:
-    """Go on after a pause."""
+    """Continue after a pause."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,11 +75,11 @@ class Repeat:
 
 @dataclass(frozen=True, slots=True)
 class Release:
-    """Let go of the active state, for another version of the behavior, and end.
+    """Detach the active state, for another version of the behavior, and end the run.
 
     Attributes:
-        offer: told what is active (None if nothing is), and returns whether that was taken over;
-            if not, the run goes on.
+        offer: called with the active state (None if there is none); returns whether the other
+            version has attached it. If not, the run continues.
     """
 
     offer: Callable[[Any], bool]

@@ -1,4 +1,4 @@
-"""Tell whether a value was changed in place.
+"""Detect whether a value was changed in place.
 
 A fingerprint is the list of the value's unchangeable parts, in the order of a walk through it.
 The parts are kept, not copied: bytes of an image cost one reference. Taken again after the value
@@ -7,9 +7,9 @@ was lent out, an equal fingerprint means that nothing was written into it.
 A list of many objects of one class, such as the poses of a path, is walked attribute by attribute
 in place of object by object: what they have in one attribute is one part.
 
-Seen: lists, tuples, sets, dicts, ROS messages, and whatever has a buffer (arrays, bytearrays).
-Of a buffer beyond SAMPLED_BYTES only samples are compared. Other objects count as unchangeable,
-as they do in stock FlexBE, which compares their repr.
+Supported: lists, tuples, sets, dicts, ROS messages, and objects with a buffer (arrays,
+bytearrays). Of a buffer beyond SAMPLED_BYTES only samples are compared. Other objects count as
+unchangeable, as they do in stock FlexBE, which compares their repr.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from operator import attrgetter
 from typing import Any
 
-# Whatever users put into userdata.
+# Users may put any object into userdata.
 Value = Any
 
 Fingerprint = list[Value]
@@ -27,7 +27,7 @@ Fingerprint = list[Value]
 # [bytes] Up to here a buffer is summed whole, in about 20 us; beyond, this many bytes are sampled.
 SAMPLED_BYTES = 1 << 16
 
-# A list of more items than this is worth a look at whether it holds plain values only.
+# A list of more items than this is worth a check whether it holds plain values only.
 _LONG_LIST = 64
 
 _PLAIN = frozenset({int, float, complex, bool, str, bytes, type(None)})

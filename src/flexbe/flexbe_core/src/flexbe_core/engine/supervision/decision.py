@@ -2,10 +2,10 @@
 
 A state is asked about twice per execution. BEFORE it is executed (its outcome is PENDING): is it
 executed at all? AFTER, with the outcome it returned: may it leave? The first rule of the table that
-applies decides. A rule may read the record, the moment, and nothing else.
+applies decides. A rule may read the supervision, the moment, and nothing else.
 
-Leaves and containers carry out the act (leaf.py, oversight.py); a new act needs a branch there.
-docs/engine.md draws both tables; tools/draw_engine.py writes them there.
+Leaves and containers carry out the act (leaf.py, supervised_leaf.py), where a new act needs a
+branch. tools/draw_engine.py draws both tables into docs/engine.md.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 
-from flexbe_core.engine.supervision import PREEMPTED, Supervision
+from flexbe_core.engine.supervision.in_force import PREEMPTED, Supervision
 
 
 class Pending(Enum):
@@ -33,12 +33,12 @@ class Act(Enum):
     """
 
     PREEMPT = "leave at once with 'preempted'"
-    SKIP = "do not execute it; tell it that it is paused"
+    SKIP = "do not execute it; call on_pause once"
     RELEASE = "take the outcome that was kept while it was locked"
     FORCE = "take the outcome that the operator wants"
     EXECUTE = "execute it"
     STAY = "keep it active"
-    WITHDRAW = "keep it active, and tell the operator that it no longer asks"
+    WITHDRAW = "keep it active, and withdraw its request to the operator"
     STORE = "keep it active, and keep its outcome until the lock ends"
     REPEAT = "exit it and enter it again"
     REQUEST = "keep it active, and ask the operator for the transition"
@@ -47,7 +47,7 @@ class Act(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """What a decision must know about the state.
+    """What a decision depends on, besides the supervision.
 
     Attributes:
         path: the state's path.
@@ -76,60 +76,60 @@ class Rule:
     applies: Callable[[Supervision, Moment], bool]
 
 
-def _locked(record: Supervision, moment: Moment) -> bool:
-    return moment.supervised and (moment.path in record.locks or moment.leaves_locked)
+def _locked(supervision: Supervision, moment: Moment) -> bool:
+    return moment.supervised and (moment.path in supervision.locks or moment.leaves_locked)
 
 
-def _kept(record: Supervision, moment: Moment) -> bool:
-    return moment.supervised and record.stored is not None
+def _kept(supervision: Supervision, moment: Moment) -> bool:
+    return moment.supervised and supervision.stored is not None
 
 
-def _blocked(record: Supervision, moment: Moment) -> bool:
+def _blocked(supervision: Supervision, moment: Moment) -> bool:
     """Return whether the outcome needs the operator's consent."""
+    if not moment.supervised or moment.outcome in (None, supervision.forced):
+        return False
     return (
-        moment.supervised
-        and moment.outcome is not None
-        and moment.outcome != record.forced
-        and (moment.required_autonomy >= record.autonomy_level or moment.path in record.breakpoints)
+        moment.required_autonomy >= supervision.autonomy_level
+        or moment.path in supervision.breakpoints
     )
 
 
 BEFORE: tuple[Rule, ...] = (
-    Rule("preempted", Act.PREEMPT, lambda r, m: r.preempt),
-    Rule("shadowed", Act.SKIP, lambda r, m: m.shadowed),
-    Rule("paused", Act.SKIP, lambda r, m: m.supervised and r.paused),
+    Rule("preempted", Act.PREEMPT, lambda s, m: s.preempt),
+    Rule("shadowed", Act.SKIP, lambda s, m: m.shadowed),
+    Rule("paused", Act.SKIP, lambda s, m: m.supervised and s.paused),
     Rule(
         "locked, no longer asking",
         Act.WITHDRAW,
-        lambda r, m: _kept(r, m) and _locked(r, m) and r.requested is not None,
+        lambda s, m: _kept(s, m) and _locked(s, m) and s.requested is not None,
     ),
-    Rule("locked with an outcome", Act.STAY, lambda r, m: _kept(r, m) and _locked(r, m)),
+    Rule("locked with an outcome", Act.STAY, lambda s, m: _kept(s, m) and _locked(s, m)),
     Rule("unlocked with an outcome", Act.RELEASE, _kept),
-    Rule("forced", Act.FORCE, lambda r, m: m.supervised and r.forced is not None),
-    Rule("free to run", Act.EXECUTE, lambda r, m: True),
+    Rule("forced", Act.FORCE, lambda s, m: m.supervised and s.forced is not None),
+    Rule("free to run", Act.EXECUTE, lambda s, m: True),
 )
 
 AFTER: tuple[Rule, ...] = (
-    Rule("preempted itself", Act.LEAVE, lambda r, m: m.outcome == PREEMPTED),
-    Rule("locked", Act.STORE, lambda r, m: m.outcome is not None and _locked(r, m)),
+    Rule("preempted itself", Act.LEAVE, lambda s, m: m.outcome == PREEMPTED),
+    Rule("locked", Act.STORE, lambda s, m: m.outcome is not None and _locked(s, m)),
     Rule(
         "repeated",
         Act.REPEAT,
-        lambda r, m: m.supervised and r.repeat and (m.outcome is None or _blocked(r, m)),
+        lambda s, m: m.supervised and s.repeat and (m.outcome is None or _blocked(s, m)),
     ),
     Rule(
         "changed its mind",
         Act.WITHDRAW,
-        lambda r, m: m.supervised and m.outcome is None and r.requested is not None,
+        lambda s, m: m.supervised and m.outcome is None and s.requested is not None,
     ),
-    Rule("not done", Act.STAY, lambda r, m: m.outcome is None),
-    Rule("asked already", Act.STAY, lambda r, m: _blocked(r, m) and m.outcome == r.requested),
+    Rule("not done", Act.STAY, lambda s, m: m.outcome is None),
+    Rule("asked already", Act.STAY, lambda s, m: _blocked(s, m) and m.outcome == s.requested),
     Rule("needs consent", Act.REQUEST, _blocked),
-    Rule("done", Act.LEAVE, lambda r, m: True),
+    Rule("done", Act.LEAVE, lambda s, m: True),
 )
 
 
-def decide(record: Supervision, moment: Moment) -> Act:
+def decide(supervision: Supervision, moment: Moment) -> Act:
     """Return what is done with the state: the act of the first rule that applies."""
     rules = BEFORE if moment.outcome is PENDING else AFTER
-    return next(rule.act for rule in rules if rule.applies(record, moment))
+    return next(rule.act for rule in rules if rule.applies(supervision, moment))
