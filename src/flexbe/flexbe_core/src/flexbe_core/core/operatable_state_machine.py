@@ -63,7 +63,7 @@ class OperatableStateMachine(PreemptableStateMachine):
             state,
             {**transitions, PREEMPTED: PREEMPTED},
             dict.fromkeys(transitions, 0) if autonomy is None else dict(autonomy),
-            dict(remapping or {}),
+            remapping=dict(remapping or {}),
         )
 
     @property

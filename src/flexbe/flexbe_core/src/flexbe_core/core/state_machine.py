@@ -88,7 +88,7 @@ class StateMachine(State):
             raise StateMachineError(
                 f"cannot add {label!r}: no container is open; add states inside `with container:`"
             )
-        container._add(label, state, dict(transitions or {}), {}, dict(remapping or {}))
+        container._add(label, state, dict(transitions or {}), {}, remapping=dict(remapping or {}))
 
     @property
     def _states(self) -> list[State]:
