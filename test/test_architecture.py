@@ -65,7 +65,6 @@ FOLDERS_WITH_CYCLE = {
     "flexbe_core",  # FlexBE's import paths: its states publish, its proxies wait as states do
     "flexbe_core.core",
     "flexbe_core.engine",
-    "flexbe_synthesizer.core.library",  # `resolve` keeps what is computed from it
 }
 LARGE_FOLDERS = {
     "flexbe_core.core",
