@@ -148,11 +148,12 @@ class GateTest(unittest.TestCase):
         self.assertEqual(handle.get_goal_status(), GoalStatus.REJECTED)
         self.assertIn("protective stop by", handle.get_goal_status_text())
         self.assertEqual(self.orders.runs(), before)
-        self.publish_once("true")
-        topic.publish(False)
-        wait_until(
-            lambda: "rostopic" in self.orders.state.message, "the other stop remains published"
-        )
+        with self.publishing("true"):
+            wait_until(lambda: "rostopic" in self.orders.state.message, "both stops are published")
+            topic.publish(False)
+            mine = rospy.get_name()
+            wait_until(lambda: mine not in self.orders.state.message, "its release is published")
+            self.assertIn("protective stop by /rostopic", self.orders.state.message)
         self.publish_once("false")
         wait_until(lambda: self.orders.is_free, "the release is published")
         self.assert_complete(self.orders.start(2))
@@ -193,6 +194,17 @@ class GateTest(unittest.TestCase):
         self.rename_order("lost", ORDER)
         self.orders.require("resume")
         self.assert_complete(run)
+
+    @contextlib.contextmanager
+    def publishing(self, data):
+        """Have a second node publish on the topic, and be there meanwhile."""
+        line = ["rostopic", "pub", "--latch", "remodel/protective_stop", "std_msgs/Bool", data]
+        process = subprocess.Popen(line, stdout=subprocess.DEVNULL)
+        try:
+            yield
+        finally:
+            process.send_signal(signal.SIGINT)
+            process.wait(30.0)
 
     def publish_once(self, data):
         """Publish on the topic as a person does, by a node that ends afterwards."""

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""An operator, at the console, has a wire placed that cannot be until a hand clears its bore."""
+"""An operator requests, at the console, a wire whose opening must be cleared by hand before."""
 
 import shutil
 import subprocess

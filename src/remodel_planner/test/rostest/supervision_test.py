@@ -80,7 +80,7 @@ class SupervisionTest(unittest.TestCase):
         """Kill a node, and return when roslaunch has started it again."""
         before = self.pid(node)
         os.kill(before, signal.SIGKILL)
-        self.wait(lambda: self.pid(node) not in (0, before), f"{node} comes again")
+        self.wait(lambda: self.pid(node) not in (0, before), f"{node} respawns")
 
     def start(self, tasks, again=True):
         """Have tasks of the order done, and return the client when the run has begun."""
@@ -147,14 +147,21 @@ class SupervisionTest(unittest.TestCase):
         self.assertIn("ann answered skip to question 1", told.stdout)
 
     def test_nothing_moves_after_a_motion_fault_that_a_killed_supervisor_did_not_keep(self):
+        self.kill_during_a_motion_fault("use_case_supervisor")
+
+    def test_nothing_moves_after_a_motion_fault_that_a_killed_engine_did_not_report(self):
+        self.kill_during_a_motion_fault("behavior")
+
+    def kill_during_a_motion_fault(self, node):
+        """Kill a node before it learns that an arm has stopped; check that a person is asked."""
         rospy.wait_for_service("cell/inject_fault", 30.0)
-        supervisor = self.pid("use_case_supervisor")
+        victim = self.pid(node)
         faults, stopped, blocked, begun = [], [], [], []
 
         def on_goal(_):
-            """Stop the supervisor, which has granted the operation, before it ends."""
+            """Stop the node before the operation ends."""
             if faults and not stopped:
-                stopped.append(os.kill(supervisor, signal.SIGSTOP))
+                stopped.append(os.kill(victim, signal.SIGSTOP))
 
         goals = [
             rospy.Subscriber(
@@ -174,8 +181,8 @@ class SupervisionTest(unittest.TestCase):
         self.wait(lambda: stopped and blocked, "the arm is stopped")
         self.assertEqual(blocked[-1].result.error_code, ErrorCode.MOTION_FAULT)
         before = len(begun)
-        os.kill(supervisor, signal.SIGKILL)
-        self.wait(lambda: self.pid("use_case_supervisor") not in (0, supervisor), "it comes again")
+        os.kill(victim, signal.SIGKILL)
+        self.wait(lambda: self.pid(node) not in (0, victim), f"{node} respawns")
         self.wait(lambda: self.last().phase == UseCaseState.ASKING, "the operator is asked")
         self.assertEqual(len(begun), before, "nothing begins before the answer")
         question = self.last().question

@@ -60,11 +60,11 @@ def test_what_is_unknown_is_looked_at_and_what_moved_is_looked_at_again():
     assert after[:3] == ["find_ends", "regrasp", "lead"]
 
 
-def test_a_clip_has_its_own_part_of_the_way():
+def test_a_clip_has_its_own_part_of_the_route():
     steps = decomposed(PACKAGE / "examples" / "branched_harness.yaml")["trunk"].steps
     leads = [step for step in steps if step.action.name == "lead"]
     assert [step.clip.name for step in leads] == ["C1", "C2", "C3"]
-    assert [step.way.path_mm[-1] for step in leads] == [(200, 0), (500, 0), (800, 0)]
+    assert [step.route.path_mm[-1] for step in leads] == [(200, 0), (500, 0), (800, 0)]
 
 
 def test_a_force_limit_chooses_the_gentler_method():
@@ -75,12 +75,12 @@ def test_a_force_limit_chooses_the_gentler_method():
     assert "push_on pushes with 35 N, over 20 N (`gently`)" in told
 
 
-def test_a_forbidden_segment_chooses_another_way():
+def test_a_forbidden_segment_chooses_another_route():
     file = PACKAGE / "examples" / "automotive_harness.yaml"
-    assert decomposed(file)["W3"].way.segments == ("upper",)
+    assert decomposed(file)["W3"].route.segments == ("upper",)
     limits = Limits({}, {"upper": "keep off"})
-    assert decomposed(file, limits)["W3"].way.segments == ("trunk_left", "stub")
-    with pytest.raises(InstanceError, match=r"way 2: goes through upper \(`keep off`\)"):
+    assert decomposed(file, limits)["W3"].route.segments == ("trunk_left", "stub")
+    with pytest.raises(InstanceError, match=r"route 2: goes through upper \(`keep off`\)"):
         decomposed(file, Limits({}, {"upper": "keep off", "stub": "keep off"}))
 
 
@@ -192,15 +192,15 @@ def learned(ability, frozen, least, most, values):
             "abilities.PickCable: the last entry must have no `when`",
         ),
         (
-            ("actions:", learned("PickCable", 9, 4, 8, 5) + "\nactions:"),
+            ("actions:", learned("PickCable", 9, 4, 8, values=5) + "\nactions:"),
             "learned.PickCable: bounds must be low <= frozen <= high",
         ),
         (
-            ("actions:", learned("Grip", 6, 4, 8, 5) + "\nactions:"),
+            ("actions:", learned("Grip", 6, 4, 8, values=5) + "\nactions:"),
             "learned: no ability Grip; there are PickCable",
         ),
         (
-            ("actions:", learned("PickCable", 6, 4, 8, 1) + "\nactions:"),
+            ("actions:", learned("PickCable", 6, 4, 8, values=1) + "\nactions:"),
             "learned.PickCable.force.values: 1 is less than the minimum of 2",
         ),
     ],
@@ -226,11 +226,11 @@ actions:
 @pytest.mark.parametrize(
     ("needs", "forgets", "message"),
     [
-        ("[near, far]", "forgets: [far]", "take is never ready: looking at near undoes far undoes"),
+        ("[near, far]", "forgets: [far]", "take is never ready: observing near undoes far undoes"),
         (
             "{near: key}",
             "forgets: []",
-            "actions.look_near.reveals: name the output that tells near",
+            "actions.look_near.reveals: name the output that carries near",
         ),
         ("[near, far]", "needs: [near]", "decomposition without end: look_near needs look_near"),
     ],

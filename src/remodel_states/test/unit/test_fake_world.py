@@ -1,6 +1,9 @@
 """The world of a fake cell: what abilities ask of it, do to it, and find of it on disk."""
 
 import sqlite3
+import subprocess
+import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -261,6 +264,25 @@ def test_a_second_change_waits_for_the_first(tmp_path, fed):
         draft.world = fed
         with pytest.raises(sqlite3.OperationalError, match="locked"):
             sqlite3.connect(tmp_path / "world", timeout=0).execute("BEGIN IMMEDIATE")
+
+
+def test_processes_may_open_a_new_world_at_once(tmp_path):
+    script = f"from remodel_states.testing.world_file import *; WorldFile({str(tmp_path / 'w')!r})"
+    for _ in range(5):
+        processes = [subprocess.Popen([sys.executable, "-c", script]) for _ in range(4)]
+        assert [process.wait(60) for process in processes] == [0] * 4
+        (tmp_path / "w").unlink()
+
+
+def test_a_panel_stays_that_is_there_or_that_another_cell_has_loaded(a_fixed):
+    panel = a_fixed.panel
+    loaded = replace(a_fixed, loaded_by=CELL)
+    assert loaded.load(CELL, panel, keep=True) is loaded
+    assert loaded.load("other", panel, keep=False) is loaded
+    assert loaded.load(CELL, panel, keep=False) == World(panel, loaded_by=CELL)
+    for cell in (CELL, "other"):
+        later = replace(panel, serial="another")
+        assert loaded.load(cell, later, keep=True) == World(later, loaded_by=cell)
 
 
 def test_a_robot_does_one_goal_at_a_time(tmp_path):

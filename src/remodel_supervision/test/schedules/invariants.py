@@ -13,9 +13,12 @@ from remodel_supervision.core.runs.events import (
     Commanded,
     Escalated,
     Event,
+    OperationEnded,
     Part,
     RunBegun,
     RunEnded,
+    Settled,
+    StopReported,
     TaskBegun,
 )
 from remodel_supervision.core.runs.fold import state_after
@@ -32,6 +35,30 @@ _CLOSING = (Command.PAUSE, Command.STOP, Command.PROTECTIVE_STOP)
 
 
 @dataclass
+class Stop:
+    """A motion that ended so that a person is to answer before anything moves.
+
+    Attributes:
+        text: for a person.
+        is_kept: whether a run's log has it.
+        heard_by: process of a supervisor that has heard its result; None: none has.
+        has_record: whether the engine lives that is to send its record.
+    """
+
+    motion: Motion
+    text: str
+    is_kept: bool = False
+    heard_by: Process | None = None
+    has_record: bool = True
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether nobody who lives knows of it."""
+        is_heard = self.heard_by is not None and not self.heard_by.is_dead
+        return not (self.is_kept or self.has_record or is_heard)
+
+
+@dataclass
 class Invariants:
     """Watches a schedule, and ends it at the first violation.
 
@@ -39,7 +66,7 @@ class Invariants:
         states: run -> what is known of it after its last event.
         ended: runs that a supervisor has taken to their end.
         closed: station -> why its gate is closed, as somebody was answered.
-        stopped: station -> what ended so that a person is to answer before anything moves.
+        stopped: station -> what a person is to answer before anything moves.
     """
 
     simulation: Simulation
@@ -48,7 +75,7 @@ class Invariants:
     states: dict[int, RunState] = field(default_factory=dict)
     ended: dict[int, RunState] = field(default_factory=dict)
     closed: dict[str, str] = field(default_factory=dict)
-    stopped: dict[str, str] = field(default_factory=dict)
+    stopped: dict[str, Stop] = field(default_factory=dict)
     _engine_died_s: dict[str, float] = field(default_factory=dict)
     _fixed: set[str] = field(default_factory=set)
     _discards: set[str] = field(default_factory=set)
@@ -90,10 +117,14 @@ class Invariants:
         """Check an event that was kept."""
         if self.simulation.tracing:
             self.simulation.note(process.name, "run {}: {}", run, _short(event))
-        if process.noticed_leaving and not isinstance(event, Commanded | Answered):
+        told = Commanded | Answered | StopReported
+        if process.noticed_leaving and not isinstance(event, told):
             self.simulation.violated(f"a shutdown left the event {event}")
         if isinstance(event, Answered | Escalated | RunEnded):
             self.stopped.pop(station.name, None)
+        stop = self.stopped.get(station.name)
+        if stop and code_of(event) in PERSON_FIRST:
+            stop.is_kept = True
         if isinstance(event, TaskBegun) and event.part is Part.DISCARD:
             self._discards.add(event.task)
         elif isinstance(event, TaskBegun) and event.part is Part.WHOLE:
@@ -141,20 +172,28 @@ class Invariants:
         why = self.closed.get(motion.station)
         if why:
             self.simulation.violated(f"{motion.what} begins although {why} was answered")
-        stopped = self.stopped.get(motion.station)
-        if stopped:
-            self.simulation.violated(f"{motion.what} begins although {stopped}: nobody answered")
+        stop = self.stopped.get(motion.station)
+        if stop and not stop.is_lost:
+            self.simulation.violated(f"{motion.what} begins although {stop.text}: nobody answered")
         if not motion.owner:
             self.simulation.violated(f"{motion.what} begins without an owner")
 
     def _on_result(self, motion: Motion, code: int) -> None:
-        is_attended = motion.begun_s > self._engine_died_s.get(motion.station, -1.0)
-        if code in PERSON_FIRST - {Code.STALE_OWNER} and is_attended:
-            self.stopped[motion.station] = f"{motion.what} ended with {code}"
+        if code in PERSON_FIRST - {Code.STALE_OWNER}:
+            has_record = motion.begun_s > self._engine_died_s.get(motion.station, -1.0)
+            text = f"{motion.what} ended with {code}"
+            self.stopped[motion.station] = Stop(motion, text, has_record=has_record)
+
+    def on_heard(self, motion: Motion, process: Process) -> None:
+        """Note that a supervisor has heard the result of a motion."""
+        stop = self.stopped.get(motion.station)
+        if stop and stop.motion is motion:
+            stop.heard_by = process
 
     def on_engine_death(self, station: Station) -> None:
         """Note that records that were not kept, and states that wait, are lost with the engine."""
-        self.stopped.pop(station.name, None)
+        if stop := self.stopped.get(station.name):
+            stop.has_record = False
         self._engine_died_s[station.name] = self.simulation.now_s
 
     # --- the world
@@ -196,6 +235,13 @@ class Invariants:
     def _is_placed(self, state: RunState, name: str) -> bool:
         world = self.site.world
         return world.panel.serial == state.serial and world.is_placed(name)
+
+
+def code_of(event: Event) -> int:
+    """Return the error code that an event keeps; 0 without one."""
+    if isinstance(event, OperationEnded | StopReported):
+        return event.operation.error_code
+    return event.code if isinstance(event, Settled) else 0
 
 
 def _short(event: Event) -> str:

@@ -102,7 +102,7 @@ class Life:
         self._unsure = True
         self._next: UseCaseSupervisor | None = None
         servers = station.servers
-        abilities = SimulatedAbilities(process, servers)
+        abilities = SimulatedAbilities(process, servers, station.invariants.on_heard)
         self.commands = RunCommands(
             process,
             abilities,

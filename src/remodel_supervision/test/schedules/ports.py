@@ -10,6 +10,9 @@ from remodel_msgs.msg import ErrorCode
 
 from flexbe_synthesizer.core.chart.model import Chart
 from remodel_production.errors import LostError
+from remodel_states.core.codes import Code
+from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.state import PERSON_FIRST
 from remodel_supervision.errors import RefusedError
 from remodel_supervision.supervisors.ports import BehaviorEnd, Doing, End, UnseenError
 from schedules.cell_services import CellServices
@@ -17,6 +20,7 @@ from schedules.engine import Engine
 from schedules.node import Node
 from schedules.process import Process
 from schedules.server import Goal, Result, Server
+from schedules.site import Motion
 
 # [s] without a sign of the engine after which it counts as lost, and as not answering.
 _SILENCE_LIMIT_S = 15.0
@@ -126,10 +130,19 @@ class SimulatedAbilities:
 
     latest: Doing | None = None
 
-    def __init__(self, process: Process, servers: Mapping[str, Server]) -> None:
-        """Listen to all of them."""
+    def __init__(
+        self,
+        process: Process,
+        servers: Mapping[str, Server],
+        on_heard: Callable[[Motion, Process], None],
+    ) -> None:
+        """Listen to all of them; `on_heard` is called with motions that a person is to clear."""
         self._process = process
+        self._on_heard = on_heard
         self._servers = servers
+        self._stops: list[Operation] = []
+        for server in servers.values():
+            server.listeners.append(self._on_result)
 
     def cancel(self, owner: int | None = None) -> None:
         """Cancel every goal, or those of an owner."""
@@ -154,6 +167,16 @@ class SimulatedAbilities:
         """Return the names of those that do not rest or report."""
         servers = [server for server in self._servers.values() if server.is_up]
         return tuple(s.name for s in servers if not s.rests(since_s, owner))
+
+    def take_stops(self) -> tuple[Operation, ...]:
+        """Return results after which a person is to answer."""
+        stops, self._stops = self._stops, []
+        return tuple(stops)
+
+    def _on_result(self, motion: Motion, operation: Operation) -> None:
+        if operation.error_code in PERSON_FIRST - {Code.STALE_OWNER} and not self._process.is_dead:
+            self._stops.append(operation)
+            self._on_heard(motion, self._process)
 
 
 class SimulatedCell:
@@ -289,7 +312,7 @@ class SimulatedInspection:
             server.deliver(process.simulation.latency_s(), server.on_cancel, goal.id)
             raise LostError(f"{server.name} has gone, or took too long")
         if result.code or not result.success:
-            raise UnseenError(result.code or ErrorCode.INTERNAL, result.text)
+            raise UnseenError(result.code or ErrorCode.INTERNAL, result.text, goal.id)
         return bool(result.found["connected"])
 
 

@@ -14,6 +14,7 @@ from remodel_states.core.goal_owner import owner_of
 from remodel_states.serving.ownership import admitted
 from remodel_states.testing.faults import Behaves, Fault, at_goal
 from remodel_states.testing.operations import operation_of, perform
+from remodel_supervision.core.run import Operation
 from schedules.node import Node
 from schedules.simulation import Simulation
 from schedules.site import Motion, Site
@@ -72,12 +73,17 @@ class _Job:
 
 
 class Server(Node):
-    """Serves one ability of one cell."""
+    """Serves one ability of one cell.
+
+    Attributes:
+        listeners: called with each motion that has ended, and its result.
+    """
 
     def __init__(self, simulation: Simulation, site: Site, station: str, cell: str, ability: str):
         """Begin idle."""
         super().__init__(simulation, f"{station}/{ability}")
         self.ability = ability
+        self.listeners: list[Callable[[Motion, Operation], None]] = []
         self._site = site
         self._station = station
         self._cell = cell
@@ -202,6 +208,16 @@ class Server(Node):
         self.simulation.note(self.name, "ended {}: {} {}", job.goal.id, result.code, result.text)
         self._site.on_result(job.motion, result.code)
         job.reply(result)
+        self._publish(job, result)
+
+    def _publish(self, job: _Job, result: Result) -> None:
+        """Let whoever listens hear of a result, as subscribers of its topic do."""
+        now_s = self.simulation.now_s
+        took_s = now_s - job.motion.begun_s
+        text, goal_id = result.text, job.goal.id
+        heard = Operation("", self.ability, "", result.code, text, now_s, took_s, goal_id)
+        for listener in self.listeners:
+            self.simulation.after(self.simulation.latency_s(), listener, job.motion, heard)
 
     def _release(self, job: _Job) -> None:
         job.is_over = True

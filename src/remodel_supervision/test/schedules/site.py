@@ -73,9 +73,10 @@ class Site:
     def load(self, cell: str, serial: str, *, keep: bool) -> None:
         """Build the panel of a product."""
         panel = replace(self.panel, serial=serial)
-        if keep and self.world.panel == panel:
+        before, self.world = self.world, self.world.load(cell, panel, keep=keep)
+        if self.world is before:
             return
-        self.world, self.faults = World(panel), ()
+        self.faults = ()
         self.write(Entry(Deed.LOAD, cell, serial))
 
     def feed(self, cell: str, wire: str, channel: str) -> None:

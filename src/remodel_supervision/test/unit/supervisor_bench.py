@@ -115,7 +115,7 @@ class FakeAbilities:
     latest = None
 
     def __init__(self):
-        self.away, self.cancelled, self.stalled = 0, 0, ()
+        self.away, self.cancelled, self.stalled, self.stops = 0, 0, (), ()
 
     def cancel(self, owner=None):
         self.cancelled += 1
@@ -132,6 +132,10 @@ class FakeAbilities:
 
     def restless(self, since_s, owner=None):
         return tuple(server_of(ability) for ability in self.stalled)
+
+    def take_stops(self):
+        stops, self.stops = self.stops, ()
+        return stops
 
 
 class FakeEngine:

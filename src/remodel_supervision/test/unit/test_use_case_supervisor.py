@@ -1,5 +1,7 @@
 """The supervisor does what comes next, keeps it, waits for what is lost, and goes on."""
 
+from dataclasses import replace
+
 import pytest
 from house import owner_of
 from sqlalchemy import text
@@ -457,6 +459,81 @@ def test_a_stop_that_is_not_kept_is_sent_again(bench):
     assert bench.run().ended.ending is Ending.STOPPED
     assert answers == [(False, "the database does not answer"), (True, "")]
     assert len(bench.events(StopReported)) == 1
+
+
+def granted_and_stopped(bench, behavior, record):
+    """Have an operation begin whose server ends it with a fault; return it as it was published.
+
+    Args:
+        record: code of the record that its state sends; None: the record is lost.
+    """
+    tasks, path = bench.supervisor.tasks, "/Connect a/InsertCable"
+    assert tasks.begin_operation(behavior, path, "InsertCable")[0] is Permit.GRANTED
+    stop = replace(stopped_at(bench.owner, MOTION_FAULT), state_path="", outcome="")
+    bench.abilities.stops = (stop,)
+    if record is not None:
+        kept = replace(stop, state_path=path, outcome="failed", error_code=record)
+        assert tasks.keep_record(behavior, kept) == (True, "")
+    return stop
+
+
+@pytest.mark.parametrize("record", [None, Code.PREEMPTED])
+@pytest.mark.parametrize("is_lost", [False, True])
+def test_a_published_stop_whose_record_does_not_say_so_is_asked_about(
+    attended_bench, record, is_lost
+):
+    bench, stops = attended_bench, []
+
+    def stop():
+        stops.append(granted_and_stopped(bench, bench.engine.ran[-1], record))
+        assert bench.engine.operate(bench.engine.ran[-1], 0, "/Lay down") is Permit.REFUSED
+        if is_lost:
+            bench.engine.trouble = "the engine has gone"
+        else:
+            bench.engine.end = BehaviorEnd(End.FINISHED, "failed")
+
+    def answer():
+        question = bench.supervisor.state.question
+        assert len(bench.ran) == 1, "nothing moves before the answer"
+        event = Answered(question.number, Answer.FIXED, "ann")
+        bench.supervisor.answer(event, lambda *reply: None)
+
+    bench.loop.every(10.0, lambda: bench.supervisor.state.question and answer())
+    state = bench.run(stop)
+    assert [event.operation for event in bench.events(StopReported)] == stops
+    assert state.ended.ending is Ending.COMPLETE
+    assert not [frame.differs for frame in replayed(bench.events(object)) if frame.differs]
+
+
+def test_a_published_stop_whose_record_is_kept_is_asked_about_once(bench):
+    def stop():
+        granted_and_stopped(bench, bench.engine.ran[-1], MOTION_FAULT)
+        bench.engine.end = BehaviorEnd(End.FINISHED, "failed")
+
+    assert bench.run(stop).ended.ending is Ending.STOPPED
+    assert not bench.events(StopReported)
+    assert [event.operation.error_code for event in bench.events(OperationEnded)] == [MOTION_FAULT]
+
+
+def test_a_record_that_arrives_after_its_published_stop_is_not_kept_again(attended_bench):
+    bench, late, answers = attended_bench, [], []
+
+    def stop():
+        stopped = granted_and_stopped(bench, bench.engine.ran[-1], None)
+        bench.engine.end = BehaviorEnd(End.FINISHED, "failed")
+        late.append(replace(stopped, state_path="/Connect a/InsertCable"))
+
+    def answer():
+        if question := bench.supervisor.state.question:
+            answers.append(bench.supervisor.tasks.keep_record(bench.engine.ran[-1], late[0]))
+            event = Answered(question.number, Answer.STOP, "ann")
+            bench.supervisor.answer(event, lambda *reply: None)
+
+    bench.loop.every(10.0, answer)
+    bench.run(stop)
+    assert answers == [(True, "of an operation that was reported; it is not kept again")]
+    assert len(bench.events(StopReported)) == 1
+    assert not bench.events(OperationEnded)
 
 
 def test_a_running_task_that_is_skipped_leaves_an_empty_hand(bench):

@@ -36,9 +36,8 @@ def main(arguments: list[str] | None = None) -> int:
     except PlannerError as error:
         print(f"layout: {error}", file=sys.stderr)
         return 1
-    total = sum(board.length_of(wire) for wire in board.order.wires if wire.name in board.ways)
-    print(
-        f"{order.name}: {len(board.devices)} components and {len(board.ways)} wires, {total:.1f} m"
-    )
+    wires = [wire for wire in board.order.wires if wire.name in board.routes]
+    total = sum(map(board.length_of, wires))
+    print(f"{order.name}: {len(board.devices)} components and {len(wires)} wires, {total:.1f} m")
     print(f"drawing: {options.output}")
     return 0

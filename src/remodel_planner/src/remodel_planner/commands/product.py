@@ -56,4 +56,4 @@ def _entries(database: ProductionDatabase, serial: str) -> Iterator[ProductEntry
     for head in log.runs_of(serial):
         events = ((kept.at, kept.event) for kept in log.events(head.number, charts=False))
         order = database.order(head.order)
-        yield from product_entries(serial, head.number, head.cell, order, events)
+        yield from product_entries(serial, head.number, head.cell, order, events=events)

@@ -66,7 +66,7 @@ class AnytimePlanner:
         """Return the plan that keeps an older plan's order as far as the problem lets it.
 
         Args:
-            order: (k,) wires in the order wished; wires that it leaves out come last.
+            order: (k,) wires in the order to keep; wires that it leaves out come last.
             modes: (wires,) mode numbers to keep where possible, or -1.
 
         Raises:
@@ -133,7 +133,12 @@ class AnytimePlanner:
     def _decoded(self, order: Integers, modes: Integers) -> Planned:
         decoded = self._problem.decode(order, modes)
         return Planned(
-            self._tables, order, modes, decoded.actions, decoded.makespan, decoded.penalty
+            self._tables,
+            order,
+            modes,
+            decoded.actions,
+            makespan=decoded.makespan,
+            penalty=decoded.penalty,
         )
 
 

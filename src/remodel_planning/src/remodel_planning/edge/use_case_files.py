@@ -65,7 +65,7 @@ def read_use_case(file: Path) -> UseCase:
     """
     data = _parsed(file)
     schema = jsonschema.Draft202012Validator(read_json(use_case_schema()))
-    findings = [_told(error) for error in sorted(schema.iter_errors(data), key=_place)]
+    findings = [_message(error) for error in sorted(schema.iter_errors(data), key=_place)]
     if not findings and data["name"] != file.stem:
         findings = [f"name: expected {file.stem}, as the file is called, found {data['name']}"]
     if findings:
@@ -83,7 +83,7 @@ def _parsed(file: Path) -> object:
         raise UseCaseError(f"{file}: {error}") from error
 
 
-def _told(error: jsonschema.ValidationError) -> str:
+def _message(error: jsonschema.ValidationError) -> str:
     deepest = jsonschema.exceptions.best_match([error])
     return f"{_place(deepest) or 'the document'}: {deepest.message}"
 

@@ -57,7 +57,7 @@ class TerminalRule:
         role: of the components.
         part: pattern of their part numbers.
         force_limit_n: [N] that an insertion must not exceed.
-        clearance_m: [m] around a mouth that belongs to it.
+        clearance_m: [m] around an opening, for the gripper.
     """
 
     role: Role
@@ -143,10 +143,10 @@ def catalogue_from(parsed: object) -> Catalogue:
             dict(data["colour_names"]),
             dict(data["colour_values"]),
             frozenset(map(str, data["colour_codes"])),
-            str(data["default_colour"]),
-            float(data["default_section"]),
-            wires,
-            terminals,
+            default_colour=str(data["default_colour"]),
+            default_section=float(data["default_section"]),
+            wires=wires,
+            terminals=terminals,
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise CatalogueError(f"catalogue: {where}: {error!r}") from error

@@ -21,7 +21,6 @@ from remodel_states.testing.faults import when_fed, when_mended
 from remodel_states.testing.ledger import Deed, Entry
 from remodel_states.testing.panel import panel_from, truth_of
 from remodel_states.testing.robot_lock import RobotLock
-from remodel_states.testing.world import World
 
 CAMERAS = ("overhead", "wrist", "scene")
 
@@ -62,9 +61,11 @@ class CellServices:
             panel = panel_from(request.panel)
             faults = tuple(self._table.fault(**row) for row in self._read_faults())
             with self._site.file.change() as draft:
-                if request.keep and draft.world.panel == panel:
+                before, cell = draft.world, self._site.cell
+                draft.world = before.load(cell, panel, keep=request.keep)
+                if draft.world is before:
                     return f"panel {panel.name!r} is there"
-                draft.world, draft.faults, draft.goals = World(panel), faults, {}
+                draft.faults, draft.goals = faults, {}
                 draft.entries.append(Entry(Deed.LOAD, self._site.cell, panel.name))
             return f"panel {panel.name!r} built"
 

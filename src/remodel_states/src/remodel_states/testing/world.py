@@ -26,7 +26,7 @@ class Panel:
         wires: wire -> terminals of its ends a and b, as "component/terminal".
         lengths: wire -> [m].
         components: component -> place of its base.
-        mouths: "component/terminal" -> place of the mouth, yaw into the bore.
+        openings: "component/terminal" -> place of its opening, yaw into the terminal.
         channels: in which wires are fed.
         serial: serial number of the product that is built on it.
     """
@@ -35,7 +35,7 @@ class Panel:
     wires: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     lengths: Mapping[str, float] = field(default_factory=dict)
     components: Mapping[str, Place] = field(default_factory=dict)
-    mouths: Mapping[str, Place] = field(default_factory=dict)
+    openings: Mapping[str, Place] = field(default_factory=dict)
     channels: tuple[str, ...] = ()
     serial: str = ""
 
@@ -71,6 +71,7 @@ class World:
         untouched: wire that lies as it was presented -> cell whose feeder has it.
         seats: "wire/end" -> where it sits; loose ends are not listed.
         hands: cell -> its hand.
+        loaded_by: cell that has loaded the panel.
     """
 
     panel: Panel = Panel()
@@ -78,6 +79,22 @@ class World:
     untouched: Mapping[str, str] = field(default_factory=dict)
     seats: Mapping[str, Seat] = field(default_factory=dict)
     hands: Mapping[str, Hand] = field(default_factory=dict)
+    loaded_by: str = ""
+
+    def load(self, cell: str, panel: Panel, *, keep: bool) -> World:
+        """Return the world with an empty panel, or this one if it has the panel already.
+
+        A request of a cell that was stalled may arrive when another cell has loaded the panel and
+        placed wires on it: they stay, whatever the request says.
+
+        Args:
+            cell: that asks.
+            panel: to load, with the serial number of the product.
+            keep: whether wires stay on the panel if this cell has loaded it.
+        """
+        if panel == self.panel and (keep or cell != self.loaded_by):
+            return self
+        return World(panel, loaded_by=cell)
 
     def hand(self, cell: str) -> Hand:
         """Return a cell's hand."""

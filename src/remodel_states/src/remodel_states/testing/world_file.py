@@ -15,6 +15,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from remodel_states.edge.write_ahead import write_ahead
 from remodel_states.testing.faults import Behaves, Cure, Fault, Faults
 from remodel_states.testing.ledger import Deed, Entry
 from remodel_states.testing.world import Hand, Panel, Seat, World
@@ -58,7 +59,7 @@ class WorldFile:
         self._path = str(path)
         # Never closed: with the last connection SQLite clears its log, at the cost of five changes.
         self._anchor = self._connect()
-        self._anchor.execute("PRAGMA journal_mode = WAL")
+        write_ahead(self._anchor, _BUSY_S)
         self._anchor.executescript(_TABLES)
 
     @contextmanager
@@ -134,7 +135,7 @@ def _panel(text: str) -> Panel:
     panel = json.loads(text)
     tuples = {
         name: {key: tuple(value) for key, value in panel[name].items()}
-        for name in ("wires", "components", "mouths")
+        for name in ("wires", "components", "openings")
     }
     return Panel(
         panel["name"],
@@ -151,6 +152,7 @@ def _without_panel(world: World) -> dict[str, Any]:
         "untouched": world.untouched,
         "seats": {end: (seat.terminal, seat.fixed) for end, seat in world.seats.items()},
         "hands": {cell: (hand.live, hand.held) for cell, hand in world.hands.items()},
+        "loaded_by": world.loaded_by,
     }
 
 
@@ -161,6 +163,7 @@ def _world(panel: Panel, world: dict[str, Any]) -> World:
         world["untouched"],
         {end: Seat(*seat) for end, seat in world["seats"].items()},
         {cell: Hand(*hand) for cell, hand in world["hands"].items()},
+        world["loaded_by"],
     )
 
 

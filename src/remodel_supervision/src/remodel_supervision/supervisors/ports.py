@@ -9,6 +9,7 @@ from typing import Protocol
 
 from flexbe_synthesizer.core.chart.model import Chart
 from remodel_supervision.core.learning.learned_responses import TriedResponse
+from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import Event
 from remodel_supervision.core.runs.state import RunState
 from remodel_supervision.edge.task_leases import Claim
@@ -148,6 +149,9 @@ class Abilities(Protocol):
     def restless(self, since_s: float, owner: int | None = None) -> tuple[str, ...]:
         """Return those that keep `are_quiet` from being true, for a person."""
 
+    def take_stops(self) -> tuple[Operation, ...]:
+        """Return, once, the results after which nothing may move before a person has answered."""
+
 
 def server_of(ability: str) -> str:
     """Return what the server of an ability is called, for a person."""
@@ -249,9 +253,11 @@ class UnseenError(Exception):
 
     Attributes:
         code: remodel_msgs/ErrorCode.
+        goal_id: of the goal that failed; empty if it has no result.
     """
 
-    def __init__(self, code: int, text: str) -> None:
-        """Keep the code and the reason."""
+    def __init__(self, code: int, text: str, goal_id: str = "") -> None:
+        """Keep the code, the reason and the goal."""
         super().__init__(text)
         self.code = code
+        self.goal_id = goal_id

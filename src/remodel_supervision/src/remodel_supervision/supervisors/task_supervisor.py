@@ -75,6 +75,10 @@ class TaskSupervisor:
         self._keep: Keep | None = None
         self._kept: Counter[str] = Counter()
         self._goals: set[str] = set()
+        # Operations after which a person is to answer first: ids of the goals of this behavior
+        # that are known to the run, and results whose records have not arrived.
+        self._stops_kept: set[str] = set()
+        self._stops_heard: dict[str, Operation] = {}
         # Why nothing more of the behavior may begin; empty if it may.
         self._why_over = ""
         # Operations whose server may still do them: path of the state -> ability, and since when.
@@ -122,13 +126,15 @@ class TaskSupervisor:
             LostError: if engine or action server are lost; what the behavior did is in doubt.
             LeavingError: if this process is to end.
         """
-        self.halted = self._gate.halt
+        self.halted = self._gate.halt or self.report_stops()
         if self.halted:
             return PREEMPTED
         self.behavior, self._keep, self._why_over = behavior, keep, ""
         self._is_cut = False
         self._kept.clear()
         self._goals.clear()
+        # The next execution of a behavior counts its goals from 1 again.
+        self._stops_kept.clear()
         self._has_started = True
         try:
             self._engine.start(behavior)
@@ -136,6 +142,7 @@ class TaskSupervisor:
             self._await_path()
             for path in self._gate.moving.keys() - self._unended.keys():
                 self._gate.end(path)
+            self.report_stops()
             # It failed since an operation was refused, before it could be stopped.
             return PREEMPTED if self._is_cut and outcome != FINISHED else outcome
         finally:
@@ -164,6 +171,7 @@ class TaskSupervisor:
         )
         self._gate.clear()
         self._unended.clear()
+        self.report_stops()
         self._settling = False
 
     def stop_own(self, limit_s: float) -> None:
@@ -196,6 +204,37 @@ class TaskSupervisor:
         )
         self._gate.clear()
         self._settling = False
+        self.report_stops()
+
+    def report_stops(self) -> str:
+        """Report results after which a person is to answer first, and whose records are not kept.
+
+        A record is lost when the engine ends before it is kept, and says that the operation was
+        cancelled when its state is left meanwhile. While a behavior runs, its record is waited for.
+
+        Returns:
+            Why nothing may begin; empty if there is no such result.
+
+        Raises:
+            PlannerError: if it cannot be kept.
+        """
+        self._hear()
+        why = ""
+        for goal_id, operation in list(self._stops_heard.items()):
+            self._report_stop(operation)
+            del self._stops_heard[goal_id]
+            self._stops_kept.add(goal_id)
+            why = _person_needed(operation)
+        return why
+
+    def note_stop(self, goal_id: str) -> None:
+        """Note that a person is asked because of a goal that this supervisor has sent itself."""
+        self._stops_kept.add(goal_id)
+
+    def _hear(self) -> None:
+        for operation in self._abilities.take_stops():
+            if operation.goal_id not in self._stops_kept:
+                self._stops_heard[operation.goal_id] = operation
 
     def begin_operation(self, behavior: str, state_path: str, ability: str) -> tuple[Permit, str]:
         """Return whether an ability may begin, and why not.
@@ -207,6 +246,9 @@ class TaskSupervisor:
         """
         if self._settling or self.halted or behavior != self.behavior:
             return Permit.REFUSED, f"behavior {behavior!r} is about to be stopped"
+        self._hear()
+        for stop in self._stops_heard.values():
+            self._why_over = _person_needed(stop)
         if self._why_over:
             return Permit.REFUSED, self._why_over
         permit = self._gate.ask(state_path, ability)
@@ -221,6 +263,8 @@ class TaskSupervisor:
         send the record again to the next behavior of the same name. Only if a person is to answer
         before anything moves, that is kept.
         """
+        if operation.goal_id in self._stops_kept and operation.goal_id not in self._goals:
+            return True, "of an operation that was reported; it is not kept again"
         if self._settling or self._is_of_another_owner(operation):
             return self._keep_stop(operation, "of a behavior that was stopped; it is not kept")
         if self._keep is None or behavior != self.behavior:
@@ -231,13 +275,13 @@ class TaskSupervisor:
             except PlannerError as error:
                 return False, str(error)
             self._goals.add(operation.goal_id)
+            if operation.error_code in PERSON_FIRST:
+                self._note_stop(operation)
             self._kept[operation.state_path] += 1
         if operation.error_code in SERVER_GONE:
             self._why_over = f"the server of {operation.ability} is lost"
         elif operation.error_code in PERSON_FIRST:
-            self._why_over = (
-                f"{operation.ability} ended with error {operation.error_code}; a person is needed"
-            )
+            self._why_over = _person_needed(operation)
         if operation.error_code in SERVER_GONE or not operation.outcome:
             # A goal that was given up is cancelled; the server has not reported its end.
             self._unended[operation.state_path] = operation.ability, self._loop.wall_s()
@@ -264,7 +308,12 @@ class TaskSupervisor:
             self._report_stop(operation)
         except PlannerError as error:
             return False, str(error)
+        self._note_stop(operation)
         return True, ""
+
+    def _note_stop(self, operation: Operation) -> None:
+        self._stops_kept.add(operation.goal_id)
+        self._stops_heard.pop(operation.goal_id, None)
 
     def _is_of_another_owner(self, operation: Operation) -> bool:
         """Return whether a supervisor before this one granted an operation."""
@@ -329,3 +378,7 @@ class TaskSupervisor:
                 f"{what()} still runs, or does not answer, {limit_s:.0f} s after it was stopped; "
                 "stop the cell by hand"
             )
+
+
+def _person_needed(operation: Operation) -> str:
+    return f"{operation.ability} ended with error {operation.error_code}; a person is needed"

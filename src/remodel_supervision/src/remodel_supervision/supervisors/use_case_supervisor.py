@@ -35,7 +35,13 @@ from remodel_supervision.core.runs.events import (
     TaskReturned,
 )
 from remodel_supervision.core.runs.gate import FEEDER, Gate, Permit
-from remodel_supervision.core.runs.state import PREEMPTED, RunState, Stage, TaskProgress
+from remodel_supervision.core.runs.state import (
+    PERSON_FIRST,
+    PREEMPTED,
+    RunState,
+    Stage,
+    TaskProgress,
+)
 from remodel_supervision.core.runs.step import (
     Ask,
     Decide,
@@ -385,8 +391,11 @@ class UseCaseSupervisor:
         if task is None:
             because = f"{operation.ability} ended with error {operation.error_code}: "
             self._record.append_now(Blocked(f"{because}{operation.text}; a person is needed"))
-        elif operation not in (*task.operations, task.stopped_by):
-            self._record.append_now(StopReported(task.name, operation))
+        else:
+            known = (*task.operations, *filter(None, [task.stopped_by]))
+            stops = [each.goal_id for each in known if each.error_code in PERSON_FIRST]
+            if operation.goal_id not in stops:
+                self._record.append_now(StopReported(task.name, operation))
 
     def _settle(self, name: str) -> None:
         if not self._has(name):
@@ -408,6 +417,7 @@ class UseCaseSupervisor:
                 raise HaltedError(self._gate.halt) from error
             unseen = Settled(name, tuple(connected), 1, error.code, str(error))
             self._record.append_if_next(Settle(name), unseen, while_paused=True)
+            self.tasks.note_stop(error.goal_id)
             return
         settled = Settled(name, tuple(connected), len(planned.left(connected)))
         self._record.append_if_next(Settle(name), settled, while_paused=True)
@@ -484,6 +494,8 @@ class UseCaseSupervisor:
         Raises:
             HaltedError: if it may not.
         """
+        if why := self._record.insist(self.tasks.report_stops):
+            raise HaltedError(why)
         while (permit := self._gate.ask(name, what)) is Permit.HELD:
             self._loop.run_until(lambda: not self._gate.hold or bool(self._gate.halt), _CHECK_S)
         if permit is Permit.REFUSED:

@@ -1,7 +1,7 @@
 """The production knowledge database: orders, what they are made of, and what was done.
 
 SQLite by default, PostgreSQL by URL. Every change is one transaction, so that nothing is stored by
-half. docs/production-database.md tells and draws the tables.
+half. docs/production-database.md describes and draws the tables.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import os
 import sqlite3
-import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -36,12 +35,10 @@ from remodel_production.edge.database.production_models import (
 )
 from remodel_production.edge.database.production_rows import add_order_rows, order_of_row
 from remodel_production.errors import OrderError, RecordLostError
+from remodel_states.edge.write_ahead import write_ahead
 
 # [s] that a program waits for another one's transaction; an import takes one second.
 _WAIT_S = 30
-
-# [s] between two tries to change the mode of a new database.
-_LOOK_S = 0.02
 
 _ORDER = select(OrderRow).where(OrderRow.name == bindparam("order"))
 _LOCKED_ORDER = _ORDER.with_for_update()
@@ -219,31 +216,12 @@ def _identity(file: str) -> tuple[int, int]:
     return status.st_dev, status.st_ino
 
 
-def _prepare_sqlite(connection: object, _record: object) -> None:
+def _prepare_sqlite(connection: sqlite3.Connection, _record: object) -> None:
     """Set what SQLite forgets with each connection; the driver is not to begin transactions."""
-    connection.isolation_level = None  # type: ignore[attr-defined]
-    cursor = connection.cursor()  # type: ignore[attr-defined]
+    connection.isolation_level = None
     for setting in ("foreign_keys=ON", f"busy_timeout={_WAIT_S * 1000}"):
-        cursor.execute(f"PRAGMA {setting}")
-    _write_ahead(cursor)
-    cursor.close()
-
-
-def _write_ahead(cursor: sqlite3.Cursor) -> None:
-    """Have SQLite write ahead. A new database changes its mode once, with nobody else in it.
-
-    SQLite does not wait for the others then, whatever busy_timeout says, so this does.
-    """
-    late_s = time.monotonic() + _WAIT_S
-    while True:
-        try:
-            cursor.execute("PRAGMA journal_mode=WAL")
-        except sqlite3.OperationalError as error:
-            if "locked" not in str(error) or time.monotonic() > late_s:
-                raise
-            time.sleep(_LOOK_S)
-        else:
-            return
+        connection.execute(f"PRAGMA {setting}")
+    write_ahead(connection, _WAIT_S)
 
 
 def _shown(url: str) -> str:

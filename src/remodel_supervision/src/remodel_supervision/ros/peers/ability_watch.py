@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import time
+from collections import deque
 from dataclasses import dataclass
 
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 
-from remodel_states.ability_messages import message_class
+from remodel_states.core.codes import Code
 from remodel_states.edge.exported_tables import read_abilities
+from remodel_states.serving.ability_messages import message_class
+from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.goal_owner import owner_of
+from remodel_supervision.core.runs.state import PERSON_FIRST
 from remodel_supervision.supervisors.ports import Doing, server_of
 
 # A goal that is recalled never begins. A server that is asked to cancel a goal it does not know,
@@ -38,7 +42,7 @@ class AbilityWatch:
     """Listens to all abilities, and can cancel what they do, past the engine."""
 
     def __init__(self) -> None:
-        """Subscribe to feedback and status of every ability.
+        """Subscribe to what every ability publishes.
 
         Raises:
             remodel_states.errors.TableError: if a table of abilities cannot be read.
@@ -47,6 +51,7 @@ class AbilityWatch:
         self.latest: Doing | None = None
         self._statuses: dict[str, _Status] = {}
         self._subscribers: dict[str, rospy.Subscriber] = {}
+        self._stops: deque[Operation] = deque()
         self._cancels: dict[str, rospy.Publisher] = {}
         # Ability -> actionlib's id of a goal -> token of the owner who granted it, the latest last.
         self._owners: dict[str, dict[str, int]] = {ability: {} for ability in self._abilities}
@@ -56,6 +61,8 @@ class AbilityWatch:
             self._subscribers[ability] = rospy.Subscriber(
                 f"{topic}/status", GoalStatusArray, self._on_status, ability
             )
+            result = message_class(row, "ActionResult")
+            rospy.Subscriber(f"{topic}/result", result, self._on_result, ability)
             goal = message_class(row, "ActionGoal")
             rospy.Subscriber(f"{topic}/goal", goal, self._on_goal, ability)
             self._cancels[ability] = rospy.Publisher(f"{topic}/cancel", GoalID, queue_size=10)
@@ -90,6 +97,13 @@ class AbilityWatch:
             if self.is_connected(ability) and not self._rests(ability, since_s, owner)
         )
 
+    def take_stops(self) -> tuple[Operation, ...]:
+        """Return, once, the results after which nothing may move before a person has answered."""
+        stops = []
+        while self._stops:
+            stops.append(self._stops.popleft())
+        return tuple(stops)
+
     def _rests(self, ability: str, since_s: float, owner: int | None = None) -> bool:
         status, owners = self._statuses.get(ability), self._owners[ability]
         if status is None or status.at_s < since_s:
@@ -104,6 +118,17 @@ class AbilityWatch:
             message.goal_id.id: owner_of(message.goal.id),  # type: ignore[attr-defined]
         }
         self._owners[ability] = dict(list(owners.items())[-_GOALS_KNOWN:])
+
+    def _on_result(self, message: object, ability: str) -> None:
+        result, header = message.result, message.header  # type: ignore[attr-defined]
+        # A server that refuses the goals of an earlier owner of the cell does as it should.
+        if result.error_code not in PERSON_FIRST - {Code.STALE_OWNER}:
+            return
+        at_s, goal_id = header.stamp.to_sec(), result.id or message.status.goal_id.id  # type: ignore[attr-defined]
+        took_s, text = result.elapsed_time, result.error_message
+        self._stops.append(
+            Operation("", ability, "", result.error_code, text, at_s, took_s, goal_id)
+        )
 
     def _on_feedback(self, message: object, ability: str) -> None:
         feedback = message.feedback  # type: ignore[attr-defined]

@@ -58,5 +58,6 @@ class Inspection:
         result = sent.result
         if result is None or not result.success:
             code = result.error_code if result else _INTERNAL
-            raise UnseenError(code or _INTERNAL, result.error_message if result else sent.ending)
+            text = result.error_message if result else sent.ending
+            raise UnseenError(code or _INTERNAL, text, goal.id)
         return bool(result.connected)

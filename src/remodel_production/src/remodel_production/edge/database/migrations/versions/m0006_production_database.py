@@ -49,7 +49,7 @@ def upgrade() -> None:
             nullable=True,
             comment=(
                 "[s] since 1970 by the database's clock, until which no other station may "
-                "own it; null if nobody owns it"
+                "own it; null if it has no owner"
             ),
         ),
         sa.PrimaryKeyConstraint("name", name=op.f("pk_cells")),
@@ -70,7 +70,7 @@ def upgrade() -> None:
         ),
         sa.Column("source", sa.String(), nullable=False, comment="name of the design file"),
         sa.PrimaryKeyConstraint("id", name=op.f("pk_products")),
-        comment="what is built: a cabinet or a harness, as one design file tells it",
+        comment="what is built: a cabinet or a harness, as one design file describes it",
     )
     op.create_table(
         "ability_parameters",
@@ -97,7 +97,7 @@ def upgrade() -> None:
         sa.UniqueConstraint(
             "ability_id", "name", name=op.f("uq_ability_parameters_ability_id_name")
         ),
-        comment="what a goal tells an ability",
+        comment="the parameters of an ability's goal",
     )
     op.create_index(
         op.f("ix_ability_parameters_ability_id"), "ability_parameters", ["ability_id"], unique=False
@@ -169,7 +169,7 @@ def upgrade() -> None:
             ["product_id"], ["products.id"], name=op.f("fk_notes_product_id"), ondelete="CASCADE"
         ),
         sa.PrimaryKeyConstraint("id", name=op.f("pk_notes")),
-        comment="what the import of a product guessed and left out",
+        comment="what the import of a product assumed and left out",
     )
     op.create_index(op.f("ix_notes_product_id"), "notes", ["product_id"], unique=False)
     op.create_table(
@@ -379,7 +379,7 @@ def upgrade() -> None:
         ),
         sa.PrimaryKeyConstraint("id", name=op.f("pk_segments")),
         sa.UniqueConstraint("product_id", "name", name=op.f("uq_segments_product_id_name")),
-        comment="pieces of the ways of wires, between two nodes",
+        comment="pieces of the routes of wires, between two nodes",
     )
     op.create_index(op.f("ix_segments_end_node_id"), "segments", ["end_node_id"], unique=False)
     op.create_index(op.f("ix_segments_product_id"), "segments", ["product_id"], unique=False)
@@ -502,19 +502,19 @@ def upgrade() -> None:
             "x_m",
             sa.Float(),
             nullable=True,
-            comment="[m] place of its mouth in the component's frame; null if it is not known",
+            comment="[m] place of its opening in the component's frame; null if it is not known",
         ),
         sa.Column(
             "y_m",
             sa.Float(),
             nullable=True,
-            comment="[m] place of its mouth in the component's frame; null if it is not known",
+            comment="[m] place of its opening in the component's frame; null if it is not known",
         ),
         sa.Column(
             "z_m",
             sa.Float(),
             nullable=True,
-            comment="[m] place of its mouth in the component's frame; null if it is not known",
+            comment="[m] place of its opening in the component's frame; null if it is not known",
         ),
         sa.Column(
             "qx",
@@ -568,7 +568,7 @@ def upgrade() -> None:
             "clearance_m",
             sa.Float(),
             nullable=True,
-            comment="[m] that a gripper needs around the mouth; null if it is not known",
+            comment="[m] that a gripper needs around the opening; null if it is not known",
         ),
         sa.Column(
             "insertion_force_limit_n",
@@ -689,7 +689,7 @@ def upgrade() -> None:
         sa.Column("id", sa.Integer(), nullable=False, comment="number of the row"),
         sa.Column("order_id", sa.Integer(), nullable=False, comment="that it is part of"),
         sa.Column("wire_id", sa.Integer(), nullable=False, comment="that is to be placed"),
-        sa.Column("state", sa.String(), nullable=False, comment="open, begun, done or set aside"),
+        sa.Column("state", sa.String(), nullable=False, comment="open, begun, done or `set aside`"),
         sa.Column(
             "cell",
             sa.String(),
@@ -792,7 +792,7 @@ def upgrade() -> None:
             ondelete="CASCADE",
         ),
         sa.PrimaryKeyConstraint("id", name=op.f("pk_ability_records")),
-        comment="executions of abilities, as remodel_msgs/AbilityRecord tells them",
+        comment="executions of abilities, as remodel_msgs/AbilityRecord reports them",
     )
     op.create_index(
         op.f("ix_ability_records_execution_id"), "ability_records", ["execution_id"], unique=False
