@@ -41,7 +41,7 @@ class Desk:
 
     def _answer(self, actor: Actor, command: str, deed: Callable[[], str | None]) -> Answer:
         if actor.role is not Role.OPERATOR:
-            return Answer(REFUSED, command, "you are watching; an operator's token is needed")
+            return Answer(REFUSED, command, "read-only access; commands need an operator's token")
         try:
             return Answer(DONE, command, deed() or "")
         except CommandError as error:
