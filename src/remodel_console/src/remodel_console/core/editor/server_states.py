@@ -98,7 +98,7 @@ def _child(by_path: dict[str, Instantiation], path: str, library: Library) -> Ch
     state = library.find_states(entry.state_class)
     if len(state) != 1 or not isinstance(state[0], StateClass):
         raise ValueError(
-            f"'{label}' is a '{entry.state_class}', of which one class must be installed here"
+            f"'{label}' is a '{entry.state_class}', which is not installed in exactly one package"
         )
     return Child(label, StateUse(state[0], entry.state_class, pairs), exits, homes)
 
