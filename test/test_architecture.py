@@ -64,7 +64,6 @@ MAX_MODULES = 15
 FOLDERS_WITH_CYCLE = {
     "flexbe_core",  # FlexBE's import paths: its states publish, its proxies wait as states do
     "flexbe_core.engine",  # a node knows its container, the engine and the active leaf
-    "flexbe_synthesizer.core.library",  # `resolve` keeps what is computed from it
 }
 LARGE_FOLDERS = {
     "flexbe_core.core",  # FlexBE's import paths: a module for each class
