@@ -52,7 +52,13 @@ def main(arguments: Sequence[str]) -> int:
     )
     session = Session(workspace, lambda: settings.now)
     console = Console(
-        door, Desk(journal), Live(), session, workspace, Catalogue(package_path), settings
+        door,
+        Desk(journal),
+        live=Live(),
+        session=session,
+        workspace=workspace,
+        catalogue=Catalogue(package_path),
+        settings=settings,
     )
     end = threading.Event()
     joining = threading.Thread(target=join_ros, args=(console, journal, end))

@@ -107,7 +107,7 @@ def test_pause_and_resume():
 def test_an_engine_that_goes_away_leaves_no_ghost():
     view = supervised(EngineSeen(False))
     assert (view.phase, view.active, view.asked) == (Phase.AWAY, "", None)
-    assert view.ending == "was cut off, as the engine went away"
+    assert view.ending == "was cut off when the engine ended"
     assert step(view, EngineSeen(True)).phase is Phase.IDLE
 
 

@@ -61,7 +61,7 @@ class Client:
 
 
 def conformance(ability, goal):
-    """Check an ability's server against the contract of all abilities; return what is told."""
+    """Check an ability's server against the contract of all abilities; return what was reported."""
     topic = f"remodel_abilities/{ability.lower()}"
     line = ["rosrun", "remodel_states", "conformance", topic, ability, "--goal", goal]
     done = subprocess.run(line, capture_output=True, text=True, timeout=WALL_LIMIT_S)

@@ -5,8 +5,8 @@ import math
 from panels import component, wire
 
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.layout import WORLD_FROM_PANEL
-from remodel_sim.core.panel import Channel, Clip, Duct, Panel
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import Channel, Clip, Duct, Panel
 
 LINE_X = -0.040
 FIRST_Y = -0.085

@@ -3,13 +3,13 @@
 import dataclasses
 import math
 
-from remodel_sim.core.panel import Channel, Component, Panel, Terminal, Wire
+from remodel_sim.core.workpiece.panel import Channel, Component, Panel, Terminal, Wire
 
 ROW_X = 0.080
 
 
 def component(name, marker, x, y, side, terminals=2, bore=0.0038):
-    """A component whose mouths are on the side of its row's channel: +1 near row, -1 far row."""
+    """A component whose openings are on the side of its row's channel: +1 near row, -1 far row."""
     yaw = math.pi if side > 0 else 0.0
     places = [(i - (terminals - 1) / 2) * 0.018 for i in range(terminals)]
     return Component(

@@ -9,7 +9,7 @@ from panels import panel
 from remodel_sim.cell import Cell
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.panel import Channel, End
+from remodel_sim.core.workpiece.panel import Channel, End
 from remodel_sim.physics.truth import ground_truth
 from remodel_states.core.codes import Code
 
@@ -26,7 +26,7 @@ def test_a_whole_wire_is_placed_by_physics(cell):
     assert cell.plant.live is None, "a placed wire is parked"
 
 
-def test_six_millimetres_beside_the_mouth_is_refused(cell):
+def test_six_millimetres_beside_the_opening_is_refused(cell):
     cell.feed("W1", "A")
     socket = do.locate(cell, "X1", "1")
     beside = Pose(socket.position + np.array([0.0, 0.006, 0.0]), socket.quaternion)
@@ -37,7 +37,7 @@ def test_six_millimetres_beside_the_mouth_is_refused(cell):
     assert caught.value.found["peak_force"] >= 8.0
     assert "6.0 mm beside the axis of 'X1/1'" in str(caught.value)
     do.extract(cell, "W1", "X1", "1", beside)
-    assert cell.station.book.grip is None
+    assert cell.context.belief.grip is None
     do.insert(cell, "W1", End.A, "X1", "1", do.locate(cell, "X1", "1"))
 
 
@@ -95,15 +95,15 @@ def test_a_stopped_ability_leaves_a_scene_that_the_next_one_can_use(cell):
     cell.feed("W1", "A")
     socket = do.locate(cell, "X1", "1")
     goal = do.goals.InsertGoal(do.ROBOT, "W1", End.A, "X1", "1", socket, 8.0)
-    steps = do.insert_cable(cell.station, goal)
-    while cell.station.progress.message != "pushing":
+    steps = do.insert_cable(cell.context, goal)
+    while cell.context.progress.message != "pushing":
         next(steps)
-        for _ in range(cell.station.steps_per_tick):
+        for _ in range(cell.context.steps_per_tick):
             cell.plant.step()
     for _ in range(10):
         next(steps)
     steps.close()
-    assert cell.station.book.grip is not None
+    assert cell.context.belief.grip is not None
     do.insert(cell, "W1", End.A, "X1", "1", socket)
 
 

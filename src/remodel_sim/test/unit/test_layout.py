@@ -6,8 +6,8 @@ import pytest
 from panels import component, panel, wire
 
 from remodel_sim.core.errors import PanelError
-from remodel_sim.core.layout import find_problems
-from remodel_sim.core.panel import Clip, Duct
+from remodel_sim.core.workpiece.layout import find_problems
+from remodel_sim.core.workpiece.panel import Clip, Duct
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.plant import Plant
@@ -59,7 +59,7 @@ def with_wire(**changes):
         (panel(size=(2.0, 0.7, 0.003)), "the plate's size in x is 2 m"),
         (panel(channels=()), "no channel"),
         (with_terminal(insertion_yaw=1.0), "allowed: 0 or pi"),
-        (with_terminal(mouth=(0.025, -0.009, 0.040)), "height of the mouth"),
+        (with_terminal(mouth=(0.025, -0.009, 0.040)), "height of the opening"),
         (with_terminal(mouth=(0.020, -0.009, 0.022)), "the side it opens to"),
         (with_terminal(bore=float("nan")), "must be a finite number"),
         (with_terminal(bore=0.0031), "minus diameter"),

@@ -61,16 +61,16 @@ FLAWS = {
     "cancels slowly": "slow-cancel",
     "cancelled with another code": "cancel-code",
     "aborts when cancelled": "cancel-status",
-    "obeys any cancel": "obeys-strangers",
+    "applies any cancel": "foreign-cancel",
     "loses the second goal": "no-answer",
     "mixes up two goals": "wrong-id",
-    "takes NaN": "takes-nonsense",
-    "takes any timeout": "takes-nonsense",
-    "takes no id": "takes-nonsense",
+    "takes NaN": "accepts-invalid-goal",
+    "takes any timeout": "accepts-invalid-goal",
+    "takes no id": "accepts-invalid-goal",
     "dies of NaN": "no-answer",
-    "refuses with another code": "nonsense-code",
-    "refuses without naming the field": "nonsense-unnamed",
-    "places cables that do not exist": "does-the-impossible",
+    "refuses with another code": "invalid-goal-code",
+    "refuses without naming the field": "invalid-goal-unnamed",
+    "places cables that do not exist": "accepts-unknown-name",
 }
 
 
@@ -91,7 +91,7 @@ class Server:
         )
         self.server.start()
         self.has = lambda flaw: flaw == self.flaw
-        if flaw == "obeys any cancel":
+        if flaw == "applies any cancel":
             rospy.Subscriber(f"{topic}/cancel", actionlib.GoalID, self.on_any_cancel)
 
     def on_any_cancel(self, message):
@@ -104,7 +104,7 @@ class Server:
 
     def on_goal(self, handle):
         goal = handle.get_goal()
-        field, found = self.nonsense(goal)
+        field, found = self.invalid_field(goal)
         if field:
             code = 400 if self.has("refuses with another code") else ErrorCode.INVALID_GOAL
             name = "something" if self.has("refuses without naming the field") else field
@@ -120,7 +120,7 @@ class Server:
             self.last_id = goal.id
             threading.Thread(target=self.work, args=[handle], daemon=True).start()
 
-    def nonsense(self, goal):
+    def invalid_field(self, goal):
         if not goal.id and not self.has("takes no id"):
             return "id", "empty"
         if not (0 < goal.timeout < math.inf) and not self.has("takes any timeout"):

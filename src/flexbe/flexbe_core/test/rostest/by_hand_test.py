@@ -107,7 +107,7 @@ class ByHandTest(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "no"):
             ScriptedState([ValueError("no")]).execute(UserData())
 
-    def test_a_controlled_state_obeys_commands(self):
+    def test_a_controlled_state_applies_commands(self):
         state = self.controlled()
         self.assertIsNone(self.command(state, "pause", Bool(True)))
         self.assert_feedback("pause")

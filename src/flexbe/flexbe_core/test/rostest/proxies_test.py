@@ -219,7 +219,7 @@ class ProxiesTest(unittest.TestCase):
         return server, client
 
     def assert_lost(self, client, topic):
-        """Look that a lost goal is first told by is_available, then raised by has_result."""
+        """Check that is_available reports a lost goal first, and then has_result raises."""
         self.assertFalse(client.has_result(topic))
         with self.assertRaises(ActionServerLostError):
             wait_until(lambda: client.has_result(topic), LOST_GRACE_S + 1.0)

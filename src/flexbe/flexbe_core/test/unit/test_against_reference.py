@@ -10,11 +10,11 @@ from dataclasses import dataclass, field
 import pytest
 
 from flexbe_core.core import ConcurrencyContainer, OperatableStateMachine, PriorityContainer
-from flexbe_core.engine import commands as c
+from flexbe_core.engine.definitions.structure import definitions_below
 from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.engine.errors import BehaviorFailure
-from flexbe_core.engine.structure import definitions_below
-from flexbe_core.engine.supervision import Supervision
+from flexbe_core.engine.supervision import commands as c
+from flexbe_core.engine.supervision.in_force import Supervision
 from flexbe_core.testing import ScriptedState
 
 RUNS = 3000
@@ -338,7 +338,7 @@ def check_run(seed):
     holds, supervised, level = rng.random() < 0.5, rng.random() < 0.5, rng.randint(0, 4)
     root = build(spec, log)
     engine = Engine(root, ErrorPolicy.HOLD if holds else ErrorPolicy.FAIL)
-    engine.record = Supervision(autonomy_level=level)
+    engine.supervision = Supervision(autonomy_level=level)
     if supervised:
         for state in [root, *first_children(root)]:
             state._is_controlled = True

@@ -1,4 +1,4 @@
-"""What a mirror does about what it is told."""
+"""How a mirror responds to the messages of an engine."""
 
 import pytest
 
@@ -41,14 +41,14 @@ def test_a_behavior_whose_structure_came_before_is_followed_at_once():
     assert mirror.on_outcome(0) == [Show("/B")]
     assert mirror.on_outcome(0) == [Show("/A")]
     mirror.on_outcome(0)
-    assert mirror.on_outcome(1) == [], "the end is told by a status"
+    assert mirror.on_outcome(1) == [], "a status reports the end"
     assert status(mirror, Code.FINISHED) == [Show("")]
 
 
 def test_a_structure_that_comes_after_the_start_tells_not_where_the_behavior_is():
     mirror = Mirror()
     assert status(mirror, Code.STARTED) == []
-    assert mirror.on_outcome(0) == [], "of which state, the structure would tell"
+    assert mirror.on_outcome(0) == [], "only the structure says of which state"
     assert mirror.on_structure(BEHAVIOR, TREE) == [AskWhere()]
     assert mirror.on_sync(BEHAVIOR, checksum("/B")) == [Show("/B")]
 
@@ -118,7 +118,7 @@ def test_an_engine_that_names_its_active_state_is_shown_as_it_says():
     assert mirror.on_active_state("/A") == [], "it is shown since the start"
     assert mirror.on_active_state("/B") == [Show("/B")]
     assert mirror.on_active_state("/B") == [Show("/B")], "it follows itself"
-    assert mirror.on_active_state("") == [], "the end is told by a status"
+    assert mirror.on_active_state("") == [], "a status reports the end"
     assert status(mirror, Code.FINISHED) == [Show("")]
 
 

@@ -191,7 +191,7 @@ class ActionServerTest(unittest.TestCase):
         line = ["roslaunch", "flexbe_widget", "behavior_ocs.launch"]
         ocs = subprocess.Popen(line, stdout=subprocess.DEVNULL)
         try:
-            self.assertTrue(wait_until(lambda: "/Wait" in paths), "the mirror tells nothing")
+            self.assertTrue(wait_until(lambda: "/Wait" in paths), "the mirror shows nothing")
             attach.publish(3)
             self.assertTrue(wait_until(lambda: any(a.command == "attach" for a in answers)))
             (answer,) = [a.args for a in answers if a.command == "attach"]
@@ -220,7 +220,7 @@ class ActionServerTest(unittest.TestCase):
 
 
 def pid_of(node):
-    """Return the process of a node, which it tells itself."""
+    """Return the process of a node, which it reports itself."""
     uri = rosgraph.Master(rospy.get_name()).lookupNode(node)
     return ServerProxy(uri).getPid(rospy.get_name())[2]
 

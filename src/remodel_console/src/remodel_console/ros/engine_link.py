@@ -1,4 +1,4 @@
-"""The engine as the console sees it: what it tells becomes events, orders become messages."""
+"""The engine as the console sees it: its messages become events, orders become messages."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class EngineLink:
 
     @property
     def is_followed(self) -> bool:
-        """Tell whether a mirror publishes the active state, besides the engine."""
+        """Return whether a mirror publishes the active state, besides the engine."""
         return self._updates.get_num_connections() > (1 if self._was_there else 0)
 
     def send(self, order: orders.Order) -> None:
@@ -90,7 +90,7 @@ class EngineLink:
         """
         if not self._was_there:
             raise CommandError(
-                "no behavior engine is there; start one: "
+                "no behavior engine is running; start one: "
                 "roslaunch flexbe_onboard behavior_onboard.launch"
             )
         for topic, message in _messages(order):
@@ -116,7 +116,7 @@ class EngineLink:
             rospy.wait_for_service(topics.USERDATA, timeout=_USERDATA_S)
             answer = rospy.ServiceProxy(topics.USERDATA, GetUserdata)("")
         except (rospy.ROSException, rospy.ServiceException) as error:
-            raise CommandError(f"the engine does not tell its userdata: {error}") from error
+            raise CommandError(f"the engine does not return its userdata: {error}") from error
         return tuple((d.state, d.key, d.type, d.data) for d in answer.userdata)
 
     def _look(self) -> None:

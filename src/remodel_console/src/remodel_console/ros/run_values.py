@@ -50,7 +50,7 @@ def changes_of(message: msg.UseCaseChanges) -> Changes:
         message.number,
         tuple(map(_task, message.tasks)),
         tuple(map(_failure, message.failures)),
-        message.replanned,
+        replanned=message.replanned,
     )
 
 

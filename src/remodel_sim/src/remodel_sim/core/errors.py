@@ -65,7 +65,7 @@ class PictureFileError(CellError):
 
 
 class CellFileError(CellError):
-    """A cell's file cannot be read or makes no sense.
+    """A cell's file cannot be read or is invalid.
 
     Attributes:
         problems: every problem found: its place in the file, what was found, what is allowed.

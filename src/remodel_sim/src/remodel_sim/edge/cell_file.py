@@ -11,9 +11,8 @@ import numpy as np
 import rospkg
 import yaml
 
-from remodel_sim.core.arm import ARM_MODELS, Arm, ToolPose
 from remodel_sim.core.camera import Lens, View, looking_at, looking_down
-from remodel_sim.core.cell_design import (
+from remodel_sim.core.cell.cell_design import (
     CellDesign,
     Gripper,
     RobotDesign,
@@ -21,9 +20,10 @@ from remodel_sim.core.cell_design import (
     WristCamera,
     find_design_problems,
 )
+from remodel_sim.core.cell.feeding import Feeder
 from remodel_sim.core.errors import CellFileError
-from remodel_sim.core.feeding import Feeder
-from remodel_sim.core.panel import Clip, Duct
+from remodel_sim.core.robot.arm import ARM_MODELS, Arm, ToolPose
+from remodel_sim.core.workpiece.panel import Clip, Duct
 from remodel_states.core.schema_problems import schema_problems
 
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from remodel_sim.core.cable import discretise
-from remodel_sim.core.connector_shape import connector_solids
+from remodel_sim.core.belief.placed_wires import ParkedWire
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.panel import Connector, End, Wire
-from remodel_sim.core.placed_wires import ParkedWire
-from remodel_sim.physics.cable import Cable
-from remodel_sim.physics.clamps import Clamp
-from remodel_sim.physics.latches import Header, Latch
+from remodel_sim.core.workpiece.connector_shape import connector_solids
+from remodel_sim.core.workpiece.panel import Connector, End, Wire
+from remodel_sim.core.workpiece.wire_mechanics import discretise
+from remodel_sim.physics.fixtures.clamps import Clamp
+from remodel_sim.physics.fixtures.latches import Header, Latch
+from remodel_sim.physics.wires.cable import Cable
 from remodel_sim.physics.world import World
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pybullet_data
 
-from remodel_sim.core.arm import FRANKA_PANDA, KUKA_IIWA, TOOL_M, ArmModel
+from remodel_sim.core.robot.arm import FRANKA_PANDA, KUKA_IIWA, TOOL_M, ArmModel
 
 FINGER_ROOT_M = 0.0584  # hand frame to finger frame, as in the original
 PAD_BELOW_TOOL_M = 0.003  # the pads reach this far below the tool centre: half the thickest wire

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remodel_sim.core.course import world_from_clip
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.panel import Clip, End
+from remodel_sim.core.workpiece.panel import Clip, End
+from remodel_sim.core.workpiece.routes import world_from_clip
 from remodel_sim.physics.plant import Plant
 
 # A tip that is so near to the bottom sits at it; InsertCable judges by the same distance. The
@@ -23,8 +23,8 @@ class EndTruth:
     """One end of a wire.
 
     Attributes:
-        at: "component/terminal" whose bore holds it; empty: none.
-        depth: of the tip in that bore [m].
+        at: "component/terminal" whose opening holds it; empty: none.
+        depth: of the tip in that opening [m].
         fixed: whether that clamp is closed on it.
         seated: whether it sits at the bottom of its own terminal.
     """

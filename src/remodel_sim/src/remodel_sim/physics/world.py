@@ -42,7 +42,7 @@ class World:
         self.clear()
 
     def clear(self) -> None:
-        """Remove every body and start counting steps anew."""
+        """Remove every body and restart the count of steps."""
         self.bullet.resetSimulation()
         self.bullet.setGravity(0, 0, -GRAVITY / MASS_SCALE)
         self.bullet.setPhysicsEngineParameter(

@@ -19,13 +19,13 @@ from remodel_msgs.msg import WireTruth as WireTruthMsg
 from sensor_msgs.msg import CameraInfo, Image
 
 from remodel_sim.abilities.detect_cable import CableDetected
-from remodel_sim.abilities.station import Found
-from remodel_sim.core.arm import ToolPose
+from remodel_sim.abilities.execution.robot_context import AbilityResult
 from remodel_sim.core.camera import View
 from remodel_sim.core.errors import MaterialError, PanelError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.goal_pose import WORLD
-from remodel_sim.core.panel import (
+from remodel_sim.core.goals.goal_pose import WORLD
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.workpiece.panel import (
     Channel,
     Clip,
     Component,
@@ -36,7 +36,7 @@ from remodel_sim.core.panel import (
     Terminal,
     Wire,
 )
-from remodel_sim.core.wire_materials import PROPERTIES, WireMaterials
+from remodel_sim.core.workpiece.wire_materials import PROPERTIES, WireMaterials
 from remodel_sim.physics.truth import WireTruth
 
 
@@ -154,7 +154,7 @@ def observation(detected: CableDetected, cable_id: str) -> CableObservation:
     )
 
 
-def result_fields(found: Found, goal: Message) -> dict[str, object]:
+def result_fields(found: AbilityResult, goal: Message) -> dict[str, object]:
     """Return what an ability found out as fields of its result."""
     if isinstance(found, CableDetected):
         return {"observation": observation(found, goal.cable_id)}

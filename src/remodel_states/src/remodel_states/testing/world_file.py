@@ -135,7 +135,7 @@ def _panel(text: str) -> Panel:
     panel = json.loads(text)
     tuples = {
         name: {key: tuple(value) for key, value in panel[name].items()}
-        for name in ("wires", "components", "mouths")
+        for name in ("wires", "components", "openings")
     }
     return Panel(
         panel["name"],

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from flexbe_core.engine.definition import Kind
+from flexbe_core.engine.definitions.definition import Kind
+from flexbe_core.engine.definitions.rate import Rate
 from flexbe_core.engine.errors import StateError
-from flexbe_core.engine.rate import Rate
-from flexbe_core.engine.user_data import UserData
+from flexbe_core.engine.userdata.user_data import UserData
 
 if TYPE_CHECKING:
     from flexbe_core.core.state_machine import StateMachine

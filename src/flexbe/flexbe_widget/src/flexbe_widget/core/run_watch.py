@@ -1,4 +1,4 @@
-"""Follow one run by what the engine says about it.
+"""Follow one run by the statuses of the engine.
 
     SENT --STARTED--> RUNNING --FINISHED, FAILED--> ended    (--SWITCHING, STARTED--> RUNNING)
       |                  |
@@ -7,9 +7,9 @@
       +--silence---------+----> ended (the engine is gone)
       +--START_LIMIT_S--> ended (the engine is still preparing it)
 
-Statuses carry the checksum of the behavior's source; those of other behaviors are left alone. An
-operator may switch the behavior to another version: from then on that one is followed. Any
-number of statuses may have come before the request was sent; they tell what the engine is doing.
+Statuses carry the checksum of the behavior's source; those of other behaviors are ignored. An
+operator may switch the behavior to another version: from then on that version is followed. Any
+number of statuses may have arrived before the request was sent; they show what the engine does.
 """
 
 from __future__ import annotations
@@ -17,19 +17,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-from flexbe_core.engine.supervision import PREEMPTED
+from flexbe_core.engine.supervision.in_force import PREEMPTED
 
-# [s] Wall time without a heartbeat (they come each second) after which the engine counts as gone.
+# [s] Wall time without a heartbeat (1 Hz) after which the engine counts as gone.
 SILENCE_S = 5.0
 
-
-# [s] Wall time that the engine gets to prepare a behavior. Each action server that is missing costs
-# it up to 10 s.
+# [s] Wall time that the engine gets to prepare a behavior. Each missing action server delays it by
+# up to 10 s.
 START_LIMIT_S = 300.0
 
-
-# How the status text of a goal that was aborted begins, so that clients can distinguish a behavior
-# that failed from an engine that was lost: part of the interface, see the README.
+# Beginnings of the status text of an aborted goal, by which clients distinguish a failed behavior
+# from a lost engine: part of the interface, see the README.
 FAILED_TEXT = "failed: "
 NOT_STARTED_TEXT = "not started: "
 ENGINE_LOST_TEXT = "engine lost: "
@@ -75,7 +73,7 @@ class RunWatch:
     """
 
     def __init__(self, behavior_id: int) -> None:
-        """Follow the run of the behavior whose source has this checksum; it was just asked for."""
+        """Follow the run of the behavior whose source has this checksum; it was just requested."""
         self._behavior_id = behavior_id
         self._is_switching = False
         self.is_running = False
@@ -102,11 +100,11 @@ class RunWatch:
         return None
 
     def on_time(self, waited_s: float, silent_s: float) -> Ending | None:
-        """Return how the run ended, if that is to be said without a status.
+        """Return how the run ended, if it ended without a status.
 
         Args:
             waited_s: [s] since the request.
-            silent_s: [s] since the engine was heard last.
+            silent_s: [s] since the last message of the engine.
         """
         if silent_s > SILENCE_S:
             return Ending(End.LOST)

@@ -193,7 +193,7 @@ def encoded(text: str, file: str, like: bytes) -> bytes:
 
 
 def _encoding(data: bytes, file: str) -> str:
-    """Return the encoding that a byte order mark, the first letter or the declaration tells."""
+    """Return the encoding by the byte order mark, the first letter or the declaration."""
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         return "utf-16"
     if data.startswith((b"<\0", b"\0<")):
@@ -330,10 +330,10 @@ class _Reading:
         element = XmlElement(
             namespace or "",
             local,
-            done.position,
-            tuple(done.attributes),
-            tuple(done.children),
-            done.text,
+            position=done.position,
+            attributes=tuple(done.attributes),
+            children=tuple(done.children),
+            text=done.text,
         )
         if self._open:
             self._open[-1].children.append(element)

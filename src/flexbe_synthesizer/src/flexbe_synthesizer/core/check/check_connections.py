@@ -40,7 +40,7 @@ class _Ends:
         self._chart_name = chart.name
 
     def exist(self, connection: Connection) -> bool:
-        """Tell whether both ends are there, and not both in the chart's own data."""
+        """Return whether both ends exist, and are not both in the chart's own data."""
         giver, taker = connection.output_state_id, connection.input_state_id
         return (
             connection.output in self._givers.get(giver, ())
@@ -146,7 +146,9 @@ def _check_inputs(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
             else:
                 source = f"output '{given.name}' of '{connection.output_state_id}'"
             place = _place(connection, entry, port)
-            yield from _check_flow(source, given, f"input '{name}' of '{node}'", port, place)
+            yield from _check_flow(
+                source, given, f"input '{name}' of '{node}'", port, position=place
+            )
 
 
 def _place(connection: Connection | None, entry: ResolvedNode, port: Port) -> Position:
@@ -276,7 +278,9 @@ def _check_feeds(
         connection = wiring.into_machine.get((node, name))
         position = output.position() if connection is None else connection.position()
         target = f"output '{output.name}' of {resolved.title}"
-        yield from _check_flow(f"output '{name}' of '{node}'", port, target, output, position)
+        yield from _check_flow(
+            f"output '{name}' of '{node}'", port, target, output, position=position
+        )
         return
 
 
@@ -288,4 +292,4 @@ def _check_pass_through(resolved: ResolvedChart) -> Iterator[Problem]:
         source = f"input '{output.name}' of {resolved.title}"
         target = "its output of the same name, which is the same value,"
         if given is not None:
-            yield from _check_flow(source, given, target, output, output.position())
+            yield from _check_flow(source, given, target, output, position=output.position())

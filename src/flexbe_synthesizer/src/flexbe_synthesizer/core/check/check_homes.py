@@ -50,7 +50,7 @@ def _check_containers(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Probl
             own = [o for o, at in flow.outputs.get(name, {}).items() if at == home and o != key]
             if own:
                 message = f"input '{key}' of {label(entry.node)} is the same value, '{home}', as "
-                message += f"its output '{own[0]}', and may be written over while it is still "
+                message += f"its output '{own[0]}', and may be overwritten while it is still "
                 message += "read. Let the output feed another output of the chart."
                 connection = flow.wiring.into_state.get((name, key))
                 place = (connection or entry.node).position()

@@ -38,7 +38,7 @@ def _check_outcomes(resolved: ResolvedChart, targets: Collection[str]) -> Iterat
     """Warn of each outcome that nothing leads to."""
     for outcome in resolved.chart.outcomes:
         if outcome.name and outcome.name not in targets:
-            message = f"no transition leads to the outcome '{outcome.name}'; delete it, or lead a "
+            message = f"no transition leads to the outcome '{outcome.name}'; delete it, or add a "
             message += "transition to it."
             yield Problem(outcome.position("name"), Code.UNUSED_OUTCOME, message)
 

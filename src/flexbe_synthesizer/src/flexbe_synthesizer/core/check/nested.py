@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from flexbe_synthesizer.core.chart.model import Behavior, Chart, walk_nodes
+from flexbe_synthesizer.core.library.definite_assignment import outcome_effects
 from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.core.library.lookup import resolve_chart
 from flexbe_synthesizer.core.library.resolve import ResolvedChart, included_path
 from flexbe_synthesizer.core.library.signature import BehaviorClass, Effect
-from flexbe_synthesizer.core.library.written import outcome_effects
-from flexbe_synthesizer.core.machine.fold import fold
+from flexbe_synthesizer.core.machine.lift import lift
 from flexbe_synthesizer.core.machine.machine_reader import InexpressibleError, read_machine
 
 
@@ -94,6 +94,6 @@ def _read_back(behavior: BehaviorClass, library: Library) -> Chart | None:
     """Return what a behavior's file says about states and values, None if that cannot be read."""
     text, file = library.text_of(behavior), behavior.module
     try:
-        return fold(read_machine(text, file, library, is_outline=True), file, is_outline=True)
+        return lift(read_machine(text, file, library, is_outline=True), file, is_outline=True)
     except InexpressibleError:
         return None

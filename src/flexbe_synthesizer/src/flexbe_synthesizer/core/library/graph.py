@@ -127,7 +127,7 @@ class Graph:
 
     @cached_property
     def looping(self) -> frozenset[str]:
-        """Return the states that can come back to themselves."""
+        """Return the states that can lead to themselves."""
         loops = self.loops
         found = set()
         for source, edges in self.leaving.items():
@@ -169,7 +169,13 @@ def chart_graph(resolved: ResolvedChart) -> Graph:
         is_last = node.attempts is not None and not entry.use.has_own(EXHAUSTED)
         is_last = is_last and not resolved.is_repeated
         edges = [
-            Edge(source, event, target, event not in added, is_last and event == EXHAUSTED)
+            Edge(
+                source,
+                event,
+                target,
+                executed=event not in added,
+                is_exhausted=is_last and event == EXHAUSTED,
+            )
             for event, target in _leads(node)
         ]
         if edges:

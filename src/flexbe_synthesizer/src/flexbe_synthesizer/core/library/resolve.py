@@ -21,6 +21,7 @@ from flexbe_synthesizer.core.chart.model import (
 from flexbe_synthesizer.core.chart.names import ERROR_CODE
 from flexbe_synthesizer.core.chart.quick import quick
 from flexbe_synthesizer.core.library.data_flow import DataFlow, bind_data
+from flexbe_synthesizer.core.library.definite_assignment import Values
 from flexbe_synthesizer.core.library.graph import Graph, chart_graph
 from flexbe_synthesizer.core.library.signature import (
     BehaviorClass,
@@ -29,11 +30,10 @@ from flexbe_synthesizer.core.library.signature import (
     Signature,
     StateClass,
 )
-from flexbe_synthesizer.core.library.written import Values
 
 
 class Support(Enum):
-    """The state classes that extensions are expanded with: package, class, extension."""
+    """The state classes that extensions are lowered to: package, class, extension."""
 
     COUNTER = ("remodel_states", "CountAttemptsState", "attempts")
     TIMER = ("flexbe_states", "WaitState", "timeout_s")
@@ -119,7 +119,7 @@ class Use:
         return tuple(o for o in outcomes if o not in effects or ERROR_CODE in effects[o])
 
     def has_own(self, event: str) -> bool:
-        """Tell whether the event is an outcome of its class."""
+        """Return whether the event is an outcome of its class."""
         return self.signature is not None and event in (self.signature.outcomes or ())
 
 
@@ -143,7 +143,7 @@ class ResolvedChart:
         is_inner: it is the content of a container.
         is_repeated: it is the content of a container that can be entered several times in a run,
             so that the attempts of a state in it may be spent before it is entered.
-        support: the state classes that the extensions it uses are expanded with.
+        support: the state classes that the extensions it uses are lowered to.
         by_id: the nodes in document order, of two with one id the first.
     """
 
@@ -194,7 +194,7 @@ class ResolvedChart:
 
     @property
     def is_concurrent(self) -> bool:
-        """Tell whether all that is in it runs at the same time."""
+        """Return whether all of its nodes run at the same time."""
         return self.runs is ContainerKind.CONCURRENCY
 
 

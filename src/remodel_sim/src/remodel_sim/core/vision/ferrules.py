@@ -16,7 +16,7 @@ from remodel_sim.core.vision.colour import ferrule_mask
 
 # A uniform bar of length l has the variance l^2 / 12 along its axis.
 BAR = np.sqrt(12.0)
-# How far behind the ferrule the wire is looked for, in ferrule widths.
+# How far behind the ferrule the wire is searched for, in ferrule widths.
 BEHIND_WIDTHS = (0.8, 2.0)
 
 
@@ -49,7 +49,7 @@ def find_ferrules(
     Args:
         rgb: (height, width, 3).
         likelihood: (height, width) of the wire's colour.
-        min_length_px: shorter blobs are no whole ferrule: most of it hides in a bore.
+        min_length_px: shorter blobs are no whole ferrule: most of it hides in an opening.
     """
     mask = ferrule_mask(rgb)
     count, labels, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)

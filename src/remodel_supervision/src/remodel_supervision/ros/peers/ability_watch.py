@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 
-from remodel_states.ability_messages import message_class
 from remodel_states.core.codes import Code
 from remodel_states.edge.exported_tables import read_abilities
+from remodel_states.serving.ability_messages import message_class
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.goal_owner import owner_of
 from remodel_supervision.core.runs.state import PERSON_FIRST
