@@ -245,7 +245,7 @@ def test_what_is_loaded_is_what_the_file_holds(known):
             "{'again': 'Look'}",
             "'clean_up' of '/Ask' is not",
         ),
-        ("'pose': 'right_pose'", "'pose': 'right pose'", "is no identifier"),
+        ("'pose': 'right_pose'", "'pose': 'right pose'", "is not an identifier"),
         ("remapping={'pose': 'pose'}", "remapping={'pose': 'p'}", "nothing before it writes 'p'"),
         ("remapping={'pose': 'pose'}", "remapping={'p': 'pose'}", "which it does not have"),
         ("[('Right', 'unseen')]", "[('Left', 'unseen')]", "stands in two conditions"),

@@ -88,7 +88,7 @@ def test_what_is_wrong_with_a_manifest_is_reported(package, capsys):
 @pytest.mark.parametrize(
     ("file", "text", "complaint"),
     [
-        ("manifest/move_twice.xml", "<behavior", "move_twice.xml is no XML"),
+        ("manifest/move_twice.xml", "<behavior", "move_twice.xml is not XML"),
         ("src/my_cell/move_state.py", "class", "invalid syntax"),
         (None, "", "there is no ROS package 'nothing'"),
     ],

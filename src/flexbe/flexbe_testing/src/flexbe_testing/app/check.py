@@ -52,7 +52,7 @@ def _check_child(child: Child, path: str) -> Iterator[str]:
             yield f"outcome '{outcome}' of '{path}' is not connected"
     for key in (*child.remapping, *child.remapping.values()):
         if not key.isidentifier():
-            yield f"the key '{key}' of '{path}' is no identifier"
+            yield f"the key '{key}' of '{path}' is not an identifier"
     if isinstance(child.content, StateUse):
         for name in child.content.definition.parameters:
             value = child.content.value(name)
@@ -64,7 +64,7 @@ def _check_child(child: Child, path: str) -> Iterator[str]:
     elif isinstance(child.content, Container) and not _variable_part(child.label).isidentifier():
         yield (
             f"it would name a variable '{_variable_part(child.label)}_0' after container "
-            f"'{path}', which is no Python"
+            f"'{path}', which is not Python"
         )
 
 

@@ -48,7 +48,7 @@ class CreateSection:
         }
 
     def private(self) -> dict[str, str]:
-        """Return all variables that are no container."""
+        """Return all variables that are not containers."""
         found = dict(_ASSIGNED.findall(self._text))
         return {name: value for name, value in found.items() if name not in self._definitions}
 

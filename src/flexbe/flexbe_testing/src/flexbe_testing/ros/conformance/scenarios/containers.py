@@ -71,7 +71,7 @@ def concurrency_is_preempted(bench: Bench) -> None:
     bench.in_any_order(*(f"stop {path}" for path in (_LEFT, _RIGHT, "/After")))
 
 
-@scenario("A priority container pauses what runs beside it, and lets it go on afterwards", "2.4")
+@scenario("A priority container pauses what runs beside it, and resumes it afterwards", "2.4")
 def priority_pauses_siblings(bench: Bench) -> None:
     """The gate of the paused state is open meanwhile."""
     bench.start(PRIORITY)
