@@ -28,7 +28,7 @@ def _check_container(container: Container, path: str, available: Collection[str]
         yield f"container '{title}' has no states"
     for label, count in Counter(child.label for child in container.children).items():
         if count > 1 or label in container.outcomes:
-            yield f"'{label}' in '{title}' is the name of something else there too"
+            yield f"'{label}' in '{title}' is used more than once there"
     writers = _writers_before(container)
     for child in container.children:
         inner = f"{path}/{child.label}"
@@ -76,7 +76,7 @@ def _check_conditions(container: Container, title: str) -> Iterator[str]:
     listed = [pair for _outcome, pairs in container.conditions for pair in pairs]
     for pair, count in Counter(listed).items():
         if count > 1:
-            yield f"outcome '{pair[1]}' of '{title}/{pair[0]}' stands in two conditions"
+            yield f"outcome '{pair[1]}' of '{title}/{pair[0]}' is in two conditions"
     for _outcome, pairs in container.conditions:
         states = [state for state, _ in pairs]
         if len(set(states)) < len(states):

@@ -46,8 +46,8 @@ def _hidden(state: ast.ClassDef, seen: StateDefinition | None) -> Iterator[tuple
     if hidden:
         yield (
             init.lineno,
-            f"does not see the arguments {', '.join(hidden)} of {state.name}: all must stand "
-            "behind 'def __init__(self, ' on one line, without annotations and inner ')'",
+            f"does not see the arguments {', '.join(hidden)} of {state.name}: all must follow "
+            "'def __init__(self, ' on one line, without annotations and inner ')'",
         )
     for name in seen.parameters:
         if name.startswith("?"):
