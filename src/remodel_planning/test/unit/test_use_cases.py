@@ -181,7 +181,10 @@ def learned(ability, frozen, least, most, values):
             "methods.pick.take it.when: no characteristic size; there are clips, colour, length_m",
         ),
         (("  pick: [{name: take it, do: [take]}]\n", ""), "methods: none for pick"),
-        (("title: Lay Rope {task}", "title: Lay Rope"), "title: found 'Lay Rope'; allowed: text that matches"),
+        (
+            ("title: Lay Rope {task}", "title: Lay Rope"),
+            "title: found 'Lay Rope'; allowed: text that matches",
+        ),
         (("format", "["), "is no YAML: "),
         (
             ("abilities:", "unknown: {ends: {of: task, look: take}}\nabilities:"),

@@ -178,7 +178,13 @@ def test_strands_of_a_cross_meet_in_the_middle():
 
 
 def arm(number, place, heading, colour=(0, 0, 0)):
-    return Arm((number, 1), np.array(place, float), np.array(heading, float), np.array(colour), 4)
+    return Arm(
+        end=(number, 1),
+        place=np.array(place, float),
+        heading=np.array(heading, float),
+        colour=np.array(colour),
+        width=4,
+    )
 
 
 def test_strands_go_straight_on_and_keep_their_colour():

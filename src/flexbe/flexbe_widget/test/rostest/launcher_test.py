@@ -4,7 +4,6 @@
 import os
 import signal
 import subprocess
-import time
 import unittest
 from xmlrpc.client import ServerProxy
 
@@ -14,17 +13,11 @@ import rostest
 from flexbe_msgs.msg import BehaviorRequest, BEStatus
 from std_msgs.msg import Empty
 
+from flexbe_core.testing import wait_until
 from flexbe_widget.core.exit_code import ExitCode
 
 LAUNCHER = ["rosrun", "flexbe_widget", "be_launcher"]
 LIMIT_S = 40.0
-
-
-def wait_until(condition, limit_s=LIMIT_S):
-    limit = time.monotonic() + limit_s
-    while not condition() and time.monotonic() < limit:
-        time.sleep(0.01)
-    return condition()
 
 
 class LauncherTest(unittest.TestCase):

@@ -146,7 +146,7 @@ class _Joints:
             if k:
                 before, after = self._arms[chain[k - 1][0], 1 - chain[k - 1][1]], self._arms[i, e]
                 start, end = parts[-1][-1], points[0]
-                parts.append(across_gap(start, before.heading, end, -after.heading, 1.0))
+                parts.append(across_gap(start, before.heading, end, -after.heading, step=1.0))
             parts.append(points)
         first, last = chain[0], (chain[-1][0], 1 - chain[-1][1])
         widths = [self._arms[end].width for end in chain]

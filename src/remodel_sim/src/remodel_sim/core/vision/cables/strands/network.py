@@ -134,5 +134,7 @@ class Network:
                 inward = points if e == 0 else points[::-1]
                 skip = self.undisturbed((i, e), 0.5)
                 place, heading = heading_at(inward[skip : skip + span])
-                arms[i, e] = Arm((i, e), place, heading, colour, width)
+                arms[i, e] = Arm(
+                    end=(i, e), place=place, heading=heading, colour=colour, width=width
+                )
         return arms
