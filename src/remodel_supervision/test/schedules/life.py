@@ -17,6 +17,7 @@ from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.edge.task_leases import TaskLeases
 from remodel_supervision.errors import LeavingError
 from remodel_supervision.supervisors.run_commands import RunCommands
+from remodel_supervision.supervisors.run_record import RunRecord
 from remodel_supervision.supervisors.unresumed_run import UnresumedRun
 from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor
 from remodel_supervision.supervisors.work import Peers, Work
@@ -232,15 +233,12 @@ class Life:
             reconnect_s=setting.reconnect_s,
         )
         return UseCaseSupervisor(
-            run,
-            self._owner,
-            state,
+            RunRecord(run, self._owner, state, self._log, loop=self.process),
             self.process,
-            self._log,
             work,
             self._peers,
-            lambda: None,
-            self._why_disowned,
+            on_change=lambda: None,
+            disowned=self._why_disowned,
         )
 
     def _supervise(self, supervisor: UseCaseSupervisor) -> None:

@@ -14,7 +14,7 @@ from remodel_supervision.core.runs.events import Event
 from remodel_supervision.core.runs.replay import path_difference, replayed
 from remodel_supervision.core.runs.state import RunState, Stage
 from remodel_supervision.edge.run_log import RunLog
-from remodel_supervision.supervisors import use_case_supervisor
+from remodel_supervision.supervisors import task_executor
 from schedules.database import Memory
 from schedules.disturbances import CALM_AFTER_S, Disturbances
 from schedules.invariants import Invariants
@@ -73,7 +73,7 @@ class Schedules:
         plant()
         self._memory = Memory(ORDER)
         self._charts = _Charts()
-        use_case_supervisor.write_chart = self._charts.write
+        task_executor.write_chart = self._charts.write
 
     def run(self, seed: int, *, tracing: bool = False) -> Verdict:
         """Run the schedule of a seed."""

@@ -12,7 +12,7 @@ from remodel_supervision.core.runs.events import Asked, Escalated
 from remodel_supervision.core.runs.gate import Gate
 from remodel_supervision.core.runs.state import SERVER_TROUBLE
 from remodel_supervision.core.runs.step import Ask, Decide
-from remodel_supervision.supervisors.ports import Abilities, EventLoop, Log
+from remodel_supervision.supervisors.ports import Abilities, EventLoop
 from remodel_supervision.supervisors.run_record import RunRecord
 from remodel_supervision.supervisors.work import Work
 
@@ -27,7 +27,6 @@ class FailureJudge:
         self,
         record: RunRecord,
         loop: EventLoop,
-        log: Log,
         work: Work,
         abilities: Abilities,
         gate: Gate,
@@ -38,7 +37,6 @@ class FailureJudge:
         Args:
             record: of the run.
             loop: time, and what arrives.
-            log: of all runs.
             work: what the run is about.
             abilities: whose servers are waited for.
             gate: ends the waiting when it halts.
@@ -46,7 +44,6 @@ class FailureJudge:
         """
         self._record = record
         self._loop = loop
-        self._log = log
         self._work = work
         self._abilities = abilities
         self._gate = gate
@@ -70,7 +67,7 @@ class FailureJudge:
         policy = planner.use_case.recovery
         bounds = planner.task(name, task.decisions).bounds(failure.state_path)
         unpromising = planner.experience.unpromising(
-            failure.fault.name, possible, self._record.insist(self._log.tried_responses)
+            failure.fault.name, possible, self._record.tried_responses()
         )
         faults = self._work.faults
         decided = judged(state, name, faults, policy, possible, now_s, bounds, unpromising)

@@ -28,9 +28,10 @@ from remodel_supervision.ros.server.run_messages import RunView
 from remodel_supervision.ros.server.run_services import RunServices
 from remodel_supervision.ros.server.state_publisher import StatePublisher
 from remodel_supervision.ros.server.work import WorkMaker
+from remodel_supervision.supervisors.run_record import RunRecord
 from remodel_supervision.supervisors.unresumed_run import UnresumedRun
 from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor
-from remodel_supervision.supervisors.work import Peers
+from remodel_supervision.supervisors.work import Peers, Work
 
 ACTION = "remodel/run_use_case"
 
@@ -232,18 +233,15 @@ class RunServer:
             raise OwnerError(self._disowned)
 
     def _made(
-        self, run: int, state: RunState, work: object, handle: actionlib.ServerGoalHandle | None
+        self, run: int, state: RunState, work: Work, handle: actionlib.ServerGoalHandle | None
     ) -> ActiveRun:
         supervisor = UseCaseSupervisor(
-            run,
-            self._owner,
-            state,
+            RunRecord(run, self._owner, state, self._log, loop=self._loop),
             self._loop,
-            self._log,
-            work,  # type: ignore[arg-type]
+            work,
             self._peers,
-            self._on_change,
-            self._why_disowned,
+            on_change=self._on_change,
+            disowned=self._why_disowned,
         )
         return ActiveRun(supervisor, handle, rospy.Time.now())
 
@@ -348,8 +346,8 @@ class RunServer:
             run=supervisor.run,
             state=supervisor.state,
             doing=supervisor.doing,
-            doing_now=supervisor.doing_now,
-            state_path=supervisor.state_path,
+            doing_now=self._peers.abilities.latest,
+            state_path=self._peers.engine.state_path,
             started=active.begun,
             expected_s=supervisor.work.planner.expected_s,
             descriptions=self._maker.descriptions,
