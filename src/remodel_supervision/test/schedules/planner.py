@@ -89,6 +89,16 @@ class _UseCase:
     recovery: Policy
 
 
+@dataclass(frozen=True)
+class _Task:
+    name: str
+
+
+@dataclass(frozen=True)
+class _Order:
+    tasks: tuple[_Task, ...]
+
+
 class SimulatedPlanner:
     """Plans the first tasks of the order."""
 
@@ -96,7 +106,8 @@ class SimulatedPlanner:
 
     def __init__(self, count: int, question_timeout_s: float) -> None:
         """Plan some tasks, from the first."""
-        self.names = tuple(f"W{n}" for n in range(1, count + 1))
+        tasks = tuple(_Task(f"W{n}") for n in range(1, count + 1))
+        self.order = _Order(tasks)
         limits = Limits(run_s=1e6)
         question = replace(Policy().question, timeout_s=question_timeout_s)
         recovery = Policy(limits=limits, question=question)

@@ -12,9 +12,8 @@ task_executor.py        runs the behaviors of tasks, and records what they do
 task_inspector.py       inspects what of a task is done
 task_supervisor.py      runs one behavior, grants its operations, keeps what they did
 failure_judge.py        decides about failures, asks operators
-run_commands.py         passes commands to the run under way, holds the cell between runs
-unresumed_run.py        a run that cannot be resumed
 commands.py             which commands are allowed, and when they are answered
+cell/                   the runs of one cell, one after the other
 
 Everything happens on one thread, in `EventLoop.run_until`: records, permissions, commands and
 timers arrive while a supervisor waits for something else. ros/ has the ports of a real cell,
