@@ -67,7 +67,7 @@ class KeptLog(RunLog):
     def append(self, run: int, event: Event, before: RunState, owner: int) -> RunState:
         """Keep an event."""
         after = super().append(run, event, before, owner)
-        self._station.invariants.on_event(self._station, self._process, run, event, after)
+        self._station.invariants.on_event(self._station, self._process, run, event, after=after)
         return after
 
     def begin(self, event: RunBegun, owner: int, *, again: bool = False) -> tuple[int, RunBegun]:
@@ -118,7 +118,9 @@ class Life:
         servers = station.servers
         abilities = SimulatedAbilities(process, servers, station.invariants.on_heard)
         self.commands = RunCommands(process, abilities, station.stopped_by, station.keep_stops)
-        ownership = CellOwnership(database, station.cell, station.name, process.name, LEASE_S)
+        ownership = CellOwnership(
+            database, station.cell, station.name, process.name, lease_s=LEASE_S
+        )
         self._cell = OwnedCell(station.cell, ownership, process)
         self._runs = CellRuns(
             self._cell,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from remodel_planning.core.use_case.fault import Do
-from remodel_supervision.core.recovery.judge import failure_of, judged
+from remodel_supervision.core.recovery.judge import decide_recovery, failure_of
 from remodel_supervision.core.recovery.notice import NoticeKind, QuestionNotice
 from remodel_supervision.core.recovery.question import question_about
 from remodel_supervision.core.runs.events import Asked, Escalated
@@ -70,7 +70,16 @@ class FailureJudge:
             failure.fault.name, possible, self._record.tried_responses()
         )
         faults = self._work.faults
-        decided = judged(state, name, faults, policy, possible, now_s, bounds, unpromising)
+        decided = decide_recovery(
+            state,
+            name,
+            faults,
+            policy,
+            possible=possible,
+            at_s=now_s,
+            bounds=bounds,
+            unpromising=unpromising,
+        )
         self._record.append_if_next(Decide(name), decided, while_paused=True)
 
     def await_server(self, name: str) -> None:
@@ -100,7 +109,9 @@ class FailureJudge:
         """Ask an operator about a task."""
         policy = self._work.planner.use_case.recovery
         now_s, limit_s = self._loop.now_s(), policy.question.timeout_s
-        asked = question_about(self._record.state, name, self._work.faults, now_s, limit_s)
+        asked = question_about(
+            self._record.state, name, self._work.faults, now_s, timeout_s=limit_s
+        )
         self._record.append_if_next(Ask(name), asked)
         self._notify(NoticeKind.ASKED, asked)
 
@@ -122,11 +133,13 @@ class FailureJudge:
             state.cell,
             state.order,
             self._record.run,
-            asked.task,
-            asked.number,
-            asked.text,
-            tuple(choice.value for choice in asked.choices),
-            asked.timeout_s,
-            self._work.planner.use_case.recovery.unanswered_for(self._work.faults[fault]).value,
+            task=asked.task,
+            question=asked.number,
+            text=asked.text,
+            choices=tuple(choice.value for choice in asked.choices),
+            timeout_s=asked.timeout_s,
+            then=self._work.planner.use_case.recovery.unanswered_for(
+                self._work.faults[fault]
+            ).value,
         )
         self._work.notify(notice.data())

@@ -61,11 +61,7 @@ class RunControl:
         is_under_way = bool(event.task) and (
             event.task == task_under_way or self._tasks.is_settling
         )
-        try:
-            require_sense(event, self._record.state)
-            self._record.append_now(event)
-        except Exception as error:  # noqa: BLE001 - whoever asked gets the reason, whatever it is
-            reply(False, str(error))
+        if not self._keep(event, reply, lambda: require_sense(event, self._record.state)):
             return
         if self._gate.halt and not self._tasks.behavior:
             self._abilities.cancel()
@@ -79,13 +75,8 @@ class RunControl:
 
     def answer(self, event: Answered, reply: Reply) -> None:
         """Take an operator's answer."""
-        try:
-            require_open(event, self._record.state)
-            self._record.append_now(event)
-        except Exception as error:  # noqa: BLE001 - whoever asked gets the reason, whatever it is
-            reply(False, str(error))
-            return
-        reply(True, "")
+        if self._keep(event, reply, lambda: require_open(event, self._record.state)):
+            reply(True, "")
 
     def note_behavior_end(self) -> None:
         """Note that a behavior has ended, and nothing of it moves."""
@@ -99,6 +90,16 @@ class RunControl:
     def end(self) -> None:
         """Reply to all that is left as the run has ended, or this process ends."""
         self._replies.end("the run has ended")
+
+    def _keep(self, event: Commanded | Answered, reply: Reply, require: Callable[[], None]) -> bool:
+        """Keep what was asked for if it is possible now; otherwise reply why not."""
+        try:
+            require()
+            self._record.append_now(event)
+        except Exception as error:  # noqa: BLE001 - the client gets the reason, whatever it is
+            reply(False, str(error))
+            return False
+        return True
 
     def _reply_when(self, holds: Callable[[], bool], reply: Reply) -> None:
         asked_s = self._loop.wall_s()

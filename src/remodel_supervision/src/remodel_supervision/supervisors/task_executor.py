@@ -91,7 +91,7 @@ class TaskExecutor:
         attempt = self._record.state.tasks[name].attempts + part.is_attempt
         begun_s = self._loop.now_s()
         xml = write_chart(chart)
-        begun = TaskBegun(name, attempt, part, chart.name, xml, at_s=begun_s, chosen=chosen)
+        begun = TaskBegun(name, attempt, part, chart.name, chart=xml, at_s=begun_s, chosen=chosen)
         self._record.append_if_next(step, begun)
         self._gates.update()
         self._peers.pictures.begin()

@@ -61,7 +61,7 @@ class TaskInspector:
             gate.end(SUPERVISOR)
             if gate.halt:
                 raise HaltedError(gate.halt) from error
-            self._keep(Settled(name, tuple(connected), 1, error.code, str(error)))
+            self._keep(Settled(name, tuple(connected), 1, error.code, unseen=str(error)))
             self._gates.tasks.note_stop(error.goal_id)
             return
         self._keep(Settled(name, tuple(connected), len(planned.left(connected))))

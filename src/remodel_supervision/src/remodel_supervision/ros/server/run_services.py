@@ -179,12 +179,12 @@ def operation_of(record: AbilityRecord) -> Operation:
         record.ability,
         record.outcome,
         record.error_code,
-        record.error_message or record.message,
-        record.stamp.to_sec(),
-        record.elapsed_time,
-        record.goal_id,
-        _pairs(record.parameters),
-        _pairs(record.measurements),
+        text=record.error_message or record.message,
+        ended_s=record.stamp.to_sec(),
+        elapsed_s=record.elapsed_time,
+        goal_id=record.goal_id,
+        parameters=_pairs(record.parameters),
+        measurements=_pairs(record.measurements),
     )
 
 
