@@ -50,7 +50,7 @@ LAYERS = {
 # Modules that no import of a program reaches, but that are found by their name or their place.
 ENTRY_POINTS = {
     "flexbe_states.*_state",  # states, found in the text of their package
-    "remodel_sim.abilities.*",  # each is an ability, or part of one (abilities/ability.py)
+    "remodel_sim.abilities.*",  # abilities, found by their place (abilities/ability.py)
     "remodel_states.*_state",
     "remodel_behaviors.*_sm",  # behaviors, named by their manifests
     "flexbe_core.core.exceptions",  # FlexBE's import path
@@ -63,18 +63,10 @@ MAX_MODULES = 15
 # What does not keep the rules yet. An entry that is no longer needed fails: these lists shrink.
 FOLDERS_WITH_CYCLE = {
     "flexbe_core",  # FlexBE's import paths: its states publish, its proxies wait as states do
-    "flexbe_core.core",
-    "flexbe_core.engine",
-    "flexbe_synthesizer.core.library",  # `resolve` keeps what is computed from it
+    "flexbe_core.engine",  # a node knows its container, the engine and the active leaf
 }
 LARGE_FOLDERS = {
-    "flexbe_core.core",
-    "flexbe_core.engine",
-    "remodel_sim.abilities",
-    "remodel_sim.core",
-    "remodel_sim.core.vision.cables",
-    "remodel_sim.physics",
-    "remodel_states",
+    "flexbe_core.core",  # FlexBE's import paths: a module for each class
 }
 TEST_MODULES = {
     "remodel_console.testing.browser_test",

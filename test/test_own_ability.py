@@ -9,7 +9,7 @@ LIMIT_S = 300.0
 
 # What the workspace's nodes find of the new package.
 FOUND = """
-from remodel_states.ability_messages import message_class
+from remodel_states.serving.ability_messages import message_class
 from remodel_states.edge.exported_tables import read_abilities, read_faults
 crimp = read_abilities()["CrimpFerrule"]
 print(message_class(crimp, "Goal").__slots__, dict(crimp.fake))

@@ -24,8 +24,8 @@ def count(folder: Path) -> Count:
     """Return how the tests of all result files ended.
 
     A rostest writes its tests to `rosunit-*.xml`, and to `rostest-*.xml` one entry for the whole,
-    which fails only if the tests could not be run: that one counts when it fails. A file may tell
-    in its head of failures that it has no entry for; they count, too.
+    which fails only if the tests could not be run: that one counts when it fails. The head of
+    a file may count failures without an entry; they count, too.
     """
     found = Count()
     for path in sorted(folder.rglob("*.xml")):
@@ -39,12 +39,12 @@ def count(folder: Path) -> Count:
                 found.skipped += 1
             elif not path.name.startswith("rostest-"):
                 found.passed += 1
-        told = sum(
+        counted = sum(
             int(suite.get(kind, 0))
             for suite in root.iter("testsuite")
             for kind in ("failures", "errors")
         )
-        found.failed += [f"{path.stem}: a failure without an entry"] * (told - named)
+        found.failed += [f"{path.stem}: a failure without an entry"] * (counted - named)
     return found
 
 

@@ -91,7 +91,7 @@ def graph() -> str:
 
 
 def digest() -> str:
-    """Return the line by which the picture tells what it was drawn from."""
+    """Return the line in the picture that names what it was drawn from."""
     return f"<!-- drawn from {hashlib.sha256(graph().encode()).hexdigest()} -->\n"
 
 

@@ -11,20 +11,19 @@ HEAD = """\
 What can go wrong with wires, cables and hoses, how it shows, and what is done about it.
 Written by `make generate`; change [faults.yaml](../../src/remodel_msgs/config/faults.yaml).
 
-Responses are tried in the order given, each as often as stated; the last one is lasting. Before a
-task goes on with the same part, the supervisor inspects both ends of the wire. A use case may
-respond otherwise ([recovery](../recovery.md)), except where an
-operator is asked at once.
+Responses are tried in the order given, each as often as stated; the last one is repeated. Before a
+task continues with the same part, the supervisor inspects both ends of the wire. A use case may
+respond otherwise ([recovery](../recovery.md)), except where an operator is asked at once.
 
 | response | what happens |
 |---|---|
 | retry | the same again; the table never uses it, a use case or an operator may |
 | retry with | the same with changed parameters, within their bounds and the terminal's |
-| look again | the same, observed from another viewpoint with each look again of the task |
+| look again | the same, observed from another viewpoint each time |
 | other method | the step that failed is done by the next method of the use case |
 | new part | the old piece is discarded, a new one fed, and the task starts again |
 | replan | the task comes later, in an order that is planned again |
-| set aside | the task is left undone, the others go on |
+| set aside | the task is skipped, the others continue |
 | ask operator | the run waits for an answer; without an operator, `unattended` of the use case |
 | stop | the run stops |
 """

@@ -14,7 +14,7 @@ import time
 from pathlib import Path
 
 from remodel_cable_tree.core.dzn import parse_cable_tree
-from remodel_cable_tree.core.order import broken_constraints, cost_of
+from remodel_cable_tree.core.order import cost_of, violations
 from remodel_cable_tree.edge.cable_tree_kernel import Feasibility
 from remodel_cable_tree.edge.cable_tree_planner import sequence
 
@@ -48,7 +48,7 @@ def _run(folder: Path, row: dict[str, str], limit_s: float, seed: int) -> str:
     took = time.monotonic() - started
     if found.feasibility is not Feasibility.FOUND:
         return "wrong" if row["best_cost"] else "proved unsatisfiable"
-    if not row["best_cost"] or any(broken_constraints(tree, found.order)):
+    if not row["best_cost"] or any(violations(tree, found.order)):
         return "wrong"
     cost, best = cost_of(tree, found.order), int(row["best_cost"])
     if cost.total == best:

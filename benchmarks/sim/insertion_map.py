@@ -18,13 +18,14 @@ from pathlib import Path
 import cv2
 import numpy as np
 from plots import BLACK, MARGIN, RED, WIDTH, Axes, axes
+from wire_task import ROBOT
 
 from remodel_sim.abilities.insert_cable import insert_cable
 from remodel_sim.cell import Cell
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.goals import ROBOT, InsertGoal
-from remodel_sim.core.panel import End, Panel
+from remodel_sim.core.goals import InsertGoal
+from remodel_sim.core.workpiece.panel import End, Panel
 from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
@@ -74,7 +75,7 @@ def measure(panel: Panel, offset_mm: float, angle_deg: float) -> Point:
     goal = InsertGoal(ROBOT, wire.id, End.A, *terminal, given, FORCE_LIMIT_N)
     found = SEATED
     try:
-        cell.run(insert_cable(cell.station, goal))
+        cell.run(insert_cable(cell.context, goal))
     except AbilityError as failure:
         found = failure.code.name
     (truth,) = ground_truth(cell.plant, [wire.id])

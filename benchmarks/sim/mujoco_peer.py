@@ -30,7 +30,7 @@ CELLS = 24
 SAG_LENGTH_M = 0.30
 SAG_LOAD = 5.0
 TABLE_LENGTH_M = 0.384
-SETTLE_S = 30.0
+REST_S = 30.0
 MEASURED_S = 1.5
 REPEATS = 5
 
@@ -95,7 +95,7 @@ def sag_errors(rate_hz: float) -> tuple[float, float]:
     weight = SAG_LOAD * STIFFNESS / length**3
     model = build(length, weight / GRAVITY, rate_hz, table=False)
     data = mujoco.MjData(model)
-    for _ in range(round(SETTLE_S * rate_hz)):
+    for _ in range(round(REST_S * rate_hz)):
         data.qvel *= 0.98  # only the shape at rest counts
         mujoco.mj_step(model, data)
     tip = data.xpos[-1] + cell * data.xmat[-1].reshape(3, 3)[:, 0]

@@ -98,7 +98,7 @@ def draw_sag() -> np.ndarray:
         xs, ys = cantilever_shape(load)
         plot.line(np.array(xs), -np.array(ys))
         rod = rods.Rod(load=load)
-        rod.settle()
+        rod.come_to_rest()
         nodes = rod.cable.nodes()[1:] - [0.0, 0.0, rods.HEIGHT]
         rod.close()
         plot.dots(nodes[:, 0] / rods.LENGTH, nodes[:, 2] / rods.LENGTH)

@@ -9,18 +9,18 @@ import numpy as np
 from panels import wire
 from row import Row
 
-from remodel_sim.core.cable import Piece, chain
+from remodel_sim.core.workpiece.wire_mechanics import Piece, chain
 from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.physics.cable import Cable
-from remodel_sim.physics.panel_scene import add_plate_surface
+from remodel_sim.physics.fixtures.panel_scene import add_plate_surface
 from remodel_sim.physics.robot import Robot
+from remodel_sim.physics.wires.cable import Cable
 from remodel_sim.physics.world import World
 
 CELLS = 24
 LENGTH_M = 0.384
 WAVE_1_M = 4.0  # amplitude of the curvature of the wave in which the wire lies
 TARGETS = {240.0: 5.0, 500.0: 2.5}
-SETTLE_S = 0.5
+REST_S = 0.5
 MEASURED_S = 1.5
 REPEATS = 5
 
@@ -44,7 +44,7 @@ def real_time_factor(rate_hz: float) -> float:
     cable = Cable(world, model, "BU")
     wave = WAVE_1_M * np.sin(np.linspace(0.0, 5.0, len(model.spans)))
     cable.lay(np.array([0.3, -0.2, specimen.radius]), np.pi / 2, wave)
-    for _ in range(round(SETTLE_S * rate_hz)):
+    for _ in range(round(REST_S * rate_hz)):
         world.step()
     steps = round(MEASURED_S * rate_hz)
     began = time.process_time()

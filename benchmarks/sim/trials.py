@@ -15,15 +15,15 @@ import numpy as np
 import wire_task as task
 
 from remodel_sim.abilities.check_connection import check_connection
-from remodel_sim.abilities.grasping import release
-from remodel_sim.abilities.motions import HAND_OPEN_M, rise
+from remodel_sim.abilities.primitives.grasping import release
+from remodel_sim.abilities.primitives.motions import HAND_OPEN_M, rise
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
-from remodel_sim.core.course import world_from_clip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.panel import End, Panel, Wire
-from remodel_sim.core.wire_colours import WIRE_RGB
+from remodel_sim.core.workpiece.panel import End, Panel, Wire
+from remodel_sim.core.workpiece.routes import world_from_clip
+from remodel_sim.core.workpiece.wire_colours import WIRE_RGB
 from remodel_sim.physics.truth import ground_truth, lies_in
 from remodel_states.core.codes import Code
 
@@ -173,7 +173,7 @@ def other_component(cell: Cell, wire: Wire) -> Outcome:
 def neighbour(cell: Cell, wire: Wire) -> Outcome:
     """Insert where the terminal beside end a's is, under the name of end a's."""
     component, own = wire.goes_to(End.A)
-    others = [t.id for t in cell.station.panel.component(component).terminals if t.id != own]
+    others = [t.id for t in cell.context.panel.component(component).terminals if t.id != own]
     cell.feed(wire.id, task.channel_of(cell, wire))
     socket = task.locate_again(cell, component, others[cell.plant.seed % len(others)])
     return _refused(cell, wire, (component, own), socket, Code.INVALID_GOAL)
@@ -191,7 +191,7 @@ def occupied(cell: Cell, wire: Wire) -> Outcome:
 
 def route(cell: Cell, wire: Wire) -> Outcome:
     """Lay a wire into the clips of the panel; good when it runs through all, by the truth."""
-    panel = cell.station.panel
+    panel = cell.context.panel
     cell.feed(wire.id, task.channel_of(cell, wire))
     task.connect(cell, wire, End.A, task.History())
     task.pick(cell, wire, End.B)
@@ -222,7 +222,7 @@ def connections(cell: Cell, wire: Wire) -> Outcome:
     some = random.choice(names, 2, replace=False)
     wires = tuple(replace(w, colour=str(random.choice(some))) for w in cell.plant.panel.wires)
     cell.load(replace(cell.plant.panel, wires=wires))
-    wire = cell.station.panel.wire(wire.id)
+    wire = cell.context.panel.wire(wire.id)
     answers = [*_asked(cell, wire)]
     cell.feed(wire.id, task.channel_of(cell, wire))
     answers += _asked(cell, wire)
@@ -247,7 +247,7 @@ def _asked(cell: Cell, live: Wire) -> Iterator[tuple[str, bool | None, bool]]:
 
     Each is asked for in its own terminal, those of the live wire in the neighbouring ones too.
     """
-    panel = cell.station.panel
+    panel = cell.context.panel
     for wire in panel.wires:
         truth = next(iter(ground_truth(cell.plant, [wire.id])), None)
         for end in End:
@@ -278,9 +278,9 @@ def _leave_before(cell: Cell, wire: Wire, random: np.random.Generator) -> None:
     with suppress(AbilityError):
         task.carry(cell, wire)
         task.insert(cell, wire, End.B, terminal, beside)
-    if cell.station.book.grip is not None:
-        cell.run(release(cell.station, HAND_OPEN_M))
-        cell.run(rise(cell.station))
+    if cell.context.belief.grip is not None:
+        cell.run(release(cell.context, HAND_OPEN_M))
+        cell.run(rise(cell.context))
 
 
 def located(disturb: Callable[[Cell, str], None]) -> Callable[[Cell, Wire], Outcome]:
@@ -290,7 +290,7 @@ def located(disturb: Callable[[Cell, str], None]) -> Callable[[Cell, Wire], Outc
     """
 
     def locate(cell: Cell, _: Wire) -> Outcome:
-        components = cell.station.panel.components
+        components = cell.context.panel.components
         turn, which = divmod(cell.plant.seed, len(components))
         component = components[which].id
         terminals = components[which].terminals

@@ -11,6 +11,7 @@ import chart_run
 
 from flexbe_synthesizer.core.chart.model import State
 from remodel_sim.abilities.detect_cable import detect_cable
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.extract_cable import extract_cable
 from remodel_sim.abilities.fix_cable import fix_cable
 from remodel_sim.abilities.insert_cable import insert_cable
@@ -18,13 +19,14 @@ from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_compon
 from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.abilities.place_connector import place_connector as mate_connector
 from remodel_sim.abilities.route_wire import route_wire
-from remodel_sim.abilities.station import Station, Steps
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.layout import WORLD_FROM_PANEL
-from remodel_sim.core.panel import End, Wire
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import End, Wire
+
+ROBOT = "robot_1"
 
 G = TypeVar("G", bound=goals.Goal)
 T = TypeVar("T")
@@ -58,18 +60,18 @@ class History:
     failures: list[AbilityError] = field(default_factory=list)
 
 
-def do(cell: Cell, ability: Callable[[Station, G], Steps[T]], goal: G) -> T:
+def do(cell: Cell, ability: Callable[[RobotContext, G], Steps[T]], goal: G) -> T:
     """Check a goal and run it; raises AbilityError, RejectedError before anything has moved."""
     try:
-        goal.check(cell.station.panel, cell.station.book)
+        goal.check(cell.context.panel, cell.context.belief)
     except AbilityError as error:
         raise RejectedError(error.code, str(error), **error.found) from error
-    return cell.run(ability(cell.station, goal))
+    return cell.run(ability(cell.context, goal))
 
 
 def channel_of(cell: Cell, wire: Wire) -> str:
     """Return the channel in front of end a's terminal, where the wire is laid."""
-    panel = cell.station.panel
+    panel = cell.context.panel
     return panel.channel_in_front_of(panel.panel_from_socket(*wire.goes_to(End.A)).position).id
 
 
@@ -87,12 +89,12 @@ def locate_again(cell: Cell, component: str, terminal: str) -> Pose:
 
 def route(cell: Cell, wire: Wire, path: tuple[Pose, ...]) -> None:
     """Carry the held end along a path, or lay the wire into the clips on it."""
-    do(cell, route_wire, goals.RouteGoal(goals.ROBOT, wire.id, path))
+    do(cell, route_wire, goals.RouteGoal(ROBOT, wire.id, path))
 
 
 def insert(cell: Cell, wire: Wire, end: End, terminal: tuple[str, str], socket: Pose) -> None:
     """Push an end into a terminal."""
-    goal = goals.InsertGoal(goals.ROBOT, wire.id, end, *terminal, socket, FORCE_LIMIT_N)
+    goal = goals.InsertGoal(ROBOT, wire.id, end, *terminal, socket, FORCE_LIMIT_N)
     do(cell, insert_cable, goal)
 
 
@@ -100,13 +102,13 @@ def place_connector(cell: Cell, wire: Wire, header: tuple[str, str], socket: Pos
     """Push the connector at end a into a header."""
     connector = wire.connector_at(End.A)
     assert connector is not None, "the wire has one"
-    fields = (goals.ROBOT, connector.id, wire.id, *header, socket, MATING_LIMIT_N)
+    fields = (ROBOT, connector.id, wire.id, *header, socket, MATING_LIMIT_N)
     do(cell, mate_connector, goals.ConnectGoal(*fields))
 
 
 def pick(cell: Cell, wire: Wire, end: End) -> None:
     """Grasp an end."""
-    do(cell, pick_cable, goals.PickGoal(goals.ROBOT, wire.id, end, 0.0))
+    do(cell, pick_cable, goals.PickGoal(ROBOT, wire.id, end, 0.0))
 
 
 def connect(cell: Cell, wire: Wire, end: End, history: History) -> None:
@@ -122,9 +124,9 @@ def connect(cell: Cell, wire: Wire, end: End, history: History) -> None:
         elif state.type == "InsertCableState":
             insert(cell, wire, end, terminal, sockets[-1])
         elif state.type == "FixCableState":
-            do(cell, fix_cable, goals.FixGoal(goals.ROBOT, wire.id, *terminal, PULL_TEST_N))
+            do(cell, fix_cable, goals.FixGoal(ROBOT, wire.id, *terminal, PULL_TEST_N))
         elif state.type == "ExtractCableState":
-            goal = goals.ExtractGoal(goals.ROBOT, wire.id, *terminal, sockets[-1])
+            goal = goals.ExtractGoal(ROBOT, wire.id, *terminal, sockets[-1])
             do(cell, extract_cable, goal)
         else:
             raise KeyError(f"{state.id} is of type {state.type}, which the cell cannot run")
@@ -158,9 +160,9 @@ def place(cell: Cell, wire: Wire, history: History) -> None:
 def carry(cell: Cell, wire: Wire) -> None:
     """Pick end b and route it along its channel to beside its terminal."""
     pick(cell, wire, End.B)
-    panel, book = cell.station.panel, cell.station.book
-    assert book.feed is not None, "a wire was picked"
-    direction = book.feed.direction
+    panel, belief = cell.context.panel, cell.context.belief
+    assert belief.feed is not None, "a wire was picked"
+    direction = belief.feed.direction
     lane = float(WORLD_FROM_PANEL.position[0]) + panel.channel(channel_of(cell, wire)).x
     mouth = WORLD_FROM_PANEL @ panel.panel_from_socket(*wire.goes_to(End.B))
     beside = float(mouth.position[1]) + BESIDE_M * direction

@@ -14,16 +14,16 @@ import numpy as np
 import numpy.typing as npt
 
 from remodel_sim.core.camera import Picture, View, looking_down
-from remodel_sim.core.component_shape import LABEL_MARGIN_CELLS, component_boxes
 from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.layout import WORLD_FROM_PANEL
-from remodel_sim.core.panel import Component, Panel
-from remodel_sim.core.wire_colours import WIRE_RGB
+from remodel_sim.core.workpiece.component_shape import LABEL_MARGIN_CELLS, component_boxes
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import Component, Panel
+from remodel_sim.core.workpiece.wire_colours import WIRE_RGB
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.cameras import NOISE_LEVELS, take
-from remodel_sim.physics.panel_scene import PanelScene
-from remodel_sim.physics.parked_wire import draw_parked
+from remodel_sim.physics.fixtures.panel_scene import PanelScene
 from remodel_sim.physics.static_body import add_static
+from remodel_sim.physics.wires.parked_wire import draw_parked
 from remodel_sim.physics.world import World
 
 # Changes of pose: along the plate [m], about its normal [rad]; off it [m], and tilted [rad].
@@ -116,11 +116,11 @@ class LabelScene:
         colour = str(self._random.choice(sorted(WIRE_RGB)))
         draw_parked(self._world, nodes, replace(panel.wires[0], colour=colour))
 
-    def look_overhead(self) -> Picture:
+    def take_overhead_picture(self) -> Picture:
         """Take a picture of the whole plate."""
         return self._worse(take(self._world, self._overhead, self._random))
 
-    def look_wrist(self, place: Array) -> Picture:
+    def take_wrist_picture(self, place: Array) -> Picture:
         """Take a picture from the hand over a place (2,) [m]; the hand is turned by chance."""
         turn = self._random.uniform(-math.pi, math.pi)
         view = View(self._wrist_lens, looking_down(float(place[0]), float(place[1]), LENS_Z, turn))

@@ -21,14 +21,14 @@ import numpy as np
 from label_scenes import Condition, LabelScene
 from row import Row, tell
 
-from remodel_sim.abilities.locate_gearbox_component import LOOKS
-from remodel_sim.abilities.viewpoints import LABEL_ASIDE_M
+from remodel_sim.abilities.locate_gearbox_component import VIEWS
+from remodel_sim.abilities.primitives.viewpoints import LABEL_ASIDE_M
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.layout import WORLD_FROM_PANEL
-from remodel_sim.core.panel import Component
-from remodel_sim.core.vision.label_pose import Look, locate_component
+from remodel_sim.core.vision.label_pose import LabelView, locate_component
 from remodel_sim.core.vision.labels import find_labels, search_label
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import Component
 from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.world import World
 from remodel_sim.ros.conversions import read_panel
@@ -69,22 +69,22 @@ class Answer:
 def locate(scene: LabelScene, component: Component) -> Answer:
     """Look for a component, and compare the answer with the truth."""
     nominal = WORLD_FROM_PANEL @ component.panel_from_component
-    corners = _label(scene, component, picture := scene.look_overhead(), nominal)
-    above = None if corners is None else locate_component(component, [Look(picture, corners)])
+    corners = _label(scene, component, picture := scene.take_overhead_picture(), nominal)
+    above = None if corners is None else locate_component(component, [LabelView(picture, corners)])
     coarse = above.world_from_component if above is not None and above.clear else nominal
-    looks: list[Look] = []
+    looks: list[LabelView] = []
     found: Pose | None = None
     for count, aside in enumerate(ASIDE_M, start=1):
-        picture = scene.look_wrist(coarse.position[:2] + aside)
+        picture = scene.take_wrist_picture(coarse.position[:2] + aside)
         if (corners := _label(scene, component, picture, coarse)) is None:
             continue
-        looks.append(Look(picture, corners))
-        sighting = locate_component(component, looks)
-        if sighting.clear:
-            found = sighting.world_from_component
+        looks.append(LabelView(picture, corners))
+        observation = locate_component(component, looks)
+        if observation.clear:
+            found = observation.world_from_component
         else:
             looks.pop()
-        if len(looks) == LOOKS and found is not None:
+        if len(looks) == VIEWS and found is not None:
             return Answer(coarse is not nominal, count, *_errors(scene, component, found))
     return Answer(coarse is not nominal, len(ASIDE_M))
 

@@ -118,7 +118,7 @@ def _tool(world: _World, index: int, wire: Wire) -> Iterator[Step]:
     if world.arms[index].tool != wire.tool:
         station = world.problem.arms[index].station_mm
         ticks = world.problem.durations.change_tool
-        yield Step(ActionKind.CHANGE_TOOL, ticks, station, station, wire)
+        yield Step(ActionKind.CHANGE_TOOL, ticks, station, station, wire=wire)
 
 
 def _first_part(world: _World, index: int, wire: Wire, mode: Mode) -> Iterator[Step]:
@@ -127,9 +127,9 @@ def _first_part(world: _World, index: int, wire: Wire, mode: Mode) -> Iterator[S
         yield from _tool(world, index, wire)
         slot = wire.slot_mm
         ticks = world.problem.pick_ticks(wire)
-        yield Step(ActionKind.PICK, ticks, slot, slot, wire, excludes=frozenset({"magazine"}))
+        yield Step(ActionKind.PICK, ticks, slot, slot, wire=wire, excludes=frozenset({"magazine"}))
     if wire.stage is Stage.HELD and wire.jammed is not None:
-        yield _at_terminal(world, wire, wire.jammed, ActionKind.EXTRACT, durations.extract)
+        yield _at_terminal(world, wire, wire.jammed, ActionKind.EXTRACT, ticks=durations.extract)
     if wire.stage <= Stage.HELD:
         yield from _insertion(world, wire, mode.first)
     if mode.hands_over:
@@ -143,10 +143,10 @@ def _second_part(world: _World, wire: Wire, mode: Mode) -> Iterator[Step]:
     if mode.hands_over or wire.stage <= Stage.GIVEN:
         yield _routing(world, wire, mode.first, given=mode.hands_over or wire.stage is Stage.GIVEN)
     if wire.stage is Stage.ROUTED and wire.jammed is not None:
-        yield _at_terminal(world, wire, second, ActionKind.EXTRACT, durations.extract)
+        yield _at_terminal(world, wire, second, ActionKind.EXTRACT, ticks=durations.extract)
     if wire.stage <= Stage.ROUTED:
         yield from _insertion(world, wire, second)
-    yield _at_terminal(world, wire, second, ActionKind.FIX, world.problem.fix_ticks(wire))
+    yield _at_terminal(world, wire, second, ActionKind.FIX, ticks=world.problem.fix_ticks(wire))
 
 
 def _insertion(world: _World, wire: Wire, end: End) -> Iterator[Step]:
@@ -154,7 +154,7 @@ def _insertion(world: _World, wire: Wire, end: End) -> Iterator[Step]:
     located = ("at", component)
     if located not in world.facts:
         ticks = world.problem.durations.locate
-        yield _at_terminal(world, wire, end, ActionKind.LOCATE, ticks, gives=located)
+        yield _at_terminal(world, wire, end, ActionKind.LOCATE, ticks=ticks, gives=located)
     before = tuple(
         ("in", pin.before, pin.before_end)
         for pin in world.problem.pins
@@ -162,7 +162,9 @@ def _insertion(world: _World, wire: Wire, end: End) -> Iterator[Step]:
     )
     fact = ("in", wire.name, end)
     ticks = world.problem.insert_ticks(wire, end)
-    yield _at_terminal(world, wire, end, ActionKind.INSERT, ticks, (located, *before), fact)
+    yield _at_terminal(
+        world, wire, end, ActionKind.INSERT, ticks=ticks, awaits=(located, *before), gives=fact
+    )
 
 
 def _at_terminal(
@@ -179,7 +181,17 @@ def _at_terminal(
     if kind is ActionKind.LOCATE:
         excludes.add("camera")
     at = terminal.position_mm
-    return Step(kind, ticks, at, at, wire, end, frozenset(excludes), awaits, gives)
+    return Step(
+        kind,
+        ticks,
+        at,
+        at,
+        wire=wire,
+        end=end,
+        excludes=frozenset(excludes),
+        awaits=awaits,
+        gives=gives,
+    )
 
 
 def _routing(
@@ -197,11 +209,11 @@ def _routing(
         ticks,
         origin,
         goal,
-        wire,
-        None if to_handover else first.other,
-        frozenset(f"duct {segment}" for segment in wire.segments),
-        tuple(("routed", u.before) for u in world.problem.unders if u.after == wire.name),
-        None if to_handover else ("routed", wire.name),
+        wire=wire,
+        end=None if to_handover else first.other,
+        excludes=frozenset(f"duct {segment}" for segment in wire.segments),
+        awaits=tuple(("routed", u.before) for u in world.problem.unders if u.after == wire.name),
+        gives=None if to_handover else ("routed", wire.name),
     )
 
 
@@ -210,7 +222,7 @@ def _handover(world: _World, wire: Wire, kind: ActionKind, *, receives: bool) ->
     meeting = wire.handover.position_mm
     # The giver begins for both; the receiver only stands ready.
     awaits = (("never",),) if receives else ()
-    return Step(kind, world.problem.durations.hand_over, meeting, meeting, wire, awaits=awaits)
+    return Step(kind, world.problem.durations.hand_over, meeting, meeting, wire=wire, awaits=awaits)
 
 
 def _travel(problem: Problem, origin: Point, goal: Point) -> int:
@@ -224,7 +236,7 @@ def _arrival(world: _World, run: _ArmRun) -> int:
 
 
 def _earliest(world: _World, index: int) -> int | None:
-    """Return when an arm can start its next step, as far as the steps begun tell; None: not yet."""
+    """Return when an arm can start its next step, as far as the steps begun show; None: not yet."""
     run = world.arms[index]
     if run.step is None:
         return None
@@ -271,8 +283,8 @@ def _begin(world: _World, index: int, start: int) -> Action:
         problem.arms[index].name,
         start + problem.start_ticks,
         step.wire.name if in_hand else None,
-        step.end if with_end else None,
-        _target(problem, index, step),
+        end=step.end if with_end else None,
+        target=_target(problem, index, step),
     )
 
 

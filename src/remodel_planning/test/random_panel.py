@@ -2,7 +2,7 @@
 
 A panel has rows of components, horizontal ducts between the rows and a vertical duct at either
 side. Only integers and one seeded generator are used: the same size, seed and arms give the same
-document for ever, and one and two arms get the same wires. The order constraints are drawn from a
+document forever, and one and two arms get the same wires. The order constraints are drawn from a
 hidden order, so that every panel can be wired.
 """
 
@@ -68,7 +68,7 @@ def random_panel(wires: int, seed: int, arms: int) -> Json:
     place = {p.name: p for p in layout.places}
     rows = _draw_wires(wires, arms, layout, rng)
     precedence = _draw_precedence(rows, place, rng)
-    soft = _draw_wishes(wires, rng)
+    soft = _draw_soft_constraints(wires, rng)
     used = {row[end] for row in rows for end in "ab"}
     components = {place[name].component for name in used}
     arm_rows = _arms(layout.width, arms)
@@ -120,8 +120,8 @@ def _lay_out(wires: int, rng: random.Random) -> _Layout:
         x, y = 60 + column * 120 + rng.randrange(0, 30), 150 + row * _ROW_MM
         components.append({"id": f"c{i}", "x": x + 40, "y": y})
         for j in range(4):
-            places.append(_Place(f"c{i}t{j}", f"c{i}", x + j * 25, y + 60, row + 1))
-            places.append(_Place(f"c{i}b{j}", f"c{i}", x + j * 25, y - 60, row))
+            places.append(_Place(f"c{i}t{j}", f"c{i}", x + j * 25, y + 60, duct=row + 1))
+            places.append(_Place(f"c{i}b{j}", f"c{i}", x + j * 25, y - 60, duct=row))
     return _Layout(max(600, columns * 120 + 120), tuple(components), tuple(places))
 
 
@@ -157,9 +157,9 @@ def _draw_wires(count: int, arms: int, layout: _Layout, rng: random.Random) -> l
     rows = []
     for i in range(count):
         a = place[free.pop()]
-        b = place[rng.choice(_partners(a, free, place, layout.width, rng))]
+        b = place[rng.choice(_partners(a, free, place, layout.width, rng=rng))]
         free.remove(b.name)
-        rows.append(_wire(f"w{i}", a, b, layout.width, arms, rng))
+        rows.append(_wire(f"w{i}", a, b, layout.width, arms=arms, rng=rng))
     return rows
 
 
@@ -300,11 +300,11 @@ def _draw_pins(
     return pins
 
 
-def _draw_wishes(wires: int, rng: random.Random) -> list[Json]:
-    wishes = []
+def _draw_soft_constraints(wires: int, rng: random.Random) -> list[Json]:
+    soft = []
     for j in rng.sample(range(wires), max(1, wires // 5)):
         i = rng.randrange(wires)
         if i != j:
             weight = rng.choice([10, 15, 20])
-            wishes.append({"before": f"w{i}", "after": f"w{j}", "weight": weight})
-    return wishes
+            soft.append({"before": f"w{i}", "after": f"w{j}", "weight": weight})
+    return soft

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
-from flexbe_synthesizer.core.machine.fold import fold
+from flexbe_synthesizer.core.machine.lift import lift
 from flexbe_synthesizer.core.machine.machine_reader import InexpressibleError, read_machine
 from flexbe_synthesizer.edge.atomic_write import write_all
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
@@ -26,7 +26,7 @@ def main(arguments: Sequence[str], ros_package_path: str) -> int:
     file: Path = options.behavior
     try:
         machine = read_machine(_read_text(file), str(file), library)
-        text = write_chart(fold(machine, str(file)))
+        text = write_chart(lift(machine, str(file)))
         if options.output is None:
             sys.stdout.write(text)
         else:
@@ -51,7 +51,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="chart_from_behavior",
         description="Read a FlexBE behavior, synthesized or made with the FlexBE App, as a chart.",
-        epilog="Exit code: 0 fine, 1 the behavior does what no chart can say, 2 usage or files.",
+        epilog="Exit code: 0 fine, 1 no chart can express the behavior, 2 usage or files.",
     )
     parser.add_argument("behavior", type=Path, metavar="FILE_sm.py", help="the behavior's file")
     parser.add_argument("--output", type=Path, metavar="CHART.xml", help="default: standard output")

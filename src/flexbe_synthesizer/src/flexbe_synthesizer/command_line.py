@@ -40,7 +40,7 @@ def main(arguments: Sequence[str], ros_package_path: str) -> int:
     if drawing is not None and drawing.suffix not in FORMATS:
         return _fail("--draw takes a file name that ends in .svg or .png")
     if options.run is not None and drawing is None:
-        return _fail("--run is drawn; say with --draw where")
+        return _fail("--run colours a drawing; name its file with --draw")
     try:
         return _run(options, ros_package_path)
     except SynthesisError as error:
@@ -60,7 +60,7 @@ def _parser() -> argparse.ArgumentParser:
         "--output",
         type=Path,
         metavar="DIR",
-        help="ROS package to write to, made if need be (default: the one the chart lies in)",
+        help="ROS package to write to, created if needed (default: the package of the chart)",
     )
     parser.add_argument(
         "--draw", type=Path, metavar="FILE.svg", help="draw the chart, .svg or .png"
@@ -69,7 +69,7 @@ def _parser() -> argparse.ArgumentParser:
         "--run",
         type=Path,
         metavar="RUN.json",
-        help='colour the path of a run: [["/Locate", "located"], ...], paths as the engine says',
+        help='colour the path of a run: [["/Locate", "located"], ...], paths as in the engine',
     )
     parser.add_argument(
         "--scxml", type=Path, metavar="FILE.scxml", help="write the chart as W3C SCXML"

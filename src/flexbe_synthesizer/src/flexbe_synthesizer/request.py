@@ -59,7 +59,7 @@ class RequestError(Exception):
 
 @dataclass(frozen=True)
 class Settings:
-    """Where the server looks for charts, states and behaviors, and where it writes."""
+    """The folders in which the server finds charts, states and behaviors, and where it writes."""
 
     chart_folders: tuple[Path, ...]
     output: Path
@@ -117,7 +117,7 @@ def fulfil(
     Args:
         request: what is asked for.
         settings: where things are.
-        report: told each step and the progress [0, 1].
+        report: called with each step and the progress [0, 1].
         expect_time: called before each step, and again and again while a chart is read and
             checked. What either raises ends the request.
         memory: has the charts of earlier requests.
@@ -131,7 +131,7 @@ def fulfil(
             expect_time()
             report(status, progress)
 
-        return _fulfil(request, settings, report_in_time, expect_time, memory)
+        return _fulfil(request, settings, report_in_time, expect_time, memory=memory)
     except ChartRefusedError as error:
         raise RequestError(ErrorCode.CHART_REFUSED, str(error)) from error
     except ChartFileError as error:
@@ -180,7 +180,7 @@ def _expect_outcomes(request: Request, chart: Chart) -> None:
     """Refuse a request for other outcomes than the chart has."""
     own = tuple(outcome.name for outcome in chart.outcomes)
     if request.sm_outcomes and set(request.sm_outcomes) != set(own):
-        text = f"the request wants the outcomes {names.quoted(request.sm_outcomes)}; the chart "
+        text = f"the request asks for the outcomes {names.quoted(request.sm_outcomes)}; the chart "
         text += f"'{chart.name}' has {names.quoted(own)}. Ask for these, or rename them there."
         raise RequestError(ErrorCode.OUTCOMES_DIFFER, text)
 

@@ -49,7 +49,7 @@ class CheckedFiles:
 
 @contextmanager
 def garbage_kept() -> Iterator[None]:
-    """Put off the collection of garbage cycles: a chart's parts live to the end of a synthesis.
+    """Defer the collection of garbage cycles: a chart's parts live to the end of a synthesis.
 
     The collector would look through all of them again and again, and find nothing; with ten
     thousand states that is half the time.
@@ -82,7 +82,7 @@ def check_files(
         package_of: returns the package that the behavior of a chart goes to.
         locate: returns the file to read for a path, or refuses it.
         drafts: contents that stand for those of the files, by path.
-        report: told the path of each chart before it is checked.
+        report: called with the path of each chart before it is checked.
         expect_time: called again and again; what it raises ends the check.
         memory: has what was read and checked before.
 
@@ -173,7 +173,7 @@ def render_behavior(machine: Machine, path: Path) -> str:
     except SyntaxError as error:
         raise OutputError(
             f"{path} cannot be written again: its manual sections do not fit, line {error.lineno} "
-            f"of the result is no Python ({error.msg}); indent them by four blanks a level"
+            f"of the result is not Python ({error.msg}); indent them by four blanks a level"
         ) from error
     except (OSError, ValueError) as error:
         raise OutputError(f"{path} cannot be read: {error}") from error

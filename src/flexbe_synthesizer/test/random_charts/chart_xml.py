@@ -155,15 +155,15 @@ def _scope(element: etree._Element, name: str, files: Mapping[str, bytes], path:
     return Scope(
         own,
         element.get("initial", ""),
-        nodes,
-        {i.get("name"): _default(i) for i in data.findall("input")},
-        tuple(o.get("name") for o in data.findall("output")),
-        tuple(o.get("name") for o in data.iter("outcome")),
-        tuple(
+        nodes=nodes,
+        inputs={i.get("name"): _default(i) for i in data.findall("input")},
+        outputs=tuple(o.get("name") for o in data.findall("output")),
+        outcomes=tuple(o.get("name") for o in data.iter("outcome")),
+        connections=tuple(
             (CHART if so == own else so, o, CHART if si == own else si, i)
             for so, o, si, i in connections
         ),
-        tuple(
+        conditions=tuple(
             (c.get("outcome"), {w.get("state"): w.get("event") for w in c})
             for c in element.findall(f"{EXT}condition")
         ),
@@ -202,18 +202,18 @@ def _node(element: etree._Element, files: Mapping[str, bytes], path: str) -> Nod
     return Node(
         element.get("id"),
         tag,
-        _class(element),
-        own,
-        inputs,
-        outputs,
-        {t.get("event"): t.get("target") for t in element.findall("transition")},
-        params,
-        element.get("topic"),
-        None if attempts is None else int(attempts),
-        None if timeout is None else float(timeout),
-        _routes(element.get(f"{EXT}on_error")),
-        optional,
-        scope,
+        type=_class(element),
+        own=own,
+        inputs=inputs,
+        outputs=outputs,
+        events={t.get("event"): t.get("target") for t in element.findall("transition")},
+        params=params,
+        topic=element.get("topic"),
+        attempts=None if attempts is None else int(attempts),
+        timeout_s=None if timeout is None else float(timeout),
+        routes=_routes(element.get(f"{EXT}on_error")),
+        optional=optional,
+        scope=scope,
     )
 
 

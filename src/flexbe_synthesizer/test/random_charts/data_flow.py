@@ -42,7 +42,7 @@ def wire(rng: random.Random, scope: etree._Element, parts: list[Part], concurren
                     etree.SubElement(data, "input", name=key)
                 continue
             _connect(scope, giver, (node_id, key))
-    _wire_outputs(rng, scope, data, name, parts)
+    _wire_outputs(rng, scope, data, name, parts=parts)
 
 
 def _wire_outputs(

@@ -16,8 +16,8 @@ from scripted_states import script
 
 from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.engine.errors import BehaviorFailure
-from flexbe_core.engine.facts import Ended
-from flexbe_core.engine.supervision import UNSUPERVISED
+from flexbe_core.engine.events import Ended
+from flexbe_core.engine.supervision.in_force import UNSUPERVISED
 from flexbe_core.ros.session import own_session
 from flexbe_synthesizer.core.chart.problem import Problem, errors_in
 from flexbe_synthesizer.core.library.library import Library
@@ -126,7 +126,7 @@ class EngineRun:
                 now = number * ROUND_S
                 time._rostime_current = rospy.Time.from_sec(now)
                 self.outcome = self._engine.run(now)
-                facts = self._engine.take_facts()
+                facts = self._engine.take_events()
                 self.ended += [(number, f.path, f.outcome) for f in facts if isinstance(f, Ended)]
                 if self.outcome is not None:
                     return

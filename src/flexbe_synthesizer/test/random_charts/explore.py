@@ -94,7 +94,7 @@ class _Explorer:
             if target not in scope.nodes:
                 continue
             node = scope.nodes[target]
-            for end in self._visit(node, f"{path}/{target}", memory, now, cells):
+            for end in self._visit(node, f"{path}/{target}", memory, now, cells=cells):
                 after = cells.after(node, end.written, memory)
                 if end.event == "failed" and node.routes and "error_code" not in end.written:
                     self.faults[Fault(f"{path}/{target}", "error_code", UNROUTED)] = None
@@ -144,7 +144,7 @@ class _Explorer:
                 if cells.is_written_beside(node, key):
                     self.faults[Fault(f"{path}/{node.id}", key, "written at the same time")] = None
         ends = {
-            node.id: set(self._visit(node, f"{path}/{node.id}", given, counts, cells))
+            node.id: set(self._visit(node, f"{path}/{node.id}", given, counts, cells=cells))
             for node in scope.nodes.values()
         }
         waiting: list[dict[str, End]] = [{}]
@@ -158,7 +158,7 @@ class _Explorer:
             seen.add(frozen)
             events = {name: end.event for name, end in done.items()}
             fulfilled = [o for o, all_of in scope.conditions if all_of.items() <= events.items()]
-            yield from self._cut(scope, cells, done, ends, fulfilled[0] if fulfilled else "")
+            yield from self._cut(scope, cells, done, ends, event=fulfilled[0] if fulfilled else "")
             if not fulfilled:
                 for name in ends.keys() - done.keys():
                     waiting += ({**done, name: end} for end in ends[name] if end.event)

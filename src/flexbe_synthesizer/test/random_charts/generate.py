@@ -161,7 +161,7 @@ class _Generator:
                 scope.get("name", scope.get("id")),
                 *(p.element.get("id") for p in parts),
             }
-            parts.append(self._node(chart, above, taken, depth, concurrent))
+            parts.append(self._node(chart, above, taken, depth, concurrent=concurrent))
         if concurrent:
             self._conditions(scope, parts, outcomes)
         else:

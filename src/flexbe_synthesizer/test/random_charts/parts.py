@@ -73,7 +73,7 @@ def draw_state(rng: random.Random, node_id: str) -> Part:
         element.set("topic", "other_cell/ability")
     for key, value in params.items():
         etree.SubElement(element, "param", name=key, value=json.dumps(value))
-    return Part(element, list(own), list(inputs), list(outputs), own)
+    return Part(element, list(own), list(inputs), list(outputs), own=own)
 
 
 def draw_limits(rng: random.Random, part: Part, concurrent: bool) -> None:
@@ -101,4 +101,4 @@ def container_part(element: etree._Element, scope: etree._Element) -> Part:
     data = scope.find("datamodel")
     own = tuple(o.get("name") for o in data.iter("outcome"))
     names = {tag: [p.get("name") for p in data.findall(tag)] for tag in ("input", "output")}
-    return Part(element, list(own), names["input"], names["output"], own)
+    return Part(element, list(own), names["input"], names["output"], own=own)

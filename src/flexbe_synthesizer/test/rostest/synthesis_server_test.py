@@ -160,7 +160,7 @@ def long_chart(count):
         )
         for i in range(count)
     )
-    return Chart("Long", "B0", (Outcome("done"),), nodes, (Input("cable_id"),))
+    return Chart("Long", "B0", (Outcome("done"),), nodes, inputs=(Input("cable_id"),))
 
 
 if __name__ == "__main__":

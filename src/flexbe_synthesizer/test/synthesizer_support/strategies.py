@@ -50,7 +50,15 @@ def charts(
     nodes = st.recursive(_leaves(ids, types), lambda inner: _containers(ids, inner), max_leaves=5)
     of_string = st.builds(Input, ids, st.just("string"), st.none() | st.text())
     with_defaults = st.builds(Input, ids, UNTYPED, VALUES) | of_string
-    return _bodies(ids, nodes, with_defaults, ids, ids, st.just(()), TEXTS)
+    return _bodies(
+        ids,
+        nodes,
+        inputs=with_defaults,
+        name=ids,
+        initial=ids,
+        conditions=st.just(()),
+        description=TEXTS,
+    )
 
 
 def _many(
@@ -103,8 +111,24 @@ def _containers(
         ports = st.builds(Input, ids, TYPES)
         conditions = _many(st.builds(Condition, ids, _many(st.builds(When, ids, ids), fewest=1)))
         name, no_text = st.just(node_id), st.just("")
-        sequence = _bodies(ids, inner, ports, name, ids, st.just(()), no_text)
-        concurrency = _bodies(ids, inner, ports, name, no_text, conditions, no_text)
+        sequence = _bodies(
+            ids,
+            inner,
+            inputs=ports,
+            name=name,
+            initial=ids,
+            conditions=st.just(()),
+            description=no_text,
+        )
+        concurrency = _bodies(
+            ids,
+            inner,
+            inputs=ports,
+            name=name,
+            initial=no_text,
+            conditions=conditions,
+            description=no_text,
+        )
         kinds = [kind.value for kind in ContainerKind if kind is not ContainerKind.CONCURRENCY]
         return st.builds(
             Container, id=name, type=st.sampled_from(kinds), body=sequence, **_limits(ids)

@@ -18,15 +18,17 @@ from flexbe_synthesizer.core.library.signature import Parameter, StateClass
 
 LIBRARY = Library(
     states=(
-        StateClass("Pass", "p", "p.pass", (), ("a", "b"), (), ()),
+        StateClass(
+            "Pass", "p", module="p.pass", parameters=(), outcomes=("a", "b"), inputs=(), outputs=()
+        ),
         StateClass(
             "CountAttemptsState",
             "remodel_states",
-            "r.c",
-            (Parameter("attempts"),),
-            ("counted", "exhausted"),
-            (),
-            (),
+            module="r.c",
+            parameters=(Parameter("attempts"),),
+            outcomes=("counted", "exhausted"),
+            inputs=(),
+            outputs=(),
         ),
     )
 )

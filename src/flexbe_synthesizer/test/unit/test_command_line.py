@@ -89,7 +89,7 @@ def test_check_writes_nothing_and_needs_no_package(run, charts, tmp_path):
     assert run(lone, "--check")[0] == 0
     code, _, err = run(lone)
     assert code == 2
-    assert "lies in no ROS package; say with --output where to write" in err
+    assert "lies in no ROS package; name the package to write to with --output" in err
 
 
 def test_errors_are_printed_with_their_places_and_nothing_is_written(run, charts, golden):
@@ -171,7 +171,7 @@ def test_manual_sections_survive_and_what_cannot_be_kept_is_not_overwritten(run,
     assert "self.mine = 1" in code_path.read_text()
     for text, reason in (
         ("class Mine: pass\n", "written by hand"),
-        (mine.replace("# [/MANUAL_FUNC]", ""), "do not stand once each"),
+        (mine.replace("# [/MANUAL_FUNC]", ""), "do not appear once each"),
         (mine.replace("        self.mine", "\tself.mine"), "indent them by four blanks"),
     ):
         code_path.write_text(text)

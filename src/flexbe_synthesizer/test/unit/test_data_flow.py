@@ -18,7 +18,6 @@ from flexbe_synthesizer.core.chart.problem import Code
 from flexbe_synthesizer.core.check.check import check_chart
 from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.core.library.signature import Effect, Parameter, Port, StateClass
-from flexbe_synthesizer.core.library.written import outcome_effects
 
 
 def state_class(name, inputs=(), outputs=(), outcomes=("a", "b")):
@@ -44,11 +43,11 @@ LIBRARY = Library(
         StateClass(
             "WaitState",
             "flexbe_states",
-            "flexbe_states.w",
-            (Parameter("wait_time"),),
-            ("done",),
-            (),
-            (),
+            module="flexbe_states.w",
+            parameters=(Parameter("wait_time"),),
+            outcomes=("done",),
+            inputs=(),
+            outputs=(),
         ),
     )
 )
@@ -58,11 +57,11 @@ def chart(nodes, connections=(), inputs=(), outputs=()):
     return Chart(
         "Task",
         nodes[0].id,
-        (Outcome("end"),),
-        tuple(nodes),
-        tuple(map(Input, inputs)),
-        tuple(map(Output, outputs)),
-        tuple(Connection(*c) for c in connections),
+        outcomes=(Outcome("end"),),
+        nodes=tuple(nodes),
+        inputs=tuple(map(Input, inputs)),
+        outputs=tuple(map(Output, outputs)),
+        connections=tuple(Connection(*c) for c in connections),
     )
 
 
@@ -214,7 +213,9 @@ def charts(draw, ends=("end",)):
     nodes = []
     for node_id, kind in zip(IDS, kinds, strict=True):
         limits = {"attempts": draw(st.integers(1, 2))} if draw(st.booleans()) else {}
-        nodes.append(state(node_id, kind, draw(targets), draw(targets), draw(targets), **limits))
+        nodes.append(
+            state(node_id, kind, draw(targets), draw(targets), exhausted=draw(targets), **limits)
+        )
     writers = [n.id for n in nodes if n.type in WRITERS]
     readers = [n.id for n in nodes if n.type == "Read"]
     connections = [(draw(st.sampled_from(writers)), "v", r, "v") for r in readers if writers]
@@ -307,7 +308,7 @@ def test_a_read_of_another_states_value_is_found_and_nothing_else(drawn):
 def test_what_each_outcome_writes_is_what_some_and_what_all_paths_to_it_write(drawn):
     drawn = replace(drawn, outcomes=(Outcome("end"), Outcome("other")))
     resolved = check_chart(drawn, LIBRARY, {}).resolved
-    effects = {effect.outcome: effect for effect in outcome_effects(resolved)}
+    effects = {effect.outcome: effect for effect in resolved.effects}
     ways = {}
     for node_id, written in walk(drawn):
         if node_id in effects:

@@ -114,7 +114,7 @@ def test_the_suffix_says_the_format(chart, tmp_path):
 
 
 def test_what_cannot_be_drawn_says_why(tmp_path, monkeypatch):
-    with pytest.raises(DrawingError, match=r"no picture has the suffix .\.jpg."):
+    with pytest.raises(DrawingError, match=r"unknown suffix .\.jpg."):
         render_dot("digraph {}", tmp_path / "a.jpg")
     with pytest.raises(DrawingError, match="syntax error"):
         render_dot("digraph {", tmp_path / "a.svg")

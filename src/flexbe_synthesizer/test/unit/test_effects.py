@@ -11,7 +11,7 @@ from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, ma
 from flexbe_synthesizer.core.export.layout import lay_out
 from flexbe_synthesizer.core.export.render_python import render_python
 from flexbe_synthesizer.core.library.manifest import write_manifest
-from flexbe_synthesizer.core.machine.expand import expand
+from flexbe_synthesizer.core.machine.lower import lower
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 
 EXT = 'xmlns:ext="urn:remodel:statechart:ext:1"'
@@ -98,7 +98,7 @@ def installed(inner, package, package_path):
 
 
 def generated(checked):
-    machine = expand(checked.resolved, "p")
+    machine = lower(checked.resolved, "p")
     return render_python(machine, lay_out(machine.root), {})
 
 

@@ -1,4 +1,4 @@
-"""What charts are expanded to means what the charts mean: golden behaviors run on flexbe_core.
+"""What charts are lowered to means what the charts mean: golden behaviors run on flexbe_core.
 
 The states are scripted: each ends with the event that the seed gives to its path. The reference
 interpreter runs the chart with the same events and must end with the same outcome.

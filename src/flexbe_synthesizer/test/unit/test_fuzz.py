@@ -113,7 +113,7 @@ def test_code_in_values_names_and_words_stays_text(holds, code):
                 params=(Param("data", {"k": [code, {code: code}]}),),
             ),
         ),
-        (Input("given", default=code),),
+        inputs=(Input("given", default=code),),
         description=code.replace("\u2028", " "),
     )
     assert errors_in(holds(write_chart(chart))) == ()
@@ -207,7 +207,7 @@ def calls_for(count, library):
     outcomes = (Outcome("finished"), Outcome("failed"))
     inputs = (Input("component_id"), Input("cable_id"))
     chart = ChartModel(
-        "A", "S0", outcomes, tuple(nodes), inputs, connections=tuple(flows), file="a.xml"
+        "A", "S0", outcomes, tuple(nodes), inputs=inputs, connections=tuple(flows), file="a.xml"
     )
     profile = cProfile.Profile()
     with profile:

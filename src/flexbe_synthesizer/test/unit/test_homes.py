@@ -70,7 +70,7 @@ def written_inside(output):
     inside = data + state("Make", "MakeState", made="Use", failed="Make")
     inside += state("Use", "UseState", used="o", refused="o") + flows
     return chart(
-        MAKE + node("ext:container", "T", "", ' initial="Make"', inside, o="o"),
+        MAKE + node("ext:container", "T", "", ' initial="Make"', inside=inside, o="o"),
         ("S", "item", "T", "x"),
         ("S", "item", "A", "v"),
         ("T", "y", "A", output),
@@ -85,7 +85,9 @@ def written_at_the_same_time(output):
     for name, event in (("Make", "made"), ("Make", "failed"), ("Use", "used"), ("Use", "refused")):
         inside += f'<ext:condition outcome="o"><ext:when state="{name}" event="{event}"/>'
         inside += "</ext:condition>"
-    return chart(node("ext:concurrency", "S", "", "", inside, o="o"), data='<input name="v"/>')
+    return chart(
+        node("ext:concurrency", "S", "", "", inside=inside, o="o"), data='<input name="v"/>'
+    )
 
 
 def written_by_another(output):
@@ -120,7 +122,7 @@ def changed_by_another(giver):
         (shared_by_routes, "ext:on_error of state 'S' reads 'error_code'"),
         (shared_by_a_reader, "from 'a' of 'S', whose output 'b' is the same value, 'v'"),
         (written_by_its_reader, "from 'S', but 'T' writes the same value, 'v'"),
-        (written_inside, "may be written over while it is still read"),
+        (written_inside, "may be overwritten while it is still read"),
         (written_at_the_same_time, "which 'Make' writes at the same time"),
         (written_by_another, "from 'S', but 'T' writes the same value, 'v'"),
         (changed_by_another, "from 'S', but 'T' writes the same value, 'v'"),
@@ -139,7 +141,7 @@ def test_a_timer_that_would_wait_for_what_it_is_to_end(tmp_path):
         "M", "MakeState", made="o", failed="o"
     )
     more = ' initial="M" ext:timeout_s="2"'
-    text = chart(node("ext:priority", "S", "", more, inside, o="o", timed_out="o"))
+    text = chart(node("ext:priority", "S", "", more, inside=inside, o="o", timed_out="o"))
     (error,) = Synthesis({"a.xml": text.encode()}, "a.xml", tmp_path).errors
     assert "its timer is beside it" in error.message
     text = text.replace("ext:priority", "ext:container")

@@ -193,7 +193,7 @@ def mutants(golden):
                     values = dict(ATTRIBUTE.findall(found[2]))
                     is_port = found[1] in ("input", "output")
                     key = values["name"].replace('"', "'") if is_port else "no key"
-                    made.append(Mutant(name, what, changed, related(lines, after, index), key))
+                    made.append(Mutant(name, what, changed, related(lines, after, index), key=key))
     return made
 
 
@@ -262,7 +262,7 @@ def test_a_chart_written_on_one_line_has_the_same_problems(golden, knowledge):
     text = (golden / "charts" / "two_arms.xml").read_text()
     twice = text.replace(RIGHT_FAILED, LEFT_FAILED, 1)
     assert twice != text
-    doubled = Mutant("two_arms.xml", "an event in two conditions", twice, frozenset(), "")
+    doubled = Mutant("two_arms.xml", "an event in two conditions", twice, frozenset(), key="")
     for mutant in [doubled, *mutants(golden)[::4]]:
         codes = []
         for text in (mutant.text, mutant.text.replace("\n", " ")):

@@ -38,7 +38,9 @@ def ask(settings):
         **changes,
     ):
         changed = Settings(**{**vars(settings), **changes})
-        return fulfil(Request(goal, initial, tuple(outcomes)), changed, report, expect_time, memory)
+        return fulfil(
+            Request(goal, initial, tuple(outcomes)), changed, report, expect_time, memory=memory
+        )
 
     return ask
 
@@ -229,7 +231,7 @@ def test_very_many_errors_are_reported_up_to_a_limit_and_in_time(ask, settings):
     code, text = refusal(ask, "wrong.xml")
     assert time.process_time() - before < 10.0
     assert len(text.splitlines()) == MOST_ERRORS
-    assert text.endswith("No more is checked after 1000 errors; mend these first.")
+    assert text.endswith("No more is checked after 1000 errors; correct these first.")
 
 
 def test_links_out_of_the_folders_bombs_and_large_files_are_refused(ask, settings, tmp_path):

@@ -86,17 +86,17 @@ def test_a_state_class_is_read_with_types_from_its_docstring():
     assert found == StateClass(
         "SomeState",
         "pkg",
-        "pkg.some_state",
-        (
+        module="pkg.some_state",
+        parameters=(
             Parameter("speed_m_s", "float"),
             Parameter("names", "list"),
             Parameter("count", None, required=False, default=3),
             Parameter("flag", "bool"),
             Parameter("other", "string", required=False),
         ),
-        ("done", "not done"),
-        (Port("pose", "geometry_msgs/Pose"), Port("both")),
-        (Port("seen", "bool"), Port("both")),
+        outcomes=("done", "not done"),
+        inputs=(Port("pose", "geometry_msgs/Pose"), Port("both")),
+        outputs=(Port("seen", "bool"), Port("both")),
     )
 
 
@@ -201,7 +201,7 @@ def test_a_behavior_file_without_its_class_is_kept_with_the_reason():
 
 
 def test_a_manifest_is_read_as_it_is_written():
-    manifest = Manifest('A "b" & <c>', "pkg", "deep.a_sm", "ASM", ("Clean & Up", "Other"))
+    manifest = Manifest('A "b" & <c>', "pkg", "deep.a_sm", "ASM", contains=("Clean & Up", "Other"))
     text = write_manifest(manifest, "<do> & 'say'")
     assert read_manifest(text, "a.xml") == manifest
     assert not text.endswith("\n")

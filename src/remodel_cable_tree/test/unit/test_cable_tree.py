@@ -1,4 +1,4 @@
-"""Orders of cable trees obey the constraints, cost what the plain count says, and are the best."""
+"""Orders of cable trees satisfy the constraints, cost what the plain count says, and are best."""
 
 import itertools
 import random
@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from remodel_cable_tree.core.dzn import parse_cable_tree
-from remodel_cable_tree.core.order import broken_constraints, cost_of
+from remodel_cable_tree.core.order import cost_of, violations
 from remodel_cable_tree.core.problem import CableTree
 from remodel_cable_tree.core.rounds import rounds
 from remodel_cable_tree.edge.cable_tree_kernel import Feasibility, KernelCableTree
@@ -25,7 +25,7 @@ TREES = settings(
 
 
 def random_tree(ends, seed, *, hidden_order=True):
-    """Draw a cable tree; with a hidden order that obeys its constraints, or without."""
+    """Draw a cable tree; with a hidden order that satisfies its constraints, or without."""
     rng = random.Random(seed)
     cables = rng.randrange(ends // 2 + 1)
     order = list(range(1, ends + 1))
@@ -51,15 +51,15 @@ def random_tree(ends, seed, *, hidden_order=True):
         cables,
         tuple(pair() for _ in range(count)),
         tuple((*pair(), *any_pair()) for _ in range(count)),
-        tuple(any_pair() for _ in range(ends // 2)),
-        tuple(direct),
+        soft=tuple(any_pair() for _ in range(ends // 2)),
+        direct=tuple(direct),
     )
 
 
 def orders(tree):
-    """Return all orders that obey the constraints."""
+    """Return all orders that satisfy the constraints."""
     every = itertools.permutations(range(1, tree.ends + 1))
-    return [order for order in every if not any(broken_constraints(tree, order))]
+    return [order for order in every if not any(violations(tree, order))]
 
 
 @TREES
@@ -83,7 +83,7 @@ def test_kernel_counts_costs_as_the_reference(ends, seed):
     kernel = KernelCableTree(tree)
     feasibility, order = kernel.find(100_000)
     assert feasibility is Feasibility.FOUND
-    assert not list(broken_constraints(tree, order))
+    assert not list(violations(tree, order))
     kernel.adopt(order, seed)
     assert kernel.best() == (cost_of(tree, order).total, order)
     before = kernel.best()[0]
@@ -91,9 +91,9 @@ def test_kernel_counts_costs_as_the_reference(ends, seed):
         cost = kernel.anneal(part.recipe, 2000, (0.0, 1.0))
         best_cost, best = kernel.best()
         assert cost == best_cost == cost_of(tree, best).total <= before
-        assert not list(broken_constraints(tree, best))
+        assert not list(violations(tree, best))
     gathered = kernel.gather(1000, seed)
-    assert gathered is None or not list(broken_constraints(tree, gathered))
+    assert gathered is None or not list(violations(tree, gathered))
 
 
 def test_search_is_the_same_for_the_same_seed():
@@ -115,29 +115,29 @@ def test_example_without_order_is_proved_so():
 
 
 def test_tree_without_ends_has_the_empty_order():
-    found = sequence(CableTree(0, 0, (), (), (), ()), 0.1, 1)
+    found = sequence(CableTree(0, 0, (), (), soft=(), direct=()), 0.1, 1)
     assert (found.feasibility, found.order) == (Feasibility.FOUND, ())
 
 
 def test_search_stops_when_told():
     tree = random_tree(60, 2)
     found = sequence(tree, 3600.0, 1, stopped=lambda: True)
-    assert not list(broken_constraints(tree, found.order))
+    assert not list(violations(tree, found.order))
 
 
 def test_costs_are_counted_as_the_paper_says():
-    tree = CableTree(6, 3, (), (), ((2, 1),), ())
+    tree = CableTree(6, 3, (), (), soft=((2, 1),), direct=())
     # Cable 1 is stored over 2 and 3, whose ends follow each other.
     cost = cost_of(tree, (1, 2, 5, 3, 6, 4))
-    assert (cost.stored, cost.open, cost.longest, cost.wishes) == (1, 1, 4, 1)
+    assert (cost.stored, cost.open, cost.longest, cost.soft) == (1, 1, 4, 1)
     assert cost.total == 6**3 + 6**2 + 4 * 6 + 1
 
 
 def test_breaks_are_told():
-    tree = CableTree(4, 2, ((1, 2),), ((1, 2, 4, 3),), (), (1,))
-    assert len(list(broken_constraints(tree, (2, 3, 4, 1)))) == 2
-    assert len(list(broken_constraints(tree, (1, 2, 3, 4)))) == 1
-    assert list(broken_constraints(tree, (1, 1, 2, 3))) == ["not an order of the ends 1 to 4"]
+    tree = CableTree(4, 2, ((1, 2),), ((1, 2, 4, 3),), soft=(), direct=(1,))
+    assert len(list(violations(tree, (2, 3, 4, 1)))) == 2
+    assert len(list(violations(tree, (1, 2, 3, 4)))) == 1
+    assert list(violations(tree, (1, 1, 2, 3))) == ["not an order of the ends 1 to 4"]
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,7 @@ from remodel_console.steering import Steering
 
 
 class Supervisor(Protocol):
-    """The way to the use case supervisor; each command returns its answer to the person `by`.
+    """Commands to the use case supervisor; each command returns its answer to the person `by`.
 
     All raise CommandError if it is not running, does not answer, or refuses. What holds a run
     (pause, stop, protective stop, skip) is answered when nothing moves any more.
@@ -54,7 +54,7 @@ class Supervisor(Protocol):
 
 
 class Recorder(Protocol):
-    """The way to recorded runs; all raise CommandError if nobody can tell them."""
+    """Access to recorded runs; each call raises CommandError if no node serves them."""
 
     def runs(self) -> tuple[Summary, ...]:
         """Return the runs, the latest first."""
@@ -106,10 +106,10 @@ class Console:
         """Command the use case supervisor, and return its answer.
 
         Raises:
-            CommandError: if ROS is away, or the supervisor refuses.
+            CommandError: if ROS is not running, or the supervisor refuses.
         """
         if self.supervisor is None:
-            raise CommandError("ROS is away; start it: roscore")
+            raise CommandError("ROS is not running; start it: roscore")
         return deed(self.supervisor)
 
     def chart_to_watch(self, name: str) -> Chart:

@@ -41,11 +41,18 @@ class Desk:
 
     def _answer(self, actor: Actor, command: str, deed: Callable[[], str | None]) -> Answer:
         if actor.role is not Role.OPERATOR:
-            return Answer(REFUSED, command, "you are watching; an operator's token is needed")
-        try:
-            return Answer(DONE, command, deed() or "")
-        except CommandError as error:
-            return Answer(FAILED, command, str(error))
-        except Exception as error:  # noqa: BLE001 - a page must answer, whatever is wrong
-            _LOG.exception("the command '%s' failed", command)
-            return Answer(FAILED, command, f"internal error: {error!r}; the log has the trace")
+            return Answer(REFUSED, command, "read-only access; commands need an operator's token")
+        return answer_of(command, deed, _LOG.error)
+
+
+def answer_of(
+    command: str, deed: Callable[[], str | None], log_error: Callable[..., object]
+) -> Answer:
+    """Carry a command out and return the answer; a defect is logged with its trace."""
+    try:
+        return Answer(DONE, command, deed() or "")
+    except CommandError as error:
+        return Answer(FAILED, command, str(error))
+    except Exception as error:  # noqa: BLE001 - an answer must come, whatever is wrong
+        log_error("the command '%s' failed", command, exc_info=True)
+        return Answer(FAILED, command, f"internal error: {error!r}; the log has the trace")

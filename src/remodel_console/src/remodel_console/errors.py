@@ -2,7 +2,7 @@
 
 
 class CommandError(Exception):
-    """A command cannot be carried out; the message is the answer to whoever gave it."""
+    """A command cannot be carried out; the message is the answer to its sender."""
 
 
 class PictureError(ValueError):

@@ -36,7 +36,7 @@ class Live:
         self._wake = wake
 
     def take(self, event: Event) -> None:
-        """Take in what the engine tells."""
+        """Take in an event of the engine."""
         with self._lock:
             self._world = replace(self._world, run=step(self._world.run, event))
         self._wake()
@@ -49,13 +49,13 @@ class Live:
         self._wake()
 
     def set_master(self, is_there: bool) -> None:
-        """Say whether ROS is there."""
+        """Set whether ROS is running."""
         with self._lock:
             self._world = replace(self._world, has_master=is_there)
         self._wake()
 
     def set_presence(self, *, mirror: bool, abilities: bool, cell: bool, supervisor: bool) -> None:
-        """Say what else is there; what a supervisor told is true no longer when it has gone."""
+        """Set which nodes are running; the state of a supervisor that has ended is dropped."""
         with self._lock:
             before = self._world
             self._world = replace(
@@ -70,7 +70,7 @@ class Live:
             self._wake()
 
     def take_use_case(self, use_case: UseCase) -> None:
-        """Take in what the use case supervisor tells."""
+        """Take in the state of the use case supervisor."""
         with self._lock:
             self._world = replace(self._world, use_case=use_case)
         self._wake()

@@ -16,10 +16,10 @@ class Picture:
 
 
 class Pictures:
-    """Holds the pictures, and knows whether anybody looks at them."""
+    """Holds the pictures, and knows whether a page shows them."""
 
     def __init__(self) -> None:
-        """Begin with no picture, and nobody who looks."""
+        """Start without pictures and without viewers."""
         self._lock = threading.Lock()
         self._newest: dict[str, Picture] = {}
         self._viewers = 0
@@ -31,7 +31,7 @@ class Pictures:
 
     @property
     def are_wanted(self) -> bool:
-        """Tell whether a page shows them."""
+        """Return whether a page shows them."""
         return self._viewers > 0
 
     def add_viewer(self, change: int) -> None:

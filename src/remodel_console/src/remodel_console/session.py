@@ -34,7 +34,7 @@ class Session:
 
     Attributes:
         is_saved: nothing has changed since it was loaded or saved.
-        tell: called after each command that was carried out.
+        on_change: called after each command that was carried out.
         ask_server: the way to a synthesis server; None until ROS is there.
     """
 
@@ -48,7 +48,7 @@ class Session:
         self._draft: Draft | None = None
         self.is_saved = True
         self._before: tuple[Draft, ...] = ()
-        self.tell: Callable[[], None] = lambda: None
+        self.on_change: Callable[[], None] = lambda: None
         self._deeds: Mapping[Verb, Callable[[Mapping[str, str]], str]] = {
             Verb.HELP: lambda _given: help_lines(),
             Verb.LOAD: self._load,
@@ -58,7 +58,7 @@ class Session:
             Verb.CHECK: self._check,
             Verb.NOTE: self._note,
             Verb.AUTOCONNECT: self._autoconnect,
-            Verb.AUTOLAYOUT: lambda _given: "save lays every behavior out anew",
+            Verb.AUTOLAYOUT: lambda _given: "save lays out every behavior",
             Verb.UPDATE: self._update,
             Verb.FIND: self._find,
         }
@@ -84,7 +84,7 @@ class Session:
             return self.synthesize(self._path, given["name"], given["initial"], given["goal"])
         with self._lock:
             answer = self._carry_out(command)
-        self.tell()
+        self.on_change()
         return answer
 
     def change(self, change: Callable[[Chart], Chart]) -> None:
@@ -95,7 +95,7 @@ class Session:
         """
         with self._lock:
             self._change(change(self._loaded()))
-        self.tell()
+        self.on_change()
 
     def retype(self, text: str) -> None:
         """Take a text that was typed in place of that of the chart.
@@ -105,10 +105,10 @@ class Session:
         """
         with self._lock:
             self._take(self._drafted().retyped(text))
-        self.tell()
+        self.on_change()
 
     def undo(self) -> str:
-        """Take the last change back, and say so.
+        """Undo the last change, and return the answer.
 
         Raises:
             CommandError: if there is none.
@@ -119,18 +119,18 @@ class Session:
             *before, last = self._before
             self._draft = replace(last, origin=self._drafted().origin)
             self._before, self.is_saved = tuple(before), False
-        self.tell()
-        return "took the last change back"
+        self.on_change()
+        return "undid the last change"
 
     def open(self, chart: Chart) -> None:
         """Edit a chart that is new."""
         draft = new_draft(chart)
         with self._lock:
             self._draft, self._path, self._before, self.is_saved = draft, (), (), False
-        self.tell()
+        self.on_change()
 
     def synthesize(self, path: tuple[str, ...], name: str, initial: str, goal: str) -> str:
-        """Put the chart of a file in as a container, and say so.
+        """Add the chart of a file as a container, and return the answer.
 
         Args:
             path: ids of the containers that it goes into.
@@ -145,9 +145,9 @@ class Session:
         container = self._container(path, name, initial, goal)
         with self._lock:
             if self._loaded().file != file:
-                raise CommandError(f"{goal} is not put in: another behavior was loaded meanwhile")
+                raise CommandError(f"{goal} is not added: another behavior was loaded meanwhile")
             answer = self._put(path, container, goal)
-        self.tell()
+        self.on_change()
         return answer
 
     def _carry_out(self, command: Command) -> str:
@@ -177,7 +177,7 @@ class Session:
             self._draft, self.is_saved = draft, False
 
     def _load(self, given: Mapping[str, str]) -> str:
-        lost = "" if self.is_saved else ", and what was not saved is gone"
+        lost = "" if self.is_saved else "; the unsaved changes are lost"
         self._draft = self._workspace.load(given["name"])
         self._path, self._before, self.is_saved = (), (), True
         chart = self._draft.chart
@@ -186,7 +186,7 @@ class Session:
     def _container(self, path: tuple[str, ...], name: str, initial: str, goal: str) -> Container:
         """Return the chart of a file as a container, as the server makes it or as it is.
 
-        It may take a while, and nobody has to wait for it but who asked.
+        It may take a while, and only the client that asked waits for it.
         """
         settings, initial = self._settings(), "" if initial == START else initial
         folder = str(PurePath(self._loaded().file).parent)
@@ -196,7 +196,7 @@ class Session:
             return as_container(self._workspace.read(goal), name, initial, folder)
         where = "/".join(("", *path, name))
         topic, system = settings.synthesis_topic, settings.system
-        source = self._served(ServerRequest(topic, system, where, initial, goal), name)
+        source = self._served(ServerRequest(topic, system, where, initial, goal=goal), name)
         return as_container(source, name, "", folder)
 
     def _put(self, path: tuple[str, ...], container: Container, goal: str) -> str:
@@ -208,7 +208,7 @@ class Session:
     def _served(self, request: ServerRequest, name: str) -> Chart:
         """Return what a synthesis server makes of a request, as a chart of that name."""
         if self.ask_server is None:
-            raise CommandError("ROS is away, so no synthesis server can be asked")
+            raise CommandError("ROS is not running, so no synthesis server can be asked")
         states = self.ask_server(request)
         return chart_from_states(states, name, self._workspace.library())
 
@@ -216,7 +216,7 @@ class Session:
         draft = self._drafted()
         written = self._workspace.save(draft)
         self._draft, self.is_saved = replace(draft, origin=draft.content), True
-        what = f"wrote {', '.join(map(str, written))}" if written else "nothing had changed"
+        what = f"wrote {', '.join(map(str, written))}" if written else "nothing has changed"
         return f"saved '{draft.chart.name}': {what}"
 
     def _check(self, _given: Mapping[str, str]) -> str:
@@ -248,11 +248,13 @@ class Session:
 
         changed = change_at(chart, self._path, connect)
         self._change(changed)
-        return "connected what was open" if changed != chart else "nothing could be connected"
+        return (
+            "connected the unconnected outcomes" if changed != chart else "found nothing to connect"
+        )
 
     def _update(self, given: Mapping[str, str]) -> str:
         chart = self._workspace.find(given["name"])
-        return f"'{chart.name}' is read anew from {chart.file} at every check"
+        return f"'{chart.name}' is read again from {chart.file} at every check"
 
     def _find(self, given: Mapping[str, str]) -> str:
         users = tuple(self._workspace.users_of(given["state"]))

@@ -40,7 +40,7 @@ class Steering:
         self._structure_asked = 0
 
     def take(self, event: Event) -> None:
-        """Take in what the engine tells, and ask for the structure of what is watched over."""
+        """Take in an event of the engine, and request the structure of a supervised behavior."""
         self.live.take(event)
         run = self.live.world.run
         if not run.is_supervised:
@@ -56,7 +56,7 @@ class Steering:
             CommandError: if it cannot be sent.
         """
         if self.engine is None:
-            raise CommandError("ROS is away; start it: roscore")
+            raise CommandError("ROS is not running; start it: roscore")
         if isinstance(order, Start | Switch):
             self.live.take(Ordered(order.level, order.source_checksum))
         elif isinstance(order, Attach | SetAutonomy):
@@ -64,7 +64,7 @@ class Steering:
         self.engine.send(order)
 
     def attach(self, level: int) -> None:
-        """Watch over what runs.
+        """Supervise the running behavior.
 
         Raises:
             CommandError: if another behavior is loaded, or nothing runs.
@@ -75,11 +75,11 @@ class Steering:
         name, chart = self.running_name(), self.session.chart
         loaded = f"'{chart.name}'" if chart else "nothing"
         if name and (chart is None or chart.name != name):
-            raise CommandError(f"'{name}' runs, and {loaded} is loaded; load '{name}' first")
+            raise CommandError(f"'{name}' is running, and {loaded} is loaded; load '{name}' first")
         self.order(Attach(level))
 
     def newer_version(self) -> Switch | None:
-        """Return the way to the saved version of what this console watches over, if it differs."""
+        """Return the switch to the saved version of the supervised behavior, if it differs."""
         run = self.live.world.run
         if not run.is_supervised or run.level is None:
             return None
@@ -90,16 +90,16 @@ class Steering:
         return Switch(name, found.behavior_id, found.source_checksum, run.level)
 
     def version_to_switch_to(self) -> Switch:
-        """Return the way to the saved version of what this console watches over.
+        """Return the switch to the saved version of the supervised behavior.
 
         Raises:
-            CommandError: if there is none that differs, or it does not watch over what runs.
+            CommandError: if no version differs, or this console supervises no behavior.
         """
         if not self.live.world.run.is_supervised:
-            raise CommandError("nothing runs that this console watches over; attach to it first")
+            raise CommandError("this console supervises no running behavior; attach to one first")
         version = self.newer_version()
         if version is None:
-            raise CommandError("the version that is saved runs already; 'save' saves another one")
+            raise CommandError("the saved version is running already; 'save' saves another one")
         return version
 
     def running_name(self) -> str:

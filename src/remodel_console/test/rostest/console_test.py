@@ -23,7 +23,7 @@ from remodel_console.edge.catalogue import Catalogue
 from remodel_console.ros.ask import ask
 from remodel_console.testing.browser_test import LIMIT_S, free_port
 
-TRUTH_S = 10.0  # within which a page shows what has become of others; 2 s if nothing else runs
+TRUTH_S = 10.0  # in which a page shows that a node has ended or restarted; 2 s on idle cores
 LIT_S = 0.1  # within which a transition is seen
 SEES_PATROL = """() => !window.isOld && document.querySelector('g.node.active')
   && document.querySelector('.attach')?.textContent.includes("'Patrol' runs unattended.")"""
@@ -112,9 +112,7 @@ class ConsoleTest(BehaviorTestCase):
         self.start_elsewhere("Patrol")
         expect(self.page.locator(".attach")).to_contain_text("'Patrol' runs unattended.")
         late = self.open_page()
-        expect(late.locator(".attach")).to_contain_text(
-            "Load 'Patrol' first: 'Errand' is loaded now."
-        )
+        expect(late.locator(".attach")).to_contain_text("Load 'Patrol' first: 'Errand' is loaded.")
         expect(late.locator("g.node.active")).not_to_have_count(0)  # what runs is drawn, not Errand
         self.take_picture(late, "runtime-attach")
         self.press(late, "Load 'Patrol'")
@@ -127,8 +125,8 @@ class ConsoleTest(BehaviorTestCase):
         self.page.reload()
         expect(self.page.locator(".state")).to_have_text("paused")
         expect(self.page.locator("g.node.active")).not_to_have_count(0)
-        self.press(self.page, "Go on")
-        expect(late.locator(".state")).to_have_text("runs")
+        self.press(self.page, "Continue")
+        expect(late.locator(".state")).to_have_text("running")
         self.lock(late)
         expect(self.page.locator(".held")).to_be_visible()
         self.press(self.page, "Unlock")
@@ -152,7 +150,7 @@ class ConsoleTest(BehaviorTestCase):
         expect(editor.locator(".tools")).to_contain_text("not saved yet")
         self.press(editor, "Save")
         expect(self.page.get_by_text("Another version of 'Patrol' is saved.")).to_be_visible()
-        self.press(self.page, "Switch to it")
+        self.press(self.page, "Switch")
         expect(self.page.get_by_text("Another version of 'Patrol' is saved.")).to_have_count(0)
         expect(self.page.locator(".held")).to_have_text(held)
         self.press(self.page, "Unlock")
@@ -202,12 +200,12 @@ class ConsoleTest(BehaviorTestCase):
         late_s.sort()
         self.assertLess(late_s[len(late_s) // 4], LIT_S, late_s)  # a busy machine delays many
 
-    def test_what_is_killed_is_told_and_found_again(self):
+    def test_what_is_killed_is_shown_and_found_again(self):
         self.load(self.page, "Patrol")
         self.press(self.page, "Start")
         expect(self.page.locator("g.node.active")).not_to_have_count(0)
         self.kill("engine")
-        notice = self.page.locator(".notice", has_text="The engine is away")
+        notice = self.page.locator(".notice", has_text="The engine is not running")
         expect(notice).to_be_visible(timeout=1000 * TRUTH_S)
         expect(self.page.locator("g.node.active")).to_have_count(0)
         self.take_picture(self.page, "runtime-engine-away")
@@ -217,20 +215,20 @@ class ConsoleTest(BehaviorTestCase):
         self.press(self.page, "Start")
         expect(self.page.locator("g.node.active")).not_to_have_count(0)
         self.kill("mirror")
-        expect(self.page.locator(".notice", has_text="The mirror is away")).to_be_visible(
+        expect(self.page.locator(".notice", has_text="The mirror is not running")).to_be_visible(
             timeout=1000 * TRUTH_S
         )
         self.start_mirror()
         expect(self.page.locator(".notice", has_text="mirror")).to_have_count(0)
         self.page.evaluate("() => { window.isOld = true; }")
         self.kill("console")
-        away = self.page.get_by_text("The console is away:")
+        away = self.page.get_by_text("The console is not running:")
         expect(away).to_be_visible(timeout=1000 * TRUTH_S)
         self.take_picture(self.page, "runtime-console-away")
         self.start_console()
         self.page.wait_for_function(SEES_PATROL, timeout=1000 * TRUTH_S)
 
-    def test_a_console_that_comes_again_finds_what_waits_for_an_operator(self):
+    def test_a_console_that_restarts_finds_what_waits_for_an_operator(self):
         self.load(self.page, "Errand")
         self.choose(self.page, "Autonomy", "Low")
         self.press(self.page, "Start")
@@ -256,15 +254,15 @@ class ConsoleTest(BehaviorTestCase):
         uri = {"ROS_MASTER_URI": f"http://127.0.0.1:{master}"}
         self.start_console_at("late", port, "--token", "lead", "--watch-token", "look", **uri)
         page = self.open_page(port=port)
-        expect(page.get_by_text("It asks for its token.")).to_be_visible()
+        expect(page.get_by_text("requires its token.")).to_be_visible()
         page.get_by_label("Token").fill("look")
         page.get_by_role("button", name="Enter").click()
-        expect(page.get_by_text("watching only")).to_be_visible()
+        expect(page.get_by_text("read-only")).to_be_visible()
         page.get_by_role("link", name="Runtime control").click()
-        notice = page.locator(".notice", has_text="ROS is away")
+        notice = page.locator(".notice", has_text="ROS is not running")
         expect(notice).to_be_visible()
         self.start_master(master)
-        expect(page.locator(".notice", has_text="The engine is away")).to_be_visible()
+        expect(page.locator(".notice", has_text="The engine is not running")).to_be_visible()
         self.end("master")
         expect(notice).to_be_visible()
         self.start_master(master)
@@ -280,7 +278,7 @@ class ConsoleTest(BehaviorTestCase):
         page = self.open_tablet_in_the_dark("/runtime", "g.node")
         self.take_picture(page, "runtime-dark-1024")
         page.keyboard.press("?")
-        expect(page.get_by_role("dialog")).to_contain_text("confirm what the engine asks")
+        expect(page.get_by_role("dialog")).to_contain_text("confirm the engine's request")
 
 
 if __name__ == "__main__":

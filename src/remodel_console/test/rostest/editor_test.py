@@ -48,7 +48,7 @@ class EditorTest(BehaviorTestCase):
     def open(self, name):
         """Open a behavior; what another test has left unsaved is lost."""
         self.choose(self.page, "Open", name)
-        lose = self.page.get_by_role("button", name="Load, and lose them")
+        lose = self.page.get_by_role("button", name="Discard and load")
         title = self.page.locator(".properties .title", has_text=name)
         expect(lose.or_(title)).to_be_visible()
         if lose.is_visible():
@@ -68,7 +68,7 @@ class EditorTest(BehaviorTestCase):
         return False
 
     def pick(self, path, kind="node"):
-        """Select what is drawn; again if it was drawn anew just when it was clicked."""
+        """Select what is drawn; again if it was redrawn just when it was clicked."""
 
         def is_picked():
             self.press(self.page, "Show all")
@@ -93,7 +93,7 @@ class EditorTest(BehaviorTestCase):
         dialog = page.get_by_role("dialog")
         dialog.get_by_label("Name").fill("Built Here")
         self.choose(page, "Folder", str(self.package / "charts"))
-        self.press(self.page, "Make")
+        self.press(self.page, "Create")
         expect(page.locator(".tools")).to_contain_text("Built Here: not saved yet")
         page.get_by_label("Find a state").fill("log")
         page.locator(".library").get_by_role("button", name="Log", exact=True).click()
@@ -140,7 +140,7 @@ class EditorTest(BehaviorTestCase):
         page = self.page
         self.open("Errand")
         page.get_by_role("tab", name="Certificate").click()
-        expect(page.locator(".certificate")).to_contain_text("Nothing limits the time of a run")
+        expect(page.locator(".certificate")).to_contain_text("The time of a run has no bound")
         expect(page.locator(".certificate table").first).to_contain_text("visits")
         self.take_picture(page, "editor-certificate")
         self.write_xml(BROKEN)
@@ -169,7 +169,7 @@ class EditorTest(BehaviorTestCase):
         self.write_xml(source.replace('target="Report"', 'target="Repot"'))
         expect(page.locator(".problems")).to_contain_text("Repot")
         expect(page.locator(".cm-content .xml-error")).to_have_count(1)
-        expect(page.locator(".canvas-stage g.node", has_text="there is none")).to_be_visible()
+        expect(page.locator(".canvas-stage g.node", has_text="not found")).to_be_visible()
         self.press(page, "Show all")
         self.take_picture(page, "editor-xml")
         self.write_xml(source.replace("</statemachine>", ""))
@@ -188,16 +188,16 @@ class EditorTest(BehaviorTestCase):
         self.open("Errand")
         page.get_by_label("Input 2: name").fill("count")
         page.get_by_label("Input 2: any type").fill("int")
-        page.get_by_label("Input 2: must be given").fill("3")
-        page.get_by_label("Input 2: must be given").press("Enter")
+        page.get_by_label("Input 2: required").fill("3")
+        page.get_by_label("Input 2: required").press("Enter")
         expect(page.get_by_label("Input 3: name")).to_be_visible()
         self.pick("Search/Look")
         self.pick("Search", "cluster")
-        self.choose(page, "Runs what is in it", "all at once")
+        self.choose(page, "Execution", "concurrent")
         page.get_by_role("combobox", name="Condition 1: all of").click()
         for name in ("Look: done", "Look closer: done"):
             page.get_by_role("option", name=name, exact=True).click()
-        page.get_by_text("It ends when all of these have happened").click()
+        page.get_by_text("It ends when all events of a condition have happened").click()
         expect(page.get_by_role("option")).to_have_count(0)
         self.choose(page, "Condition 1: ends with", "found")
         expect(page.get_by_role("combobox", name="Condition 2: ends with")).to_be_visible()
@@ -260,7 +260,7 @@ class EditorTest(BehaviorTestCase):
         page.get_by_role("button", name="OK").click()
         page.get_by_label("More folders").fill(str(self.package / "charts"))
         page.get_by_label("More folders").blur()
-        expect(page.get_by_text("Kept.", exact=True)).to_be_visible()
+        expect(page.get_by_text("Saved.", exact=True)).to_be_visible()
         self.take_picture(page, "configuration")
         self.page.get_by_text("Use synthesis").click()
         self.choose(self.page, "Goal", "patrol.xml")

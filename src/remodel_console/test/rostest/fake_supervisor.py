@@ -66,30 +66,53 @@ def attempt(task, number, took_s, *codes):
     operations = [
         OperationEnded(
             task,
-            Operation("/Connect b/Insert", "InsertCable", "x", code, "", 0.0, 0.0, "", (), ()),
+            Operation(
+                "/Connect b/Insert",
+                "InsertCable",
+                outcome="x",
+                error_code=code,
+                text="",
+                ended_s=0.0,
+                elapsed_s=0.0,
+                goal_id="",
+                parameters=(),
+                measurements=(),
+            ),
         )
         for code in codes
     ]
     outcome = "failed" if codes else FINISHED
-    begun = TaskBegun(task, number, Part.WHOLE, f"Connect {task}", "", 0.0)
+    begun = TaskBegun(task, number, part=Part.WHOLE, behavior=f"Connect {task}", chart="", at_s=0.0)
     return [begun, *operations, TaskEnded(task, outcome, took_s, not codes)]
 
 
 def decided(task, fault, code, ability, text, do, because):
     """Return a decision about a task."""
-    return Decided(task, fault, code, ability, "", text, do, (), because, "policy", 1.0)
+    return Decided(
+        task,
+        fault,
+        code=code,
+        ability=ability,
+        state_path="",
+        text=text,
+        do=do,
+        change=(),
+        because=because,
+        by="policy",
+        at_s=1.0,
+    )
 
 
 def half_way(order):
     """Return the events of a run whose fourth of six tasks is under way."""
     return [
-        RunBegun(order, "switchgear", "cell 1", tuple(name for name, _ in WIRES), "SN-0042"),
+        RunBegun(order, "switchgear", "cell 1", tuple(name for name, _ in WIRES), serial="SN-0042"),
         Planned(tuple(name for name, _ in WIRES), "the run begins"),
         *attempt("W1", 1, 41.0),
         *attempt("W2", 1, 37.0, 205),
         decided(
-            "W2", "grasp_missed", 205, "PickCable", "nothing is between the fingers",
-            Do.RETRY, "it has failed once",
+            "W2", "grasp_missed", code=205, ability="PickCable",
+            text="nothing is between the fingers", do=Do.RETRY, because="it has failed once",
         ),
         *attempt("W2", 2, 41.0),
         Interrupted("the engine was lost"),
@@ -97,10 +120,10 @@ def half_way(order):
         *attempt("W3", 2, 40.0, 101),
         *attempt("W3", 3, 40.0, 101),
         decided(
-            "W3", "component_not_found", 101, "LocateGearboxComponent",
-            "no camera sees the label of K1", Do.SET_ASIDE, "it has failed 3 times",
+            "W3", "component_not_found", code=101, ability="LocateGearboxComponent",
+            text="no camera sees the label of K1", do=Do.SET_ASIDE, because="it has failed 3 times",
         ),
-        TaskBegun("W4", 1, Part.WHOLE, "Connect W4", "", 0.0),
+        TaskBegun("W4", 1, part=Part.WHOLE, behavior="Connect W4", chart="", at_s=0.0),
     ]  # fmt: skip
 
 
@@ -176,7 +199,9 @@ class FakeSupervisor:
         self.add(
             *attempt("W4", 1, 12.0, 303)[1:],
             decided("W4", *cause, Do.ASK_OPERATOR, "two new parts have jammed too"),
-            Asked(1, "W4", text, tuple(Answer), rospy.get_time(), 600.0),
+            Asked(
+                1, "W4", text=text, choices=tuple(Answer), at_s=rospy.get_time(), timeout_s=600.0
+            ),
             doing_now=None,
         )
 
@@ -235,7 +260,7 @@ class FakeSupervisor:
 
     def _on_answer(self, request):
         answered = Answered(request.question, Answer(request.choice), request.by)
-        again = TaskBegun("W4", 2, Part.AGAIN, "Connect W4", "", 0.0)
+        again = TaskBegun("W4", 2, part=Part.AGAIN, behavior="Connect W4", chart="", at_s=0.0)
         self.add(answered, Settled("W4", (), 3), again)
 
     def _take_goal(self, handle):
@@ -284,7 +309,7 @@ def recorded_run():
     entries += [
         entry(
             12, "failure", task="W1", fault="insertion_jammed", error_code=303,
-            text="22 N at 6 mm of 14 mm", picture=picture(240, 320, 170, 40, 30),
+            text="22 N at 6 mm of 14 mm", picture=picture(240, 320, 170, 40, blue=30),
         ),
         entry(12.1, "decision", task="W1", text="replan", because="two new parts have jammed"),
         entry(13, "task", task="W2", text="running, attempt 1"),
@@ -350,8 +375,8 @@ class FakeCameras:
 
     def look(self):
         """Publish what both cameras see."""
-        self._looks["overhead"].publish(picture(480, 640, 20, 60, 170))
-        self._looks["wrist"].publish(picture(480, 640, 170, 40, 30))
+        self._looks["overhead"].publish(picture(480, 640, 20, 60, blue=170))
+        self._looks["wrist"].publish(picture(480, 640, 170, 40, blue=30))
 
     def _take(self, request):
-        return srv.TakePictureResponse(True, request.camera, picture(600, 1200, 40, 40, 40))
+        return srv.TakePictureResponse(True, request.camera, picture(600, 1200, 40, 40, blue=40))

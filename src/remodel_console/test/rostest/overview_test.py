@@ -23,10 +23,10 @@ class OverviewTest(BehaviorTestCase):
 
     def test_an_order_runs_asks_and_is_commanded(self):
         page = self.page
-        away = page.locator(".notice", has_text="The supervisor is away")
+        away = page.locator(".notice", has_text="The supervisor is not running")
         expect(away).to_be_visible()
-        expect(page.locator(".notice", has_text="The cell is away")).to_be_visible()
-        expect(page.locator(".notice", has_text="The engine is away")).to_be_visible()
+        expect(page.locator(".notice", has_text="The cell is not running")).to_be_visible()
+        expect(page.locator(".notice", has_text="The engine is not running")).to_be_visible()
         supervisor, cameras = FakeSupervisor(), FakeCameras()
         expect(away).to_have_count(0)
         expect(page.locator(".presence.there", has_text="Cell")).to_be_visible()
@@ -51,7 +51,7 @@ class OverviewTest(BehaviorTestCase):
         expect(page.locator(".order .title")).to_have_text("cabinet 7")
         self.assertEqual(supervisor.asked[-1], ("run", "cabinet 7", 6, True))
         expect(page.locator(".order-head")).to_contain_text(
-            "2 of 6 tasks done, 1 set aside; 4 min so far, about 2 min left"
+            "2 of 6 tasks done, 1 skipped; 4 min so far, about 2 min left"
         )
         expect(page.locator("tr.task.set_aside")).to_contain_text("W3")
         expect(page.locator(".levels")).to_contain_text("Ability: InsertCable")
@@ -72,7 +72,7 @@ class OverviewTest(BehaviorTestCase):
 
         page.locator(".q-header .q-btn", has_text="Your name").click()
         page.get_by_label("Name").fill("Ada")
-        self.press(page, "Keep")
+        self.press(page, "Save")
         page.get_by_role("button", name="I have fixed it").click()
         expect(page.locator(".request")).to_have_count(0)
         self.assertEqual(supervisor.asked[-1], ("answer", 1, "fixed", "Ada"))
@@ -109,20 +109,20 @@ class OverviewTest(BehaviorTestCase):
         supervisor.standstill.set()
         expect(phase).to_have_text("paused")
         self.press(page, "Resume")
-        expect(phase).to_have_text("runs")
+        expect(phase).to_have_text("running")
         self.press(page, "Protective stop")
         banner = page.locator(".protective")
         expect(banner).to_contain_text("Protective stop by Ada")
-        expect(banner).to_contain_text("Resume then goes on with the run")
+        expect(banner).to_contain_text("then Resume continues the run")
         expect(phase).to_have_text("protective stop")
         self.press(page, "Resume")
         expect(banner).to_be_hidden()
-        expect(phase).to_have_text("runs")
+        expect(phase).to_have_text("running")
 
     def test_the_record_of_a_run_is_scrubbed_through(self):
         _records = FakeRecords()
         page = self.page = self.open_page("/replay")
-        page.get_by_role("button", name="Look again").click()
+        page.get_by_role("button", name="Reload").click()
         page.get_by_role("button", name="12 cabinet 7").click()
         expect(page.locator(".clock")).to_have_text("0.0 s of 16.0 s, entry 1 of 23")
         page.keyboard.press("n")
@@ -131,13 +131,13 @@ class OverviewTest(BehaviorTestCase):
         )
         expect(page.locator("g.node.active[data-path='Search/Look closer']").first).to_be_visible()
         expect(page.locator("g.node.passed[data-path='Greet']").first).to_be_visible()
-        expect(page.get_by_role("img", name="What a camera saw last")).to_be_visible()
+        expect(page.get_by_role("img", name="Last camera picture")).to_be_visible()
         page.get_by_role("button", name="Next reason (N)").click()
         expect(page.locator(".failures")).to_contain_text(
-            "The cell plans the rest anew; the task comes later, because two new parts have jammed."
+            "The cell replans the rest; the task comes later, because two new parts have jammed."
         )
         self.open_tablet_in_the_dark("/replay?run=12", ".clock")
-        page.get_by_role("button", name="Moment before (,)").click()
+        page.get_by_role("button", name="Previous entry (,)").click()
         expect(page.locator(".clock")).to_contain_text("entry 18 of 23")
         track = page.locator(".track")
         track.click(position={"x": track.bounding_box()["width"] - 1, "y": 20})

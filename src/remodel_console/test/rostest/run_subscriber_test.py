@@ -75,7 +75,9 @@ class RunSubscriberTest(unittest.TestCase):
 
         topic, lost = supervisor.publisher._changes, []
         supervisor.publisher._changes = type("Lossy", (), {"publish": staticmethod(lost.append)})()
-        supervisor.add(TaskBegun("W5", 1, Part.WHOLE, "Connect W5", "", 0.0))
+        supervisor.add(
+            TaskBegun("W5", 1, part=Part.WHOLE, behavior="Connect W5", chart="", at_s=0.0)
+        )
         self.wait_for(DONE, DONE, ASIDE, DONE, RUNS, WAITS)
         self.assertEqual(len(lost), 1)
         supervisor.publisher._changes = topic
@@ -88,7 +90,9 @@ class RunSubscriberTest(unittest.TestCase):
         # The supervisor is killed and resumes the run: its changes are numbered again.
         supervisor.restart()
         self.wait(lambda run: run.interruptions == 2, "the run is resumed")
-        supervisor.add(TaskBegun("W6", 1, Part.WHOLE, "Connect W6", "", 0.0))
+        supervisor.add(
+            TaskBegun("W6", 1, part=Part.WHOLE, behavior="Connect W6", chart="", at_s=0.0)
+        )
         self.wait_for(DONE, DONE, WAITS, DONE, DONE, RUNS)
 
 

@@ -69,7 +69,7 @@ def test_a_token_gives_its_role_and_is_kept_in_a_cookie(token, role):
     assert ask(door, f"/?token={token}")[0] == 401
     status, text, _ = ask(door, "/enter", "POST", b"token=wrong")
     assert status == 401
-    assert "not the token" in text
+    assert "Wrong token" in text
     status, _, cookie = ask(door, "/enter", "POST", f"token={token}".encode())
     assert status == 303
     assert {"httponly", "samesite=strict"} <= {p.strip().lower() for p in cookie.split(";")}

@@ -12,14 +12,14 @@ def certificate(longest_s):
     return Certificate(
         "Task",
         "p",
-        longest_s,
-        (StateBound("Place/Insert", 3, 30.0, 90.0), StateBound("Log", None, None, None)),
-        (
-            ErrorEnd("Place/Insert", "failed", "301, 304", "Withdraw", ("failed",)),
-            ErrorEnd("Place/Insert", "refused", "any", "Again", ("done", "failed")),
+        longest_s=longest_s,
+        states=(StateBound("Place/Insert", 3, 30.0, 90.0), StateBound("Log", None, None, None)),
+        errors=(
+            ErrorEnd("Place/Insert", "failed", "301, 304", "Withdraw", ends=("failed",)),
+            ErrorEnd("Place/Insert", "refused", "any", "Again", ends=("done", "failed")),
         ),
-        (Effect("done", NOTHING, CODE), Effect("failed", CODE, CODE)),
-        ("p/<State>",),
+        effects=(Effect("done", NOTHING, CODE), Effect("failed", CODE, CODE)),
+        assumed=("p/<State>",),
     )
 
 
@@ -36,4 +36,4 @@ def test_all_that_is_certified_is_shown():
 
 
 def test_a_run_without_a_limit_is_named():
-    assert "Nothing limits the time of a run" in certificate_html(certificate(None))
+    assert "The time of a run has no bound" in certificate_html(certificate(None))

@@ -59,7 +59,7 @@ def test_the_session_of_the_deliverable_leaves_a_saved_behavior(give, session, p
     code = package / "src" / "remodel_behaviors" / "my_first_behavior_sm.py"
     assert "'SynthesizedBehavior'" in code.read_text()
     assert give("check") == "no errors and no warnings"
-    assert "nothing had changed" in give("save")
+    assert "nothing has changed" in give("save")
 
 
 def test_synthesizing_again_replaces_the_container_and_keeps_its_transitions(give, session):
@@ -93,7 +93,7 @@ def test_what_is_wrong_is_told_with_its_lines_and_nothing_is_saved(give, session
         give("save")
     assert "[reserved-name]" in give("check")
     assert {path: path.read_bytes() for path in package.rglob("*") if path.is_file()} == before
-    assert "what was not saved is gone" in give("load Example Behavior")
+    assert "the unsaved changes are lost" in give("load Example Behavior")
 
 
 @pytest.mark.parametrize(
@@ -143,11 +143,11 @@ def test_notes_connections_and_uses(give, session):
     assert session.chart.description.endswith("Made by hand.")
     with pytest.raises(CommandError):
         give("note")
-    assert give("autoconnect") == "nothing could be connected"
+    assert give("autoconnect") == "found nothing to connect"
     assert "Say hello" in give("findStateUsage flexbe_states.LogState")
     assert "no chart uses" in give("findStateUsage flexbe_states.NoState")
     assert "save lays" in give("autolayout")
-    assert "read anew" in give("update Example Behavior")
+    assert "read again" in give("update Example Behavior")
     assert give("show").startswith("<?xml")
 
 
@@ -213,12 +213,12 @@ def test_changes_are_taken_back_one_by_one(session, give):
     give("load my_first_behavior")
     loaded = session.chart
     told = []
-    session.tell = lambda: told.append(1)
+    session.on_change = lambda: told.append(1)
     session.change(lambda chart: replace(chart, description="One."))
     session.change(lambda chart: chart)
     session.synthesize((), "Box", "start", "place_connector.xml")
     assert len(told) == 3
-    assert "took" in session.undo()
+    assert "undid" in session.undo()
     assert session.chart.description == "One."
     session.undo()
     assert session.chart == loaded
@@ -242,7 +242,7 @@ def test_a_server_is_asked_for_what_is_put_in(package):
     settings = Settings(synthesis_topic="flexbe/synthesize", system="cell 1")
     session = Session(Workspace(path), lambda: settings)
     session.carry_out(read_command("load my_first_behavior"))
-    with pytest.raises(CommandError, match="ROS is away"):
+    with pytest.raises(CommandError, match="ROS is not running"):
         session.carry_out(read_command(SYNTHESIZE))
     asked = []
 

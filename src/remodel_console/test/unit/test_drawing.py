@@ -6,9 +6,9 @@ import pytest
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.model import Chart, Container, Outcome, State, Transition
+from remodel_console.core.editor.collapse import collapsed
 from remodel_console.core.editor.drawing import drawn_path, drawn_paths, opened
-from remodel_console.core.editor.folding import folded
-from remodel_console.core.run.run_view import RunView, Told, step
+from remodel_console.core.run.run_view import EngineStatus, RunView, step
 from remodel_console.core.world import World, notices
 from remodel_console.edge.picture import picture
 
@@ -53,11 +53,14 @@ def test_behaviors_inside_are_drawn_open():
     assert opened(outer, []) == outer
 
 
-def test_what_is_away_is_told_with_how_to_have_it_back():
-    assert [n.what for n in notices(World())] == ["ROS is away"]
+def test_what_is_not_running_is_named_with_the_command_that_starts_it():
+    assert [n.what for n in notices(World())] == ["ROS is not running"]
     world = World(has_master=True)
-    assert [n.what for n in notices(world)] == ["The engine is away", "The cell is away"]
-    world = World(step(RunView(), Told(20, 0)), has_master=True, has_cell=True)
+    assert [n.what for n in notices(world)] == [
+        "The engine is not running",
+        "The cell is not running",
+    ]
+    world = World(step(RunView(), EngineStatus(20, 0)), has_master=True, has_cell=True)
     assert [n.remedy for n in notices(world)] == ["roslaunch flexbe_mirror behavior_mirror.launch"]
 
 
@@ -68,13 +71,13 @@ def test_a_large_chart_is_folded_but_for_the_path_of_interest():
         return Container(name, "container", (Transition("through", "B"),), body=body)
 
     small = Chart("Small", "A", nodes=(box("A"),))
-    assert folded(small, ()) is small
+    assert collapsed(small, ()) is small
     large = Chart("Large", "A", nodes=(box("A"), box("B"), box("C")))
-    closed = folded(large, ())
+    closed = collapsed(large, ())
     assert drawn_paths(closed) == {"A", "B", "C"}
     assert closed.nodes[0].type == "15 states inside"
     assert closed.nodes[0].transitions == large.nodes[0].transitions
-    opened_one = folded(large, ("B",))
+    opened_one = collapsed(large, ("B",))
     assert "B/B3" in drawn_paths(opened_one)
     assert "A/A3" not in drawn_paths(opened_one)
     assert drawn_path("/A/A3", drawn_paths(opened_one)) == "A"

@@ -20,25 +20,30 @@ def names(ports):
 
 
 def test_a_value_that_is_taken_is_added_changed_and_removed():
-    chart = with_input(ERRAND, 1, "count", "int", "3")
+    chart = with_input(ERRAND, 1, "count", "int", default="3")
     assert chart.inputs[1] == Input("count", "int", 3)
-    chart = with_input(chart, 1, "count", "", "")
+    chart = with_input(chart, 1, "count", "", default="")
     assert chart.inputs[1] == Input("count")
-    assert with_input(chart, 1, "", "", "") == ERRAND
+    assert with_input(chart, 1, "", "", default="") == ERRAND
     assert (
-        parse_chart(write_chart(with_input(ERRAND, 1, "count", "int", "3"))).inputs[1].default == 3
+        parse_chart(write_chart(with_input(ERRAND, 1, "count", "int", default="3")))
+        .inputs[1]
+        .default
+        == 3
     )
 
 
 def test_the_default_of_a_string_is_its_text():
-    assert with_input(ERRAND, 1, "code", "string", "5").inputs[1] == Input("code", "string", "5")
-    assert with_input(ERRAND, 1, "code", "string", "'5'").inputs[1].default == "5"
+    assert with_input(ERRAND, 1, "code", "string", default="5").inputs[1] == Input(
+        "code", "string", "5"
+    )
+    assert with_input(ERRAND, 1, "code", "string", default="'5'").inputs[1].default == "5"
 
 
 def test_connections_follow_the_name_of_a_value():
-    chart = with_input(ERRAND, 0, "words", "string", "")
+    chart = with_input(ERRAND, 0, "words", "string", default="")
     assert chart.connections == (Connection("Errand", "words", "Greet", "data"),)
-    assert with_input(ERRAND, 0, "", "", "").connections == ()
+    assert with_input(ERRAND, 0, "", "", default="").connections == ()
     given = with_output(ERRAND, 0, "seen", "bool")
     fed = chart_edit.fed(given, "Errand", "seen", ("Greet", "data"))
     renamed = with_output(fed, 0, "found", "bool")
@@ -57,7 +62,7 @@ def test_connections_follow_the_name_of_a_value():
 )
 def test_a_value_that_cannot_be_is_refused(name, kind, words):
     with pytest.raises(CommandError, match=words):
-        with_input(ERRAND, 1, name, kind, "")
+        with_input(ERRAND, 1, name, kind, default="")
 
 
 def test_what_runs_at_once_has_no_first_state_and_no_transitions():

@@ -262,15 +262,23 @@ def edit_scope(edit, scope, path):
     names = [outcome.name for outcome in scope.outcomes]
     inside(lambda one: chart_edit.with_outcomes(one, (*names, "more")), 0, 1)
     inside(lambda one: chart_edit.with_outcomes(one, tuple(names[::-1])), 3, 3)
-    inside(lambda one: with_input(one, len(one.inputs), "brand_new", "int", ""), 0, 1 + around)
+    inside(
+        lambda one: with_input(one, len(one.inputs), "brand_new", "int", default=""), 0, 1 + around
+    )
     inside(lambda one: with_output(one, len(one.outputs), "brand_new", ""), 0, 1)
     for place, port in enumerate(scope.inputs):
         uses = sum(scope.name == flow.output_state_id for flow in scope.connections)
         inside(
-            lambda one, i=place: with_input(one, i, "other", "", ""), 1 + uses, 1 + uses + around
+            lambda one, i=place: with_input(one, i, "other", "", default=""),
+            1 + uses,
+            1 + uses + around,
         )
-        inside(lambda one, i=place: with_input(one, i, "", "", ""), 1 + uses, 0)
-        inside(lambda one, i=place, p=port: with_input(one, i, p.name, "dict", ""), 1, 1 + around)
+        inside(lambda one, i=place: with_input(one, i, "", "", default=""), 1 + uses, 0)
+        inside(
+            lambda one, i=place, p=port: with_input(one, i, p.name, "dict", default=""),
+            1,
+            1 + around,
+        )
     for place, condition in enumerate(scope.conditions):
         pairs = tuple((when.state, when.event) for when in condition.all_of)
         put = partial(with_condition, place=place, outcome=condition.outcome)
@@ -301,7 +309,7 @@ def test_saving_an_unchanged_chart_changes_no_byte(session, charts, give, name):
     after = file.read_bytes()
     assert len(after) == len(before)
     assert sum(a != b for a, b in zip(after, before, strict=True)) == 1
-    assert give("save").endswith("nothing had changed")
+    assert give("save").endswith("nothing has changed")
 
 
 def test_a_note_goes_below_the_description(session, charts, give):
@@ -340,7 +348,7 @@ def test_a_chart_that_another_editor_has_changed_is_not_overwritten(session, giv
     session.change(partial(chart_edit.limited, node_id="B", attempts=None, timeout_s=9.0))
     file.write_bytes(mine)
     try:
-        with pytest.raises(CommandError, match="changed by somebody else"):
+        with pytest.raises(CommandError, match="changed by another program"):
             give("save")
         assert file.read_bytes() == mine
     finally:
@@ -351,7 +359,7 @@ def test_a_new_chart_does_not_take_the_place_of_another(session, give, charts):
     path = charts / "plain.xml"
     before = path.read_bytes()
     session.open(replace(chart_edit.new_chart("Plain", str(path)), description="Other."))
-    with pytest.raises(CommandError, match="somebody else"):
+    with pytest.raises(CommandError, match="another program"):
         give("save")
     session.open(chart_edit.new_chart("plain", str(charts / "new.xml")))
     with pytest.raises(CommandError, match=r"'plain' and 'Plain' of .*plain.xml become the same"):

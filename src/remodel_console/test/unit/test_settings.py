@@ -8,7 +8,14 @@ from remodel_console.core.settings import Settings, difference, read_settings, w
 from remodel_console.edge.settings_file import SettingsFile
 from remodel_console.errors import CommandError
 
-FULL = Settings(False, "flexbe/synthesize", "cell 1", False, "secret", ("/charts",))
+FULL = Settings(
+    False,
+    "flexbe/synthesize",
+    system="cell 1",
+    are_commands_allowed=False,
+    command_key="secret",
+    chart_folders=("/charts",),
+)
 
 
 @pytest.mark.parametrize("settings", [Settings(), FULL])
@@ -54,7 +61,7 @@ def test_settings_outlive_a_restart_and_only_their_owner_reads_them(home, tmp_pa
     path = tmp_path / "deep" / "settings.json"
     told = []
     kept = SettingsFile(path, "")
-    kept.tell = lambda: told.append(kept.now)
+    kept.on_change = lambda: told.append(kept.now)
     wanted = Settings(command_key="secret", chart_folders=(str(home),))
     kept.change(lambda _: wanted)
     assert SettingsFile(path, "").now == wanted == told[0]
@@ -75,7 +82,7 @@ def test_a_chart_folder_must_exist_and_lie_in_the_home_folder_or_a_package(home,
 def test_a_file_that_is_no_settings_file_is_named(tmp_path):
     path = tmp_path / "settings.json"
     path.write_text("{]")
-    with pytest.raises(ValueError, match=r"settings\.json: .*delete it to begin anew"):
+    with pytest.raises(ValueError, match=r"settings\.json: .*delete it to start with the defaults"):
         SettingsFile(path, "")
 
 
@@ -83,6 +90,6 @@ def test_settings_that_cannot_be_written_stay_as_they_were(tmp_path):
     (tmp_path / "file").write_text("")
     kept = SettingsFile(tmp_path / "folder.json", "")
     kept._path = tmp_path / "file" / "settings.json"
-    with pytest.raises(CommandError, match="cannot be kept"):
+    with pytest.raises(CommandError, match="cannot be saved"):
         kept.change(lambda _: Settings(system="x"))
     assert kept.now == Settings()

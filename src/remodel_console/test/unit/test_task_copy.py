@@ -12,15 +12,26 @@ SERIES = 17
 
 
 def task(name, phase=TaskPhase.WAITING, attempts=0):
-    return Task(name, "", phase, attempts, False, 0.0, 0.0)
+    return Task(
+        name, "", phase=phase, attempts=attempts, first_pass=False, taken_s=0.0, expected_s=0.0
+    )
 
 
 def failure(number):
-    return Failure(float(number), "W1", "slipped", 0, "", "", "retry", "")
+    return Failure(
+        float(number),
+        "W1",
+        fault="slipped",
+        error_code=0,
+        ability="",
+        text="",
+        decision="retry",
+        because="",
+    )
 
 
 def changes(number, *tasks, series=SERIES, replanned=False, failures=()):
-    return Changes(series, number, tasks, failures, replanned)
+    return Changes(series, number, tasks, failures, replanned=replanned)
 
 
 START = Snapshot(SERIES, 3, (task("W1"), task("W2"), task("W3")), ())

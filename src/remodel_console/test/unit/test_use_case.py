@@ -1,11 +1,17 @@
 """A run of an order: its words, and the production figures."""
 
-import xml.etree.ElementTree as ElementTree
+import json
 
 import numpy as np
 import pytest
 
-from remodel_console.core.plot import bar_plot, count_plot, line_plot
+from remodel_console.core.plot import (
+    bar_plot,
+    count_height,
+    count_plot,
+    line_plot,
+    series_plot,
+)
 from remodel_console.core.use_case.production import figures
 from remodel_console.core.use_case.use_case import (
     SHOWN_TASKS,
@@ -31,11 +37,15 @@ from remodel_console.pictures import Pictures
 
 
 def task(name, phase, *, passed=False, taken_s=0.0, expected_s=0.0):
-    return Task(name, "", phase, 1, passed, taken_s, expected_s)
+    return Task(
+        name, "", phase=phase, attempts=1, first_pass=passed, taken_s=taken_s, expected_s=expected_s
+    )
 
 
 def failure(name, fault, decision):
-    return Failure(0.0, name, fault, 0, "", "", decision, "")
+    return Failure(
+        0.0, name, fault=fault, error_code=0, ability="", text="", decision=decision, because=""
+    )
 
 
 RUN = UseCase(
@@ -144,34 +154,40 @@ def test_all_choices_and_phases_have_words():
     assert fault_words("") == "Unknown fault"
 
 
+def test_a_plot_has_a_point_for_each_value():
+    yields = line_plot(("W1", "W2"), (1.0, 0.5))
+    assert yields["xAxis"]["data"] == ["W1", "W2"]
+    assert yields["series"][0]["data"] == [100.0, 50.0]
+    assert yields["yAxis"]["max"] == 100
+    times = bar_plot(("W1", "W2"), (10.0, 5.04), "s")
+    assert times["series"][0]["data"] == [10.0, 5.0]
+    causes = count_plot((("Grasp missed", 2), ("Slipped", 1)))
+    assert causes["yAxis"]["data"] == ["Grasp missed", "Slipped"]
+    assert causes["series"][0]["data"] == [2, 1]
+    assert count_height(2) == 2 * count_height(1) == 2 * count_height(0)
+
+
+def test_a_series_ends_at_the_end_of_the_run():
+    plot = series_plot(((0.0, 1.0), (2.5, -3.0)), 8.0)
+    assert plot["series"][0]["data"] == [[0.0, 1.0], [2.5, -3.0]]
+    assert (plot["xAxis"]["min"], plot["xAxis"]["max"]) == (0, 8.0)
+    assert series_plot((), 0.0)["xAxis"]["max"] > 0
+
+
 @pytest.mark.parametrize(
-    "svg",
-    [
-        line_plot("<yield>", ("W<1>", "W2"), (1.0, 0.5), 1.0),
-        bar_plot("time", tuple(map(str, range(40))), tuple(range(40)), "s"),
-        bar_plot("time", (), (), "s"),
-        count_plot("causes", (("a & b", 2), ("c", 1))),
-        count_plot("causes", ()),
-    ],
+    "plot",
+    [line_plot((), ()), bar_plot((), (), "s"), count_plot(()), series_plot((), 0.0)],
 )
-def test_plots_are_well_formed_whatever_is_in_them(svg):
-    root = ElementTree.fromstring(svg)
-    assert root.tag == "svg"
-    assert "nan" not in svg
-
-
-def test_a_bar_is_as_high_as_its_share():
-    root = ElementTree.fromstring(bar_plot("time", ("a", "b"), (10.0, 5.0), "s"))
-    heights = [float(rect.get("height")) for rect in root.iter("rect")]
-    assert heights[0] == pytest.approx(2 * heights[1], abs=0.11)
+def test_a_plot_is_sent_to_the_page_as_json(plot):
+    assert json.loads(json.dumps(plot)) == plot
 
 
 def test_fake_abilities_are_no_cell():
     world = World(has_master=True, has_abilities=True)
     (*_, cell) = notices(world)
-    assert cell.what == "The cell is away"
-    assert "answer without one" in cell.meaning
-    assert [n.what for n in supervisor_notice(world)] == ["The supervisor is away"]
+    assert cell.what == "The cell is not running"
+    assert "answer without a cell" in cell.meaning
+    assert [n.what for n in supervisor_notice(world)] == ["The supervisor is not running"]
     assert not list(supervisor_notice(World()))
 
 
@@ -187,10 +203,10 @@ def test_what_a_supervisor_told_is_gone_with_it():
 
 def test_a_picture_becomes_a_jpeg_no_larger_than_it_is_shown():
     rows = np.zeros((1000, 2000, 3), np.uint8)
-    small = as_jpeg(rows.tobytes(), 1000, 2000, 6000, "rgb8")
+    small = as_jpeg(rows.tobytes(), 1000, 2000, 6000, encoding="rgb8")
     assert small.startswith(b"\xff\xd8")
     assert len(small) < 50_000
-    grey = as_jpeg(bytes(8 * 4), 4, 6, 8, "mono8")  # rows may be longer than their pixels
+    grey = as_jpeg(bytes(8 * 4), 4, 6, 8, encoding="mono8")  # rows may be longer than their pixels
     assert grey.startswith(b"\xff\xd8")
 
 

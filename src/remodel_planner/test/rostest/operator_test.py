@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""An operator, at the console, has a wire placed that cannot be until a hand clears its bore."""
+"""An operator requests, at the console, a wire whose opening must be cleared by hand before."""
 
 import shutil
 import subprocess
@@ -13,7 +13,7 @@ from playwright.sync_api import expect
 from remodel_msgs.srv import InjectFault
 
 from remodel_console.testing.browser_test import BrowserTest
-from remodel_planning.edge.package_files import use_case_folder
+from remodel_planning.edge.use_case_files import use_case_folder
 from remodel_production.core.panel.panel_layout import PanelRules, lay_out
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
@@ -82,20 +82,20 @@ class OperatorTest(BrowserTest):
         """See on another page what the engine does."""
         expect(page.locator(".headline .title")).to_contain_text("Place Wire W1", timeout=WORK_MS)
         expect(page.locator(".where")).to_contain_text("Connect a", timeout=WORK_MS)
-        expect(page.locator(".state")).to_have_text("runs unattended")
+        expect(page.locator(".state")).to_have_text("running unattended")
         expect(page.locator("g.node.active").first).to_be_visible()
         self.take_picture(page, "runtime")
 
     def replay(self):
         """See where the run has failed, with which forces, and why it took its course."""
         page = self.page
-        page.get_by_role("link", name="Replay it").click()
+        page.get_by_role("link", name="Replay this run").click()
         expect(page.locator(".clock")).to_contain_text("entry 1 of")
         for told in ("The cell planned: W1", "Insertion jammed", "The cell asks you"):
             page.keyboard.press("n")
             expect(page.locator(".entry-words")).to_contain_text(told)
         expect(page.locator(".where")).to_contain_text("InsertCable")
-        expect(page.get_by_role("img", name="What a camera saw last")).to_be_visible()
+        expect(page.get_by_role("img", name="Last camera picture")).to_be_visible()
         expect(page.get_by_role("img", name="peak force [N]")).to_be_visible()
         self.take_picture(page, "replay")
 

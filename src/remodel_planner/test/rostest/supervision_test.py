@@ -80,7 +80,7 @@ class SupervisionTest(unittest.TestCase):
         """Kill a node, and return when roslaunch has started it again."""
         before = self.pid(node)
         os.kill(before, signal.SIGKILL)
-        self.wait(lambda: self.pid(node) not in (0, before), f"{node} comes again")
+        self.wait(lambda: self.pid(node) not in (0, before), f"{node} respawns")
 
     def start(self, tasks, again=True):
         """Have tasks of the order done, and return the client when the run has begun."""

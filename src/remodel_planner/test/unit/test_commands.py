@@ -47,16 +47,16 @@ def test_a_design_is_imported_once(database, capsys):
 
 
 def test_preferences_come_with_the_order_and_must_fit_it(tmp_path, database, capsys):
-    file = tmp_path / "wishes.yaml"
-    wish = "{name: first, pick: W1, before: %s, weight: 2}"
+    file = tmp_path / "preferences.yaml"
+    preference = "{name: first, pick: W1, before: %s, weight: 2}"
     arguments = [str(DESIGN), "--order", "house", "--database", database]
     arguments += ["--preferences", str(file)]
-    file.write_text(f"format: remodel-preferences-1\nprefer: [{wish % 'W9999'}]\n")
+    file.write_text(f"format: remodel-preferences-1\nprefer: [{preference % 'W9999'}]\n")
     assert import_design.main(arguments) == 1
     said = capsys.readouterr().err
     assert f"{file}: " in said
     assert "W9999" in said
-    file.write_text(f"format: remodel-preferences-1\nprefer: [{wish % 'W3'}]\n")
+    file.write_text(f"format: remodel-preferences-1\nprefer: [{preference % 'W3'}]\n")
     assert import_design.main(arguments) == 0
     store = ProductionDatabase(database)
     assert store.preferences("house")["prefer"][0]["before"] == "W3"
@@ -110,11 +110,13 @@ def test_the_board_of_an_order_is_drawn(tmp_path, database, capsys):
 
 
 def test_an_order_is_planned_checked_explained_and_drawn(tmp_path, database, capsys):
-    wishes = tmp_path / "wishes.yaml"
-    wish = "{name: first, pick: W3, before: W1, weight: 5}"
-    wishes.write_text(f"format: remodel-preferences-1\nweights: {{heavy: 0}}\nprefer: [{wish}]\n")
+    preferences = tmp_path / "preferences.yaml"
+    preference = "{name: first, pick: W3, before: W1, weight: 5}"
+    preferences.write_text(
+        f"format: remodel-preferences-1\nweights: {{heavy: 0}}\nprefer: [{preference}]\n"
+    )
     stored = ["--order", "house", "--database", database]
-    import_design.main([str(DESIGN), *stored, "--preferences", str(wishes)])
+    import_design.main([str(DESIGN), *stored, "--preferences", str(preferences)])
     made, drawing = str(tmp_path / "plan.json"), str(tmp_path / "plan.svg")
     assert plan.main([*stored, "--output", made, "--time-limit", "0.1"]) == 0
     assert check.main([made, *stored]) == 0
@@ -126,9 +128,9 @@ def test_an_order_is_planned_checked_explained_and_drawn(tmp_path, database, cap
     assert "has no order hosue; it has: house" in capsys.readouterr().err
     assert plan.main(["--output", made]) == 1
     assert "give either the file of a problem or order, or --order NAME" in capsys.readouterr().err
-    wishes.write_text("format: remodel-preferences-1\nprefer: [{pick: W77777, before: W1}]\n")
-    assert plan.main([*stored, "--output", made, "--preferences", str(wishes)]) == 1
-    assert f"{wishes}: " in capsys.readouterr().err
+    preferences.write_text("format: remodel-preferences-1\nprefer: [{pick: W77777, before: W1}]\n")
+    assert plan.main([*stored, "--output", made, "--preferences", str(preferences)]) == 1
+    assert f"{preferences}: " in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["loom.kbl", "harness.yml", "eplan.csv"])

@@ -43,7 +43,7 @@ def used(database):
 
 def free(database):
     """Stop the supervisor."""
-    CellOwnership(database, "cell", "station", "", 60.0).release(1)
+    CellOwnership(database, "cell", "station", "", lease_s=60.0).release(1)
 
 
 def test_a_restored_database_is_that_of_the_backup(used, database, url, file, capsys):
@@ -64,8 +64,8 @@ def test_owners_after_a_restore_are_newer_than_all_before(used, database, url, f
     free(database)
     given = [owner_of(database), owner_of(database, "later")]
     for cell in ("cell", "later"):
-        CellOwnership(database, cell, "station", "", 60.0).release(given[0])
-        CellOwnership(database, cell, "station", "", 60.0).release(given[1])
+        CellOwnership(database, cell, "station", "", lease_s=60.0).release(given[0])
+        CellOwnership(database, cell, "station", "", lease_s=60.0).release(given[1])
     assert restore.main([str(file), "--replace", "--database", url]) == 0
     again = ProductionDatabase(url)
     assert min(owner_of(again, "cell", "b"), owner_of(again, "later", "b")) > 1_700_000_000

@@ -1,4 +1,4 @@
-"""`planner expectations` tells what runs have taught."""
+"""`planner expectations` prints what was learned from runs."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""What is exported parses, and tells the costs of the plan; the benchmarks have it solved."""
+"""What is exported parses, and states the costs of the plan; the benchmarks solve it."""
 
 import json
 
@@ -23,7 +23,7 @@ COSTS = {
     "change-tool": ("change-cost", (0,)),
     "pick-heavy": ("pick-cost", (2, 3, 0, 4)),
     "pick-light": ("pick-cost", (2, 3, 0, 4)),
-    "break-wish": ("wish-weight", (0,)),
+    "violate-soft-order": ("soft-order-weight", (0,)),
     "aim": ("approach", (0, 1)),
     "locate": ("look-cost", ()),
     "insert-first": ("insert-cost", (0, 1)),
@@ -44,7 +44,7 @@ def test_domain_and_problem_parse():
     # The parser counts the functions of :action-costs as numeric fluents.
     text = pddl.domain_text().replace(":action-costs", ":action-costs :numeric-fluents")
     domain = DomainParser()(text)
-    assert {action.name for action in domain.actions} == {*COSTS, "keep-wish", "take"}
+    assert {action.name for action in domain.actions} == {*COSTS, "keep-soft-order", "take"}
     parsed = ProblemParser()(pddl.problem_text(symbols_of(problem(12, 3))))
     assert parsed.domain_name == domain.name
     wires = [name for name in parsed.objects if name.type_tag == "wire"]
@@ -54,7 +54,7 @@ def test_domain_and_problem_parse():
 def test_the_hierarchical_domain_has_the_same_actions_and_its_tasks():
     text = hddl.domain_text()
     assert pddl.ACTIONS in text
-    for task in ("wire-all", "lay-wire", "equip", "settle", "put-in"):
+    for task in ("wire-all", "lay-wire", "equip", "resolve", "put-in"):
         assert f"(:task {task} :parameters" in text
         assert f":task ({task}" in text
     stated = hddl.problem_text(symbols_of(problem(5, 1)))
@@ -78,7 +78,7 @@ def test_the_exported_plan_costs_what_the_plan_does(wires, seed):
     assert total == planned.cost
 
 
-def test_what_cannot_be_told_is_refused():
+def test_what_cannot_be_exported_is_refused():
     with pytest.raises(InstanceError, match="has 2 arms"):
         symbols_of(problem_from(random_panel(4, 1, 2)))
     data = random_panel(4, 1, 1)
@@ -91,7 +91,7 @@ def test_what_cannot_be_told_is_refused():
     plan = plan_problem(stated, 0.01).plan
     located = next(i for i, action in enumerate(plan.actions) if action.kind.value == "locate")
     early = Plan(plan.problem, (plan.actions[located], *plan.actions[: located - 1]))
-    with pytest.raises(InstanceError, match="before it must"):
+    with pytest.raises(InstanceError, match="earlier than needed"):
         steps_of(stated, early, symbols_of(stated))
 
 

@@ -19,6 +19,7 @@ from remodel_planner.commands import explain as explain_command
 from remodel_planner.commands import plan as plan_command
 from remodel_planner.commands import sequence as sequence_command
 from remodel_planner.commands import tasks as tasks_command
+from remodel_planning.core.search import annealing
 
 DATA = Path(__file__).parents[3] / "remodel_cable_tree/test/unit/data"
 WAIT_S = 20.0
@@ -46,11 +47,11 @@ def check(instance, file, capsys):
 def test_plan_is_written_and_valid(instance, capsys):
     code, output = plan(instance, "--time-limit", "0.05")
     assert code == 0
-    told = capsys.readouterr().out
+    printed = capsys.readouterr().out
     code, streams = check(instance, output, capsys)
     verdict = json.loads(streams.out)
     assert (code, verdict["valid"], verdict["violations"]) == (0, True, [])
-    assert f"sw2-12-1: cost {verdict['cost']}" in told
+    assert f"sw2-12-1: cost {verdict['cost']}" in printed
     assert not list(instance.parent.glob(".*"))
 
 
@@ -111,6 +112,14 @@ def test_limits_out_of_range_are_wrong_usage(instance, option):
     assert caught.value.code == 2
 
 
+def test_a_target_or_the_clock_ends_the_search(instance, capsys, monkeypatch):
+    assert plan(instance, "--target", "1000000")[0] == 0
+    assert "search: target reached" in capsys.readouterr().out
+    monkeypatch.setattr(annealing, "moves_per_second", lambda *_: 1e9)  # more than any machine does
+    assert plan(instance, "--time-limit", "0.01")[0] == 0
+    assert "search: time limit reached" in capsys.readouterr().out
+
+
 def test_signal_ends_the_search_with_a_valid_plan(instance, capsys):
     output = instance.with_name("plan.json")
     program = "import sys; from remodel_planner.commands.plan import main; sys.exit(main())"
@@ -125,12 +134,12 @@ def test_signal_ends_the_search_with_a_valid_plan(instance, capsys):
         while not output.exists() and time.monotonic() < deadline:
             os.sched_yield()
         process.send_signal(signal.SIGINT)
-        told, _ = process.communicate(timeout=WAIT_S)
+        printed, _ = process.communicate(timeout=WAIT_S)
     finally:
         process.kill()
         process.wait()
     assert process.returncode == 0
-    assert "search: stopped" in told
+    assert "search: stopped by a signal" in printed
     assert check(instance, output, capsys)[0] == 0
 
 
@@ -184,8 +193,8 @@ def test_preferences_are_taken_and_explained(instance, capsys):
     options = [str(instance), str(output), "--preferences", str(preferences)]
     assert explain_command.main(options) == 0
     text = capsys.readouterr().out
-    assert "wishes broken" in text
-    assert "broken, costs 1: `all at once`: w" in text
+    assert "soft constraints violated" in text
+    assert "violated, costs 1: `all at once`: w" in text
     assert "right before" in text or "cannot be kept" in text
 
 
@@ -221,9 +230,9 @@ CABINET = Path(__file__).parents[3] / "remodel_planning" / "examples" / "cabinet
 
 def test_tasks_of_an_order_are_told(instance, capsys):
     assert tasks_command.main([str(CABINET)]) == 0
-    told = capsys.readouterr().out
-    assert "W1: Q1:1 to Q2:1, " in told
-    assert "  route: along the channel\n    Pick b (PickCable), " in told
+    printed = capsys.readouterr().out
+    assert "W1: Q1:1 to Q2:1, " in printed
+    assert "  route: along the channel\n    Pick b (PickCable), " in printed
     assert tasks_command.main([str(instance)]) == 1
     assert "states a problem, and no tasks to decompose" in capsys.readouterr().err
 
@@ -276,11 +285,11 @@ def test_a_plan_with_five_broken_preferences_is_explained_in_words(tmp_path, cap
     assert plan_command.main([panel, "--output", output, "--time-limit=0.2", *preferences]) == 0
     capsys.readouterr()
     assert explain_command.main([panel, output, *preferences]) == 0
-    told = capsys.readouterr().out
-    heads = [line for line in told.splitlines() if line.startswith("broken, costs ")]
+    printed = capsys.readouterr().out
+    heads = [line for line in printed.splitlines() if line.startswith("violated, costs ")]
     names = {line.split("`")[1] for line in heads if "`" in line}
     assert len(names) >= 5
-    assert "would cost" in told
+    assert "would cost" in printed
 
 
 def test_requirements_of_a_situation_bind_when_it_is_there(tmp_path, capsys):
@@ -312,6 +321,6 @@ def test_requirements_of_an_order_change_how_its_tasks_are_done(tmp_path, capsys
         assert plan_command.main([file, "--output", output, "--time-limit=0.02", *wanted]) == 0
         capsys.readouterr()
         assert explain_command.main([file, output, *wanted]) == 0
-        assert f"`: {task} done in another way" in capsys.readouterr().out
+        assert f"`: {task} done by another method or route" in capsys.readouterr().out
         assert tasks_command.main([file, *wanted]) == 0
         assert requirement.split(",")[0].removeprefix("{name: ") in capsys.readouterr().out

@@ -1,7 +1,7 @@
 """A run's record as a console gets it."""
 
 from remodel_msgs.msg import RunEntry
-from test_run_story import STORY
+from test_run_explanation import RUN
 
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import (
@@ -17,10 +17,10 @@ BEGUN = RunBegun("house", "switchgear", "cell", ("W1", "W2"))
 
 
 def test_positions_have_no_gaps_and_entries_are_only_added():
-    whole = entries_of((BEGUN, *STORY))
+    whole = entries_of((BEGUN, *RUN))
     assert [entry.position for entry in whole] == list(range(1, len(whole) + 1))
-    for count in range(1, len(STORY)):
-        part = entries_of((BEGUN, *STORY[:count]))
+    for count in range(1, len(RUN)):
+        part = entries_of((BEGUN, *RUN[:count]))
         assert part == whole[: len(part)]
 
 
@@ -30,18 +30,18 @@ def test_a_behavior_is_told_in_the_order_of_time_with_what_was_measured():
         "InsertCable",
         "inserted",
         0,
-        "inserted",
-        9.0,
-        4.0,
+        text="inserted",
+        ended_s=9.0,
+        elapsed_s=4.0,
         measurements=(("depth", "0.0139"), ("peak_force", "5.5"), ("note", "text")),
     )
     picture = "W1-1-whole_6.000_wrist.jpg"
     entries = entries_of(
         (
             BEGUN,
-            TaskBegun("W1", 1, Part.WHOLE, "Place Wire W1", "", 4.0),
+            TaskBegun("W1", 1, Part.WHOLE, "Place Wire W1", chart="", at_s=4.0),
             OperationEnded("W1", operation),
-            TaskEnded("W1", "finished", 10.0, True, (), (picture,)),
+            TaskEnded("W1", "finished", 10.0, True, path=(), pictures=(picture,)),
         )
     )
     kinds = [(entry.kind, entry.stamp.to_sec()) for entry in entries]
@@ -60,6 +60,6 @@ def test_a_behavior_is_told_in_the_order_of_time_with_what_was_measured():
 
 
 def test_failures_come_with_their_decision():
-    kinds = [entry.kind for entry in entries_of((BEGUN, *STORY))]
+    kinds = [entry.kind for entry in entries_of((BEGUN, *RUN))]
     assert kinds[kinds.index(RunEntry.FAILURE) + 1] == RunEntry.DECISION
     assert kinds.count(RunEntry.OPERATOR) == 4

@@ -1,4 +1,4 @@
-"""Whoever asks for a run follows that one, whatever the supervisor says of earlier ones."""
+"""A run is followed from its request on, whatever the supervisor reports of earlier ones."""
 
 import threading
 
@@ -28,7 +28,7 @@ class FakeGoal:
 
 
 class FakeServer:
-    """Takes each goal, or refuses it, and tells what a test has it tell then."""
+    """Accepts or refuses each goal, and then calls what a test has set."""
 
     is_there, refuses = True, False
     on_goal = staticmethod(lambda: None)
@@ -48,7 +48,7 @@ BEGUN = RunBegun("house", "switchgear", "cell", ("W1", "W2"))
 
 
 class Supervised:
-    """An order's runs, and somebody who follows them."""
+    """An order's runs, and a follower of them."""
 
     def __init__(self, url, monkeypatch):
         self.hear = None

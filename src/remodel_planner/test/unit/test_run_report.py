@@ -1,4 +1,4 @@
-"""The report says what happened, and nothing it was told can break its page."""
+"""The report states what happened, and no text can break its page."""
 
 import dataclasses
 from pathlib import Path
@@ -6,10 +6,10 @@ from pathlib import Path
 from lxml import html
 
 from remodel_planner.core.reports.run_report import (
+    AttemptReport,
     Drawing,
     Picture,
     Report,
-    WireStory,
     render_html,
     report_data,
     timeline,
@@ -19,55 +19,94 @@ from remodel_supervision.core.run import Execution, Operation
 
 TEMPLATE = (Path(__file__).parents[2] / "templates" / "report.html.j2").read_text()
 COLOURS = {"InsertCable": "#ffb703"}
-GOOD = Operation("/Connect a/InsertCable", "InsertCable", "inserted", 0, "seated", 12.0, 2.0)
-BAD = Operation("/Connect a/InsertCable", "InsertCable", "failed", 301, "jammed <here>", 9.0, 3.0)
+GOOD = Operation(
+    "/Connect a/InsertCable",
+    "InsertCable",
+    "inserted",
+    0,
+    text="seated",
+    ended_s=12.0,
+    elapsed_s=2.0,
+)
+BAD = Operation(
+    "/Connect a/InsertCable",
+    "InsertCable",
+    "failed",
+    301,
+    text="jammed <here>",
+    ended_s=9.0,
+    elapsed_s=3.0,
+)
 
 
-def story(name, *operations, placed=True, attempt=1):
-    wire = Wire(name, TerminalRef("Q1", "B1"), TerminalRef("Q2", "T1"), "BU", 1.5, "line 7")
+def attempted(name, *operations, placed=True, attempt=1):
+    wire = Wire(
+        name,
+        TerminalRef("Q1", "B1"),
+        TerminalRef("Q2", "T1"),
+        "BU",
+        section_mm2=1.5,
+        source="line 7",
+    )
     outcome = "finished" if placed else "failed"
-    execution = Execution(name, f"Place {name}", attempt, outcome, placed, 5.0, 15.0, operations)
-    return WireStory(
+    execution = Execution(
+        name,
+        f"Place {name}",
+        attempt,
+        outcome,
+        placed=placed,
+        started_s=5.0,
+        ended_s=15.0,
+        operations=operations,
+    )
+    return AttemptReport(
         wire,
         0.3,
         execution,
         (Drawing("chart", "<svg id='drawing'/>"),),
-        (Picture("overhead", "data:image/jpeg;base64,"),),
+        pictures=(Picture("overhead", "data:image/jpeg;base64,"),),
     )
 
 
-def report(*stories, planned=None, before=0):
-    order = Order("house", "A <house>", "house.qet", (Component("Q1", "", ()),), (), ("a guess",))
-    return Report(order, planned or len(stories), 12.3, stories, (), before=before)
+def report(*attempts, planned=None, before=0):
+    order = Order(
+        "house",
+        "A <house>",
+        "house.qet",
+        (Component("Q1", "", ()),),
+        wires=(),
+        notes=("an assumption",),
+    )
+    return Report(order, planned or len(attempts), 12.3, attempts, overview=(), before=before)
 
 
 def test_a_wire_that_failed_once_is_placed_but_not_at_first_pass():
-    both = report(story("W1", GOOD), story("W2", BAD, GOOD))
+    both = report(attempted("W1", GOOD), attempted("W2", BAD, GOOD))
     assert (both.placed, both.first_pass, both.failures) == (2, 1, 1)
     assert both.complete
 
 
-def test_a_wire_that_was_fed_anew_is_placed_once_and_has_a_row_for_each_attempt():
-    failed, second = story("W1", BAD, placed=False), story("W1", GOOD, attempt=2)
+def test_a_wire_that_was_fed_again_is_placed_once_and_has_a_row_for_each_attempt():
+    failed, second = attempted("W1", BAD, placed=False), attempted("W1", GOOD, attempt=2)
     both = report(failed, second, planned=1)
     assert (both.placed, both.first_pass, both.complete) == (1, 0, True)
-    assert list(timeline(both.stories, {})) == ["W1", "W1, attempt 2"]
+    assert list(timeline(both.attempts, {})) == ["W1", "W1, attempt 2"]
     tree = html.fromstring(render_html(TEMPLATE, both, COLOURS))
     assert len(tree.xpath("//details[@id='W1-1' or @id='W1-2']")) == 2
 
 
 def test_a_wire_that_was_never_run_makes_the_report_incomplete():
-    assert not report(story("W1", GOOD), planned=2).complete
-    assert not report(story("W1", BAD, placed=False)).complete
+    assert not report(attempted("W1", GOOD), planned=2).complete
+    assert not report(attempted("W1", BAD, placed=False)).complete
 
 
 def test_wires_that_an_earlier_run_has_placed_count():
-    both = report(story("W2", GOOD), planned=2, before=1)
+    both = report(attempted("W2", GOOD), planned=2, before=1)
     assert (both.placed, both.first_pass, both.complete) == (2, 1, True)
 
 
-def test_the_page_tells_each_wire_and_its_failures():
-    page = render_html(TEMPLATE, report(story("W1", GOOD), story("W2", BAD, GOOD)), COLOURS)
+def test_the_page_shows_each_wire_and_its_failures():
+    page = render_html(TEMPLATE, report(attempted("W1", GOOD), attempted("W2", BAD, GOOD)), COLOURS)
     tree = html.fromstring(page)
     assert len(tree.xpath("//details[@id='W1-1' or @id='W2-1']")) == 2
     assert len(tree.xpath("//*[@id='drawing']")) == 2
@@ -78,23 +117,25 @@ def test_the_page_tells_each_wire_and_its_failures():
 
 
 def test_a_run_that_stopped_early_says_why():
-    stopped = dataclasses.replace(report(story("W1", GOOD), planned=2), stopped="the engine <died>")
+    stopped = dataclasses.replace(
+        report(attempted("W1", GOOD), planned=2), stopped="the engine <died>"
+    )
     page = html.fromstring(render_html(TEMPLATE, stopped, COLOURS))
     assert "stopped early: the engine <died>" in page.text_content()
     assert report_data(stopped)["stopped"] == "the engine <died>"
 
 
 def test_the_data_says_the_same():
-    data = report_data(report(story("W2", BAD, GOOD, placed=False)))
+    data = report_data(report(attempted("W2", BAD, GOOD, placed=False)))
     assert data["complete"] is False
     (wire,) = data["wires"]
     assert wire["insertions"] == 2
     assert wire["failures"] == ["InsertCable, error 301: jammed <here>"]
-    assert data["notes"] == ["a guess"]
+    assert data["notes"] == ["an assumption"]
 
 
 def test_bars_lie_where_the_operations_were():
-    first, second = timeline((story("W2", BAD, GOOD),), COLOURS)["W2"]
+    first, second = timeline((attempted("W2", BAD, GOOD),), COLOURS)["W2"]
     assert (first.x, first.width, first.failed) == (10.0, 30.0, True)
     assert (second.x, second.width, second.failed) == (50.0, 20.0, False)
     assert first.colour == "#ffb703"

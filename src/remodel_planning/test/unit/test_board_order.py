@@ -49,7 +49,9 @@ def imported(file):
     data = file.read_bytes()
     catalogue = read_catalogue(CONFIG / "catalogue.yaml")
     form = format_of(data, MAPPINGS)
-    return import_design(data, form, file.stem, file.name, catalogue, MAPPINGS).order
+    return import_design(
+        data, form, file.stem, file.name, catalogue=catalogue, mappings=MAPPINGS
+    ).order
 
 
 def loom():
@@ -73,7 +75,7 @@ def order(*pairs, section_mm2=2.5, outside=()):
         Component(name, "", tuple(used), Mount.FIELD if name in outside else Mount.PLATE)
         for name, used in terminals.items()
     )
-    return Order("test", "", "", components, tuple(wires))
+    return Order("test", "", "", components, wires=tuple(wires))
 
 
 def work(stored, use_case=CABINET, arms=2):
@@ -96,12 +98,12 @@ def test_every_project_is_a_sound_planning_problem(name, arms):
 def test_a_harness_is_routed_clip_by_clip_and_handed_over():
     made = work(loom(), FORMBOARD)
     task = next(task for task in made.tasks if task.name == "11")
-    assert task.ways[0].segments == ("S1", "S2")
+    assert task.routes[0].segments == ("S1", "S2")
     assert task.meeting_mm is not None
     wire = next(wire for wire in loom().wires if wire.name == "11")
     names = [clip.name for clip in loom().clips_of(wire)]
     assert names
-    assert [clip.name for clip in task.ways[0].clips] == names
+    assert [clip.name for clip in task.routes[0].clips] == names
     assert problem(loom(), FORMBOARD).wire["11"].handover.position_mm == task.meeting_mm
 
 
@@ -112,9 +114,9 @@ def test_a_harness_is_mounted_trunk_first_then_each_branch_from_its_fork():
         "trunk": ("X2:trunk", "X1:trunk"),
         "X3": ("X3 begin:X3", "X3:X3"),
     }
-    assert [clip.name for clip in tasks["trunk"].ways[0].clips] == ["CL3", "CL2", "CL1"]
-    assert tasks["X3"].ways[0].clips == ()  # the clip at the fork holds the trunk
-    assert tasks["X3"].slot_mm == tasks["X3"].ways[0].path_mm[0]
+    assert [clip.name for clip in tasks["trunk"].routes[0].clips] == ["CL3", "CL2", "CL1"]
+    assert tasks["X3"].routes[0].clips == ()  # the clip at the fork holds the trunk
+    assert tasks["X3"].slot_mm == tasks["X3"].routes[0].path_mm[0]
     assert tasks["X3"].characteristics == {"part": "branch", "level": 1}
     assert made.components["X3 begin"] == {"kind": "root"}
     assert [(under.before, under.after) for under in made.unders] == [("trunk", "X3")]
@@ -127,7 +129,7 @@ def test_connectors_that_share_a_node_have_branches_of_their_own():
     tasks = {t.name: t for t in work(replace(harness, components=moved), BRANCHES).tasks}
     assert set(tasks) == {"trunk", "N4", "X3"}
     assert tasks["N4"].terminals == ("N4 begin:N4", "N4 end:N4")
-    assert tasks["X3"].ways[0].segments == ()
+    assert tasks["X3"].routes[0].segments == ()
 
 
 def test_what_has_no_branches_is_refused():
@@ -160,7 +162,7 @@ def test_terminals_whose_names_read_the_same_stay_apart():
         Component(ref.component, "", (Terminal(ref.terminal, Side.TOP),)) for ref in refs
     )
     wires = (Wire("W1", *refs, "", 7.0, "test"),)
-    made = work(Order("test", "", "", components, wires))
+    made = work(Order("test", "", "", components, wires=wires))
     assert [terminal.name for terminal in made.terminals] == ["A:1:2", "A:1:2#2"]
     assert made.tasks[0].characteristics["section_mm2"] == 7.0
     assert "colour" not in made.tasks[0].characteristics
@@ -174,7 +176,9 @@ def test_wires_whose_names_differ_in_capitals_alone_have_tasks_of_their_own():
 
 def test_what_cannot_be_an_order_is_refused():
     away = order(("Q1:B1", "M1:T1"), outside=("M1",))
-    with pytest.raises(OrderError, match="no wire with both ends on the plate: all 1 lead away"):
+    with pytest.raises(
+        OrderError, match="no wire with both ends on the plate: all 1 leave the cabinet"
+    ):
         work(away)
     hoses = find_use_case("medical_hoses")
     with pytest.raises(OrderError, match="medical_hoses takes no imported designs"):

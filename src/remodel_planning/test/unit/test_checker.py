@@ -73,7 +73,7 @@ def test_a_plan_for_another_problem_is_told(planned):
 def test_extracting_what_is_not_jammed_is_told(planned):
     i = first(planned, ActionKind.INSERT)
     insert = planned.plan.actions[i]
-    extract = Action(ActionKind.EXTRACT, insert.arm, insert.start_ticks, insert.wire, End.A)
+    extract = Action(ActionKind.EXTRACT, insert.arm, insert.start_ticks, insert.wire, end=End.A)
     actions = [*planned.plan.actions[:i], extract, *planned.plan.actions[i:]]
     assert any("is not jammed" in text for text in verdict(planned, actions).violations)
 

@@ -37,7 +37,7 @@ terminals = st.tuples(words, st.sampled_from(["1", "2", "A1", "13", "PE"]))
 
 
 def read(data, form, name="x"):
-    return import_design(data, form, name, "file", CATALOGUE, MAPPINGS)
+    return import_design(data, form, name, "file", catalogue=CATALOGUE, mappings=MAPPINGS)
 
 
 def require_whole(imported):

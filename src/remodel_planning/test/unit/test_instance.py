@@ -90,8 +90,10 @@ def test_unknown_tool_is_named():
 
 
 def test_unknown_wires_of_relations_are_named():
-    wish = {"before": "w0", "after": "w99", "weight": 3}
-    assert "wish w0 before w99: no wire w99" in refusal(lambda d: d["soft_before"].append(wish))
+    soft = {"before": "w0", "after": "w99", "weight": 3}
+    assert "soft constraint w0 before w99: no wire w99" in refusal(
+        lambda d: d["soft_before"].append(soft)
+    )
 
 
 def test_terminal_used_twice_is_named():

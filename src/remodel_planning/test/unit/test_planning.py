@@ -6,19 +6,19 @@ import random
 import numpy as np
 import pytest
 from decoder import decode
+from failures import after_jam, after_move, remaining_order
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from random_panel import random_panel
 
 from remodel_planning.core.plan.checker import check
-from remodel_planning.core.plan.progress import after_jam, after_move
 from remodel_planning.core.problem.defects import require_sound
 from remodel_planning.core.problem.instance import problem_data, problem_from
 from remodel_planning.core.problem.modes import Mode
 from remodel_planning.core.problem.plan_form import plan_data, plan_from
 from remodel_planning.core.problem.problem import ActionKind, Plan
 from remodel_planning.core.search.tables import tables_of
-from remodel_planning.edge.anytime_planner import AnytimePlanner, Limits, remaining_order
+from remodel_planning.edge.anytime_planner import AnytimePlanner, Limits
 from remodel_planning.edge.search_kernel import Kernel
 
 PANELS = settings(
@@ -35,7 +35,7 @@ def kernel():
 
 
 def random_ranking(wires, rng):
-    """Return a wish for an order of some groups of the wires; some wires may have no rank."""
+    """Return a ranking of some groups of the wires; some wires may have no rank."""
     groups = [[] for _ in range(rng.randrange(1, 8))]
     for wire in wires:
         rng.choice([[], *groups]).append(wire["id"])
@@ -63,7 +63,7 @@ def assert_good(planned):
 
 
 def random_list(tables, rng):
-    """Draw an order that obeys the order constraints, with the opening first, and modes."""
+    """Draw an order that satisfies the order constraints, with the opening first, and modes."""
     before = {i: set() for i in range(len(tables.wires))}
     for first, second in tables.arrays["under"].tolist():
         before[second].add(first)
@@ -88,7 +88,7 @@ def residual(planned, seed):
         return after_jam(problem, plan, rng.choice(inserts)) if inserts else problem
     index = rng.choice(picks)
     shift = (rng.randrange(-20, 20), rng.randrange(-40, 40))
-    return after_move(problem, plan, index, rng.choice(problem.components), shift)
+    return after_move(problem, plan, index, rng.choice(problem.components), shift_mm=shift)
 
 
 @PANELS

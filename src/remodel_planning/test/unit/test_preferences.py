@@ -9,14 +9,14 @@ from hypothesis import strategies as st
 from random_panel import random_panel
 
 from remodel_planning.core.plan.checker import check
-from remodel_planning.core.plan.explanation import broken_wishes, explain
+from remodel_planning.core.plan.explanation import explain, violated_constraints
 from remodel_planning.core.plan.listing import listing_of
 from remodel_planning.core.problem.defects import require_sound
 from remodel_planning.core.problem.instance import problem_from
 from remodel_planning.core.problem.modes import Mode
 from remodel_planning.core.problem.order import wire_order
 from remodel_planning.core.problem.preferences import Preferred, apply_preferences
-from remodel_planning.core.problem.problem import ActionKind, Detour, Wish
+from remodel_planning.core.problem.problem import ActionKind, Detour, SoftConstraint
 from remodel_planning.core.search.tables import tables_of
 from remodel_planning.edge.anytime_planner import AnytimePlanner
 from remodel_planning.edge.search_kernel import Kernel
@@ -39,11 +39,13 @@ def planned(problem):
     return AnytimePlanner(Kernel(), tables_of(problem)).first()
 
 
-def test_wishes_hold_between_all_wires_of_two_choices(problem):
+def test_preferences_hold_between_all_wires_of_two_choices(problem):
     text = "prefer: [{name: blue, pick: {colour: blue, heavy: false}, before: [w0, w1], weight: 7}]"
-    added = preferred(problem, text).problem.wishes[len(problem.wishes) :]
+    added = preferred(problem, text).problem.soft_constraints[len(problem.soft_constraints) :]
     blue = [w.name for w in problem.wires if w.colour == "blue" and not w.heavy]
-    assert added == tuple(Wish(b, o, 7, "blue") for b in blue for o in ("w0", "w1") if b != o)
+    assert added == tuple(
+        SoftConstraint(b, o, 7, "blue") for b in blue for o in ("w0", "w1") if b != o
+    )
 
 
 def test_weights_replace_only_those_named(problem):
@@ -79,7 +81,10 @@ def test_requirements_bind_the_plan(problem):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("wishes: []", "wishes: no such field; there are format, zones, weights, prefer, require"),
+        (
+            "favourites: []",
+            "favourites: no such field; there are format, zones, weights, prefer, require",
+        ),
         ("weights: {speed: 3}", "weights.speed: no such field"),
         ("prefer: [{name: x, pick: w99, before: w1, weight: 1}]", r"prefer\[0\].pick: no wire w99"),
         ("prefer: [{name: x, pick: [3], before: w1, weight: 1}]", r"prefer\[0\].pick: no wire 3"),
@@ -119,35 +124,39 @@ def test_wires_are_put_in_the_order_of_a_value(problem):
     zone = {name: problem.wire[name].zone for name in ("w0", "w1", "w2")}
     (ranking,) = bound.rankings
     assert (ranking.weight, ranking.reason) == (2, "right first")
-    added = {(w.before, w.after) for w in ranking.wishes()}
+    added = {(w.before, w.after) for w in ranking.constraints()}
     assert added == {(a, b) for a in zone for b in zone if zone[a] > zone[b]}
     thick = {w.name for w in problem.wires if w.heavy}
     under = {(u.before, u.after) for u in bound.unders if u.reason == "thick first"}
     assert under == {(a, b) for a in thick for b in problem.wire if b not in thick}
 
 
-def test_a_ranking_costs_what_a_wish_for_each_of_its_pairs_costs(problem):
+def test_a_ranking_costs_what_a_soft_constraint_for_each_of_its_pairs_costs(problem):
     text = """
         prefer:
           - {name: left first, pick: all, in_order_of: zone, from: least, weight: 7}
           - {name: by name of colour, pick: all, in_order_of: colour, from: greatest, weight: 3}
     """
     ranked = preferred(problem, text).problem
-    pairs = tuple(wish for ranking in ranked.rankings for wish in ranking.wishes())
+    pairs = tuple(each for ranking in ranked.rankings for each in ranking.constraints())
     assert len(pairs) == sum(ranking.pairs for ranking in ranked.rankings)
-    listed = replace(ranked, rankings=(), wishes=(*ranked.wishes, *pairs))
+    listed = replace(ranked, rankings=(), soft_constraints=(*ranked.soft_constraints, *pairs))
     for found in (planned(problem), planned(ranked)):
         costs = [check(p, found.plan).cost for p in (ranked, listed)]
         assert costs[0] == costs[1]
-        broken = [broken_wishes(p, found.plan) for p in (ranked, listed)]
-        assert {(b.wish, b.places) for b in broken[0]} == {(b.wish, b.places) for b in broken[1]}
+        violated = [violated_constraints(p, found.plan) for p in (ranked, listed)]
+        assert {(b.soft, b.places) for b in violated[0]} == {
+            (b.soft, b.places) for b in violated[1]
+        }
     assert check(ranked, planned(ranked).plan).cost < check(ranked, planned(problem).plan).cost
 
 
-def test_wishes_that_outweigh_what_costs_can_count_are_refused(problem):
+def test_soft_constraints_that_outweigh_what_costs_can_count_are_refused(problem):
     text = "prefer: [{name: left, pick: all, in_order_of: zone, from: least, weight: 100000}]"
     many = problem_from(random_panel(400, 1, 1))
-    with pytest.raises(InstanceError, match=r"wishes: all broken.*left has \d+ pairs of 100000"):
+    with pytest.raises(
+        InstanceError, match=r"soft constraints: violating all.*left has \d+ pairs of 100000"
+    ):
         require_sound(preferred(many, text).problem)
 
 
@@ -166,7 +175,7 @@ def test_wires_are_chosen_by_characteristics_and_bounds(problem):
           - {name: shielded, pick: {shielded: true, zone: {at_least: 1}}, before: w0, weight: 1}
           - {name: none, pick: {colour: [pink, gold]}, before: w0, weight: 1, if_any: true}
     """
-    added = preferred(stated, text).problem.wishes[len(problem.wishes) :]
+    added = preferred(stated, text).problem.soft_constraints[len(problem.soft_constraints) :]
     chosen = [w.name for w in problem.wires if w.zone == 1 and w.name != "w0"]
     assert [(w.before, w.reason) for w in added] == [(n, "thin") for n in chosen] + [
         (n, "shielded") for n in chosen
@@ -209,7 +218,7 @@ def test_a_forbidden_segment_is_avoided_by_a_detour(problem):
 
 def test_a_force_limit_refuses_what_pushes_harder(problem):
     text = "require: [{name: gently, insert: w3, force_n: 20}]"
-    with pytest.raises(InstanceError, match="`gently`: nobody tells with which force wire w3"):
+    with pytest.raises(InstanceError, match="`gently`: the insertion force of wire w3"):
         preferred(problem, text)
     for force_n, accepted in ((20, True), (21, False)):
         wires = tuple(replace(w, insert_force_n=force_n) for w in problem.wires)
@@ -242,7 +251,7 @@ class FakeMender:
         return None if wire.endswith("1") else 7
 
 
-def test_broken_wishes_are_explained(problem):
+def test_violated_constraints_are_explained(problem):
     under, *_ = problem.unders
     text = f"""
         prefer:
@@ -253,10 +262,10 @@ def test_broken_wishes_are_explained(problem):
     result = preferred(problem, text)
     plan = planned(result.problem).plan
     verdict = check(result.problem, plan)
-    broken = broken_wishes(result.problem, plan)
+    violated = violated_constraints(result.problem, plan)
     lines = "\n".join(explain(result, plan, verdict, FakeMender()))
     assert f"cost {verdict.cost} = makespan {verdict.makespan}" in lines
-    assert sum(item.wish.weight for item in broken) == verdict.penalties["soft"]
+    assert sum(item.soft.weight for item in violated) == verdict.penalties["soft"]
     chain = f"{under.before} must come before {under.after}"
     assert f"`against the design`: {under.after} should be picked before {under.before}" in lines
     assert f"cannot be kept: {chain}" in lines

@@ -11,7 +11,7 @@ from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.check.check import check_chart
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from remodel_planning.core.decomposition.preparation import prepare
-from remodel_planning.core.orders.work_order import Clip, Task, Way, WorkOrder
+from remodel_planning.core.orders.work_order import Clip, Route, Task, WorkOrder
 from remodel_planning.core.plan.checker import check
 from remodel_planning.core.problem.problem import ActionKind, Arm, Terminal
 from remodel_planning.core.task_charts.planned_tasks import planned_tasks
@@ -64,17 +64,19 @@ def orders(draw):
                 (names[0], names[1]),
                 draw(PLACES),
                 draw(stated(use_case.task_characteristics)),
-                (Way((ends[0], middle, ends[1]), clips, draw(st.sampled_from([(), ("s",)]))),),
-                draw(PLACES) if hands_over and draw(st.booleans()) else None,
+                routes=(
+                    Route((ends[0], middle, ends[1]), clips, draw(st.sampled_from([(), ("s",)]))),
+                ),
+                meeting_mm=draw(PLACES) if hands_over and draw(st.booleans()) else None,
             )
         )
     reaches = draw(st.sampled_from([((0, 1000),), ((0, 700), (300, 1000)), ((0, 1000), (0, 1000))]))
     arms = tuple(
-        Arm(f"R{i}", (500, -100), reach, (500, 0), "narrow", None)
+        Arm(f"R{i}", (500, -100), reach, (500, 0), tool="narrow", holding=None)
         for i, reach in enumerate(reaches)
     )
     return use_case, WorkOrder(
-        "random", use_case.name, arms, components, tuple(terminals), tuple(tasks)
+        "random", use_case.name, arms, components, terminals=tuple(terminals), tasks=tuple(tasks)
     )
 
 

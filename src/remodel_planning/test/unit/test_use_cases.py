@@ -60,11 +60,11 @@ def test_what_is_unknown_is_looked_at_and_what_moved_is_looked_at_again():
     assert after[:3] == ["find_ends", "regrasp", "lead"]
 
 
-def test_a_clip_has_its_own_part_of_the_way():
+def test_a_clip_has_its_own_part_of_the_route():
     steps = decomposed(PACKAGE / "examples" / "branched_harness.yaml")["trunk"].steps
     leads = [step for step in steps if step.action.name == "lead"]
     assert [step.clip.name for step in leads] == ["C1", "C2", "C3"]
-    assert [step.way.path_mm[-1] for step in leads] == [(200, 0), (500, 0), (800, 0)]
+    assert [step.route.path_mm[-1] for step in leads] == [(200, 0), (500, 0), (800, 0)]
 
 
 def test_a_force_limit_chooses_the_gentler_method():
@@ -75,12 +75,12 @@ def test_a_force_limit_chooses_the_gentler_method():
     assert "push_on pushes with 35 N, over 20 N (`gently`)" in told
 
 
-def test_a_forbidden_segment_chooses_another_way():
+def test_a_forbidden_segment_chooses_another_route():
     file = PACKAGE / "examples" / "automotive_harness.yaml"
-    assert decomposed(file)["W3"].way.segments == ("upper",)
+    assert decomposed(file)["W3"].route.segments == ("upper",)
     limits = Limits({}, {"upper": "keep off"})
-    assert decomposed(file, limits)["W3"].way.segments == ("trunk_left", "stub")
-    with pytest.raises(InstanceError, match=r"way 2: goes through upper \(`keep off`\)"):
+    assert decomposed(file, limits)["W3"].route.segments == ("trunk_left", "stub")
+    with pytest.raises(InstanceError, match=r"route 2: goes through upper \(`keep off`\)"):
         decomposed(file, Limits({}, {"upper": "keep off", "stub": "keep off"}))
 
 
@@ -161,9 +161,9 @@ def learned(ability, frozen, least, most, values):
         (("name: ropes", "name: rope"), "name: expected ropes, as the file is called, found rope"),
         (
             ("success: 1", "success: 2"),
-            "abilities.PickCable.success: 2 is greater than the maximum",
+            "abilities.PickCable.success: found 2; allowed: 1 or less",
         ),
-        (("give_up: take", ""), "the document: 'give_up' is a required property"),
+        (("give_up: take", ""), "methods, cell; missing: give_up"),
         (("give_up: take", "give_up: drop"), "give_up: no action drop; there are take"),
         (
             ("give_up: take", "give_up: take\ndiscard: drop"),
@@ -181,7 +181,10 @@ def learned(ability, frozen, least, most, values):
             "methods.pick.take it.when: no characteristic size; there are clips, colour, length_m",
         ),
         (("  pick: [{name: take it, do: [take]}]\n", ""), "methods: none for pick"),
-        (("title: Lay Rope {task}", "title: Lay Rope"), "title: 'Lay Rope' does not match"),
+        (
+            ("title: Lay Rope {task}", "title: Lay Rope"),
+            "title: found 'Lay Rope'; allowed: text that matches",
+        ),
         (("format", "["), "is no YAML: "),
         (
             ("abilities:", "unknown: {ends: {of: task, look: take}}\nabilities:"),
@@ -192,16 +195,16 @@ def learned(ability, frozen, least, most, values):
             "abilities.PickCable: the last entry must have no `when`",
         ),
         (
-            ("actions:", learned("PickCable", 9, 4, 8, 5) + "\nactions:"),
+            ("actions:", learned("PickCable", 9, 4, 8, values=5) + "\nactions:"),
             "learned.PickCable: bounds must be low <= frozen <= high",
         ),
         (
-            ("actions:", learned("Grip", 6, 4, 8, 5) + "\nactions:"),
+            ("actions:", learned("Grip", 6, 4, 8, values=5) + "\nactions:"),
             "learned: no ability Grip; there are PickCable",
         ),
         (
-            ("actions:", learned("PickCable", 6, 4, 8, 1) + "\nactions:"),
-            "learned.PickCable.force.values: 1 is less than the minimum of 2",
+            ("actions:", learned("PickCable", 6, 4, 8, values=1) + "\nactions:"),
+            "learned.PickCable.force.values: found 1; allowed: 2 or more",
         ),
     ],
 )
@@ -226,11 +229,11 @@ actions:
 @pytest.mark.parametrize(
     ("needs", "forgets", "message"),
     [
-        ("[near, far]", "forgets: [far]", "take is never ready: looking at near undoes far undoes"),
+        ("[near, far]", "forgets: [far]", "take is never ready: observing near undoes far undoes"),
         (
             "{near: key}",
             "forgets: []",
-            "actions.look_near.reveals: name the output that tells near",
+            "actions.look_near.reveals: name the output that carries near",
         ),
         ("[near, far]", "needs: [near]", "decomposition without end: look_near needs look_near"),
     ],

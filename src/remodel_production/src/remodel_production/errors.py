@@ -27,7 +27,7 @@ class OrderError(PlannerError):
 
 
 class LostError(PlannerError):
-    """A process that a run needs is gone, or silent: what it was doing is in doubt."""
+    """A process that a run needs is gone or silent; what it did last is unknown."""
 
 
 class OwnerError(PlannerError):

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
-from remodel_production.core.board.board import board_of, way_length
+from remodel_production.core.board.board import board_of, route_length
 from remodel_production.core.board.cabinet import CabinetRules, laid_out
 from remodel_production.core.board.drawing import draw_board
 from remodel_production.core.board.duct_graph import DuctGraph
@@ -62,7 +62,7 @@ def order(*pairs, field=()):
         Component(name, "", tuple(used), Mount.FIELD if name in field else Mount.PLATE)
         for name, used in terminals.items()
     )
-    return Order("test", "", "test.qet", components, tuple(wires))
+    return Order("test", "", "test.qet", components, wires=tuple(wires))
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -84,16 +84,16 @@ def test_every_wire_runs_through_ducts_that_hang_together(name):
     board = board_of(project(name))
     segments = {segment.name: segment for segment in board.order.segments}
     for wire in board.order.wires:
-        if wire.name not in board.ways:
+        if wire.name not in board.routes:
             assert not wire.route
             continue
         for before, after in pairwise(segments[step] for step in wire.route):
             assert {before.start, before.end} & {after.start, after.end}
         assert len(set(wire.route)) == len(wire.route)
-        way = board.ways[wire.name]
-        assert (way[0], way[-1]) == (board.mouths[wire.a], board.mouths[wire.b])
-        assert all(p[0] == q[0] or p[1] == q[1] for p, q in pairwise(way))
-        assert wire.length_m == pytest.approx(way_length(way) + 2 * RULES.tail, abs=2e-3)
+        route = board.routes[wire.name]
+        assert (route[0], route[-1]) == (board.openings[wire.a], board.openings[wire.b])
+        assert all(p[0] == q[0] or p[1] == q[1] for p, q in pairwise(route))
+        assert wire.length_m == pytest.approx(route_length(route) + 2 * RULES.tail, abs=2e-3)
 
 
 def test_a_layout_is_the_same_each_time_and_stays_when_it_is_there():
@@ -128,7 +128,7 @@ def test_places_of_the_design_are_kept_and_make_rows():
     posed = tuple(
         Component(c.name, "", c.terminals, pose=Pose(places[c.name])) for c in given.components
     )
-    laid = laid_out(Order("test", "", "", posed, given.wires))
+    laid = laid_out(Order("test", "", "", posed, wires=given.wires))
     assert {c.name: c.pose.position for c in laid.components} == places
     heights = sorted({node.position[1] for node in laid.nodes})
     assert heights == pytest.approx([0.2, 0.555, 0.91], abs=0.01)
@@ -151,9 +151,9 @@ def test_points_off_the_ducts_and_ducts_apart_are_told():
     nodes = tuple(Node(name, (float(x), float(y), 0.0)) for name, x, y in spots)
     graph = DuctGraph(nodes, (Segment("S", "A", "B", 1.0), Segment("T", "C", "D", 1.0)))
     with pytest.raises(ValueError, match="no duct at"):
-        graph.way((3.0, 0.0), (0.5, 0.0))
+        graph.shortest_route((3.0, 0.0), (0.5, 0.0))
     with pytest.raises(ValueError, match="do not lead"):
-        graph.way((0.5, 0.0), (0.5, 2.0))
+        graph.shortest_route((0.5, 0.0), (0.5, 2.0))
 
 
 def test_a_formboard_keeps_the_lengths_of_a_tree():
@@ -194,7 +194,7 @@ def test_a_harness_lies_on_a_formboard_with_its_clips():
     board = board_of(loom())
     assert not board.is_cabinet
     assert set(board.clips) == {"CL1", "CL2", "CL3"}
-    assert set(board.ways) == {"11", "SL1.31"}
+    assert set(board.routes) == {"11", "SL1.31"}
     start, end = board.lines["S1"]
     assert math.dist(board.clips["CL1"], start) == pytest.approx(0.1)
     assert math.dist(start, end) == pytest.approx(0.4)
@@ -205,7 +205,7 @@ def test_a_connector_without_a_node_lies_below_the_harness():
     loose = tuple(
         Component(c.name, c.kind, c.terminals) if c.name == "X3" else c for c in harness.components
     )
-    board = board_of(Order("loom", "", "", loose, harness.wires, nodes=harness.nodes,
+    board = board_of(Order("loom", "", "", loose, wires=harness.wires, nodes=harness.nodes,
                            segments=harness.segments, clips=harness.clips))  # fmt: skip
     centres = {device.component.name: device.centre for device in board.devices}
     assert centres["X3"][1] < min(centres["X1"][1], centres["X2"][1])
@@ -221,7 +221,7 @@ def test_a_drawing_shows_every_device_and_every_wire(order_of):
     labels = Counter(node.text for node in svg.findall("s:text", space))
     assert labels == Counter(device.component.name for device in board.devices)
     drawn = [title.text.split(":")[0] for title in svg.iterfind("s:g/s:title", space)]
-    assert sorted(drawn) == sorted(name.split(":")[0] for name in board.ways)
+    assert sorted(drawn) == sorted(name.split(":")[0] for name in board.routes)
     _, _, width, height = map(float, svg.get("viewBox").split())
     points = " ".join(line.get("points") for line in svg.iterfind("s:g/s:polyline", space))
     for pair in points.split():

@@ -27,7 +27,7 @@ def database(url):
 def stations(database):
     """Return the ownership of one cell from two stations."""
     return tuple(
-        CellOwnership(database, "cell", station, f"host {station}, pid 7", 30.0)
+        CellOwnership(database, "cell", station, f"host {station}, pid 7", lease_s=30.0)
         for station in ("a", "b")
     )
 
@@ -63,7 +63,7 @@ def test_a_station_takes_over_when_the_lease_has_run_out(stations, database):
     first, second = stations
     first.acquire()
     run_out(database)
-    assert first.renew(1), "nobody has taken the cell over yet"
+    assert first.renew(1), "no other supervisor has taken the cell over yet"
     run_out(database)
     assert live_owners(database) == ()
     assert second.acquire() == Owned(2)
@@ -83,7 +83,7 @@ def test_a_released_cell_is_free_at_once_and_not_renewed(stations):
 
 def test_cells_have_owners_of_their_own(stations, database):
     stations[0].acquire()
-    other = CellOwnership(database, "other", "b", "host b", 30.0)
+    other = CellOwnership(database, "other", "b", "host b", lease_s=30.0)
     assert other.acquire() == Owned(1)
     assert [owner.cell for owner in live_owners(database)] == ["cell", "other"]
 
@@ -94,7 +94,7 @@ def test_of_stations_that_come_at_once_one_gets_the_cell(url):
 
     def acquire(station):
         database = ProductionDatabase(url)
-        ownership = CellOwnership(database, "cell", station, station, 30.0)
+        ownership = CellOwnership(database, "cell", station, station, lease_s=30.0)
         start.wait(20.0)
         answers.append(ownership.acquire())
         database.close()

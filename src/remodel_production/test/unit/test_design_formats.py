@@ -26,7 +26,7 @@ def test_every_example_is_recognised_and_accounted_for(file):
     data = file.read_bytes()
     form = format_of(data, MAPPINGS)
     assert form is FORMATS[file.suffix]
-    imported = import_design(data, form, "x", file.name, CATALOGUE, MAPPINGS)
+    imported = import_design(data, form, "x", file.name, catalogue=CATALOGUE, mappings=MAPPINGS)
     account = imported.account
     direct = len(imported.order.wires) - account.wires_joined
     assert account.connections == direct + account.joined + len(account.left_out)
@@ -148,7 +148,7 @@ def test_doubled_names_of_wires_are_told_apart_without_taking_others_names():
     connections += [connection("A:8", "B:8", "x#2"), connection("A:9", "B:9")]
     assembly = assemble([Device("A"), Device("B")], connections)
     assert [wire.name for wire in assembly.wires] == ["x", "x#3", "y", "x#2", "W5"]
-    assert assembly.guesses[0] == "at A:1: name x occurs before, at at A:0; named x#3"
+    assert assembly.assumptions[0] == "at A:1: name x occurs before, at at A:0; named x#3"
 
 
 def test_more_connections_than_any_design_has_are_refused():

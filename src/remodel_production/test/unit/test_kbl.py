@@ -81,13 +81,15 @@ def test_lengths_of_segments_are_physical_else_virtual_else_the_distance():
     imported = read()
     lengths = {segment.name: segment.length_m for segment in imported.order.segments}
     assert lengths == {"S1": 0.4, "S2": 0.32, "S3": pytest.approx(0.2)}
-    assert "line 79: length of segment S3 not given, 0.200 m taken" in imported.account.guesses
+    assert "line 79: length of segment S3 not given, 0.200 m taken" in imported.account.assumptions
 
 
 def test_a_wire_without_a_length_gets_that_of_its_route():
     imported = read()
     assert imported.order.wires[1].length_m == pytest.approx(0.6)
-    assert any("length not given, that of its route taken" in g for g in imported.account.guesses)
+    assert any(
+        "length not given, that of its route taken" in g for g in imported.account.assumptions
+    )
 
 
 def test_a_connection_with_one_end_is_left_out_with_its_place():
@@ -107,7 +109,7 @@ def test_a_route_that_ends_elsewhere_is_taken_and_told():
     assert (
         "line 29, connection K1: its route leads from N2 to N3, and its connectors sit at N1 and "
         "N3; the route is taken"
-    ) in imported.account.guesses
+    ) in imported.account.assumptions
 
 
 def test_a_route_with_a_gap_is_left_out_and_named():
@@ -118,7 +120,7 @@ def test_a_route_with_a_gap_is_left_out_and_named():
     )
     (ignored,) = imported.account.ignored
     assert ignored.source == "line 33, connection K2, its route"
-    assert ignored.reason == "its segments S2, seg9 are no way: they form 2 separate ways"
+    assert ignored.reason == "its segments S2, seg9 are no route: they form 2 separate routes"
     assert imported.order.wires[1].route == ()
 
 
@@ -127,7 +129,7 @@ def test_a_box_at_two_nodes_has_wires_from_both():
         (">f3<", ">f3 x1<"), ("<Segments>seg2 seg1</Segments>", "<Segments>seg2</Segments>")
     )
     assert both.order.wires[0].route == ("S2",)
-    assert not any("its connectors sit at" in guess for guess in both.account.guesses)
+    assert not any("its connectors sit at" in line for line in both.account.assumptions)
 
 
 @pytest.mark.parametrize(
@@ -170,7 +172,7 @@ SEGMENTS = [
     [
         ([*SEGMENTS, SEGMENTS[0]], "passes segment S1 twice"),
         ([*SEGMENTS, Segment("S4", "D", "A", 1.0)], "they form a cycle"),
-        ([SEGMENTS[0], SEGMENTS[2]], "they form 2 separate ways"),
+        ([SEGMENTS[0], SEGMENTS[2]], "they form 2 separate routes"),
         ([*SEGMENTS, Segment("S4", "B", "E", 1.0)], "3 of its segments meet at node B"),
         (
             [*SEGMENTS, Segment("S4", "E", "F", 1.0), Segment("S5", "F", "E", 1.0)],

@@ -25,7 +25,7 @@ def order(*pairs, section=2.5):
             terminals.setdefault(ref.component, []).append(Terminal(ref.terminal, side))
         wires.append(Wire(f"W{number}", *refs, "BK", section, "test"))
     components = tuple(Component(name, "", tuple(used)) for name, used in terminals.items())
-    return Order("test", "", "test.qet", components, tuple(wires))
+    return Order("test", "", "test.qet", components, wires=tuple(wires))
 
 
 def placed(layout):

@@ -1,4 +1,4 @@
-"""Orders go into the database and come back equal."""
+"""Orders stored in the database are read back equal."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -34,11 +34,25 @@ ORDER = Order(
         Component("Q1", "breaker", (Terminal("B1", Side.BOTTOM), Terminal("B2", Side.BOTTOM))),
         Component("Q2", "switch", (Terminal("T1", Side.TOP), Terminal("T2", Side.TOP))),
     ),
-    (
-        Wire("W1", TerminalRef("Q1", "B1"), TerminalRef("Q2", "T1"), "BU", 1.5, "line 1"),
-        Wire("W2", TerminalRef("Q1", "B2"), TerminalRef("Q2", "T2"), "BK", 2.5, "line 2"),
+    wires=(
+        Wire(
+            "W1",
+            TerminalRef("Q1", "B1"),
+            TerminalRef("Q2", "T1"),
+            "BU",
+            section_mm2=1.5,
+            source="line 1",
+        ),
+        Wire(
+            "W2",
+            TerminalRef("Q1", "B2"),
+            TerminalRef("Q2", "T2"),
+            "BK",
+            section_mm2=2.5,
+            source="line 2",
+        ),
     ),
-    ("a guess",),
+    notes=("an assumption",),
 )
 
 
@@ -51,34 +65,52 @@ HARNESS = Order(
         Component(
             "X1",
             "plug",
-            (Terminal("1", Side.TOP, "", "contact 4711", TURNED, (0.0, 0.0, -1.0), 0.02, 60.0),),
+            (
+                Terminal(
+                    "1",
+                    Side.TOP,
+                    "",
+                    "contact 4711",
+                    pose=TURNED,
+                    approach=(0.0, 0.0, -1.0),
+                    clearance_m=0.02,
+                    insertion_force_limit_n=60.0,
+                ),
+            ),
             Mount.FIELD,
-            Role.CONNECTOR,
-            "P-1",
-            TURNED,
-            "N1",
+            role=Role.CONNECTOR,
+            part_number="P-1",
+            pose=TURNED,
+            node="N1",
         ),
         Component("X2", "plug", (Terminal("1", Side.BOTTOM),), node="N3"),
     ),
-    (
+    wires=(
         Wire(
             "C1.1",
             TerminalRef("X1", "1"),
             TerminalRef("X2", "1"),
             "GNYE",
-            0.35,
-            "line 3",
-            0.7,
-            "C1",
-            "1",
-            ("S1", "S2"),
+            section_mm2=0.35,
+            source="line 3",
+            length_m=0.7,
+            cable="C1",
+            core="1",
+            route=("S1", "S2"),
         ),
     ),
-    (),
-    (Cable("C1", "LiYCY", 0.8, True, "line 4"),),
-    (Node("N1", (0.0, 0.1, 0.2)), Node("N2", None), Node("N3", None)),
-    (Segment("S1", "N1", "N2", 0.3), Segment("S2", "N3", "N2", 0.4, SegmentKind.DUCT)),
-    (Clip("K1", "clip", "S2", 0.25), Clip("K2", "clip", "S2", 0.75), Clip("K3", "", node="N2")),
+    notes=(),
+    cables=(Cable("C1", "LiYCY", 0.8, True, source="line 4"),),
+    nodes=(Node("N1", (0.0, 0.1, 0.2)), Node("N2", None), Node("N3", None)),
+    segments=(
+        Segment("S1", "N1", "N2", 0.3),
+        Segment("S2", "N3", "N2", 0.4, kind=SegmentKind.DUCT),
+    ),
+    clips=(
+        Clip("K1", "clip", "S2", 0.25),
+        Clip("K2", "clip", "S2", 0.75),
+        Clip("K3", "", node="N2"),
+    ),
 )
 
 

@@ -93,11 +93,11 @@ TWO = [element(BREAKER, "q1", "Q1"), element(BREAKER, "q2", "Q2")]
 
 def test_a_conductor_between_two_devices_is_a_wire():
     attributes = 'conductor_section="1.5mm²" conductor_color="Bleu"'
-    order, account = read((TWO, [wire("q1", "b2", "q2", "t1", attributes)]))
+    order, account = read((TWO, [wire("q1", "b2", "q2", "t1", more=attributes)]))
     assert ends(order) == [("Q1:B2", "Q2:T1")]
     assert (order.wires[0].colour, order.wires[0].section_mm2) == ("BU", 1.5)
     assert order.components[0].terminal("B2").side is Side.BOTTOM
-    assert not account.guesses
+    assert not account.assumptions
     assert not account.left_out
 
 
@@ -148,7 +148,7 @@ def test_terminals_of_a_definition_that_lie_outwards_are_those_of_the_instance()
 def test_a_format_that_is_newer_is_read_and_told():
     text = project((TWO, [wire("q1", "b1", "q2", "t1")])).replace(b'"0.90"', b'"0.100.0"')
     imported = import_qet(text, "test", "test.qet", CATALOGUE)
-    assert imported.account.guesses[0] == "line 1: format 0.100.0; read as 0.90"
+    assert imported.account.assumptions[0] == "line 1: format 0.100.0; read as 0.90"
 
 
 def test_a_potential_goes_on_through_linked_references():
@@ -176,15 +176,15 @@ def test_a_point_with_two_wires_becomes_two_terminals():
     conductors = [wire("q1", "b1", "q2", "t1"), wire("q1", "b1", "q2", "t2")]
     order, account = read((TWO, conductors))
     assert ends(order) == [("Q1:B1.1", "Q2:T1"), ("Q1:B1.2", "Q2:T2")]
-    assert any("Q1:B1 is given 2 clamps" in guess for guess in account.guesses)
+    assert any("Q1:B1 is given 2 clamps" in line for line in account.assumptions)
 
 
-def test_what_the_file_does_not_say_is_guessed_aloud():
+def test_what_the_file_does_not_say_is_assumed_and_reported():
     elements = [element(BREAKER, "q1"), element(BREAKER, "q2")]
     order, account = read((elements, [wire("q1", "b1", "q2", "t1")]))
     assert ends(order) == [("breaker:B1", "breaker#2:T1")]
     assert (order.wires[0].colour, order.wires[0].section_mm2) == ("BK", 2.5)
-    assert len(account.guesses) == 4
+    assert len(account.assumptions) == 4
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""What designs do not say of their terminals is filled in by the catalogue, and told."""
+"""What designs do not say of their terminals is filled in by the catalogue and reported."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -22,7 +22,7 @@ CATALOGUE = replace(
 
 
 def filled(component):
-    order = Order("o", "", "", (component,), (), notes=("before",))
+    order = Order("o", "", "", (component,), wires=(), notes=("before",))
     return with_access(Imported(order, Account("lines", 0, ("before",), ())), CATALOGUE)
 
 
@@ -41,16 +41,16 @@ def test_the_first_rule_that_fits_fills_in_what_is_not_given(role, part, limit, 
     assert [t.insertion_force_limit_n for t in found] == [limit, limit]
     assert [t.clearance_m for t in found] == [clearance, clearance]
     assert [t.approach for t in found] == [(0.0, -1.0, 0.0), (0.0, 1.0, 0.0)]
-    assert imported.account.guesses == imported.order.notes
-    assert imported.account.guesses[1] == (
+    assert imported.account.assumptions == imported.order.notes
+    assert imported.account.assumptions[1] == (
         f"insertion force limit not given, {limit:g} N taken for {role.value}s (of 2 terminals)"
     )
 
 
-def test_what_the_design_says_stays_and_is_no_guess():
+def test_what_the_design_says_stays_and_is_no_assumption():
     said = Terminal(
         "1", Side.TOP, approach=(1.0, 0.0, 0.0), clearance_m=0.0, insertion_force_limit_n=5.0
     )
     imported = filled(Component("K1", "", (said,)))
     assert imported.order.components[0].terminals == (said,)
-    assert imported.account.guesses == ("before",)
+    assert imported.account.assumptions == ("before",)

@@ -20,7 +20,7 @@ DESIGNS = Path(__file__).parent / "designs"
 
 def read(data, *mappings):
     data = data if isinstance(data, bytes) else data.encode()
-    return import_wire_list(data, "test", "test.csv", CATALOGUE, mappings or MAPPINGS)
+    return import_wire_list(data, "test", "test.csv", CATALOGUE, mappings=mappings or MAPPINGS)
 
 
 def rows(imported):
@@ -40,7 +40,7 @@ def test_an_eplan_like_list_in_windows_encoding_with_decimal_commas():
         ("W4", "=A1+C1-X1:7", "+M1:U", "BN", 0.75, 12.0),
     ]
     assert [(cable.name, cable.source) for cable in imported.order.cables] == [("W7", "line 5")]
-    assert imported.account.guesses[:3] == (
+    assert imported.account.assumptions[:3] == (
         "the file is no UTF-8: read as cp1252",
         "line 4: colour 'hellblau', BK taken",
         "line 4: name 101 occurs before, at line 2; named 101#2",
@@ -70,7 +70,7 @@ def test_an_elecdes_like_schedule_with_tabs_and_cores():
         ("W3", "JB1:3", "PLC1:1", "BK", 1.5, None),
     ]
     assert [(w.cable, w.core) for w in imported.order.wires[:2]] == [("C100", "1"), ("C100", "2")]
-    assert "line 6: no terminal of PLC1 is given, 1 taken" in imported.account.guesses
+    assert "line 6: no terminal of PLC1 is given, 1 taken" in imported.account.assumptions
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])

@@ -69,10 +69,10 @@ connections:
 """
 
 
-def test_what_is_not_given_is_guessed_with_its_line():
+def test_what_is_not_given_is_assumed_with_its_line():
     text = PARTS.replace("gauge: 1", "length: two ells").replace("colors: [RD, RD], ", "")
     imported = read(text + "  - [X1: 1, W1: 1, X2: 20]")
-    assert imported.account.guesses[:3] == (
+    assert imported.account.assumptions[:3] == (
         "line 9: colour not given, BK taken",
         "line 9: section not given, 2.5 mm2 taken",
         "line 7: length 'two ells' not understood",

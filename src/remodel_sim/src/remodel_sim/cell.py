@@ -1,4 +1,4 @@
-"""A cell without ROS: the plant, and the stations that the abilities use."""
+"""A cell without ROS: the plant, and the robot contexts that the abilities use."""
 
 from __future__ import annotations
 
@@ -7,16 +7,17 @@ from typing import TypeVar
 
 import numpy as np
 
-from remodel_sim.abilities.runner import occupy, run
-from remodel_sim.abilities.station import Audience, Station, Steps
-from remodel_sim.core.book import Book, EndState, Feed
-from remodel_sim.core.cell_design import CellDesign
+from remodel_sim.abilities.execution.observers import Observers
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.execution.runner import occupy, run
+from remodel_sim.core.belief.belief_state import BeliefState, EndState, Feed
+from remodel_sim.core.belief.placed_wires import PlacedWires
+from remodel_sim.core.cell.cell_design import CellDesign
+from remodel_sim.core.cell.ownership import check_owner
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.goals import check_hands_empty, check_not_in_cell
-from remodel_sim.core.ownership import check_owner
-from remodel_sim.core.panel import End, Panel
-from remodel_sim.core.placed_wires import PlacedWires
-from remodel_sim.core.traffic import Traffic
+from remodel_sim.core.goals.checks import check_hands_empty, check_not_in_cell
+from remodel_sim.core.robot.traffic import Traffic
+from remodel_sim.core.workpiece.panel import End, Panel
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.plant import Plant
@@ -26,7 +27,7 @@ from remodel_states.core.goal_owner import NO_OWNER
 T = TypeVar("T")
 
 # An arm that was stopped, and the wire in its hand, come to rest in this time [s].
-SETTLE_S = 0.15
+REST_S = 0.15
 
 
 class Cell:
@@ -34,7 +35,7 @@ class Cell:
 
     Attributes:
         plant: the physical side.
-        stations: what abilities see of it, for each robot by its name.
+        contexts: what abilities see of it, for each robot by its name.
     """
 
     def __init__(
@@ -46,7 +47,7 @@ class Cell:
         rate_hz: float = 240.0,
         gui: bool = False,
         solid_parked: bool = False,
-        audience: Audience | None = None,
+        observers: Observers | None = None,
         memory: CellMemory | None = None,
     ) -> None:
         """Build a cell, one Panda unless a design is given, see Plant; raises PanelError.
@@ -61,37 +62,39 @@ class Cell:
             gui=gui,
             solid_parked=solid_parked,
         )
-        self._audience = audience or Audience()
+        self._observers = observers or Observers()
         self._memory = memory
         self._newest_owner = memory.owner if memory else NO_OWNER
-        self.stations = self._man()
+        self.contexts = self._make_contexts()
         if memory is not None:
             self._restore(memory.placed(panel))
 
-    def _man(self) -> dict[str, Station]:
+    def _make_contexts(self) -> dict[str, RobotContext]:
         """Return new stations for the robots of a freshly built plant."""
         first = self.plant.design.robots[0]
-        book, traffic = Book(first.name, first.arm), Traffic()
-        crew: dict[str, Station] = {}
+        belief, traffic = BeliefState(first.name, first.arm), Traffic()
+        robots: dict[str, RobotContext] = {}
         for robot in self.plant.design.robots:
-            own = book if robot is first else book.beside(robot.name, robot.arm)
-            crew[robot.name] = Station(self.plant, robot, own, crew, traffic, self._audience)
-        return crew
+            own = belief if robot is first else belief.beside(robot.name, robot.arm)
+            robots[robot.name] = RobotContext(
+                self.plant, robot, own, robots, traffic=traffic, observers=self._observers
+            )
+        return robots
 
     @property
-    def station(self) -> Station:
+    def context(self) -> RobotContext:
         """The first robot's."""
-        return next(iter(self.stations.values()))
+        return next(iter(self.contexts.values()))
 
-    def station_of(self, robot: str) -> Station:
-        """Return a robot's station; raises UNKNOWN_NAME."""
-        if robot not in self.stations:
-            there_are = ", ".join(self.stations)
+    def context_of(self, robot: str) -> RobotContext:
+        """Return a robot's context; raises UNKNOWN_NAME."""
+        if robot not in self.contexts:
+            there_are = ", ".join(self.contexts)
             raise AbilityError(Code.UNKNOWN_NAME, f"no robot {robot!r}; there are: {there_are}")
-        return self.stations[robot]
+        return self.contexts[robot]
 
     def admit(self, owner: int) -> None:
-        """Admit whoever holds an owner's token; NO_OWNER is always admitted.
+        """Admit the client that holds an owner's token; NO_OWNER is always admitted.
 
         Raises STALE_OWNER when the cell has seen a newer token.
         """
@@ -113,15 +116,15 @@ class Cell:
             return
         placed = self._memory.placed(panel) if keep and self._memory else PlacedWires()
         self.plant.load(panel)
-        self.stations = self._man()
+        self.contexts = self._make_contexts()
         self._restore(placed)
         self.keep()
 
     def _restore(self, placed: PlacedWires) -> None:
         if placed.parked:
             self.plant.restore(placed.parked)
-            self.stations = self._man()
-            self.station.book.restore(placed)
+            self.contexts = self._make_contexts()
+            self.context.belief.restore(placed)
 
     def keep(self) -> None:
         """Keep the wires that have their place, the live one too if it is finished.
@@ -135,65 +138,65 @@ class Cell:
             parked[self.plant.live.wire.id] = self.plant.live.shape
         occupied = {
             terminal: held
-            for terminal, held in self.station.book.occupied.items()
+            for terminal, held in self.context.belief.occupied.items()
             if held[0] in parked
         }
         self._memory.keep(self.plant.loaded, PlacedWires(parked, occupied))
 
     def _is_finished(self) -> bool:
         """Return whether both ends of the live wire are fixed, and no hand holds it."""
-        book = self.station.book
-        fixed = bool(book.ends) and all(state is EndState.FIXED for state in book.ends.values())
-        return fixed and not book.hands
+        belief = self.context.belief
+        fixed = bool(belief.ends) and all(state is EndState.FIXED for state in belief.ends.values())
+        return fixed and not belief.hands
 
     def reset(self) -> None:
-        """Build the same panel anew; every wire is taken away."""
+        """Rebuild the panel without any wire."""
         self.load(self.plant.loaded)
 
     def feed(self, wire_id: str, channel_id: str) -> None:
-        """Lay a new piece of a wire into a channel, unless one lies there that nobody has touched.
+        """Lay a new piece of a wire into a channel, unless an untouched one lies there.
 
         Raises AbilityError when a name is unknown, a hand holds a wire, or another piece of the
         wire is in the cell.
         """
         wire = self.plant.panel.wire(wire_id)
         self.plant.panel.channel(channel_id)
-        book = self.station.book
-        check_hands_empty(book)
-        if book.presents(wire_id, channel_id):
+        belief = self.context.belief
+        check_hands_empty(belief)
+        if belief.presents(wire_id, channel_id):
             return
-        check_not_in_cell(wire_id, book)
+        check_not_in_cell(wire_id, belief)
         leaves_wire = self.plant.live is not None
-        tools = {name: station.commanded for name, station in self.stations.items()}
+        tools = {name: context.commanded for name, context in self.contexts.items()}
         laying = self.plant.feed(wire_id, channel_id, tools)
         straight = np.array([0.0, laying.direction * wire.length])
         expected = {End.A: laying.tip_a, End.B: laying.tip_a + straight}
-        for station in self.stations.values():
-            station.arm_restarted()
-            station.book.start_wire(Feed(wire_id, channel_id, laying.direction), expected)
+        for context in self.contexts.values():
+            context.arm_restarted()
+            context.belief.start_wire(Feed(wire_id, channel_id, laying.direction), expected)
         if leaves_wire:
             self.keep()
 
     def run(self, steps: Steps[T], *robots: str) -> T:
         """Run an ability of some robots, the first by default; raises what it raises."""
-        stations = [self.stations[robot] for robot in robots] or [self.station]
+        contexts = [self.contexts[robot] for robot in robots] or [self.context]
         try:
-            return run(self.plant, self.station, occupy(stations, steps))
+            return run(self.plant, self.context, occupy(contexts, steps))
         finally:
-            self.settle()
+            self.come_to_rest()
 
-    def settle(self) -> None:
+    def come_to_rest(self) -> None:
         """Let the scene come to rest after an ability, however it ended."""
-        for _ in self.settling():
+        for _ in self.rest_steps():
             pass
 
-    def settling(self) -> Iterator[float]:
+    def rest_steps(self) -> Iterator[float]:
         """Let the scene come to rest, step by step; yield the time that each step took [s].
 
-        At the end the live wire is parked if both its ends are fixed and let go.
+        At the end the live wire is parked if both its ends are fixed and no hand holds it.
         """
         time_step = self.plant.world.time_step
-        for _ in range(round(SETTLE_S / time_step)):
+        for _ in range(round(REST_S / time_step)):
             self.plant.step()
             yield time_step
         if self._is_finished():

@@ -6,26 +6,26 @@ import math
 import numpy as np
 from panels import component, wire
 
-from remodel_sim.core.arm import ToolPose
-from remodel_sim.core.cable import Piece, chain, discretise
-from remodel_sim.core.component_shape import component_boxes
-from remodel_sim.core.fixtures import PLAY_M, lips_of
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.panel import Clip, End
-from remodel_sim.physics.cable import Cable
-from remodel_sim.physics.clamps import close_clamp
-from remodel_sim.physics.clips import add_clip
-from remodel_sim.physics.panel_scene import add_plate_surface
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.workpiece.component_shape import component_boxes
+from remodel_sim.core.workpiece.fixtures import PLAY_M, lips_of
+from remodel_sim.core.workpiece.panel import Clip, End
+from remodel_sim.core.workpiece.wire_mechanics import Piece, chain, discretise
+from remodel_sim.physics.fixtures.clamps import close_clamp
+from remodel_sim.physics.fixtures.clips import add_clip
+from remodel_sim.physics.fixtures.panel_scene import add_plate_surface
 from remodel_sim.physics.robot import HAND_30_N, Robot
 from remodel_sim.physics.static_body import add_static
+from remodel_sim.physics.wires.cable import Cable
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
 
 # A pull grows by this share of what should hold, per second: quasi-static.
 GROWTH_1_S = 0.5
-# How far an end moves since the pull began when it begins to slip, and when it has let go [m].
+# How far an end moves since the pull began when it begins to slip, and is released [m].
 BEGAN_M = 0.0003
 SLIPPED_M = 0.002
-PATIENCE_S = 5.0
+WAIT_LIMIT_S = 5.0
 # What drives a wire through a clip: a spring, a damper and their speed.
 DRIVE_N_M = 4e3
 DRIVE_NS_M = 15.0
@@ -35,11 +35,11 @@ TOOL = ToolPose(0.50, 0.0, 0.10, math.pi / 2)
 
 
 def pull_out(world, cable, end, along, expected):
-    """Pull an end with a growing force until it lets go; return the force it held last [N]."""
+    """Pull an end with a growing force until it is released; return the force it held last [N]."""
     bullet, link = world.bullet, cable.ferrule(end)
     start = cable.tip(end)[0] @ along
     held = 0.0
-    for step in range(math.ceil(PATIENCE_S / world.time_step)):
+    for step in range(math.ceil(WAIT_LIMIT_S / world.time_step)):
         force = GROWTH_1_S * expected * step * world.time_step
         apex = cable.tip(end)[0]
         bullet.applyExternalForce(
@@ -75,16 +75,16 @@ def grip_pull_out(grip_force, friction=0.5, rate_hz=240.0):
     both_sides = 2 * HAND_30_N.pad_friction * friction
     along = np.array([0.0, 1.0, 0.0])
     expected = both_sides * grip_force
-    held = pull_out(world, cable, End.B, along, expected)
+    held = pull_out(world, cable, End.B, along, expected=expected)
     world.close()
     return held, expected
 
 
 def clamp_pull_out(retention, rate_hz=240.0):
-    """Close a terminal on an end at the bottom of its bore, pull; return the force it took [N]."""
+    """Close a terminal on an inserted end and pull; return the force it took [N]."""
     world = World(rate_hz)
     add_plate_surface(world)
-    block = component("X", 1, 0.0, 0.0, -1, terminals=1)
+    block = component("X", 1, 0.0, 0.0, side=-1, terminals=1)
     (terminal,) = block.terminals
     terminal = dataclasses.replace(terminal, retention_force=retention)
     world_from_component = Pose.level(0.5, 0.0, 0.0)
@@ -101,8 +101,8 @@ def clamp_pull_out(retention, rate_hz=240.0):
     cable.lay(seated, math.atan2(-into[1], -into[0]), np.zeros(len(cable.model.spans)))
     for _ in range(round(0.5 * rate_hz)):
         world.step()
-    assert close_clamp(world, cable, terminal, body, socket) is not None
-    held = pull_out(world, cable, End.A, -into, retention)
+    assert close_clamp(world, cable, terminal, body, world_from_socket=socket) is not None
+    held = pull_out(world, cable, End.A, -into, expected=retention)
     world.close()
     return held
 
@@ -111,7 +111,14 @@ def clip_forces(retention, diameter=0.003, rate_hz=240.0):
     """Push a wire slowly into a clip and pull it out; return the largest forces on the way [N]."""
     world = World(rate_hz)
     world.bullet.setGravity(0, 0, 0)
-    clip = Clip("C1", (0.0, 0.0, 0.0), diameter, 0.010, 0.008, retention)
+    clip = Clip(
+        id="C1",
+        pose=(0.0, 0.0, 0.0),
+        wire_diameter=diameter,
+        height=0.010,
+        length=0.008,
+        retention_force=retention,
+    )
     add_clip(world, clip, Pose.level(0.0, 0.0, 0.0))
     # Stiff, one cell in the middle of the clip; heavy, so that a stiff spring can drive it.
     specimen = wire(

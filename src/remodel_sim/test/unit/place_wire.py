@@ -12,18 +12,18 @@ from remodel_sim.abilities.place_cable import place_cable
 from remodel_sim.abilities.route_wire import route_wire
 from remodel_sim.core import goals
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.layout import WORLD_FROM_PANEL
-from remodel_sim.core.panel import End
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import End
 
-ROBOT = goals.ROBOT
+ROBOT = "robot_1"
 # In the channel, beyond end b's terminal.
 BESIDE = Pose.level(0.50, 0.14, 0.028, math.pi / 2)
 
 
 def do(cell, ability, goal):
     """Check a goal and run it."""
-    goal.check(cell.station.panel, cell.station.book)
-    return cell.run(ability(cell.station, goal))
+    goal.check(cell.context.panel, cell.context.belief)
+    return cell.run(ability(cell.context, goal))
 
 
 def locate(cell, component, terminal):
@@ -31,29 +31,57 @@ def locate(cell, component, terminal):
 
 
 def insert(cell, wire, end, component, terminal, socket, force=8.0):
-    goal = goals.InsertGoal(ROBOT, wire, end, component, terminal, socket, force)
+    goal = goals.InsertGoal(
+        robot_name=ROBOT,
+        cable_id=wire,
+        end=end,
+        component_id=component,
+        terminal_id=terminal,
+        socket=socket,
+        force_limit=force,
+    )
     return do(cell, insert_cable, goal)
 
 
 def fix(cell, wire, component, terminal, pull=10.0):
-    return do(cell, fix_cable, goals.FixGoal(ROBOT, wire, component, terminal, pull))
+    return do(
+        cell,
+        fix_cable,
+        goals.FixGoal(
+            robot_name=ROBOT,
+            cable_id=wire,
+            component_id=component,
+            terminal_id=terminal,
+            pull_test_force=pull,
+        ),
+    )
 
 
 def extract(cell, wire, component, terminal, socket):
-    return do(cell, extract_cable, goals.ExtractGoal(ROBOT, wire, component, terminal, socket))
+    return do(
+        cell,
+        extract_cable,
+        goals.ExtractGoal(
+            robot_name=ROBOT,
+            cable_id=wire,
+            component_id=component,
+            terminal_id=terminal,
+            socket=socket,
+        ),
+    )
 
 
 def carry(cell, wire, channel):
     """Pick end b and route it along the channel to beside its terminal."""
     do(cell, pick_cable, goals.PickGoal(ROBOT, wire, End.B, 0.0))
-    station = cell.station
-    tool, direction = station.tool, station.book.feed.direction
-    x = float(WORLD_FROM_PANEL.position[0]) + station.panel.channel(channel).x
-    target = station.panel.wire(wire).goes_to(End.B)
-    y = float((WORLD_FROM_PANEL @ station.panel.panel_from_socket(*target)).position[1])
+    context = cell.context
+    tool, direction = context.tool, context.belief.feed.direction
+    x = float(WORLD_FROM_PANEL.position[0]) + context.panel.channel(channel).x
+    target = context.panel.wire(wire).goes_to(End.B)
+    y = float((WORLD_FROM_PANEL @ context.panel.panel_from_socket(*target)).position[1])
     along = direction * math.pi / 2
     path = (
-        Pose.level(tool.x, tool.y, 0.04, tool.yaw + station.book.grip.flip),
+        Pose.level(tool.x, tool.y, 0.04, tool.yaw + context.belief.grip.flip),
         Pose.level(x, y + 0.03 * direction, 0.04, along),
     )
     do(cell, route_wire, goals.RouteGoal(ROBOT, wire, path))
@@ -66,8 +94,8 @@ def lay_down(cell, wire, target=BESIDE):
 
 def connect(cell, wire, end):
     """Locate an end's terminal, insert the end and fix it."""
-    component, terminal = cell.station.panel.wire(wire).goes_to(end)
-    insert(cell, wire, end, component, terminal, locate(cell, component, terminal))
+    component, terminal = cell.context.panel.wire(wire).goes_to(end)
+    insert(cell, wire, end, component, terminal=terminal, socket=locate(cell, component, terminal))
     fix(cell, wire, component, terminal)
 
 

@@ -6,9 +6,9 @@ import numpy as np
 from elastica import buckling_load
 from panels import wire
 
-from remodel_sim.core.cable import Piece, chain
-from remodel_sim.core.panel import End
-from remodel_sim.physics.cable import Cable
+from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.wire_mechanics import Piece, chain
+from remodel_sim.physics.wires.cable import Cable
 from remodel_sim.physics.world import GRAVITY, World
 
 LENGTH = 0.30
@@ -18,7 +18,7 @@ HEIGHT = 1.0
 ELASTIC = 1e6  # a yield curvature that is never reached [1/m]
 # A rod is at rest when no node has moved by more than this in a quarter of a second [m].
 STILL = 2e-7
-PATIENCE_S = 60.0
+WAIT_LIMIT_S = 60.0
 
 
 class Rod:
@@ -55,11 +55,11 @@ class Rod:
         )  # fmt: skip
         bullet.changeConstraint(hold, maxForce=1e4)
 
-    def settle(self, force=None):
+    def come_to_rest(self, force=None):
         """Step until the rod is at rest, under a force at its tip (3,) [N] if one is given."""
         check = round(0.25 / self.world.time_step)
         before = self.cable.nodes()
-        for _ in range(math.ceil(PATIENCE_S / 0.25)):
+        for _ in range(math.ceil(WAIT_LIMIT_S / 0.25)):
             for _ in range(check):
                 if force is not None:
                     self.push(force)
@@ -68,7 +68,7 @@ class Rod:
             if np.abs(now - before).max() < STILL:
                 return
             before = now
-        raise AssertionError(f"the rod is not at rest after {PATIENCE_S} s")
+        raise AssertionError(f"the rod is not at rest after {WAIT_LIMIT_S} s")
 
     def push(self, force):
         """Apply a force (3,) [N] of constant direction at the tip for the next step."""
@@ -94,7 +94,7 @@ class Rod:
 def sag(load, **options):
     """Return how far the tip of a rod hangs down whose w L^3 / EI is `load` [m]."""
     rod = Rod(load=load, **options)
-    rod.settle()
+    rod.come_to_rest()
     drop = rod.drop
     rod.close()
     return drop
@@ -107,7 +107,7 @@ def buckle(ratio, **options):
     for _ in range(round(0.5 / rod.world.time_step)):
         rod.push((-load, 0.0, 1e-3 * load))
         rod.world.step()
-    rod.settle((-load, 0.0, 0.0))
+    rod.come_to_rest((-load, 0.0, 0.0))
     angle = rod.tip_angle
     rod.close()
     return angle

@@ -3,8 +3,8 @@ import math
 import numpy as np
 import pytest
 
-from remodel_sim.core.arm import KUKA_IIWA, PANDA_AT_ORIGIN, Arm, ToolPose
 from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.robot.arm import KUKA_IIWA, PANDA_AT_ORIGIN, Arm, ToolPose
 from remodel_sim.physics.robot import Robot
 from remodel_sim.physics.world import World
 from remodel_states.core.codes import Code

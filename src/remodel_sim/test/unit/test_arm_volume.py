@@ -3,9 +3,9 @@ import math
 import numpy as np
 import pytest
 
-from remodel_sim.core.arm import KUKA_IIWA, PANDA_AT_ORIGIN, Arm, ToolPose
-from remodel_sim.core.arm_volume import Volume, gap_between, gaps_between, volume_of
 from remodel_sim.core.geometry import Pose
+from remodel_sim.core.robot.arm import KUKA_IIWA, PANDA_AT_ORIGIN, Arm, ToolPose
+from remodel_sim.core.robot.arm_volume import Volume, gap_between, gaps_between, volume_of
 from remodel_sim.physics.robot import Robot
 from remodel_sim.physics.world import World
 

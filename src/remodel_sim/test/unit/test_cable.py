@@ -7,11 +7,11 @@ import rods
 from elastica import buckled_tip_angle, cantilever_drop
 from panels import wire
 
-from remodel_sim.core.cable import MAX_LINKS, discretise
-from remodel_sim.core.panel import End
-from remodel_sim.physics.cable import Cable
-from remodel_sim.physics.panel_scene import add_plate_surface
-from remodel_sim.physics.parked_wire import add_solid, draw_parked
+from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.wire_mechanics import MAX_LINKS, discretise
+from remodel_sim.physics.fixtures.panel_scene import add_plate_surface
+from remodel_sim.physics.wires.cable import Cable
+from remodel_sim.physics.wires.parked_wire import add_solid, draw_parked
 from remodel_sim.physics.world import World
 
 
@@ -71,8 +71,8 @@ def test_an_overbent_wire_keeps_a_set():
     def left_after_bending(**properties):
         rod = rods.Rod(**properties)
         moment_free_angle = rod.tip_angle
-        rod.settle((0.0, 0.0, 0.03))
-        rod.settle()
+        rod.come_to_rest((0.0, 0.0, 0.03))
+        rod.come_to_rest()
         angle = rod.tip_angle
         rod.close()
         return angle - moment_free_angle

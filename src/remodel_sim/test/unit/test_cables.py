@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from remodel_sim.core.vision.cables import End, detect_cables
-from remodel_sim.core.vision.cables.pairing import Arm, best_pairs, join_prices
-from remodel_sim.core.vision.cables.polyline import arc_lengths
-from remodel_sim.core.vision.cables.skeleton import find_strands, thin
-from remodel_sim.core.vision.cables.spline import basis, fit
+from remodel_sim.core.vision.cables.curves.polyline import arc_lengths
+from remodel_sim.core.vision.cables.curves.spline import basis, fit
+from remodel_sim.core.vision.cables.strands.pairing import Arm, best_pairs, join_prices
+from remodel_sim.core.vision.cables.strands.skeleton import find_strands, thin
 
 RED, BLUE, TABLE = (190, 30, 30), (30, 60, 190), (150, 140, 120)
 
@@ -67,7 +67,7 @@ def test_two_cables_of_one_colour_that_cross_stay_two():
     assert {crossing.upper, crossing.lower} == {0, 1}
 
 
-def test_the_upper_cable_is_told_by_its_colour():
+def test_the_upper_cable_is_recognised_by_its_colour():
     picture = table()
     lay(picture, wave((60, 240), (580, 250), 5), BLUE)
     lay(picture, wave((330, 60), (300, 430), 5), RED)
@@ -78,7 +78,7 @@ def test_the_upper_cable_is_told_by_its_colour():
 
 
 @pytest.mark.parametrize("first_below", [True, False])
-def test_the_upper_cable_of_one_colour_is_told_by_its_highlight(first_below):
+def test_the_upper_cable_of_one_colour_is_recognised_by_its_highlight(first_below):
     picture = table()
     lines = [wave((60, 240), (580, 250), 5), wave((330, 60), (300, 430), 5)]
     for line in lines if first_below else lines[::-1]:
@@ -133,13 +133,13 @@ def test_an_empty_table_has_no_cables_and_says_so():
     assert found.doubts
 
 
-def test_stripes_of_a_table_are_doubted():
+def test_stripes_of_a_table_cause_a_warning():
     stripes = np.tile(np.arange(640) // 6 % 2 * 200, (480, 1)).astype(np.uint8)
     found = detect_cables(np.dstack([stripes] * 3))
     assert "straight from border to border" in found.doubts[0]
 
 
-def test_a_table_full_of_things_is_too_cluttered():
+def test_a_table_full_of_objects_is_too_cluttered():
     picture = table()
     for x, y in itertools.product(range(8, 640, 24), range(8, 480, 24)):
         cv2.line(picture, (x, y), (x + 10, y + 10), RED, 3)
@@ -178,7 +178,13 @@ def test_strands_of_a_cross_meet_in_the_middle():
 
 
 def arm(number, place, heading, colour=(0, 0, 0)):
-    return Arm((number, 1), np.array(place, float), np.array(heading, float), np.array(colour), 4)
+    return Arm(
+        end=(number, 1),
+        place=np.array(place, float),
+        heading=np.array(heading, float),
+        colour=np.array(colour),
+        width=4,
+    )
 
 
 def test_strands_go_straight_on_and_keep_their_colour():

@@ -53,7 +53,7 @@ def test_projection_and_back_is_identity():
     np.testing.assert_allclose(view.at_depth(view.project(points), depths), points, atol=1e-9)
 
 
-def test_a_view_tells_whether_it_sees_something():
+def test_a_view_knows_whether_it_sees_something():
     view = VIEWS["overhead"]
     assert view.sees(np.array([[0.5, 0.0, 0.0]]), 30)
     assert not view.sees(np.array([[0.5, 2.0, 0.0]]), 30)

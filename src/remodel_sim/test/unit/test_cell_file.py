@@ -98,14 +98,14 @@ def test_a_cell_of_ones_own_is_read_from_its_path(tmp_path):
         ),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place_what_was_found_and_what_is_allowed(
+def test_what_is_wrong_is_reported_with_its_place_what_was_found_and_what_is_allowed(
     tmp_path, change, words
 ):
     found = problems(tmp_path, change)
     assert any(re.search(words, problem) for problem in found), found
 
 
-def test_all_problems_are_told_at_once(tmp_path):
+def test_all_problems_are_reported_at_once(tmp_path):
     def change(cell):
         cell["robots"][0]["arm"] = "ur5"
         cell["feeder"]["overlap"] = 1.0

@@ -7,11 +7,11 @@ from panels import panel
 from remodel_msgs.msg import FixCableGoal
 
 from remodel_sim.abilities.ability import cell_abilities
-from remodel_sim.abilities.runner import advance
+from remodel_sim.abilities.execution.runner import advance
 from remodel_sim.cell import Cell
+from remodel_sim.core.belief.placed_wires import ParkedWire, PlacedWires
 from remodel_sim.core.errors import AbilityError, MemoryFileError
-from remodel_sim.core.panel import End
-from remodel_sim.core.placed_wires import ParkedWire, PlacedWires
+from remodel_sim.core.workpiece.panel import End
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.job import Job
@@ -40,9 +40,9 @@ def test_a_placed_wire_is_there_after_the_cell_was_killed(memory):
     assert again.plant.parked == {}
     again.load(panel(), keep=True)
     try:
-        assert ground_truth(again.plant, again.station.book.fed) == before
+        assert ground_truth(again.plant, again.context.belief.fed) == before
         assert again.plant.parked["W1"].nodes == pytest.approx(cell.plant.parked["W1"].nodes)
-        assert again.station.book.occupant(("X1", "1")) == ("W1", End.A)
+        assert again.context.belief.occupant(("X1", "1")) == ("W1", End.A)
         do.place(again, "W2")
         assert all(truth.placed for truth in ground_truth(again.plant, ["W1", "W2"]))
     finally:
@@ -74,26 +74,28 @@ def test_a_wire_whose_last_end_is_reported_fixed_is_there_after_a_kill_at_that_m
     cell.feed("W1", "A")
     do.connect(cell, "W1", End.A)
     do.carry(cell, "W1", "A")
-    do.insert(cell, "W1", End.B, "X2", "1", do.locate(cell, "X2", "1"))
+    do.insert(cell, "W1", End.B, "X2", terminal="1", socket=do.locate(cell, "X2", "1"))
     goal = FixCableGoal("17:fix b", do.ROBOT, "W1", "X2", "1", 10.0, 60.0)
     fix = cell_abilities()["FixCable"]
     running = RunningGoal(read_abilities()["FixCable"], DyingHandle(goal), lambda: 0.0)
-    job = Job(fix, running, [cell.station], fix.parse(goal), cell.keep, lambda end: end())
+    job = Job(
+        fix, running, [cell.context], fix.parse(goal), keep=cell.keep, finish=lambda end: end()
+    )
     with pytest.raises(KilledError, match="end b of W1 fixed"):
         while not job.step():
-            advance(cell.plant, cell.station)
+            advance(cell.plant, cell.context)
     cell.close()
 
     again = Cell(panel(), seed=1, memory=memory)
     try:
-        (truth,) = ground_truth(again.plant, again.station.book.fed)
+        (truth,) = ground_truth(again.plant, again.context.belief.fed)
         assert truth.wire_id == "W1" and truth.placed
-        assert again.station.book.occupant(("X2", "1")) == ("W1", End.B)
+        assert again.context.belief.occupant(("X2", "1")) == ("W1", End.B)
     finally:
         again.close()
 
 
-def test_a_panel_that_is_built_anew_is_empty(memory):
+def test_a_panel_that_is_rebuilt_is_empty(memory):
     cell = Cell(panel(), seed=1, memory=memory)
     try:
         do.place(cell, "W1")

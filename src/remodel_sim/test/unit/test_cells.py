@@ -5,22 +5,22 @@ import place_wire
 import pytest
 from panels import panel
 
+from remodel_sim.abilities.execution.runner import occupy, run
 from remodel_sim.abilities.fix_cable import fix_cable
 from remodel_sim.abilities.insert_cable import insert_cable
 from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
-from remodel_sim.abilities.motions import TRAVEL_Z, move_to
 from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.abilities.place_cable import place_cable
 from remodel_sim.abilities.place_pin import place_pin
-from remodel_sim.abilities.runner import occupy, run
-from remodel_sim.abilities.together import together
+from remodel_sim.abilities.primitives.concurrently import concurrently
+from remodel_sim.abilities.primitives.motions import TRAVEL_Z, move_to
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
-from remodel_sim.core.arm import ToolPose
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.panel import End
-from remodel_sim.core.pin_goal import PlacePinGoal
+from remodel_sim.core.goals import PlacePinGoal
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.workpiece.panel import End
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.truth import ground_truth
 from remodel_states.core.codes import Code
@@ -44,9 +44,9 @@ def cell():
 
 
 def do(cell, robot, ability, goal):
-    station = cell.stations[robot]
-    goal.check(station.panel, station.book)
-    return cell.run(ability(station, goal), robot)
+    context = cell.contexts[robot]
+    goal.check(context.panel, context.belief)
+    return cell.run(ability(context, goal), robot)
 
 
 def gap(cell):
@@ -68,37 +68,64 @@ def watched(cell, steps, gaps):
 
 
 def test_two_arms_work_at_once_and_keep_apart(cell):
-    one, two = cell.stations.values()
+    one, two = cell.contexts.values()
     locate = locate_gearbox_component(one, goals.LocateGoal("X2", "1"))
     pick = pick_cable(two, goals.PickGoal("robot_2", "W1", End.B, 0.0))
     gaps = []
-    both = together(occupy([one], locate), occupy([two], pick))
+    both = concurrently(occupy([one], locate), occupy([two], pick))
     located, _ = run(cell.plant, one, watched(cell, both, gaps))
     assert located.socket_pose is not None
-    assert two.book.grip is not None and one.book.grip is None
+    assert two.belief.grip is not None and one.belief.grip is None
     assert min(gaps) > 0.03, "what the claims keep free"
 
 
-def test_a_wire_goes_from_one_arm_to_the_other_by_way_of_the_plate(cell):
+def test_a_wire_goes_from_one_arm_to_the_other_by_the_plate(cell):
     do(cell, "robot_1", pick_cable, goals.PickGoal("robot_1", "W1", End.A, 0.0))
-    book, tool = cell.station.book, cell.station.commanded
-    lying = Pose.level(tool.x, tool.y, 0.0035, tool.yaw + book.grip.flip)
+    belief, tool = cell.context.belief, cell.context.commanded
+    lying = Pose.level(tool.x, tool.y, 0.0035, tool.yaw + belief.grip.flip)
     do(cell, "robot_1", place_cable, goals.PlaceGoal("robot_1", "W1", lying))
     located = do(cell, "robot_2", locate_gearbox_component, goals.LocateGoal("X1", "1"))
     socket = located.socket_pose
-    goal = goals.InsertGoal("robot_2", "W1", End.A, "X1", "1", socket, 8.0)
+    goal = goals.InsertGoal(
+        robot_name="robot_2",
+        cable_id="W1",
+        end=End.A,
+        component_id="X1",
+        terminal_id="1",
+        socket=socket,
+        force_limit=8.0,
+    )
     do(cell, "robot_2", insert_cable, goal)
-    do(cell, "robot_2", fix_cable, goals.FixGoal("robot_2", "W1", "X1", "1", 10.0))
+    do(
+        cell,
+        "robot_2",
+        fix_cable,
+        goals.FixGoal(
+            robot_name="robot_2",
+            cable_id="W1",
+            component_id="X1",
+            terminal_id="1",
+            pull_test_force=10.0,
+        ),
+    )
     (truth,) = ground_truth(cell.plant, ["W1"])
     assert (truth.a.at, truth.a.fixed) == ("X1/1", True)
 
 
 def test_two_arms_place_the_pins_of_a_wire_and_place_them_again(cell):
-    one, two = cell.stations.values()
-    goal = PlacePinGoal("robot_1", "robot_2", 0.10, 0.474, True, True, False)
+    one, two = cell.contexts.values()
+    goal = PlacePinGoal(
+        robot_1="robot_1",
+        robot_2="robot_2",
+        path_space=0.10,
+        connector_space=0.474,
+        centered=True,
+        rotate=True,
+        show_in_tf=False,
+    )
     for _ in range(2):
-        for station in (one, two):
-            goal.check(station.panel, station.book)
+        for context in (one, two):
+            goal.check(context.panel, context.belief)
         cell.run(place_pin(one, two, goal), "robot_1", "robot_2")
         for end, y in ((End.A, -0.237), (End.B, 0.237)):
             tip = cell.plant.live.cable.tip(end)[0]
@@ -107,7 +134,7 @@ def test_two_arms_place_the_pins_of_a_wire_and_place_them_again(cell):
 
 
 def test_an_idle_empty_hand_makes_way_and_one_that_holds_a_wire_does_not(cell):
-    one, two = cell.stations.values()
+    one, two = cell.contexts.values()
     cell.run(move_to(one, ToolPose(0.50, 0.20, 0.20, 0.0), 0.6), "robot_1")
     there = ToolPose(0.50, 0.20, TRAVEL_Z, two.home.yaw)
     cell.run(move_to(two, there, 0.6), "robot_2")
@@ -120,12 +147,12 @@ def test_an_idle_empty_hand_makes_way_and_one_that_holds_a_wire_does_not(cell):
     assert two.commanded == two.home, "nothing has moved"
 
 
-def test_two_arms_in_each_others_way_do_not_wait_for_ever(cell):
-    one, two = cell.stations.values()
+def test_two_arms_in_each_others_way_do_not_wait_forever(cell):
+    one, two = cell.contexts.values()
     low, high = ToolPose(0.50, -0.2, 0.2, 0.0), ToolPose(0.50, 0.2, 0.2, 3.0)
     cell.run(move_to(one, low, 0.6), "robot_1")
     cell.run(move_to(two, high, 0.6), "robot_2")
-    crossing = together(
+    crossing = concurrently(
         occupy([one], move_to(one, ToolPose(0.50, 0.2, 0.2, 0.0), 0.6)),
         occupy([two], move_to(two, ToolPose(0.50, -0.2, 0.2, 3.0), 0.6)),
     )

@@ -1,4 +1,4 @@
-"""What the cameras tell of the ends in the terminals, against the truth."""
+"""What the cameras show of the ends in the terminals, against the truth."""
 
 import pytest
 from place_wire import carry, connect, do
@@ -6,14 +6,14 @@ from place_wire import carry, connect, do
 from remodel_sim.abilities.check_connection import check_connection
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import CheckGoal
-from remodel_sim.core.panel import End
-from remodel_sim.core.vision.mouth_sight import MouthSight, Sight, settle
+from remodel_sim.core.vision.opening_occupancy import Occupancy, OpeningObservation, combine
+from remodel_sim.core.workpiece.panel import End
 from remodel_sim.physics.truth import ground_truth
 from remodel_states.core.codes import Code
 
 
 def is_connected(cell, wire, end, terminal=None):
-    terminal = terminal or cell.station.panel.wire(wire).goes_to(end)
+    terminal = terminal or cell.context.panel.wire(wire).goes_to(end)
     return do(cell, check_connection, CheckGoal(wire, end, *terminal)).connected
 
 
@@ -27,12 +27,12 @@ def test_a_fixed_end_is_seen_and_neither_its_neighbour_nor_its_other_end(cell):
     assert not is_connected(cell, "W2", End.A, ("X1", "1")), "that wire is blue, W2 is brown"
 
 
-def test_the_answer_does_not_come_from_the_book(cell):
+def test_the_answer_does_not_come_from_the_belief_state(cell):
     cell.feed("W1", "A")
     connect(cell, "W1", End.A)
-    cell.station.book.loosen(End.A)
+    cell.context.belief.loosen(End.A)
     assert is_connected(cell, "W1", End.A)
-    cell.station.book.seat(End.B, ("X2", "1"))
+    cell.context.belief.seat(End.B, ("X2", "1"))
     assert not is_connected(cell, "W1", End.B)
 
 
@@ -44,18 +44,18 @@ def test_a_component_that_was_moved_is_found_where_it_stands(cell):
     assert is_connected(cell, "W1", End.A)
 
 
-def test_a_look_with_a_wire_in_the_hand_moves_nothing(cell):
+def test_an_observation_with_a_wire_in_the_hand_moves_nothing(cell):
     cell.feed("W1", "A")
     connect(cell, "W1", End.A)
     carry(cell, "W1", "A")
-    held = cell.station.commanded
+    held = cell.context.commanded
     for end in End:
         try:
             assert is_connected(cell, "W1", end) is (end is End.A)
         except AbilityError as error:
             assert error.code in (Code.CABLE_OCCLUDED, Code.COMPONENT_OCCLUDED)
             assert "place what the hand holds" in str(error)
-    assert cell.station.commanded == held
+    assert cell.context.commanded == held
     (truth,) = ground_truth(cell.plant, ["W1"])
     assert truth.a.seated and truth.a.fixed
 
@@ -65,13 +65,18 @@ def test_unknown_names_are_refused_with_those_that_there_are(cell):
         is_connected(cell, "W1", End.A, ("Q9", "1"))
 
 
-def test_one_empty_sight_settles_it_and_one_wire_does_not():
-    wire, empty = MouthSight(Sight.WIRE, False), MouthSight(Sight.EMPTY, True)
-    unclear = MouthSight(Sight.UNCLEAR, False)
-    assert settle([]) is Sight.UNCLEAR
-    assert settle([wire]) is Sight.UNCLEAR
-    assert settle([wire, unclear]) is Sight.UNCLEAR
-    assert settle([wire, unclear, wire]) is Sight.WIRE
-    assert settle([MouthSight(Sight.WIRE, True)]) is Sight.WIRE
-    assert settle([wire, MouthSight(Sight.LOOSE_END, False), wire]) is Sight.UNCLEAR
-    assert settle([wire, wire, empty]) is Sight.EMPTY
+def test_one_empty_opening_decides_it_and_one_wire_does_not():
+    wire, empty = (
+        OpeningObservation(Occupancy.WIRE, False),
+        OpeningObservation(Occupancy.EMPTY, True),
+    )
+    unclear = OpeningObservation(Occupancy.UNCLEAR, False)
+    assert combine([]) is Occupancy.UNCLEAR
+    assert combine([wire]) is Occupancy.UNCLEAR
+    assert combine([wire, unclear]) is Occupancy.UNCLEAR
+    assert combine([wire, unclear, wire]) is Occupancy.WIRE
+    assert combine([OpeningObservation(Occupancy.WIRE, True)]) is Occupancy.WIRE
+    assert (
+        combine([wire, OpeningObservation(Occupancy.LOOSE_END, False), wire]) is Occupancy.UNCLEAR
+    )
+    assert combine([wire, wire, empty]) is Occupancy.EMPTY

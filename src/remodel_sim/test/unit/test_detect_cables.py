@@ -35,7 +35,7 @@ def test_a_drawing_is_written(photograph, tmp_path, capsys):
     assert "1 cable, 0 crossings" in capsys.readouterr().out
 
 
-def test_an_answer_with_doubts_ends_with_one(tmp_path, capsys):
+def test_a_result_with_warnings_ends_with_one(tmp_path, capsys):
     empty = tmp_path / "empty.png"
     cv2.imwrite(str(empty), np.full((240, 320, 3), 160, np.uint8))
     assert main([str(empty)]) == 1

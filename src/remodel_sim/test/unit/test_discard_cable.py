@@ -8,13 +8,13 @@ from panels import panel
 
 from remodel_sim.abilities.discard_cable import discard_cable
 from remodel_sim.cell import Cell
-from remodel_sim.core.arm import ToolPose
-from remodel_sim.core.book import EndState
-from remodel_sim.core.discard_goal import DiscardGoal
+from remodel_sim.core.belief.belief_state import EndState
+from remodel_sim.core.cell.scrap_bin import bin_of
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.layout import PLATE_MAX_M
-from remodel_sim.core.panel import End
-from remodel_sim.core.scrap_bin import bin_of
+from remodel_sim.core.goals import DiscardGoal
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.workpiece.layout import PLATE_MAX_M
+from remodel_sim.core.workpiece.panel import End
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.truth import ground_truth
@@ -26,13 +26,13 @@ def discard(cell, wire):
 
 
 def assert_gone(cell, wire):
-    book = cell.station.book
+    belief = cell.context.belief
     assert cell.plant.live is None and wire not in cell.plant.parked
-    assert wire not in book.fed and not book.hands
-    assert wire not in [held[0] for held in book.occupied.values()]
+    assert wire not in belief.fed and not belief.hands
+    assert wire not in [held[0] for held in belief.occupied.values()]
     assert ground_truth(cell.plant, [wire]) == []
-    half = cell.station.panel.size[1] / 2
-    assert abs(cell.station.tool.y) > half + 0.05, "it was dropped beyond the plate"
+    half = cell.context.panel.size[1] / 2
+    assert abs(cell.context.tool.y) > half + 0.05, "it was dropped beyond the plate"
 
 
 @pytest.mark.parametrize("seed", [1, 2])
@@ -40,20 +40,20 @@ def test_a_piece_that_lies_in_its_channel_is_dropped_into_the_bin(seed):
     cell = Cell(panel(), seed=seed)
     cell.feed("W1", "A")
     goal = DiscardGoal(do.ROBOT, "W1")
-    steps = discard_cable(cell.station, goal)
-    while cell.station.progress.message != "dropping the wire":
+    steps = discard_cable(cell.context, goal)
+    while cell.context.progress.message != "dropping the wire":
         next(steps)
-        for _ in range(cell.station.steps_per_tick):
+        for _ in range(cell.context.steps_per_tick):
             cell.plant.step()
         assert cell.plant.live is not None, "it leaves the world over the bin only"
     while cell.plant.live is not None:
         next(steps, None)
-        for _ in range(cell.station.steps_per_tick):
+        for _ in range(cell.context.steps_per_tick):
             cell.plant.step()
     assert_gone(cell, "W1")
     assert discard(cell, "W1").message == "no piece of W1 is in the cell"
     cell.feed("W1", "A")
-    assert not cell.station.book.is_touched
+    assert not cell.context.belief.is_touched
     cell.close()
 
 
@@ -91,7 +91,7 @@ def test_a_placed_wire_is_released_and_discarded_by_a_cell_that_was_restarted(tm
 def test_a_wire_that_has_just_been_placed_is_extracted_and_discarded(cell):
     do.place(cell, "W1")
     assert cell.plant.live is None, "it is parked"
-    do.extract(cell, "W1", "X2", "1", do.locate(cell, "X2", "1"))
+    do.extract(cell, "W1", "X2", "1", socket=do.locate(cell, "X2", "1"))
     (truth,) = ground_truth(cell.plant, ["W1"])
     assert truth.a.seated and truth.a.fixed and truth.b.at == ""
     discard(cell, "W1")
@@ -106,8 +106,8 @@ def test_a_wire_whose_end_is_stuck_stays(cell, monkeypatch):
         with pytest.raises(AbilityError, match="it was released there") as caught:
             discard(cell, "W1")
     assert caught.value.code is Code.EXTRACTION_STUCK
-    assert not cell.station.book.hands
-    assert cell.station.book.ends[End.A] is EndState.SEATED
+    assert not cell.context.belief.hands
+    assert cell.context.belief.ends[End.A] is EndState.SEATED
     (truth,) = ground_truth(cell.plant, ["W1"])
     assert truth.a.seated
     with pytest.raises(AbilityError) as caught:

@@ -4,9 +4,9 @@ import numpy as np
 import place_wire as do
 import pytest
 
+from remodel_sim.core.cell.faults import check_fault
 from remodel_sim.core.errors import AbilityError, FaultError
-from remodel_sim.core.faults import check_fault
-from remodel_sim.core.panel import End
+from remodel_sim.core.workpiece.panel import End
 
 
 @pytest.mark.parametrize(
@@ -65,21 +65,21 @@ def test_a_weak_hand_lets_the_wire_slide(cell, kind):
 
 
 def test_a_bumped_camera_shows_the_plate_from_elsewhere_than_it_says(cell):
-    before = cell.plant.look_overhead()
+    before = cell.plant.take_overhead_picture()
     cell.plant.disturb("camera_bumped", "overhead", [0.010, 0.0, 0.0, 0.0])
-    after = cell.plant.look_overhead()
+    after = cell.plant.take_overhead_picture()
     assert np.array_equal(
         after.view.world_from_camera.position, before.view.world_from_camera.position
     )
     assert np.abs(after.rgb.astype(int) - before.rgb).mean() > 2.0
 
 
-def test_less_light_darkens_the_pictures_until_the_panel_is_built_anew(cell):
-    usual = cell.station.look_wrist().rgb.mean()
+def test_less_light_darkens_the_pictures_until_the_panel_is_rebuilt(cell):
+    usual = cell.context.take_wrist_picture().rgb.mean()
     cell.plant.disturb("light_changed", "", [0.5])
-    assert cell.station.look_wrist().rgb.mean() == pytest.approx(usual / 2, rel=0.1)
+    assert cell.context.take_wrist_picture().rgb.mean() == pytest.approx(usual / 2, rel=0.1)
     cell.reset()
-    assert cell.station.look_wrist().rgb.mean() == pytest.approx(usual, rel=0.1)
+    assert cell.context.take_wrist_picture().rgb.mean() == pytest.approx(usual, rel=0.1)
 
 
 def test_a_bent_tip_points_aside(cell):
@@ -94,7 +94,7 @@ def test_a_bent_tip_points_aside(cell):
     straight = aside()
     cell.plant.disturb("tip_bent", "a", [0.4])
     for _ in range(8):
-        cell.settle()
+        cell.come_to_rest()
     assert straight < 0.05
     assert aside() == pytest.approx(0.4, abs=0.1)
 
@@ -107,7 +107,7 @@ def test_a_cable_in_the_way_falls_onto_the_live_wire(cell):
     cell.plant.disturb("cable_in_the_way", "A", [0.05, 0.3])
     (stray,) = {bullet.getBodyUniqueId(i) for i in range(bullet.getNumBodies())} - before
     for _ in range(8):
-        cell.settle()
+        cell.come_to_rest()
     assert bullet.getContactPoints(live, stray)
     cell.feed("W2", "A")
     assert bullet.getNumBodies() > len(before), "it is still there for the next wire"

@@ -43,7 +43,7 @@ def test_pictures_are_never_written_over(tmp_path):
         Film(tmp_path)
 
 
-def test_a_folder_that_cannot_be_made_is_told(tmp_path):
+def test_a_folder_that_cannot_be_made_is_reported(tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(FilmError, match="cannot be written to"):
         Film(tmp_path / "file" / "run")

@@ -5,28 +5,31 @@ import pytest
 from panels import panel
 
 from remodel_sim.core import goals
-from remodel_sim.core.arm import ToolPose
-from remodel_sim.core.book import Book, EndState, Feed, Grip
+from remodel_sim.core.belief.belief_state import BeliefState, EndState, Feed, Grip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.layout import WORLD_FROM_PANEL
-from remodel_sim.core.panel import End
+from remodel_sim.core.goals.requirements import parse_end
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import End
 from remodel_states.core.codes import Code
 
 SOCKET = WORLD_FROM_PANEL @ panel().panel_from_socket("X1", "1")
 NAN = float("nan")
 
 
-def fed_book():
-    book = Book()
-    book.start_wire(Feed("W1", "A", 1), {})
-    return book
+def fed_belief():
+    belief = BeliefState()
+    belief.start_wire(Feed("W1", "A", 1), {})
+    return belief
 
 
 def holding(end):
-    book = fed_book()
-    book.grip = Grip(end, 0.045, 0.0, 0.0, ToolPose(0.5, 0, 0.004, 0))
-    return book
+    belief = fed_belief()
+    belief.grip = Grip(
+        end=end, distance=0.045, height=0.0, flip=0.0, tool=ToolPose(0.5, 0, 0.004, 0)
+    )
+    return belief
 
 
 def insertion(**changes):
@@ -67,11 +70,17 @@ def pose_with(position=(0.5, 0.0, 0.03), quaternion=(0.0, 0.0, 0.0, 1.0)):
         (lambda: goals.RouteGoal("robot_1", "W1", ()), Code.INVALID_GOAL, "path is empty"),
         (lambda: goals.PickGoal("robot_1", "W1", End.A, 0.5), Code.INVALID_GOAL, "grasp_distance"),
         (
-            lambda: goals.FixGoal("robot_1", "W1", "X1", "1", -0.1),
+            lambda: goals.FixGoal(
+                robot_name="robot_1",
+                cable_id="W1",
+                component_id="X1",
+                terminal_id="1",
+                pull_test_force=-0.1,
+            ),
             Code.INVALID_GOAL,
             "pull_test_force",
         ),
-        (lambda: goals.parse_end("c"), Code.INVALID_GOAL, "'a', 'b'"),
+        (lambda: parse_end("c"), Code.INVALID_GOAL, "'a', 'b'"),
     ],
 )
 def test_a_goal_that_makes_no_sense_is_never_born(make, code, words):
@@ -81,16 +90,27 @@ def test_a_goal_that_makes_no_sense_is_never_born(make, code, words):
 
 
 @pytest.mark.parametrize(
-    ("goal", "book", "code", "words"),
+    ("goal", "belief", "code", "words"),
     [
-        (insertion(cable_id="W9"), fed_book(), Code.UNKNOWN_NAME, "there are: W1, W2"),
-        (insertion(cable_id="W2"), fed_book(), Code.WIRE_NOT_FED, "'W1'"),
-        (insertion(), Book(), Code.WIRE_NOT_FED, "has not been fed"),
-        (insertion(component_id="Q"), fed_book(), Code.UNKNOWN_NAME, "X1, X2, X3, X4"),
-        (insertion(terminal_id="9"), fed_book(), Code.UNKNOWN_NAME, "there are: 1, 2"),
-        (insertion(terminal_id="2", component_id="X2"), fed_book(), Code.INVALID_GOAL, "locate"),
+        (insertion(cable_id="W9"), fed_belief(), Code.UNKNOWN_NAME, "there are: W1, W2"),
+        (insertion(cable_id="W2"), fed_belief(), Code.WIRE_NOT_FED, "'W1'"),
+        (insertion(), BeliefState(), Code.WIRE_NOT_FED, "has not been fed"),
+        (insertion(component_id="Q"), fed_belief(), Code.UNKNOWN_NAME, "X1, X2, X3, X4"),
+        (insertion(terminal_id="9"), fed_belief(), Code.UNKNOWN_NAME, "there are: 1, 2"),
+        (insertion(terminal_id="2", component_id="X2"), fed_belief(), Code.INVALID_GOAL, "locate"),
         (insertion(), holding(End.B), Code.OTHER_CABLE_HELD, "end b"),
-        (goals.FixGoal("robot_1", "W1", "X1", "1", 5.0), fed_book(), Code.NOTHING_HELD, "pick"),
+        (
+            goals.FixGoal(
+                robot_name="robot_1",
+                cable_id="W1",
+                component_id="X1",
+                terminal_id="1",
+                pull_test_force=5.0,
+            ),
+            fed_belief(),
+            Code.NOTHING_HELD,
+            "pick",
+        ),
         (
             goals.RouteGoal("robot_1", "W1", (pose_with((1.5, 0, 0.1)),)),
             holding(End.A),
@@ -103,18 +123,18 @@ def test_a_goal_that_makes_no_sense_is_never_born(make, code, words):
             Code.OTHER_CABLE_HELD,
             "end a",
         ),
-        (goals.LocateGoal("X9", ""), Book(), Code.UNKNOWN_NAME, "X1"),
+        (goals.LocateGoal("X9", ""), BeliefState(), Code.UNKNOWN_NAME, "X1"),
     ],
 )
-def test_a_goal_that_the_cell_cannot_take_is_refused(goal, book, code, words):
+def test_a_goal_that_the_cell_cannot_take_is_refused(goal, belief, code, words):
     with pytest.raises(AbilityError, match=words) as caught:
-        goal.check(panel(), book)
+        goal.check(panel(), belief)
     assert caught.value.code is code
 
 
 def test_an_end_in_another_robots_hand_is_left_there():
-    book = holding(End.A)
-    other = book.beside("robot_2", book.arm)
+    belief = holding(End.A)
+    other = belief.beside("robot_2", belief.arm)
     assert other.grip is None
     for goal in (goals.PickGoal("robot_2", "W1", End.A, 0.0), insertion(robot_name="robot_2")):
         with pytest.raises(AbilityError, match="robot_1 holds end a") as caught:
@@ -124,10 +144,10 @@ def test_an_end_in_another_robots_hand_is_left_there():
 
 
 def test_an_occupied_terminal_names_its_occupant():
-    book = fed_book()
-    book.occupied["X1", "1"] = ("W7", End.B)
+    belief = fed_belief()
+    belief.occupied["X1", "1"] = ("W7", End.B)
     with pytest.raises(AbilityError, match="end b of 'W7'") as caught:
-        insertion().check(panel(), book)
+        insertion().check(panel(), belief)
     assert caught.value.code is Code.TERMINAL_OCCUPIED
 
 
@@ -139,36 +159,40 @@ def beside(y, yaw=math.pi):
 @pytest.mark.parametrize(
     ("socket", "code", "words"),
     [
-        (beside(0.018), Code.INVALID_GOAL, "at the mouth of 'X1/2', 18 mm from where 'X1/1' is on"),
-        (beside(0.012), Code.INVALID_GOAL, "at the mouth of 'X1/2'"),
+        (
+            beside(0.018),
+            Code.INVALID_GOAL,
+            "at the opening of 'X1/2', 18 mm from where 'X1/1' is on",
+        ),
+        (beside(0.012), Code.INVALID_GOAL, "at the opening of 'X1/2'"),
         (beside(-0.012), Code.COMPONENT_DISPLACED, "12 mm and 0 deg from where 'X1/1' is on"),
         (beside(0.0, 2.9), Code.COMPONENT_DISPLACED, "0 mm and 14 deg"),
     ],
 )
-def test_a_mouth_is_of_its_own_terminal(socket, code, words):
+def test_an_opening_is_of_its_own_terminal(socket, code, words):
     with pytest.raises(AbilityError, match=words) as caught:
-        insertion(socket=socket).check(panel(), fed_book())
+        insertion(socket=socket).check(panel(), fed_belief())
     assert caught.value.code is code
 
 
-def test_a_mouth_is_compared_with_the_last_look():
-    book = fed_book()
+def test_an_opening_is_compared_with_the_last_observation():
+    belief = fed_belief()
     moved = np.array([0.0, 0.018, 0.0])
     drawn = WORLD_FROM_PANEL @ panel().component("X1").panel_from_component
-    book.seen["X1"] = Pose(drawn.position + moved, drawn.quaternion)
-    insertion(socket=beside(0.018)).check(panel(), book)
+    belief.seen["X1"] = Pose(drawn.position + moved, drawn.quaternion)
+    insertion(socket=beside(0.018)).check(panel(), belief)
     with pytest.raises(AbilityError, match="18 mm and 0 deg from where 'X1/1' was last seen"):
-        insertion().check(panel(), book)
+        insertion().check(panel(), belief)
 
 
 def test_an_end_in_a_terminal_is_extracted_first():
-    book = fed_book()
-    book.ends[End.A] = EndState.FIXED
+    belief = fed_belief()
+    belief.ends[End.A] = EndState.FIXED
     with pytest.raises(AbilityError, match="extract it first"):
-        insertion().check(panel(), book)
+        insertion().check(panel(), belief)
 
 
 def test_good_goals_pass():
-    insertion().check(panel(), fed_book())
+    insertion().check(panel(), fed_belief())
     insertion().check(panel(), holding(End.A))
-    goals.LocateGoal("X2", "2").check(panel(), Book())
+    goals.LocateGoal("X2", "2").check(panel(), BeliefState())

@@ -9,13 +9,13 @@ import pytest
 from panels import component, panel
 
 from remodel_sim.core.camera import Lens, Picture, View, looking_down
-from remodel_sim.core.component_shape import marker_cells
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.vision.label_pose import Look, locate_component
+from remodel_sim.core.vision.label_pose import LabelView, locate_component
 from remodel_sim.core.vision.labels import find_labels, search_label
+from remodel_sim.core.workpiece.component_shape import marker_cells
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.cameras import take
-from remodel_sim.physics.panel_scene import PanelScene
+from remodel_sim.physics.fixtures.panel_scene import PanelScene
 from remodel_sim.physics.world import World
 
 LENS = Lens(640, 480, math.radians(52.0))
@@ -54,20 +54,20 @@ def test_a_label_that_the_panel_lacks_is_none():
     assert find_labels(drawn((158, 200, 240, 0), (115, 450, 240, 0)), panel().components) == {}
 
 
-def test_a_label_seen_twice_is_not_told():
+def test_a_label_seen_twice_is_not_reported():
     assert find_labels(drawn((3, 150, 240, 0), (3, 450, 240, 0)), panel().components) == {}
 
 
 def test_a_label_of_another_size_is_a_stranger():
-    large = dataclasses.replace(component("X3", 3, 0.08, -0.12, -1), marker_size=0.034)
+    large = dataclasses.replace(component("X3", 3, 0.08, -0.12, side=-1), marker_size=0.034)
     assert find_labels(drawn((3, 300, 240, 0)), [large]) == {}
 
 
 @pytest.fixture
 def looks():
-    """A function: a component's pose to looks at it from two places, and how it stands there."""
+    """A function: a component's pose to views of it from two places, and how it stands there."""
     world = World(240.0)
-    part = component("X1", 1, 0.0, 0.0, 1)
+    part = component("X1", 1, 0.0, 0.0, side=1)
     noise = np.random.default_rng(4)
     table = read_cell().table
 
@@ -80,7 +80,7 @@ def looks():
             picture = take(world, view, noise)
             if blur:
                 picture = Picture(cv2.GaussianBlur(picture.rgb, (0, 0), blur), None, view)
-            found.append(Look(picture, find_labels(picture, [part])[1]))
+            found.append(LabelView(picture, find_labels(picture, [part])[1]))
         return found
 
     yield part, look
@@ -97,7 +97,7 @@ def test_a_label_that_a_wire_crosses_is_found_where_it_is_expected(looks):
     picture = Picture(covered, None, first.picture.view)
     assert find_labels(picture, [part]) == {}
     near = Pose.level(0.50, 0.0, 0.0, 0.0)
-    seen = locate_component(part, [Look(picture, search_label(picture, part, near))])
+    seen = locate_component(part, [LabelView(picture, search_label(picture, part, near))])
     assert error(seen.world_from_component, true)[0] < 0.0003
     stranger = dataclasses.replace(part, marker_id=17)
     assert search_label(picture, stranger, near) is None
@@ -141,7 +141,7 @@ def test_a_wire_over_the_label_does_not_move_it(looks):
     start, end = np.rint(middle + np.array([[-60, -25], [60, -12]])).astype(int).tolist()
     cv2.line(covered, start, end, (170, 40, 40), 9)
     picture = Picture(covered, None, first.picture.view)
-    seen = locate_component(part, [Look(picture, first.corners)])
+    seen = locate_component(part, [LabelView(picture, first.corners)])
     away, turned = error(seen.world_from_component, true)
     assert away < 0.0003
     assert turned < 0.4

@@ -1,7 +1,7 @@
 import pytest
 
+from remodel_sim.core.cell.ownership import check_owner
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.ownership import check_owner
 from remodel_states.core.codes import Code
 from remodel_states.core.goal_owner import NO_OWNER, owner_of
 

@@ -5,17 +5,25 @@ import numpy as np
 import pytest
 from panels import panel
 
-from remodel_sim.core.arm import PANDA_AT_ORIGIN, Arm
-from remodel_sim.core.book import Book, EndState, Feed
+from remodel_sim.core.belief.belief_state import BeliefState, EndState, Feed
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.layout import WORLD_FROM_PANEL
-from remodel_sim.core.panel import End
-from remodel_sim.core.pin_goal import PlacePinGoal, pin_row
+from remodel_sim.core.goals.pin_goal import PlacePinGoal, pin_row
+from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN, Arm
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import End
 from remodel_states.core.codes import Code
 
 FACING = Arm(PANDA_AT_ORIGIN.model, (1.0, 0.0, 0.0, math.pi))
 WIRE = panel().wires[0]  # 0.48 m
-GOOD = PlacePinGoal("robot_1", "robot_2", 0.10, 0.472, True, True, False)
+GOOD = PlacePinGoal(
+    robot_1="robot_1",
+    robot_2="robot_2",
+    path_space=0.10,
+    connector_space=0.472,
+    centered=True,
+    rotate=True,
+    show_in_tf=False,
+)
 
 
 def goal(**changes):
@@ -23,9 +31,9 @@ def goal(**changes):
 
 
 def fed(arm=PANDA_AT_ORIGIN):
-    book = Book(arm=arm)
-    book.start_wire(Feed("W1", "A", 1), {})
-    return book
+    belief = BeliefState(arm=arm)
+    belief.start_wire(Feed("W1", "A", 1), {})
+    return belief
 
 
 def places(some_goal):
@@ -112,15 +120,15 @@ def test_pins_and_path_keep_clear_of_components():
 
 def test_there_must_be_a_live_wire_with_loose_ends():
     with pytest.raises(AbilityError) as caught:
-        GOOD.check(panel(), Book())
+        GOOD.check(panel(), BeliefState())
     assert caught.value.code is Code.WIRE_NOT_FED
-    book = fed()
-    book.ends[End.A] = EndState.FIXED
+    belief = fed()
+    belief.ends[End.A] = EndState.FIXED
     with pytest.raises(AbilityError, match="extract it first"):
-        GOOD.check(panel(), book)
+        GOOD.check(panel(), belief)
 
 
-def test_an_arm_that_does_not_reach_a_pin_is_told():
+def test_an_arm_that_does_not_reach_a_pin_is_reported():
     far = Arm(PANDA_AT_ORIGIN.model, (-0.8, 0.0, 0.0, 0.0))
     with pytest.raises(AbilityError) as caught:
         GOOD.check(panel(), fed(far))

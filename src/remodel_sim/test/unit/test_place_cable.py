@@ -6,11 +6,11 @@ from place_wire import lay_down as lay_down_wire
 
 from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.abilities.pick_cable import pick_cable
-from remodel_sim.core.book import EndState
+from remodel_sim.core.belief.belief_state import EndState
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import DetectGoal, PickGoal
-from remodel_sim.core.panel import End
+from remodel_sim.core.workpiece.panel import End
 from remodel_sim.physics.truth import ground_truth
 from remodel_states.core.codes import Code
 
@@ -24,13 +24,13 @@ def lay_down(cell, target=BESIDE):
 
 def hold_end_a_in_its_terminal(cell):
     cell.feed("W1", "A")
-    insert(cell, "W1", End.A, "X1", "1", locate(cell, "X1", "1"))
+    insert(cell, "W1", End.A, "X1", terminal="1", socket=locate(cell, "X1", "1"))
 
 
 def test_an_end_that_is_pushed_in_is_drawn_out_and_can_be_picked_again(cell):
     hold_end_a_in_its_terminal(cell)
     lay_down(cell)
-    assert cell.station.book.ends[End.A] is EndState.LOOSE
+    assert cell.context.belief.ends[End.A] is EndState.LOOSE
     (truth,) = ground_truth(cell.plant, ["W1"])
     assert truth.a.at == ""
     do(cell, detect_cable, DetectGoal("W1"))
@@ -44,19 +44,19 @@ def test_whatever_the_hand_holds_is_laid_down_when_no_wire_is_named(cell):
     cell.feed("W1", "A")
     do(cell, pick_cable, PickGoal(ROBOT, "W1", End.A, 0.0))
     assert lay_down_wire(cell, "").message.startswith("W1 laid down at")
-    assert cell.station.book.grip is None
+    assert cell.context.belief.grip is None
     with pytest.raises(AbilityError) as caught:
         lay_down_wire(cell, "")
     assert caught.value.code is Code.NOTHING_HELD
 
 
-def test_an_end_that_is_fixed_is_let_go_in_its_terminal(cell):
+def test_an_end_that_is_fixed_is_released_in_its_terminal(cell):
     hold_end_a_in_its_terminal(cell)
-    assert cell.station.close_clamp("X1", "1"), "as FixCable does before it is stopped"
-    with pytest.raises(AbilityError, match="let go there, the hand is empty") as caught:
+    assert cell.context.close_clamp("X1", "1"), "as FixCable does before it is stopped"
+    with pytest.raises(AbilityError, match="released there, the hand is empty") as caught:
         lay_down(cell)
     assert caught.value.code is Code.EXTRACTION_STUCK
-    assert cell.station.book.grip is None
+    assert cell.context.belief.grip is None
     (truth,) = ground_truth(cell.plant, ["W1"])
     assert truth.a.seated and truth.a.fixed
     carry(cell, "W1", "A")

@@ -10,11 +10,11 @@ from place_wire import ROBOT, do, extract, locate
 from remodel_sim.abilities.place_connector import place_connector
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
-from remodel_sim.core.book import Book, EndState, Feed
+from remodel_sim.core.belief.belief_state import BeliefState, EndState, Feed
 from remodel_sim.core.errors import AbilityError, PanelError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.layout import WORLD_FROM_PANEL, find_problems
-from remodel_sim.core.panel import End
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL, find_problems
+from remodel_sim.core.workpiece.panel import End
 from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
@@ -65,19 +65,19 @@ def test_a_connector_latches_when_pushed_hard_enough_and_comes_out_when_its_latc
     placed = place(cell, socket)
     assert placed.peak_force >= 30.0
     assert truth_of(cell).seated and truth_of(cell).fixed
-    assert cell.station.book.ends[End.A] is EndState.FIXED
-    assert cell.station.book.grip is None
-    extract(cell, "W1", "U1", "J1", socket)
+    assert cell.context.belief.ends[End.A] is EndState.FIXED
+    assert cell.context.belief.grip is None
+    extract(cell, "W1", "U1", "J1", socket=socket)
     assert truth_of(cell).at == "" and not truth_of(cell).fixed
 
 
-def test_pins_beside_their_bores_and_an_obstacle_in_one_are_told_apart(cell):
+def test_pins_beside_their_openings_and_an_obstacle_in_one_have_different_codes(cell):
     socket = locate(cell, "U1", "J1")
     beside = Pose(socket.position + np.array([0.0, 0.006, 0.0]), socket.quaternion)
     with pytest.raises(AbilityError) as caught:
         place(cell, beside)
     assert caught.value.code is Code.INSERTION_MISALIGNED
-    extract(cell, "W1", "U1", "J1", beside)
+    extract(cell, "W1", "U1", "J1", socket=beside)
     cell.plant.block_socket("U1", "J1")
     with pytest.raises(AbilityError) as caught:
         place(cell, socket)
@@ -96,21 +96,39 @@ def test_pins_beside_their_bores_and_an_obstacle_in_one_are_told_apart(cell):
             Code.INVALID_GOAL,
             "'P1' has 3 ways, 5.08 mm apart; 'U2/J1' takes 2",
         ),
-        (lambda: connection(terminal_id="J2"), Code.INVALID_GOAL, "at the mouth of 'U1/J1'"),
+        (lambda: connection(terminal_id="J2"), Code.INVALID_GOAL, "at the opening of 'U1/J1'"),
         (
-            lambda: goals.InsertGoal(ROBOT, "W1", End.A, "X1", "1", FACE, 8.0),
+            lambda: goals.InsertGoal(
+                robot_name=ROBOT,
+                cable_id="W1",
+                end=End.A,
+                component_id="X1",
+                terminal_id="1",
+                socket=FACE,
+                force_limit=8.0,
+            ),
             Code.INVALID_GOAL,
             "place it with PlaceConnector",
         ),
-        (lambda: goals.FixGoal(ROBOT, "W1", "U1", "J1", 5.0), Code.INVALID_GOAL, "is a header"),
+        (
+            lambda: goals.FixGoal(
+                robot_name=ROBOT,
+                cable_id="W1",
+                component_id="U1",
+                terminal_id="J1",
+                pull_test_force=5.0,
+            ),
+            Code.INVALID_GOAL,
+            "is a header",
+        ),
         (lambda: goals.CheckGoal("W1", End.A, "U1", "J1"), Code.INVALID_GOAL, "is a header"),
     ],
 )
 def test_goals_that_cannot_be_done_are_refused_with_the_reason(goal, code, words):
-    book = Book()
-    book.start_wire(Feed("W1", "A", 1), {})
+    belief = BeliefState()
+    belief.start_wire(Feed("W1", "A", 1), {})
     with pytest.raises(AbilityError, match=words) as caught:
-        goal().check(PANEL, book)
+        goal().check(PANEL, belief)
     assert caught.value.code is code
 
 
@@ -134,16 +152,16 @@ def with_header(**changes):
         (with_connector(ways=2), "'P1' has 2 ways, 5.08 mm apart, and 'U1/J1' has 3"),
         (with_connector(end=End.B), "end a has no connector, and 'U1/J1' is a header"),
         (with_connector(pin_length=0.0099), "'P1', 0.0099 m long, do not go into 'U1/J1'"),
-        (with_connector(pin_diameter=0.0022), "bore of 'U1/J1' minus diameter is 0.2 mm"),
+        (with_connector(pin_diameter=0.0022), "opening of 'U1/J1' minus diameter is 0.2 mm"),
         (with_connector(body_width=0.03), "'P1': body_width is 0.03 m"),
         (with_connector(mating_force=80.0), "'P1': mating_force is 80 N"),
         (with_connector(id="P2"), "2 of the connectors are called 'P2'"),
-        (with_header(pitch=0.004), "its mouths are -0.4 mm apart"),
+        (with_header(pitch=0.004), "its openings are -0.4 mm apart"),
         (with_header(retention_force=5.0), "'U1/J1': retention_force is 5 N"),
         (with_header(mouth=(0.025, -0.030, 0.022)), "reaches beyond the component's side"),
     ],
 )
-def test_connectors_and_headers_that_do_not_work_are_told(broken, words):
+def test_connectors_and_headers_that_do_not_work_are_reported(broken, words):
     assert any(words in problem for problem in find_problems(broken)), find_problems(broken)
 
 
@@ -151,7 +169,7 @@ def test_the_panel_with_connectors_has_no_problem():
     assert find_problems(PANEL) == ()
 
 
-def test_a_connector_at_no_end_is_told_with_its_wire(tmp_path):
+def test_a_connector_at_no_end_is_reported_with_its_wire(tmp_path):
     text = (CONFIG / "connectors.yaml").read_text().replace("{id: P1, end: a", "{id: P1, end: c")
     (tmp_path / "panel.yaml").write_text(text)
     with pytest.raises(PanelError, match="wire 'W1': connector 'P1': end is 'c'; allowed: a, b"):

@@ -7,13 +7,13 @@ import place_wire as do
 import pytest
 from formboards import along_clips, duct, formboard
 
-from remodel_sim.abilities.course_check import check_ducts
+from remodel_sim.abilities.primitives.route_check import check_ducts
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.layout import WORLD_FROM_PANEL
-from remodel_sim.core.panel import End
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import End
 from remodel_sim.physics.truth import lies_in
 from remodel_states.core.codes import Code
 
@@ -39,7 +39,7 @@ def test_a_wire_is_laid_into_its_clips_and_stays_there():
     cell = with_b_in_hand(board)
     done = route(cell, *along_clips(board))
     assert done.message == "W1 laid into C1, C2"
-    assert cell.station.book.grip is None
+    assert cell.context.belief.grip is None
     assert all(lies_in(cell.plant, "W1", clip) for clip in board.clips)
     cell.close()
 
@@ -59,7 +59,7 @@ def test_a_wire_beside_its_duct_is_seen_from_above(x, words):
     cell.feed("W1", "A")
     try:
         with pytest.raises(AbilityError, match=words) if words else nullcontext() as caught:
-            cell.run(check_ducts(cell.station, (at(x, -0.1), at(x, 0.1))))
+            cell.run(check_ducts(cell.context, (at(x, -0.1), at(x, 0.1))))
     finally:
         cell.close()
     assert not words or caught.value.code is Code.OUT_OF_DUCT

@@ -6,18 +6,18 @@ import pytest
 from panels import panel
 
 from remodel_sim.abilities.detect_cable import detect_cable
+from remodel_sim.abilities.execution.observers import Observers
 from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
-from remodel_sim.abilities.station import Audience
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
-from remodel_sim.core.component_shape import Box, label_corners
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.panel import End
+from remodel_sim.core.workpiece.component_shape import Box, label_corners
+from remodel_sim.core.workpiece.panel import End
 from remodel_sim.physics.static_body import add_static
 from remodel_states.core.codes import Code
 
-# A lens that is nearer to another one than this looks from the same place [m].
+# A lens that is nearer to another one than this observes from the same place [m].
 APART_M = 0.02
 GREY = (0.5, 0.5, 0.5)
 
@@ -34,7 +34,7 @@ def cell(places):
         if camera == "wrist" and drawing is None:
             places.append(picture.view.world_from_camera.position)
 
-    made = Cell(panel(), seed=1, audience=Audience(on_look=note))
+    made = Cell(panel(), seed=1, observers=Observers(on_observation=note))
     yield made
     made.close()
 
@@ -65,7 +65,7 @@ def hang_cross(cell, above, z, arm, width):
     add_static(cell.plant.world.bullet, boxes, Pose.level(x, y, z))
 
 
-def test_each_view_of_a_component_looks_from_elsewhere(cell, places):
+def test_each_view_of_a_component_is_taken_from_elsewhere(cell, places):
     usual, other, third, again = (taken(places, lambda v=v: locate(cell, v)) for v in range(4))
     assert len(usual) == len(other) == len(third) == 2
     assert min(nearest(usual, other), nearest(usual, third), nearest(other, third)) > APART_M
@@ -73,10 +73,10 @@ def test_each_view_of_a_component_looks_from_elsewhere(cell, places):
 
 
 def test_a_label_hidden_from_the_usual_places_is_located_from_another_view(cell):
-    component = cell.station.panel.component("X1")
+    component = cell.context.panel.component("X1")
     world_from_component = cell.plant.world_from_component("X1")
     label = world_from_component.apply(label_corners(component)).mean(axis=0)
-    hang_cross(cell, label, 0.13, 0.08, 0.014)
+    hang_cross(cell, label, 0.13, 0.08, width=0.014)
     with pytest.raises(AbilityError) as caught:
         locate(cell, 0)
     assert caught.value.code in (Code.COMPONENT_NOT_FOUND, Code.COMPONENT_OCCLUDED)
@@ -85,7 +85,7 @@ def test_a_label_hidden_from_the_usual_places_is_located_from_another_view(cell)
     assert np.linalg.norm(away) < 0.001
 
 
-def test_each_view_of_a_cable_looks_from_elsewhere(cell, places):
+def test_each_view_of_a_cable_is_taken_from_elsewhere(cell, places):
     cell.feed("W1", "A")
     assert len(taken(places, lambda: detect(cell, 0))) == 0, "both ends are seen from above"
     first, second = (taken(places, lambda v=v: detect(cell, v)) for v in (1, 2))
@@ -97,7 +97,7 @@ def test_ends_hidden_from_above_are_detected_from_another_view(cell):
     cell.feed("W1", "A")
     for end in End:
         tip = cell.plant.live.cable.tip(end)[0]
-        hang_cross(cell, tip, 0.15, 0.10, 0.04)
+        hang_cross(cell, tip, 0.15, 0.10, width=0.04)
     with pytest.raises(AbilityError) as caught:
         detect(cell, 0)
     assert caught.value.code is Code.CABLE_NOT_FOUND

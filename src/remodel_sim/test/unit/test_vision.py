@@ -11,16 +11,16 @@ from place_wire import do
 
 from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.cell import Cell
-from remodel_sim.core.book import EndState
+from remodel_sim.core.belief.belief_state import EndState
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import DetectGoal
-from remodel_sim.core.panel import End
-from remodel_sim.core.vision.label_pose import Look, locate_component
+from remodel_sim.core.vision.label_pose import LabelView, locate_component
 from remodel_sim.core.vision.labels import find_labels
 from remodel_sim.core.vision.tracing import at_distance, trace
 from remodel_sim.core.vision.wire_ends import find_ends, trace_between
-from remodel_sim.core.wire_colours import WIRE_RGB
-from remodel_sim.physics.parked_wire import draw_parked
+from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.wire_colours import WIRE_RGB
+from remodel_sim.physics.wires.parked_wire import draw_parked
 from remodel_states.core.codes import Code
 
 
@@ -30,10 +30,10 @@ def test_every_label_is_found_from_above_to_half_a_millimetre(cell):
         cell.plant.move_component(
             part.id, *random.uniform(-0.006, 0.006, 2), random.uniform(-0.1, 0.1)
         )
-    picture = cell.plant.look_overhead()
+    picture = cell.plant.take_overhead_picture()
     labels = find_labels(picture, cell.plant.panel.components)
     for part in cell.plant.panel.components:
-        seen = locate_component(part, [Look(picture, labels[part.marker_id])])
+        seen = locate_component(part, [LabelView(picture, labels[part.marker_id])])
         true = cell.plant.world_from_component(part.id)
         pose = seen.world_from_component
         assert np.linalg.norm(pose.position - true.position) < 0.0005
@@ -45,15 +45,15 @@ def test_every_label_is_found_from_above_to_half_a_millimetre(cell):
 def test_both_ends_of_a_wire_of_any_colour_are_found(colour):
     made = Cell(panel(wires=(wire("W1", ("X1", "1"), ("X2", "1"), 0.48, colour=colour),)), seed=3)
     made.feed("W1", "A")
-    picture = made.plant.look_overhead()
-    ends, likelihood = find_ends(picture, made.station.wire, made.station.book.expected)
+    picture = made.plant.take_overhead_picture()
+    ends, likelihood = find_ends(picture, made.context.wire, made.context.belief.expected)
     for end in End:
         true, out = made.plant.live.cable.tip(end)
         seen = ends[end].tip
         assert np.linalg.norm(seen.tip[:2] - true[:2]) < 0.0012
         assert abs(math.cos(seen.out_yaw) * out[0] + math.sin(seen.out_yaw) * out[1]) > 0.99
     both = ends[End.A], ends[End.B]
-    pixels = trace_between(both, picture, likelihood, made.station.wire)
+    pixels = trace_between(both, picture, likelihood, made.context.wire)
     line = picture.view.on_plane(pixels, 0.0015)[:, :2]
     length = np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
     assert length == pytest.approx(0.48, rel=0.03)
@@ -67,21 +67,21 @@ def test_both_ends_of_a_wire_of_any_colour_are_found(colour):
 def test_a_wire_that_is_not_there_is_not_found(cell):
     cell.feed("W1", "A")
     elsewhere = {End.A: np.array([0.30, -0.30])}
-    ends, _ = find_ends(cell.plant.look_overhead(), cell.station.wire, elsewhere)
+    ends, _ = find_ends(cell.plant.take_overhead_picture(), cell.context.wire, elsewhere)
     assert ends == {}
 
 
 def test_two_ends_side_by_side_are_ambiguous(cell):
     cell.feed("W1", "A")
-    between = {End.A: np.mean([p for p in cell.station.book.expected.values()], axis=0)}
-    picture = cell.plant.look_overhead()
-    close = dataclasses.replace(cell.station.wire)
+    between = {End.A: np.mean([p for p in cell.context.belief.expected.values()], axis=0)}
+    picture = cell.plant.take_overhead_picture()
+    close = dataclasses.replace(cell.context.wire)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("remodel_sim.core.vision.wire_ends.SEARCH_M", 0.5)
         with pytest.raises(AbilityError) as caught:
             find_ends(picture, close, between)
     assert caught.value.code is Code.CABLE_AMBIGUOUS
-    assert cell.station.book.ends[End.A] is EndState.LOOSE
+    assert cell.context.belief.ends[End.A] is EndState.LOOSE
 
 
 def test_the_tracer_follows_a_bend_and_goes_straight_over_a_crossing():
@@ -103,10 +103,10 @@ def test_a_polyline_goes_on_straight_beyond_its_end():
 
 def test_an_end_that_a_wire_in_the_air_hides_from_above_is_found_from_aside(cell):
     cell.feed("W1", "A")
-    live = cell.station.wire
+    live = cell.context.wire
     tip, _ = cell.plant.live.cable.tip(End.A)
     ferrule = np.array([tip[0], tip[1] + live.ferrule_length / 2, live.radius])
-    lens = cell.plant.look_overhead().view.world_from_camera.position
+    lens = cell.plant.take_overhead_picture().view.world_from_camera.position
     on_the_ray = ferrule + (lens - ferrule) * 0.05 / lens[2]  # some 50 mm above the plate
     across = np.linspace(-0.25, 0.25, 13)[:, None] * np.array([1.0, 0.0, 0.0])
     draw_parked(
@@ -114,7 +114,7 @@ def test_an_end_that_a_wire_in_the_air_hides_from_above_is_found_from_aside(cell
         on_the_ray + across,
         dataclasses.replace(live, diameter=0.012, colour="RD"),
     )
-    seen, _ = find_ends(cell.plant.look_overhead(), live, cell.station.book.expected)
+    seen, _ = find_ends(cell.plant.take_overhead_picture(), live, cell.context.belief.expected)
     assert End.A not in seen, "the wire above hides it"
     do(cell, detect_cable, DetectGoal("W1"))
-    assert np.linalg.norm(cell.station.book.tips[End.A].tip[:2] - tip[:2]) < 0.003
+    assert np.linalg.norm(cell.context.belief.tips[End.A].tip[:2] - tip[:2]) < 0.003

@@ -5,7 +5,7 @@ from remodel_msgs.msg import Panel as PanelMsg
 from remodel_msgs.msg import Wire as WireMsg
 
 from remodel_sim.core.errors import MaterialError, PanelError
-from remodel_sim.core.wire_materials import PROPERTIES, materials_from
+from remodel_sim.core.workpiece.wire_materials import PROPERTIES, materials_from
 from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.ros.conversions import panel_from
 

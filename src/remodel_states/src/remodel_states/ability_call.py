@@ -20,12 +20,12 @@ How an execution ends (first row that holds):
     the answer contradicts itself, or has another id    failed         CONTRADICTORY_RESULT
     the server answered: success                        <done>
     the server answered: not successful                 failed         its code
-    the server has gone away during the goal            command_error  SERVER_LOST
+    the server stopped during the goal                  command_error  SERVER_LOST
     timeout_s + GRACE_S have passed without an answer   failed         SERVER_HUNG
 
 The server ends a goal at its timeout; the last row only bounds the wait for one that does not. A
-goal whose end is not known is always cancelled: a server that only stood still must not go on with
-it later.
+goal whose end is not known is always cancelled: a server that was only stopped must not continue it
+later.
 
 With a supervisor (see record_keeping), `start()` asks for a permit, and `outcome()` sends the goal
 once it is granted; the timeout counts from then. `outcome()` stays None until the record is kept.
@@ -45,9 +45,8 @@ from remodel_msgs.srv import BeginOperationRequest
 from flexbe_core import EventState, Logger
 from flexbe_core.core import UserData
 from flexbe_core.proxy import ProxyActionClient, ProxyPublisher
-from remodel_states.core.contract_times import GRACE_S
-from remodel_states.described import described
-from remodel_states.record_keeping import (
+from remodel_states.calling.described import described
+from remodel_states.calling.record_keeping import (
     Keeping,
     Permit,
     Request,
@@ -55,7 +54,8 @@ from remodel_states.record_keeping import (
     owned_id,
     recorder,
 )
-from remodel_states.ros_stopwatch import RosStopwatch
+from remodel_states.core.contract_times import GRACE_S
+from remodel_states.core.ros_stopwatch import RosStopwatch
 
 RECORD_TOPIC = "remodel/ability_records"
 
@@ -71,7 +71,7 @@ FAILED = "failed"
 
 
 class AbilityCall:
-    """One state's line to one ability server."""
+    """One state's connection to one ability server."""
 
     def __init__(
         self, state: EventState, action_type: type, topic: str, timeout_s: float, done: str
@@ -127,7 +127,7 @@ class AbilityCall:
             # Asked once: behaviors are built again for each run.
             try:
                 self._recorder = recorder()
-            except Exception as error:  # noqa: BLE001 - whatever a master that is away causes
+            except Exception as error:  # noqa: BLE001 - a missing master may cause anything
                 trouble = f"no ROS master: {error}"
         if self._recorder or trouble:
             operation = BeginOperationRequest(self._behavior(), self._state.path, self._ability)
@@ -180,7 +180,7 @@ class AbilityCall:
             self._close_record()
 
     def _check_permit(self, permit: Permit) -> None:
-        if not permit.is_settled:
+        if not permit.is_final:
             _warn(permit)
             return
         self._permit = None
@@ -220,7 +220,7 @@ class AbilityCall:
             self._end_by(self._client.get_result(self._topic), self._client.get_state(self._topic))
         elif not self._client.is_available(self._topic):
             self._client.cancel(self._topic)
-            text = f"the server of {self._topic} went away during goal {self._goal.id}"
+            text = f"the server of {self._topic} stopped during goal {self._goal.id}"
             self._end(COMMAND_ERROR, ErrorCode.SERVER_LOST, text)
         elif self._stopwatch.read() > self._timeout_s + GRACE_S:
             self._client.cancel(self._topic)
@@ -243,7 +243,7 @@ class AbilityCall:
             self._end(FAILED, result.error_code or ErrorCode.INTERNAL, text)
 
     def _contradiction(self, result: Message, status: int) -> str:
-        """Return what cannot be true about an answer; empty if it makes sense."""
+        """Return the contradiction in an answer; empty if there is none."""
         if result.id != self._goal.id:
             return f"the result is of goal {result.id!r}, not of {self._goal.id!r}"
         if result.success and result.error_code != ErrorCode.NONE:
@@ -267,7 +267,7 @@ class AbilityCall:
             Logger.logwarn(f"{self._ability} {outcome}: error {code}: {text}")
 
     def _check_keeping(self, keeping: Keeping) -> None:
-        if keeping.is_settled:
+        if keeping.is_final:
             self._stop_keeping()
         else:
             _warn(keeping)

@@ -41,12 +41,12 @@ from genpy import Message
 from remodel_msgs.msg import ErrorCode
 
 from flexbe_core.ros.steady_action_server import SteadyActionServer
-from remodel_states.ability_messages import message_class
 from remodel_states.core.ability_error import AbilityError
 from remodel_states.core.ability_tables import Ability
 from remodel_states.core.goal_owner import owner_of
 from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.errors import TableError
+from remodel_states.serving.ability_messages import message_class
 from remodel_states.serving.invalid_goal import why_invalid
 from remodel_states.serving.robot import Robot
 from remodel_states.serving.running_goal import RunningGoal
@@ -131,7 +131,7 @@ class AbilityServer:
         threading.Thread(target=self._perform, args=(running,), daemon=True).start()
 
     def cancel(self, running: RunningGoal) -> None:
-        """Stop a goal that somebody cancels."""
+        """Stop a goal that a client cancels."""
         running.cancel()
 
     def finish(self, running: RunningGoal, end: Callable[[], None]) -> None:

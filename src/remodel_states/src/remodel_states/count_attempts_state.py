@@ -1,10 +1,10 @@
-"""Bound how often a part of a behavior is tried."""
+"""Limit the attempts of a part of a behavior."""
 
 from flexbe_core import EventState
 
 
 class CountAttemptsState(EventState):
-    """Count one more attempt and tell whether it is still allowed.
+    """Count one more attempt and check whether it is still allowed.
 
     The synthesizer puts it before a state that has `ext:attempts`.
 

@@ -16,7 +16,7 @@ class ExtractCableState(EventState):
     ># cable_id  string  Wire of the loaded panel, such as "W1".
     ># component_id  string  Component of the loaded panel, such as "Q1".
     ># terminal_id  string  Terminal of that component.
-    ># socket_pose  geometry_msgs/PoseStamped  The mouth that the end is pulled out of; frame "world" or "panel" [m].
+    ># socket_pose  geometry_msgs/PoseStamped  Opening from which the end is pulled; frame "world" or "panel" [m].
 
     #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
     #> error_message  string  What failed and what to do.

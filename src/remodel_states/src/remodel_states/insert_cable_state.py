@@ -20,7 +20,7 @@ class InsertCableState(EventState):
     ># terminal_id  string  Terminal of that component.
     ># socket_pose  geometry_msgs/PoseStamped  As LocateGearboxComponent returns it; frame "world" or "panel" [m].
 
-    #> depth  float  [m] from the mouth to the tip, as measured by the arm.
+    #> depth  float  [m] from the opening to the tip, as measured by the arm.
     #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
     #> error_message  string  What failed and what to do.
 

@@ -4,7 +4,7 @@ from remodel_msgs.msg import LocateGearboxComponentAction, LocateGearboxComponen
 
 from flexbe_core import EventState
 from remodel_states.ability_call import AbilityCall
-from remodel_states.checked_byte import checked_byte
+from remodel_states.parameters.checked_byte import checked_byte
 
 
 class LocateGearboxComponentState(EventState):
@@ -18,7 +18,7 @@ class LocateGearboxComponentState(EventState):
     ># terminal_id  string  Terminal of that component; empty: the component only.
 
     #> component_pose  geometry_msgs/PoseStamped  Centre of the component's base, world frame [m].
-    #> socket_pose  geometry_msgs/PoseStamped  Centre of the terminal's mouth, x axis points into the bore, world frame [m]; unset without terminal_id.
+    #> socket_pose  geometry_msgs/PoseStamped  Centre of the terminal's opening, x axis points into the terminal, world frame [m]; unset without terminal_id.
     #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
     #> error_message  string  What failed and what to do.
 

@@ -4,11 +4,11 @@ from remodel_msgs.msg import PlaceCableAction, PlaceCableGoal
 
 from flexbe_core import EventState
 from remodel_states.ability_call import AbilityCall
-from remodel_states.panel_pose import panel_pose
+from remodel_states.parameters.panel_pose import panel_pose
 
 
 class PlaceCableState(EventState):
-    """Lay the held end of a wire down and let go.
+    """Lay the held end of a wire down and release it.
 
     -- target  list  [x, y, z, yaw] in the panel frame [m, rad], of the tool centre at release.
     -- robot_name  string  Arm that does it, such as "robot_1".

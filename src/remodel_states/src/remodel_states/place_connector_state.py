@@ -7,7 +7,7 @@ from remodel_states.ability_call import AbilityCall
 
 
 class PlaceConnectorState(EventState):
-    """Push a connector with several pins into its header until it latches, prove it by a pull, and let go.
+    """Push a connector with several pins into its header until it latches, test it by a pull, and release it.
 
     -- connector_id  string  Connector at the end of the cable, such as "P1".
     -- robot_name  string  Arm that does it, such as "robot_1".

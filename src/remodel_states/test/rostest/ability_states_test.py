@@ -28,7 +28,8 @@ from std_msgs.msg import String
 from flexbe_core import Logger
 from flexbe_core.core import UserData
 from flexbe_core.proxy import ProxyActionClient
-from remodel_states import record_keeping
+from flexbe_core.testing import wait_until
+from remodel_states.calling import record_keeping
 from remodel_states.core.ability_tables import POSE as POSE_TYPE
 from remodel_states.core.ability_tables import POSES as POSES_TYPE
 from remodel_states.core.state_source import module_name
@@ -136,13 +137,6 @@ def recorded_by(service):
     finally:
         if rospy.has_param(record_keeping.RECORDER_PARAMETER):
             rospy.delete_param(record_keeping.RECORDER_PARAMETER)
-
-
-def wait_until(condition, limit_s=30.0):
-    limit = time.monotonic() + limit_s
-    while not condition() and time.monotonic() < limit:
-        time.sleep(0.01)
-    return condition()
 
 
 class AbilityStatesTest(unittest.TestCase):
@@ -434,7 +428,10 @@ class AbilityStatesTest(unittest.TestCase):
             )
             self.assertGreater(len(recorder.came), 1)
             text = warn.call_args[0][0]
-            self.assertIn("keep_record is asked for 0.3 s or longer: the disk is full", text)
+            expected = (
+                "keep_record has not accepted the request for 0.3 s or longer: the disk is full"
+            )
+            self.assertIn(expected, text)
             self.assertIn("rosparam delete /remodel/recorder", text)
             recorder.says = KeepRecordResponse(True, "")
             self.assertEqual(run(state, data), "fixed")

@@ -61,16 +61,16 @@ FLAWS = {
     "cancels slowly": "slow-cancel",
     "cancelled with another code": "cancel-code",
     "aborts when cancelled": "cancel-status",
-    "obeys any cancel": "obeys-strangers",
+    "applies any cancel": "foreign-cancel",
     "loses the second goal": "no-answer",
     "mixes up two goals": "wrong-id",
-    "takes NaN": "takes-nonsense",
-    "takes any timeout": "takes-nonsense",
-    "takes no id": "takes-nonsense",
+    "takes NaN": "accepts-invalid-goal",
+    "takes any timeout": "accepts-invalid-goal",
+    "takes no id": "accepts-invalid-goal",
     "dies of NaN": "no-answer",
-    "refuses with another code": "nonsense-code",
-    "refuses without naming the field": "nonsense-unnamed",
-    "places cables that do not exist": "does-the-impossible",
+    "refuses with another code": "invalid-goal-code",
+    "refuses without naming the field": "invalid-goal-unnamed",
+    "places cables that do not exist": "accepts-unknown-name",
 }
 
 
@@ -91,7 +91,7 @@ class Server:
         )
         self.server.start()
         self.has = lambda flaw: flaw == self.flaw
-        if flaw == "obeys any cancel":
+        if flaw == "applies any cancel":
             rospy.Subscriber(f"{topic}/cancel", actionlib.GoalID, self.on_any_cancel)
 
     def on_any_cancel(self, message):
@@ -104,7 +104,7 @@ class Server:
 
     def on_goal(self, handle):
         goal = handle.get_goal()
-        field, found = self.nonsense(goal)
+        field, found = self.invalid_field(goal)
         if field:
             code = 400 if self.has("refuses with another code") else ErrorCode.INVALID_GOAL
             name = "something" if self.has("refuses without naming the field") else field
@@ -120,7 +120,7 @@ class Server:
             self.last_id = goal.id
             threading.Thread(target=self.work, args=[handle], daemon=True).start()
 
-    def nonsense(self, goal):
+    def invalid_field(self, goal):
         if not goal.id and not self.has("takes no id"):
             return "id", "empty"
         if not (0 < goal.timeout < math.inf) and not self.has("takes any timeout"):
@@ -134,7 +134,10 @@ class Server:
 
     def reject(self, handle, code, text):
         goal = handle.get_goal()
-        handle.set_rejected(PlaceCableResult(goal.id, False, "", 0.0, code, text), text)
+        handle.set_rejected(
+            PlaceCableResult(id=goal.id, error_code=code, error_message=text),
+            text,
+        )
 
     def work(self, handle):
         goal, goal_id = handle.get_goal(), handle.get_goal_id().id
@@ -149,7 +152,12 @@ class Server:
             if took > goal.timeout and not self.has("ignores its timeout"):
                 code = 400 if self.has("ends at its timeout with another code") else 1
                 text = "out of time"
-                handle.set_aborted(PlaceCableResult(goal.id, False, "", took, code, text), text)
+                handle.set_aborted(
+                    PlaceCableResult(
+                        id=goal.id, elapsed_time=took, error_code=code, error_message=text
+                    ),
+                    text,
+                )
                 break
             limit_s = goal.timeout + 3.0 if self.has("ignores its timeout") else self.duration_s
             if took > max(limit_s if goal.timeout < DURATION_S else self.duration_s, 0.0):
@@ -162,7 +170,9 @@ class Server:
         if self.has("cancels slowly"):
             time.sleep(0.7 + self.random.random())
         code = 400 if self.has("cancelled with another code") else ErrorCode.PREEMPTED
-        result = PlaceCableResult(goal.id, False, "", took, code, "cancelled")
+        result = PlaceCableResult(
+            id=goal.id, elapsed_time=took, error_code=code, error_message="cancelled"
+        )
         if self.has("aborts when cancelled"):
             handle.set_aborted(result, "cancelled")
         else:
@@ -186,7 +196,7 @@ class Server:
     def end(self, handle, goal, took):
         if self.has("never answers"):
             return
-        result = PlaceCableResult(goal.id, True, "placed", took, ErrorCode.NONE, "")
+        result = PlaceCableResult(id=goal.id, success=True, message="placed", elapsed_time=took)
         if self.has("result with another id"):
             result.id = f"G{self.random.randrange(1000)}"
         elif self.has("mixes up two goals"):
@@ -208,7 +218,12 @@ class Server:
         if code is not None or self.has("unknown code"):
             code = self.random.randrange(900, 999) if code is None else code
             text = "" if self.has("fails without reason") else "no"
-            handle.set_aborted(PlaceCableResult(goal.id, False, "", took, code, text), text)
+            handle.set_aborted(
+                PlaceCableResult(
+                    id=goal.id, elapsed_time=took, error_code=code, error_message=text
+                ),
+                text,
+            )
             return
         handle.set_succeeded(result)
         if self.has("answers twice"):

@@ -69,7 +69,7 @@ class FakeCellTest(unittest.TestCase):
 
     @classmethod
     def restart_screwdriver(cls):
-        """Kill the server of FixCable, and start it anew."""
+        """Kill the server of FixCable, and restart it."""
         if cls.screwdriver:
             cls.screwdriver.kill()
             cls.screwdriver.wait()

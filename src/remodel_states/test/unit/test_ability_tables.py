@@ -110,7 +110,7 @@ def test_a_table_of_another_form_is_reported(tmp_path):
     file = tmp_path / "abilities.yaml"
     file.write_text("abilities: {CrimpFerrule: {colour: red}}")
     with pytest.raises(TableError) as error:
-        abilities_in("crimping", file, tmp_path, CODES, MSGS)
+        abilities_in("crimping", file, tmp_path, CODES, contract=MSGS)
     assert error.value.problems == (
         "abilities.CrimpFerrule: found colour; missing: errors",
         "abilities.CrimpFerrule.colour: found 'red'; allowed: text that matches ^#[0-9a-f]{6}$",
@@ -120,7 +120,7 @@ def test_a_table_of_another_form_is_reported(tmp_path):
 def test_each_fault_is_caused_by_an_ability_that_reports_its_code():
     tables = faults_from({"remodel_msgs": [MSGS / "config/faults.yaml"]}, MSGS)
     file = MSGS / "config/abilities.yaml"
-    rows = abilities_in("remodel_msgs", file, MSGS, tables.codes, MSGS)
+    rows = abilities_in("remodel_msgs", file, MSGS, tables.codes, contract=MSGS)
     for fault in tables.faults.values():
         cause = fault["cause"]["interface"]
         errors = rows[cause["ability"]].errors

@@ -1,4 +1,4 @@
-"""What a state's docstring tells the FlexBE App is what its code does."""
+"""A state's docstring, which the FlexBE App reads, agrees with its code."""
 
 import ast
 import re

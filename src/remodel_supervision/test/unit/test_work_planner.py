@@ -12,7 +12,7 @@ from remodel_planning.core.decomposition.decomposition import Decomposer
 from remodel_planning.core.decomposition.preparation import prepare
 from remodel_planning.core.orders.board_order import board_order
 from remodel_planning.core.problem.modes import Mode
-from remodel_planning.core.problem.part import part_of, put_off
+from remodel_planning.core.problem.part import defer, part_of
 from remodel_planning.core.problem.preferences import FORMAT
 from remodel_planning.core.problem.problem import Under
 from remodel_planning.core.search.tables import tables_of
@@ -72,9 +72,7 @@ def modes_of(planner, order, names):
 def cost(order, names, modes, last=()):
     """Return what doing the tasks of these names in this order costs."""
     tasks = tuple(task for task in order.tasks if task.name in names)
-    tables = tables_of(
-        put_off(prepare(replace(order, tasks=tasks), CABINET).preferred.problem, last)
-    )
+    tables = tables_of(defer(prepare(replace(order, tasks=tasks), CABINET).preferred.problem, last))
     number = {name: i for i, name in enumerate(tables.wires)}
     listed = np.array([number[name] for name in names], np.int32)
     kept = np.array([modes[name] for name in tables.wires], np.int32)
@@ -173,7 +171,7 @@ def test_all_moves_of_a_search_are_done_in_its_own_thread(monkeypatch):
 
 def test_what_is_left_of_a_preparation_is_what_preparing_it_gives():
     order = cabinet_order(2)
-    wishes = {
+    preferences = {
         "format": FORMAT,
         "prefer": [
             {
@@ -188,12 +186,12 @@ def test_what_is_left_of_a_preparation_is_what_preparing_it_gives():
             {"name": "rank", "route": "all", "in_order_of": "section_mm2", "from": "least"}
         ],
     }
-    whole = prepare(order, CABINET, [("wishes", wishes)])
+    whole = prepare(order, CABINET, [("preferences", preferences)])
     chance = random.Random(5)
     for count in (1, 2, 13, WIRES):
         names = {f"W{i}" for i in chance.sample(range(WIRES), count)}
         tasks = tuple(task for task in order.tasks if task.name in names)
-        alone = prepare(replace(order, tasks=tasks), CABINET, [("wishes", wishes)])
+        alone = prepare(replace(order, tasks=tasks), CABINET, [("preferences", preferences)])
         left = whole.only(names)
         assert left.order == alone.order
         assert left.plans == alone.plans
@@ -217,8 +215,8 @@ def ancestors(unders):
 
 def test_a_preference_about_a_task_that_is_done_is_no_error():
     order = cabinet_order(1)
-    wishes = {"format": FORMAT, "require": [{"name": "below", "route": "W7", "before": "W8"}]}
-    planner = planner_of(order, documents=[("wishes", wishes)])
+    preferences = {"format": FORMAT, "require": [{"name": "below", "route": "W7", "before": "W8"}]}
+    planner = planner_of(order, documents=[("preferences", preferences)])
     names = planner.plan([task.name for task in order.tasks])
     assert names.index("W7") < names.index("W8")
     left = [name for name in names if name != "W7"]

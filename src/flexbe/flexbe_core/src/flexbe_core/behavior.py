@@ -9,12 +9,12 @@ import yaml
 
 from flexbe_core.core.operatable_state_machine import OperatableStateMachine
 from flexbe_core.core.state import State
-from flexbe_core.engine.commands import Preempt, Release
-from flexbe_core.engine.definition import Kind
+from flexbe_core.engine.definitions.definition import Kind
 from flexbe_core.engine.engine import ErrorPolicy
 from flexbe_core.engine.errors import StateMachineError
-from flexbe_core.engine.handover import Handover
-from flexbe_core.engine.supervision import DEFAULT_AUTONOMY
+from flexbe_core.engine.migration import MigratingState
+from flexbe_core.engine.supervision.commands import Preempt, Release
+from flexbe_core.engine.supervision.in_force import DEFAULT_AUTONOMY
 from flexbe_core.logger import Logger
 from flexbe_core.ros.session import own_session
 
@@ -36,7 +36,7 @@ class Behavior:
         self._autonomy_level = DEFAULT_AUTONOMY
         self._debug = False
         self._on_error = ErrorPolicy.AUTO
-        self._handover: Handover | None = None
+        self._migrating: MigratingState | None = None
 
     def create(self) -> OperatableStateMachine:
         """Build and return the root container; parameters have their final values."""
@@ -88,7 +88,7 @@ class Behavior:
         debug: bool,
         on_error: ErrorPolicy = ErrorPolicy.AUTO,
     ) -> None:
-        """Take over what the start request says.
+        """Store what the start request says.
 
         Args:
             id: checksum of the source.
@@ -102,7 +102,7 @@ class Behavior:
         self._on_error = on_error
 
     def prepare_for_execution(self, input_data: Mapping[str, Any] | None = None) -> None:
-        """Build the behavior and put in its inputs; keys that it does not have cost a warning."""
+        """Build the behavior and set its inputs; warn about keys that it does not have."""
         self._state_machine = self.create()
         self._state_machine.autonomy_level = self._autonomy_level
         own_session(self._state_machine).engine.policy = self._on_error
@@ -140,39 +140,39 @@ class Behavior:
 
     def confirm(self) -> None:
         """Begin: listen to operators and start all states."""
-        self._prepared().confirm(self.name, self.id, self._handover)
+        self._prepared().confirm(self.name, self.id, self._migrating)
 
     def prepare_for_switch(self, state: State) -> None:
-        """Take over the active state of another version; it goes on here, locked, under its path.
+        """Attach the active state of another version; it continues here, locked, under its path.
 
         Raises:
             StateMachineError: if there is no state at its path here.
         """
-        self.take_over(Handover(state.path, state, entered=True, userdata={}))
+        self.attach_state(MigratingState(state.path, state, entered=True, userdata={}))
 
-    def take_over(self, handover: Handover) -> None:
-        """Take over the active state of another version, with the userdata around it.
+    def attach_state(self, migrating: MigratingState) -> None:
+        """Attach the active state of another version, with the userdata of its containers.
 
         Raises:
             StateMachineError: if there is no state at its path here.
         """
-        state: State = handover.state
+        state: State = migrating.state
         container: Any = self._prepared()
-        *labels, label = handover.path.split("/")[1:]
+        *labels, label = migrating.path.split("/")[1:]
         for name in labels:
             container = container[name] if name in getattr(container, "_labels", ()) else None
         found = getattr(container, "_labels", {}).get(label)
         if found is None or type(found).__kind__ is not Kind.STATE:
             raise StateMachineError(
-                f"this version of {self.name!r} has no state {handover.path!r}, which is active"
+                f"this version of {self.name!r} has no state {migrating.path!r}, which is active"
             )
         state._disable_ros_control()
         if state.parent is not None:
             former: Any = state.parent
             former.remove_state(state)
         container.replace_state(state)
-        self.requested_state_path = handover.path
-        self._handover = handover
+        self.requested_state_path = migrating.path
+        self._migrating = migrating
 
     def execute(self) -> str:
         """Run to the end and stop all states.
@@ -181,7 +181,7 @@ class Behavior:
             the outcome.
 
         Raises:
-            BehaviorFailure: if a state could not go on and nobody supervises.
+            BehaviorFailure: if a state could not continue and no operator supervises the behavior.
             Exception: what an on_stop raised.
         """
         machine = self._prepared()
@@ -190,8 +190,8 @@ class Behavior:
         finally:
             machine.destroy()
 
-    def release(self, offer: Callable[[Handover | None], bool]) -> None:
-        """Let go of the active state and end, if `offer` takes it over; see commands.Release."""
+    def release(self, offer: Callable[[MigratingState | None], bool]) -> None:
+        """Detach the active state and end the run if `offer` accepts it; see commands.Release."""
         own_session(self._prepared()).post(Release(offer))
 
     def preempt(self) -> None:

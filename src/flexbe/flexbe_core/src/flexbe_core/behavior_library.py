@@ -13,26 +13,26 @@ from flexbe_core.edge.package_path import packages_exporting
 from flexbe_core.edge.source import source_file
 from flexbe_core.engine.checksum import checksum
 
-# [bytes] No manifest is longer; whatever is was written by a mistake, or to do harm.
+# [bytes] No manifest is longer; a longer file was written by mistake, or to do harm.
 _LONGEST_MANIFEST = 1 << 20
 
 
 class BehaviorLibrary:
     """The behaviors of all packages that export flexbe_behaviors.
 
-    A behavior's id is the checksum of its package path, package.module. What cannot be read costs
-    one warning and is left out. Behaviors, manifests and packages that come later are found when
-    they are asked for.
+    A behavior's id is the checksum of its package path, package.module. Manifests that cannot be
+    read are left out, with one warning each. Behaviors, manifests and packages that are added
+    later are found when they are requested.
     """
 
     def __init__(self) -> None:
-        """Look at all packages."""
+        """Read the manifests of all packages."""
         self._warned: set[str] = set()
         self._added: list[tuple[str, str | None]] = []
         self.parse_packages()
 
     def parse_packages(self) -> None:
-        """Look at all packages anew."""
+        """Read the manifests of all packages again."""
         self._behavior_lib: dict[int, dict[str, str]] = {}
         self._files: dict[int, tuple[Path, int]] = {}
         self._ids: dict[str, int] = {}
@@ -162,7 +162,7 @@ def _read(file: Path) -> Manifest | None:
     return _read_version(file, (status.st_mtime_ns, status.st_size))
 
 
-@lru_cache(maxsize=1 << 14)  # each new behavior has all manifests looked through
+@lru_cache(maxsize=1 << 14)  # each new behavior has all manifests searched
 def _read_version(file: Path, _version: tuple[int, int]) -> Manifest | None:
     """Return the manifest that a version of a file holds; None if it holds none."""
     return read_manifest(file.read_bytes())

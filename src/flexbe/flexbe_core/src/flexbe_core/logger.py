@@ -1,7 +1,7 @@
 """Messages for the operator.
 
-A message is published for operators at once. It is also logged with rospy, which asks the master
-and the terminal and may take long; a thread of its own does that, so that no transition waits.
+A message is published for operators at once. It is also logged with rospy, which calls the master
+and writes to the terminal. That may take long, so a thread does it and no transition waits.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from flexbe_msgs.msg import BehaviorLog
 
 from flexbe_core.proxy.proxy_publisher import ProxyPublisher
 
-# [s] Wall time that a process which ends waits for what is still to be logged.
+# [s] Wall time that a process which ends waits for pending log messages.
 _FLUSH_LIMIT_S = 1.0
 
 # The terminal's code for blue: hints stand out, as in stock FlexBE.
@@ -64,7 +64,7 @@ class _LocalLog:
 
 
 class Logger:
-    """Tells operators, and the local log, what happens.
+    """Publishes messages for operators, and logs them locally.
 
     Texts are %-formatted only if there are arguments, so that "100%" is a text like any other.
     """
@@ -81,54 +81,54 @@ class Logger:
 
     @staticmethod
     def initialize() -> None:
-        """Advertise the topic; done anyway with the first message."""
+        """Advertise the topic; the first message does so otherwise."""
         ProxyPublisher({Logger.LOGGING_TOPIC: BehaviorLog})
 
     @staticmethod
     def log(text: object, severity: int) -> None:
-        """Tell operators and the local log."""
+        """Publish a message for operators, and log it locally."""
         Logger.initialize()
         ProxyPublisher().publish(Logger.LOGGING_TOPIC, BehaviorLog(str(text), severity))
         Logger.local(text, severity)
 
     @staticmethod
     def local(text: object, severity: int) -> None:
-        """Tell the local log only."""
+        """Log a message locally only."""
         Logger._local_log.put(severity, str(text))
 
     @staticmethod
     def logdebug(text: object, *args: object) -> None:
-        """Tell what only a developer wants to know."""
+        """Publish and log details for developers."""
         Logger.log(_formatted(text, args), Logger.REPORT_DEBUG)
 
     @staticmethod
     def loginfo(text: object, *args: object) -> None:
-        """Tell what happens."""
+        """Publish and log what happens."""
         Logger.log(_formatted(text, args), Logger.REPORT_INFO)
 
     @staticmethod
     def logwarn(text: object, *args: object) -> None:
-        """Tell what went wrong and was mended."""
+        """Publish and log a problem that the behavior handles by itself."""
         Logger.log(_formatted(text, args), Logger.REPORT_WARN)
 
     @staticmethod
     def loghint(text: object, *args: object) -> None:
-        """Tell what the operator might do."""
+        """Publish and log a hint what the operator can do."""
         Logger.log(_formatted(text, args), Logger.REPORT_HINT)
 
     @staticmethod
     def logerr(text: object, *args: object) -> None:
-        """Tell what went wrong and needs the operator."""
+        """Publish and log a problem that needs the operator."""
         Logger.log(_formatted(text, args), Logger.REPORT_ERROR)
 
     @staticmethod
     def localdebug(text: object, *args: object) -> None:
-        """Tell the local log only what only a developer wants to know."""
+        """Log details for developers, locally only."""
         Logger.local(_formatted(text, args), Logger.REPORT_DEBUG)
 
     @staticmethod
     def localinfo(text: object, *args: object) -> None:
-        """Tell the local log only what happens."""
+        """Log what happens, locally only."""
         Logger.local(_formatted(text, args), Logger.REPORT_INFO)
 
 

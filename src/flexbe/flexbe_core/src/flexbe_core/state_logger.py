@@ -1,4 +1,4 @@
-"""Record what the states of a behavior do, in a file of one line per happening.
+"""Log what the states of a behavior do, in a file with one line per event.
 
     - {event: enter, duration: 0.0002, name: Say, state: LogState, path: /Say,
        time: 1763722110.1, logger: flexbe.events, loglevel: INFO}
@@ -77,10 +77,10 @@ class PublishBehaviorLogMessage(logging.Handler):
 
 
 class StateLogger:
-    """The record of the behavior that runs in this process.
+    """The run log of the behavior that runs in this process.
 
     Attributes:
-        enabled: whether a record is being written.
+        enabled: whether a run log is being written.
     """
 
     enabled: ClassVar[bool] = False
@@ -88,9 +88,9 @@ class StateLogger:
 
     @staticmethod
     def initialize(be_name: str | None = None, autonomy: int | None = None) -> None:
-        """Begin a record for a behavior, if the node's parameters ask for it.
+        """Begin the run log of a behavior, if the node's parameters enable it.
 
-        What keeps it from being written costs an error message, never the behavior.
+        If it cannot be written, an error is logged and the behavior runs without it.
         """
         if not rospy.core.is_initialized() or not rospy.get_param("~log_enabled", False):
             return
@@ -106,14 +106,14 @@ class StateLogger:
                 )
             )
         except (OSError, ValueError, TypeError) as error:
-            rospy.logerr("no record of %s is written: %s", be_name, error)
+            rospy.logerr("no run log of %s is written: %s", be_name, error)
             return
         StateLogger.enabled = True
         StateLogger.get("flexbe.initialize").info({"behavior": be_name, "autonomy": autonomy})
 
     @staticmethod
     def shutdown() -> None:
-        """End the record."""
+        """End the run log."""
         if StateLogger.enabled:
             StateLogger.enabled = False
             root = logging.getLogger("flexbe")
@@ -123,7 +123,7 @@ class StateLogger:
 
     @staticmethod
     def get(name: str) -> logging.Logger:
-        """Return a logger of the record; its messages are dicts."""
+        """Return a logger of the run log; its messages are dicts."""
         return logging.getLogger(name)
 
     @staticmethod
@@ -178,7 +178,7 @@ class StateLogger:
         return _decorator(wrap)
 
 
-def record_events(state: State) -> None:
+def log_all_events(state: State) -> None:
     """Log the events and userdata of a state from now on, once however often it is asked for."""
     for event, method in EVENTS.items():
         call = getattr(state, method)

@@ -1,16 +1,30 @@
-"""For tests without ROS: scripted states, and a way to run a single state."""
+"""For tests: scripted states, a way to run a single state without ROS, and a wait."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeVar
 
 from flexbe_core.core.event_state import EventState
 from flexbe_core.core.operatable_state_machine import OperatableStateMachine
 from flexbe_core.engine.engine import Engine, ErrorPolicy
-from flexbe_core.engine.user_data import UserData
+from flexbe_core.engine.userdata.user_data import UserData
 
 Log = list[tuple[str, str]]
+
+# [s] Wall time between two checks of a condition.
+_POLL_S = 0.005
+
+Found = TypeVar("Found")
+
+
+def wait_until(condition: Callable[[], Found], limit_s: float = 40.0) -> Found:
+    """Return what the condition returns, as soon as that is true or after `limit_s` [s, wall]."""
+    end = time.monotonic() + limit_s
+    while not (found := condition()) and time.monotonic() < end:
+        time.sleep(_POLL_S)
+    return found
 
 
 def run_state(
@@ -68,7 +82,7 @@ class ScriptedState(EventState):
 
     def execute(self, userdata: UserData) -> str | None:
         """Do the next step."""
-        self._tell("execute")
+        self._log_event("execute")
         item = self._script[min(self._step, len(self._script) - 1)]
         self._step += 1
         if isinstance(item, Exception):
@@ -77,27 +91,27 @@ class ScriptedState(EventState):
 
     def on_start(self) -> None:
         """Remember the call."""
-        self._tell("start")
+        self._log_event("start")
 
     def on_stop(self) -> None:
         """Remember the call."""
-        self._tell("stop")
+        self._log_event("stop")
 
     def on_enter(self, userdata: UserData) -> None:
         """Remember the call."""
-        self._tell("enter")
+        self._log_event("enter")
 
     def on_exit(self, userdata: UserData) -> None:
         """Remember the call."""
-        self._tell("exit")
+        self._log_event("exit")
 
     def on_pause(self) -> None:
         """Remember the call."""
-        self._tell("pause")
+        self._log_event("pause")
 
     def on_resume(self, userdata: UserData) -> None:
         """Remember the call."""
-        self._tell("resume")
+        self._log_event("resume")
 
-    def _tell(self, event: str) -> None:
+    def _log_event(self, event: str) -> None:
         self.log.append((self.name or "", event))

@@ -39,7 +39,7 @@ class Bench:
 
     def engine(self, root, level=255, policy=ErrorPolicy.AUTO, supervised=False):
         engine = Engine(root, policy)
-        engine.record = engine.record.__class__(autonomy_level=level)
+        engine.supervision = engine.supervision.__class__(autonomy_level=level)
         if supervised:
             root._is_controlled = True
             for state in _supervised(root):

@@ -10,11 +10,11 @@ from dataclasses import dataclass, field
 import pytest
 
 from flexbe_core.core import ConcurrencyContainer, OperatableStateMachine, PriorityContainer
-from flexbe_core.engine import commands as c
+from flexbe_core.engine.definitions.structure import definitions_below
 from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.engine.errors import BehaviorFailure
-from flexbe_core.engine.structure import definitions_below
-from flexbe_core.engine.supervision import Supervision
+from flexbe_core.engine.supervision import commands as c
+from flexbe_core.engine.supervision.in_force import Supervision
 from flexbe_core.testing import ScriptedState
 
 RUNS = 3000
@@ -64,7 +64,11 @@ def random_state(rng, label):
     rarely = (False,) * 7 + (True,)
     levels = tuple(rng.randint(0, 3) for _ in OUTCOMES)
     return StateSpec(
-        label, some(rng, SCRIPT, 1, 4), levels, some(rng, rarely, 1, 3), some(rng, rarely, 1, 3)
+        label,
+        some(rng, SCRIPT, 1, 4),
+        levels,
+        some(rng, rarely, 1, 3),
+        exit_fails=some(rng, rarely, 1, 3),
     )
 
 
@@ -338,7 +342,7 @@ def check_run(seed):
     holds, supervised, level = rng.random() < 0.5, rng.random() < 0.5, rng.randint(0, 4)
     root = build(spec, log)
     engine = Engine(root, ErrorPolicy.HOLD if holds else ErrorPolicy.FAIL)
-    engine.record = Supervision(autonomy_level=level)
+    engine.supervision = Supervision(autonomy_level=level)
     if supervised:
         for state in [root, *first_children(root)]:
             state._is_controlled = True

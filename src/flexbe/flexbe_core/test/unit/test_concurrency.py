@@ -2,9 +2,9 @@
 
 import pytest
 
-from flexbe_core.engine.commands import Pause, Preempt, Resume
 from flexbe_core.engine.errors import BehaviorFailure
-from flexbe_core.engine.facts import Entered, Left, Shown, Synced
+from flexbe_core.engine.events import Entered, Left, Shown, Synced
+from flexbe_core.engine.supervision.commands import Pause, Preempt, Resume
 from flexbe_core.testing import ScriptedState
 
 
@@ -121,9 +121,9 @@ def test_only_the_first_child_is_supervised_and_shown(bench):
     container = both(bench, ScriptedState([None, "done"]), ScriptedState([None, "done"]))
     engine = bench.engine(container, level=3, supervised=True)
     assert bench.run(engine) == "finished"
-    facts = engine.take_facts()
-    assert [fact.path for fact in facts if isinstance(fact, Entered)] == ["/a"]
-    assert [fact.path for fact in facts if isinstance(fact, Left)] == ["/a"]
+    events = engine.take_events()
+    assert [event.path for event in events if isinstance(event, Entered)] == ["/a"]
+    assert [event.path for event in events if isinstance(event, Left)] == ["/a"]
 
 
 def test_after_its_first_state_has_ended_another_is_shown_also_without_supervision(bench):
@@ -132,7 +132,7 @@ def test_after_its_first_state_has_ended_another_is_shown_also_without_supervisi
     shown = []
     for now in range(2):
         engine.run(float(now))
-        shown += [fact.path for fact in engine.take_facts() if isinstance(fact, Entered)]
+        shown += [event.path for event in engine.take_events() if isinstance(event, Entered)]
     assert shown == ["/a", "/b"]
 
 
@@ -144,7 +144,7 @@ def test_its_end_resyncs_a_mirror_with_the_next_state(bench):
     engine = bench.engine(root, level=3, supervised=True)
     engine.run(0.0)
     engine.run(1.0)
-    assert Synced("/next") in engine.take_facts()
+    assert Synced("/next") in engine.take_events()
 
 
 def test_a_first_state_that_ends_alone_is_followed_by_a_sync_with_the_next(bench):
@@ -155,10 +155,10 @@ def test_a_first_state_that_ends_alone_is_followed_by_a_sync_with_the_next(bench
         bench.add("next", ScriptedState([None]), {"done": "finished"}, {"done": 0})
     engine = bench.engine(root, level=3, supervised=True)
     engine.run(0.0)
-    facts = [fact for fact in engine.take_facts() if not isinstance(fact, Entered)]
-    assert facts == [Left("/both/a", "done", 0), Shown("/both/b"), Synced("/both/b")]
+    events = [event for event in engine.take_events() if not isinstance(event, Entered)]
+    assert events == [Left("/both/a", "done", 0), Shown("/both/b"), Synced("/both/b")]
     engine.run(1.0)
-    assert engine.take_facts() == [Shown("/next"), Synced("/next")], "b is not supervised"
+    assert engine.take_events() == [Shown("/next"), Synced("/next")], "b is not supervised"
 
 
 # Priority

@@ -5,8 +5,8 @@ import itertools
 
 import pytest
 
-from flexbe_core.engine.decision import AFTER, BEFORE, PENDING, Act, Moment, decide
-from flexbe_core.engine.supervision import Supervision
+from flexbe_core.engine.supervision.decision import AFTER, BEFORE, PENDING, Act, Moment, decide
+from flexbe_core.engine.supervision.in_force import Supervision
 
 NOTHING = Supervision(autonomy_level=3)
 WAITING = Moment("/a", supervised=True)
@@ -14,7 +14,7 @@ DONE = Moment("/a", supervised=True, outcome="done", required_autonomy=0)
 NOT_DONE = Moment("/a", supervised=True, outcome=None)
 
 
-def record(**changes):
+def supervision(**changes):
     return dataclasses.replace(NOTHING, **changes)
 
 
@@ -23,27 +23,32 @@ def moment(base, **changes):
 
 
 ROWS = [
-    # name of the rule, record, moment, act
-    ("preempted", record(preempt=True), WAITING, Act.PREEMPT),
+    # name of the rule, supervision, moment, act
+    ("preempted", supervision(preempt=True), WAITING, Act.PREEMPT),
     ("shadowed", NOTHING, moment(WAITING, supervised=False, shadowed=True), Act.SKIP),
-    ("paused", record(paused=True), WAITING, Act.SKIP),
+    ("paused", supervision(paused=True), WAITING, Act.SKIP),
     (
         "locked, no longer asking",
-        record(stored="done", locks=frozenset({"/a"}), requested="done"),
+        supervision(stored="done", locks=frozenset({"/a"}), requested="done"),
         WAITING,
         Act.WITHDRAW,
     ),
-    ("locked with an outcome", record(stored="done", locks=frozenset({"/a"})), WAITING, Act.STAY),
-    ("unlocked with an outcome", record(stored="done"), WAITING, Act.RELEASE),
-    ("forced", record(forced="done"), WAITING, Act.FORCE),
+    (
+        "locked with an outcome",
+        supervision(stored="done", locks=frozenset({"/a"})),
+        WAITING,
+        Act.STAY,
+    ),
+    ("unlocked with an outcome", supervision(stored="done"), WAITING, Act.RELEASE),
+    ("forced", supervision(forced="done"), WAITING, Act.FORCE),
     ("free to run", NOTHING, WAITING, Act.EXECUTE),
     ("preempted itself", NOTHING, moment(DONE, outcome="preempted"), Act.LEAVE),
-    ("locked", record(locks=frozenset({"/a"})), DONE, Act.STORE),
-    ("repeated", record(repeat=True), NOT_DONE, Act.REPEAT),
-    ("changed its mind", record(requested="done"), NOT_DONE, Act.WITHDRAW),
+    ("locked", supervision(locks=frozenset({"/a"})), DONE, Act.STORE),
+    ("repeated", supervision(repeat=True), NOT_DONE, Act.REPEAT),
+    ("changed its mind", supervision(requested="done"), NOT_DONE, Act.WITHDRAW),
     ("not done", NOTHING, NOT_DONE, Act.STAY),
-    ("asked already", record(autonomy_level=0, requested="done"), DONE, Act.STAY),
-    ("needs consent", record(autonomy_level=0), DONE, Act.REQUEST),
+    ("asked already", supervision(autonomy_level=0, requested="done"), DONE, Act.STAY),
+    ("needs consent", supervision(autonomy_level=0), DONE, Act.REQUEST),
     ("done", NOTHING, DONE, Act.LEAVE),
 ]
 
@@ -62,30 +67,40 @@ def test_each_rule_decides_its_row(name, in_force, now, act):
 
 PRECEDENCE = [
     # (stronger, weaker): both are in force
-    ("preempt wins over pause", record(preempt=True, paused=True), WAITING, Act.PREEMPT),
+    ("preempt wins over pause", supervision(preempt=True, paused=True), WAITING, Act.PREEMPT),
     (
         "preempt wins over the shadow of a priority container",
-        record(preempt=True),
+        supervision(preempt=True),
         moment(WAITING, shadowed=True),
         Act.PREEMPT,
     ),
     (
         "preempt wins over a lock",
-        record(preempt=True, stored="done", locks=frozenset({"/a"})),
+        supervision(preempt=True, stored="done", locks=frozenset({"/a"})),
         WAITING,
         Act.PREEMPT,
     ),
-    ("pause wins over a forced outcome", record(paused=True, forced="done"), WAITING, Act.SKIP),
-    ("pause wins over an unlocked outcome", record(paused=True, stored="done"), WAITING, Act.SKIP),
+    (
+        "pause wins over a forced outcome",
+        supervision(paused=True, forced="done"),
+        WAITING,
+        Act.SKIP,
+    ),
+    (
+        "pause wins over an unlocked outcome",
+        supervision(paused=True, stored="done"),
+        WAITING,
+        Act.SKIP,
+    ),
     (
         "a lock wins over a forced outcome before execution",
-        record(stored="done", forced="done", locks=frozenset({"/a"})),
+        supervision(stored="done", forced="done", locks=frozenset({"/a"})),
         WAITING,
         Act.STAY,
     ),
     (
         "a lock wins over a forced outcome after execution",
-        record(forced="done", locks=frozenset({"/a"})),
+        supervision(forced="done", locks=frozenset({"/a"})),
         DONE,
         Act.STORE,
     ),
@@ -97,63 +112,63 @@ PRECEDENCE = [
     ),
     (
         "a lock wins over missing autonomy",
-        record(autonomy_level=0, locks=frozenset({"/a"})),
+        supervision(autonomy_level=0, locks=frozenset({"/a"})),
         DONE,
         Act.STORE,
     ),
     (
         "a forced outcome needs no autonomy",
-        record(autonomy_level=0, forced="done"),
+        supervision(autonomy_level=0, forced="done"),
         DONE,
         Act.LEAVE,
     ),
     (
         "a forced outcome passes a breakpoint",
-        record(breakpoints=frozenset({"/a"}), forced="done"),
+        supervision(breakpoints=frozenset({"/a"}), forced="done"),
         DONE,
         Act.LEAVE,
     ),
     (
         "a breakpoint asks whatever the level",
-        record(autonomy_level=255, breakpoints=frozenset({"/a"})),
+        supervision(autonomy_level=255, breakpoints=frozenset({"/a"})),
         DONE,
         Act.REQUEST,
     ),
-    ("a repeat wins over asking", record(autonomy_level=0, repeat=True), DONE, Act.REPEAT),
-    ("an outcome that may leave wins over a repeat", record(repeat=True), DONE, Act.LEAVE),
+    ("a repeat wins over asking", supervision(autonomy_level=0, repeat=True), DONE, Act.REPEAT),
+    ("an outcome that may leave wins over a repeat", supervision(repeat=True), DONE, Act.LEAVE),
     (
-        "another outcome is asked for anew",
-        record(autonomy_level=0, requested="other"),
+        "another outcome is requested again",
+        supervision(autonomy_level=0, requested="other"),
         DONE,
         Act.REQUEST,
     ),
     (
         "a level is too low for a transition that needs it",
-        record(autonomy_level=2),
+        supervision(autonomy_level=2),
         moment(DONE, required_autonomy=2),
         Act.REQUEST,
     ),
     (
         "a level is enough for a transition that needs less",
-        record(autonomy_level=2),
+        supervision(autonomy_level=2),
         moment(DONE, required_autonomy=1),
         Act.LEAVE,
     ),
     (
         "level 0 blocks even Off",
-        record(autonomy_level=0),
+        supervision(autonomy_level=0),
         moment(DONE, required_autonomy=0),
         Act.REQUEST,
     ),
     (
         "level 255 blocks nothing",
-        record(autonomy_level=255),
+        supervision(autonomy_level=255),
         moment(DONE, required_autonomy=3),
         Act.LEAVE,
     ),
     (
-        "nobody being there to ask, an outcome without a level is free",
-        record(autonomy_level=0),
+        "an outcome without a level needs no consent",
+        supervision(autonomy_level=0),
         moment(DONE, required_autonomy=-1),
         Act.LEAVE,
     ),
@@ -168,8 +183,18 @@ def test_the_stronger_rule_wins(in_force, now, act):
 
 
 def test_an_unsupervised_state_is_only_preempted_or_shadowed():
-    records = [
-        Supervision(level, False, paused, locks, points, forced, repeat, stored, requested)
+    all_in_force = [
+        Supervision(
+            level,
+            False,
+            paused,
+            locks,
+            breakpoints=points,
+            forced=forced,
+            repeat=repeat,
+            stored=stored,
+            requested=requested,
+        )
         for level, paused, locks, points, forced, repeat, stored, requested in itertools.product(
             (0, 255),
             (False, True),
@@ -181,7 +206,7 @@ def test_an_unsupervised_state_is_only_preempted_or_shadowed():
             (None, "done"),
         )
     ]
-    for in_force in records:
+    for in_force in all_in_force:
         for outcome, act in ((PENDING, Act.EXECUTE), (None, Act.STAY), ("done", Act.LEAVE)):
             now = Moment("/a", supervised=False, outcome=outcome)
             assert decide(in_force, now) is act, in_force

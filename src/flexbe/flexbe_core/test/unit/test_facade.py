@@ -12,8 +12,8 @@ from flexbe_core.core import (
     RosState,
     State,
 )
-from flexbe_core.engine.rate import DEFAULT_PERIOD_S, period_s
-from flexbe_core.engine.structure import Part, structure_of
+from flexbe_core.engine.definitions.rate import DEFAULT_PERIOD_S, period_s
+from flexbe_core.engine.definitions.structure import Part, structure_of
 from flexbe_core.testing import ScriptedState
 
 # Contract 8.2: what stock FlexBE claims on a state, which users know to avoid.
@@ -84,7 +84,7 @@ def test_the_structure_lists_containers_before_their_children():
     with root:
         OperatableStateMachine.add("box", inner, {"ok": "end"})
     assert structure_of(root) == (
-        Part("", ("box",), ("end",), (), ()),
-        Part("/box", ("a",), ("ok",), ("end",), (0,)),
-        Part("/box/a", (), ("x", "y"), ("ok", "a"), (1, 2)),
+        Part("", ("box",), ("end",), (), autonomy=()),
+        Part("/box", ("a",), ("ok",), ("end",), autonomy=(0,)),
+        Part("/box/a", (), ("x", "y"), ("ok", "a"), autonomy=(1, 2)),
     )

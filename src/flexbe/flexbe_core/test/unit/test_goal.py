@@ -29,7 +29,7 @@ def test_a_goal_that_the_server_never_lists_is_lost():
     goal = Goal("1", sent_at=10.0)
     assert not goal.take_status(None, 10.0 + 0.9 * UNNOTICED_S)
     assert goal.take_status(None, 10.0 + UNNOTICED_S)
-    assert (goal.status, goal.text) == (GoalStatus.LOST, "the server never got the goal")
+    assert (goal.status, goal.text) == (GoalStatus.LOST, "the server never received the goal")
 
 
 def test_a_goal_that_the_server_knew_and_forgot_is_lost():

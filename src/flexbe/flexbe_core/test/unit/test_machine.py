@@ -4,10 +4,10 @@ import pytest
 
 from flexbe_core.core import EventState, OperatableStateMachine, StateMachine
 from flexbe_core.core.exceptions import StateError, StateMachineError, UserDataError
-from flexbe_core.engine.commands import Preempt
 from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.engine.errors import BehaviorFailure
-from flexbe_core.engine.facts import Entered, Raised
+from flexbe_core.engine.events import Entered, Raised
+from flexbe_core.engine.supervision.commands import Preempt
 from flexbe_core.testing import ScriptedState
 
 
@@ -101,13 +101,13 @@ def test_entries_are_told_with_paths_from_the_root(bench):
         bench.add("box", bench.sequence(bench.machine(), ScriptedState()), {"finished": "finished"})
     engine = bench.engine(outer)
     engine.run(0.0)
-    assert engine.take_facts() == [Entered("/box/s0")]
+    assert engine.take_events() == [Entered("/box/s0")]
 
 
 def test_of_a_long_series_of_entries_only_the_last_is_told(bench):
     engine = bench.engine(bench.sequence(bench.machine(), *[ScriptedState() for _ in range(50)]))
     engine.run(0.0, never)
-    assert engine.take_facts() == [Entered("/s49")]
+    assert engine.take_events() == [Entered("/s49")]
 
 
 def test_a_slow_cycle_is_put_back_to_its_rate_and_freed_by_a_wait(bench):
@@ -175,7 +175,7 @@ def test_supervised_a_state_that_fails_is_held_and_tried_again(bench, script):
     assert engine.run(0.0) is None
     assert isinstance(engine.root.last_exception, ValueError | StateError)
     assert engine.next_due() == pytest.approx(0.1)
-    (raised,) = [fact for fact in engine.take_facts() if isinstance(fact, Raised)]
+    (raised,) = [event for event in engine.take_events() if isinstance(event, Raised)]
     assert (raised.path, raised.held) == ("/s0", True)
     assert engine.run(1.0) == "finished"
     assert [event for _, event in state.log] == ["enter", "execute", "execute", "exit"]
@@ -308,12 +308,12 @@ class Increment(EventState):
 def test_data_flows_through_remappings_into_the_container_and_out(bench):
     inner = OperatableStateMachine(outcomes=["finished"], input_keys=["n"], output_keys=["n"])
     with inner:
-        bench.add("one", Increment(), {"done": "two"}, {}, {"number": "n"})
-        bench.add("two", Increment(), {"done": "finished"}, {}, {"number": "n"})
+        bench.add("one", Increment(), {"done": "two"}, {}, remapping={"number": "n"})
+        bench.add("two", Increment(), {"done": "finished"}, {}, remapping={"number": "n"})
     root = OperatableStateMachine(outcomes=["finished"], output_keys=["total"])
     root.userdata.total = 40
     with root:
-        bench.add("inner", inner, {"finished": "finished"}, {}, {"n": "total"})
+        bench.add("inner", inner, {"finished": "finished"}, {}, remapping={"n": "total"})
     engine = bench.engine(root)
     assert bench.run(engine) == "finished"
     assert engine.root.userdata.total == 42

@@ -7,8 +7,8 @@ import yaml
 
 from flexbe_core import EventState, OperatableStateMachine, StateLogger
 from flexbe_core.engine.engine import Engine
-from flexbe_core.engine.facts import Ended
-from flexbe_core.state_logger import YamlFormatter, _file_name, _merged, _serializer, record_events
+from flexbe_core.engine.events import Ended
+from flexbe_core.state_logger import YamlFormatter, _file_name, _merged, _serializer, log_all_events
 from flexbe_core.testing import ScriptedState
 
 
@@ -44,7 +44,7 @@ def run(state):
 
 def test_events_are_recorded_with_what_the_state_is(lines):
     state = ScriptedState()
-    record_events(state)
+    log_all_events(state)
     engine = run(state)
     events = [line for line in lines if line["logger"] == "flexbe.events"]
     assert [line["event"] for line in events] == ["enter", "exit"]
@@ -53,13 +53,13 @@ def test_events_are_recorded_with_what_the_state_is(lines):
     }
     assert (events[0]["name"], events[0]["state"]) == ("Work", "ScriptedState")
     assert events[0]["path"] == "/Work"
-    assert Ended("/Work", "done") in engine.take_facts()
+    assert Ended("/Work", "done") in engine.take_events()
 
 
 def test_a_state_that_goes_on_in_another_version_is_recorded_once(lines):
     state = ScriptedState()
-    record_events(state)
-    record_events(state)
+    log_all_events(state)
+    log_all_events(state)
     run(state)
     assert [line["event"] for line in lines if "event" in line] == ["enter", "exit"]
 
@@ -70,7 +70,7 @@ def test_userdata_is_recorded_at_debug_level(lines):
             super().__init__(input_keys=["part"])
 
     state = Reading()
-    record_events(state)
+    log_all_events(state)
     run(state)
     found = [line["userdata"] for line in lines if line["logger"] == "flexbe.userdata"]
     assert found == [{"part": {"pin": 7}}] * 2
@@ -95,7 +95,7 @@ def test_users_may_decorate_their_states(lines):
 def test_nothing_is_recorded_unless_it_is_switched_on(lines, monkeypatch):
     monkeypatch.setattr(StateLogger, "enabled", False)
     state = ScriptedState()
-    record_events(state)
+    log_all_events(state)
     run(state)
     assert lines == []
 

@@ -4,7 +4,7 @@ What a mirror publishes was active, in the order of the run, and whenever the en
 the mirror is where the engine is. A mirror that only follows what stock FlexBE publishes is there
 too, though the outcome of the first state of a join may lead it elsewhere until the sync behind it.
 
-One run of three begins without supervision. The messages are made of the engine's facts, as its
+One run of three begins without supervision. The messages are made of the engine's events, as its
 reporter makes them.
 """
 
@@ -14,16 +14,17 @@ import random
 import pytest
 
 from flexbe_core.core import ConcurrencyContainer, OperatableStateMachine, PriorityContainer
-from flexbe_core.engine import commands
 from flexbe_core.engine.checksum import checksum
 from flexbe_core.engine.concurrency import Concurrency
+from flexbe_core.engine.definitions.structure import first_path, structure_of
 from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.engine.errors import BehaviorFailure
-from flexbe_core.engine.facts import Left, Shown, Synced
+from flexbe_core.engine.events import Left, Shown, Synced
 from flexbe_core.engine.leaf import Leaf
-from flexbe_core.engine.structure import first_path, structure_of
+from flexbe_core.engine.status_code import StatusCode
+from flexbe_core.engine.supervision import commands
 from flexbe_core.testing import ScriptedState
-from flexbe_mirror.core.mirror import AskWhere, Code, Mirror, Show
+from flexbe_mirror.core.mirror import AskWhere, Mirror, Show
 from flexbe_mirror.core.tree import Part, Tree
 
 RUNS = 1000
@@ -94,7 +95,7 @@ class Follower:
         )
         messages = [
             lambda: self.mirror.on_structure(BEHAVIOR, Tree(parts)),
-            lambda: self.mirror.on_status(Code.STARTED.value, BEHAVIOR, (), 0.0),
+            lambda: self.mirror.on_status(StatusCode.STARTED, BEHAVIOR, (), 0.0),
         ]
         for message in reversed(messages) if is_late else messages:
             self.take(message())
@@ -108,17 +109,17 @@ class Follower:
                 assert not self.published, "it knows where the engine is"
                 self.engine.handle(commands.Sync())
 
-    def follow(self, fact):
+    def follow(self, event):
         """Take the messages that stock FlexBE publishes too."""
-        if isinstance(fact, Left):
-            self.take(self.mirror.on_outcome(fact.index))
-        elif isinstance(fact, Synced):
-            self.take(self.mirror.on_sync(BEHAVIOR, checksum(fact.path)))
+        if isinstance(event, Left):
+            self.take(self.mirror.on_outcome(event.index))
+        elif isinstance(event, Synced):
+            self.take(self.mirror.on_sync(BEHAVIOR, checksum(event.path)))
 
-    def read(self, fact):
+    def read(self, event):
         """Take the message in which this engine names its active state."""
-        if isinstance(fact, Shown):
-            self.take(self.mirror.on_active_state(fact.path))
+        if isinstance(event, Shown):
+            self.take(self.mirror.on_active_state(event.path))
 
 
 def supervise(state):
@@ -177,9 +178,9 @@ class Run:
     def check(self):
         """Have the mirrors take what was published, and check what they make of it."""
         before = len(self.reader.published)
-        for fact in self.engine.take_facts():
-            self.follower.follow(fact)
-            self.reader.read(fact)
+        for event in self.engine.take_events():
+            self.follower.follow(event)
+            self.reader.read(event)
         assert were_active(self.reader.published[before:], self.moments)
         self.moments = self.moments[-1:]
 

@@ -1,9 +1,9 @@
-"""What the engine cannot do, and why."""
+"""Errors of the engine."""
 
 
 class StartError(Exception):
-    """A start request that cannot be granted; the text says why and what to do."""
+    """A start request cannot be granted; the text says why and what to do."""
 
 
 class OptionError(ValueError):
-    """A parameter of the node makes no sense."""
+    """A parameter of the node is invalid."""

@@ -11,14 +11,14 @@ class FlexbeOnboard(EngineNode):
     """The behavior engine in the calling program's node.
 
     As in stock FlexBE, and unlike the node of behavior_onboard.launch, it applies source changes
-    that come with a request unless `~modifications` is false: who embeds it says who may send them.
+    in requests unless `~modifications` is false: the embedding program decides who may send them.
     """
 
     def __init__(self) -> None:
-        """Advertise everything, and tell that the engine is ready.
+        """Advertise everything, and publish that the engine is ready.
 
         Raises:
-            OptionError: if a private parameter of the node makes no sense.
+            OptionError: if a private parameter of the node is invalid.
         """
         super().__init__(read_options(modifications=True))
 

@@ -32,6 +32,7 @@ from std_msgs.msg import Bool, Empty, Int32, String, UInt8
 
 from flexbe_core import BehaviorLibrary
 from flexbe_core.engine.checksum import checksum
+from flexbe_core.testing import wait_until
 
 LOGS = Path("/tmp/flexbe_onboard_test_logs")
 LATE_PACKAGES = Path("/tmp/flexbe_onboard_test_packages")
@@ -142,7 +143,7 @@ class Engine:
 
 
 class HangingServer:
-    """An action server that answers when it is told to, or cancelled."""
+    """An action server that answers on command, or when it is cancelled."""
 
     def __init__(self, topic):
         self.goals, self.cancelled = [], Recorder(f"{topic}/cancel", actionlib.GoalID)
@@ -157,13 +158,6 @@ class HangingServer:
 
     def answer(self):
         self.goals[-1].set_succeeded(TestResult())
-
-
-def wait_until(condition, limit_s=LIMIT_S):
-    limit = time.monotonic() + limit_s
-    while not condition() and time.monotonic() < limit:
-        time.sleep(0.005)
-    return condition()
 
 
 class OnboardTest(unittest.TestCase):
@@ -181,15 +175,15 @@ class OnboardTest(unittest.TestCase):
     def assert_ends(self, code, args=(), limit_s=LIMIT_S):
         status = self.engine.ended(limit_s)
         self.assertIsNotNone(status, "no end in time")
-        self.assertEqual((status.code, tuple(status.args)), (code, tuple(args)), self.told())
+        self.assertEqual((status.code, tuple(status.args)), (code, tuple(args)), self.log_texts())
         return status
 
-    def told(self):
+    def log_texts(self):
         return [message.text for _, message in self.engine.log.messages]
 
-    def assert_told(self, text):
+    def assert_logged(self, text):
         found = self.engine.log.wait(lambda m: text in m.text)
-        self.assertIsNotNone(found, f"{text!r} not in {self.told()}")
+        self.assertIsNotNone(found, f"{text!r} not in {self.log_texts()}")
 
     # Runs
 
@@ -205,7 +199,7 @@ class OnboardTest(unittest.TestCase):
         self.assertEqual(codes, [BEStatus.STARTED, BEStatus.FINISHED])
         self.assertTrue(self.engine.is_at("/Say"))
         self.assertTrue(self.engine.is_at("/Wait"))
-        self.assert_told("hello")
+        self.assert_logged("hello")
 
     def test_the_next_behavior_may_start_right_after_the_last(self):
         for _ in range(5):
@@ -215,7 +209,7 @@ class OnboardTest(unittest.TestCase):
     def test_parameters_and_inputs_arrive(self):
         self.engine.start("Input Test", inputs={"part": "{'pins': [1, 2]}", "name": "A 7"})
         self.assert_ends(BEStatus.FINISHED, ["finished"])
-        self.assert_told("pins [1, 2] of A 7")
+        self.assert_logged("pins [1, 2] of A 7")
 
     def test_userdata_can_be_asked_for(self):
         self.engine.start("Input Test", inputs={"part": "{'pins': [1]}"}, wait_time=1.0)
@@ -251,9 +245,9 @@ class OnboardTest(unittest.TestCase):
         self.engine.send(topic, Empty())
         self.assert_ends(BEStatus.FINISHED, ["preempted"])
         self.assertIsNotNone(self.server.cancelled.wait(lambda m: True))
-        self.assert_told("stop of the goal state")
-        self.assertEqual(self.told().count("exit of the goal state"), 1)
-        self.assertEqual(self.told().count("stop of the goal state"), 1)
+        self.assert_logged("stop of the goal state")
+        self.assertEqual(self.log_texts().count("exit of the goal state"), 1)
+        self.assertEqual(self.log_texts().count("stop of the goal state"), 1)
 
     def test_preempt_cancels_the_goal_and_exits_once(self):
         self.preempt_goal("command/preempt")
@@ -288,25 +282,25 @@ class OnboardTest(unittest.TestCase):
     def test_a_state_that_raises_ends_the_behavior_and_not_the_engine(self):
         self.engine.start("Faulty Test", how="raise")
         self.assert_ends(BEStatus.FAILED)
-        self.assert_told("/Faulty: RuntimeError: no camera image")
+        self.assert_logged("/Faulty: RuntimeError: no camera image")
         self.engine.start("Quick Test", wait_time=0)
         self.assert_ends(BEStatus.FINISHED, ["finished"])
 
     def test_an_undeclared_outcome_ends_the_behavior(self):
         self.engine.start("Faulty Test", how="undeclared")
         self.assert_ends(BEStatus.FAILED)
-        self.assert_told("returned 'undeclared'; outcomes with a transition: 'done'")
+        self.assert_logged("returned 'undeclared'; outcomes with a transition: 'done'")
 
     def test_supervised_a_state_that_raises_is_held_for_the_operator(self):
         self.engine.start("Faulty Test", level=3, how="raise")
-        self.assert_told("it stays active and is tried again")
+        self.assert_logged("it stays active and is tried again")
         self.assertIsNone(self.engine.ended(0.5))
         self.engine.send("command/transition", OutcomeRequest(0, "Faulty"))
         self.assert_ends(BEStatus.FINISHED, ["finished"])
 
     def test_a_state_that_does_not_return_is_told_and_may_return_after_all(self):
         self.engine.start("Faulty Test", how="hang", hang_s=2.6)
-        self.assert_told("/Faulty has not returned for ")
+        self.assert_logged("/Faulty has not returned for ")
         self.assert_ends(BEStatus.FINISHED, ["finished"])
 
     def test_an_engine_that_hangs_starts_anew_if_that_is_its_policy(self):
@@ -348,7 +342,7 @@ class OnboardTest(unittest.TestCase):
     def test_a_state_that_does_not_watch_fails_when_its_server_dies(self):
         self.assertLess(self.lose_server(watch=False), NOTICED_S)
         self.assert_ends(BEStatus.FAILED)
-        self.assert_told("action server lost_action has gone away during a goal")
+        self.assert_logged("action server lost_action stopped during a goal")
 
     # Refusals
 
@@ -360,11 +354,11 @@ class OnboardTest(unittest.TestCase):
         self.engine.send("start_behavior", selection)
         status = self.assert_ends(BEStatus.ERROR)
         self.assertEqual(status.behavior_id, selection.behavior_checksum)
-        self.assert_told(text)
+        self.assert_logged(text)
 
     def test_an_unknown_behavior_is_refused_with_those_there_are(self):
         self.refuse("there is no behavior with id 5", behavior_id=5)
-        self.assert_told("Quick Test")
+        self.assert_logged("Quick Test")
 
     def test_another_version_of_the_source_is_refused(self):
         self.refuse("is another version here", behavior_checksum=17)
@@ -379,7 +373,7 @@ class OnboardTest(unittest.TestCase):
     def test_a_behavior_that_cannot_be_built_is_refused(self):
         self.engine.start("Faulty Test", how="build")
         self.assert_ends(BEStatus.ERROR)
-        self.assert_told("cannot build FaultySM: ValueError: nothing to build from")
+        self.assert_logged("cannot build FaultySM: ValueError: nothing to build from")
 
     def test_a_second_start_is_refused_and_disturbs_nothing(self):
         first = self.engine.start("Quick Test", wait_time=0.8)
@@ -387,7 +381,7 @@ class OnboardTest(unittest.TestCase):
         self.engine.send("start_behavior", self.engine.selection("Goal Test"))
         refused = self.assert_ends(BEStatus.ERROR)
         self.assertNotEqual(refused.behavior_id, first.behavior_checksum)
-        self.assert_told("behavior 'Quick Test' is running; stop it first")
+        self.assert_logged("behavior 'Quick Test' is running; stop it first")
         self.engine.feedback.wait(lambda m: "not_switchable" in m.args)  # on a topic of its own
         phases = [tuple(m.args) for _, m in self.engine.feedback.messages if m.command == "switch"]
         self.assertEqual(phases, [("received",), ("not_switchable",)])
@@ -402,12 +396,12 @@ class OnboardTest(unittest.TestCase):
             self.write_late_package(source, "first")
             self.engine.start("Late Test")
             self.assert_ends(BEStatus.FINISHED, ["finished"])
-            self.assert_told("the first text")
+            self.assert_logged("the first text")
             # As long as before and within the same second: Python would take its old bytecode.
             self.write_late_package(source, "other")
             self.engine.start("Late Test")
             self.assert_ends(BEStatus.FINISHED, ["finished"])
-            self.assert_told("the other text")
+            self.assert_logged("the other text")
         finally:
             shutil.rmtree(LATE_PACKAGES, ignore_errors=True)
 
@@ -515,9 +509,9 @@ class OnboardTest(unittest.TestCase):
         engine.send("command/unlock", String("/Goal"))
         self.assertEqual(engine.ended().args, ["failed"])
         engine.log.wait(lambda m: m.text == "stop of the goal state")  # on a topic of its own
-        told = [m.text for _, m in engine.log.messages]
-        self.assertEqual(told.count("exit of the goal state"), 1)
-        self.assertEqual(told.count("stop of the goal state"), 1)
+        logged = [m.text for _, m in engine.log.messages]
+        self.assertEqual(logged.count("exit of the goal state"), 1)
+        self.assertEqual(logged.count("stop of the goal state"), 1)
 
     def test_a_version_without_the_active_state_is_refused_and_disturbs_nothing(self):
         engine, server, first = self.begin_goal()

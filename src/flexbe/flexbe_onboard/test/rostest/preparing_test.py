@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Commands that arrive while a behavior is prepared, and those that nobody may give."""
+"""Commands that arrive while a behavior is prepared, and those without supervision."""
 
 import tempfile
 import unittest
@@ -125,8 +125,10 @@ class PreparingTest(unittest.TestCase):
         self.prepare(level=255, pause=True)
         self.begin()
         self.assert_finishes()
-        told = self.engine.log.wait(lambda m: m.text.startswith("pause has no effect: nobody"))
-        self.assertIn("(autonomy 255); attach to it first", told.text)
+        logged = self.engine.log.wait(
+            lambda m: m.text.startswith("pause has no effect: the behavior is not supervised")
+        )
+        self.assertIn("(autonomy 255); attach to it first", logged.text)
         self.assertEqual([m.command for _, m in self.engine.feedback.messages], [])
 
 

@@ -61,7 +61,7 @@ def test_a_module_without_a_behavior_is_refused(package):
 
 
 def test_another_checksum_is_refused_with_both(package):
-    with pytest.raises(StartError, match=f"has checksum {checksum(SOURCE)}, asked for was 17"):
+    with pytest.raises(StartError, match=f"has checksum {checksum(SOURCE)}, the request has 17"):
         load(package, wanted=17)
 
 

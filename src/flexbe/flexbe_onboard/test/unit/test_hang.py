@@ -1,24 +1,24 @@
 """When an execution counts as a hang."""
 
-from flexbe_onboard.core.hang import TELL_AGAIN_S, Execution, HangAlarm
+from flexbe_onboard.core.hang import REPORT_AGAIN_S, Execution, HangAlarm
 
 
 def test_a_hang_is_told_once_and_again_later():
     alarm = HangAlarm(2.0)
     execution = Execution("/a", 10.0)
-    assert alarm.look(execution, 11.9) is None
-    assert alarm.look(execution, 12.0) == 2.0
-    assert alarm.look(execution, 13.0) is None
-    assert alarm.look(execution, 12.0 + TELL_AGAIN_S) == 2.0 + TELL_AGAIN_S
+    assert alarm.check(execution, 11.9) is None
+    assert alarm.check(execution, 12.0) == 2.0
+    assert alarm.check(execution, 13.0) is None
+    assert alarm.check(execution, 12.0 + REPORT_AGAIN_S) == 2.0 + REPORT_AGAIN_S
 
 
 def test_each_execution_has_its_own_limit():
     alarm = HangAlarm(2.0)
-    assert alarm.look(Execution("/a", 10.0), 13.0) == 3.0
-    assert alarm.look(None, 14.0) is None
-    assert alarm.look(Execution("/a", 15.0), 16.0) is None
-    assert alarm.look(Execution("/a", 15.0), 18.0) == 3.0
+    assert alarm.check(Execution("/a", 10.0), 13.0) == 3.0
+    assert alarm.check(None, 14.0) is None
+    assert alarm.check(Execution("/a", 15.0), 16.0) is None
+    assert alarm.check(Execution("/a", 15.0), 18.0) == 3.0
 
 
 def test_without_a_limit_nothing_hangs():
-    assert HangAlarm(0.0).look(Execution("/a", 0.0), 1e6) is None
+    assert HangAlarm(0.0).check(Execution("/a", 0.0), 1e6) is None

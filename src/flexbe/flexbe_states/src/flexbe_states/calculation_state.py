@@ -36,6 +36,6 @@ class CalculationState(EventState):
             Logger.logwarn("%s: the function failed: %s", self.name, error)
 
     def execute(self, userdata):
-        """Hand out the result."""
+        """Write the result to userdata."""
         userdata.output_value = self._calculation_result
         return "done"

@@ -4,14 +4,14 @@ from flexbe_core import EventState, Logger
 
 
 class CheckConditionState(EventState):
-    """Ask a predicate about a value.
+    """Apply a predicate to a value.
 
     -- predicate  function  Function of one argument; returns true or false.
 
     ># input_value  object  Argument of the predicate.
 
-    <= true   The predicate says so.
-    <= false  The predicate denies it. If it fails, the last answer counts, false at first.
+    <= true   The predicate returned true.
+    <= false  The predicate returned false. If it fails, its last result counts, false at first.
 
     """
 
@@ -22,12 +22,12 @@ class CheckConditionState(EventState):
         self._outcome = "false"
 
     def on_enter(self, userdata):
-        """Ask the predicate."""
+        """Apply the predicate."""
         try:
             self._outcome = "true" if self._predicate(userdata.input_value) else "false"
         except Exception as error:  # noqa: BLE001 - the predicate is the user's
             Logger.logwarn("%s: the predicate failed: %s", self.name, error)
 
     def execute(self, userdata):
-        """Return the answer."""
+        """Return the result."""
         return self._outcome

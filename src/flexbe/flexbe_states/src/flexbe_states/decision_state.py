@@ -8,7 +8,7 @@ class DecisionState(EventState):
 
     -- outcomes    string[]  The outcomes to choose from.
     -- conditions  function  Function of one argument; returns one of the outcomes, or anything else
-                             to be asked again.
+                             to be called again.
 
     ># input_value  object  Argument of the function.
 
@@ -25,7 +25,7 @@ class DecisionState(EventState):
         self._warned = False
 
     def execute(self, userdata):
-        """Ask the function."""
+        """Call the function."""
         try:
             outcome = str(self._conditions(userdata.input_value))
         except Exception as error:  # noqa: BLE001 - the function is the user's

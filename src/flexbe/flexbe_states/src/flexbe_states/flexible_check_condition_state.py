@@ -4,15 +4,15 @@ from flexbe_core import EventState, Logger
 
 
 class FlexibleCheckConditionState(EventState):
-    """Ask a predicate about values.
+    """Apply a predicate to values.
 
     -- predicate   function  Function of one list, the values in the order of the keys.
     -- input_keys  string[]  Keys of the values.
 
     ># input_keys  object[]  The values.
 
-    <= true   The predicate says so.
-    <= false  The predicate denies it. If it fails, the last answer counts, false at first.
+    <= true   The predicate returned true.
+    <= false  The predicate returned false. If it fails, its last result counts, false at first.
 
     """
 
@@ -23,7 +23,7 @@ class FlexibleCheckConditionState(EventState):
         self._outcome = "false"
 
     def on_enter(self, userdata):
-        """Ask the predicate."""
+        """Apply the predicate."""
         try:
             values = [userdata[key] for key in self.input_keys]
             self._outcome = "true" if self._predicate(values) else "false"
@@ -31,5 +31,5 @@ class FlexibleCheckConditionState(EventState):
             Logger.logwarn("%s: the predicate failed: %s", self.name, error)
 
     def execute(self, userdata):
-        """Return the answer."""
+        """Return the result."""
         return self._outcome

@@ -13,15 +13,15 @@ ACTION = "flexbe/behavior_input"
 class InputState(EventState):
     """Ask the operator for a value, see flexbe_input.
 
-    -- request  uint8   What kind of value, by a number that his interface knows.
-    -- message  string  What to tell him.
+    -- request  uint8   Kind of value, as a number that the operator's interface defines.
+    -- message  string  Question to show to the operator.
 
     #> data  object  The value, read from the text of a literal; None if there is none.
 
-    <= received       The operator gave a value.
-    <= aborted        He gave none.
-    <= no_connection  Nobody serves questions: flexbe_input does not run, or went away.
-    <= data_error     He gave something that is no literal.
+    <= received       The operator entered a value.
+    <= aborted        The operator entered no value.
+    <= no_connection  No node answers questions: flexbe_input is not running, or stopped.
+    <= data_error     The operator's text is not a literal.
 
     """
 
@@ -46,7 +46,7 @@ class InputState(EventState):
             self._is_asked = False
 
     def execute(self, userdata):
-        """Look whether there is an answer."""
+        """Check whether there is an answer."""
         if self._is_asked and not self._client.has_result(ACTION):
             if self._client.is_available(ACTION):
                 return None

@@ -1,17 +1,17 @@
-"""Say what a value is."""
+"""Log a value."""
 
 from flexbe_core import EventState, Logger
 
 
 class LogKeyState(EventState):
-    """Tell the operator a value.
+    """Log a value for the operator.
 
-    -- text      string  What to tell; {} stands for the value.
+    -- text      string  Text to log; {} stands for the value.
     -- severity  uint8   Type of the message, Logger.REPORT_INFO or another of these.
 
     ># data  object  The value.
 
-    <= done  It has been told.
+    <= done  The text has been logged.
 
     """
 
@@ -22,7 +22,7 @@ class LogKeyState(EventState):
         self._severity = severity
 
     def on_enter(self, userdata):
-        """Tell it."""
+        """Log the text."""
         Logger.log(self._text.format(userdata.data), self._severity)
 
     def execute(self, userdata):

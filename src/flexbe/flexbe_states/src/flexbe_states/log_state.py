@@ -1,15 +1,15 @@
-"""Say something."""
+"""Log a text."""
 
 from flexbe_core import EventState, Logger
 
 
 class LogState(EventState):
-    """Tell the operator something.
+    """Log a text for the operator.
 
-    -- text      string  What to tell; any object is told as text.
+    -- text      string  Text to log; any other object is converted to text.
     -- severity  uint8   Type of the message, Logger.REPORT_INFO or another of these.
 
-    <= done  It has been told.
+    <= done  The text has been logged.
 
     """
 
@@ -20,7 +20,7 @@ class LogState(EventState):
         self._severity = severity
 
     def on_enter(self, userdata):
-        """Tell it."""
+        """Log the text."""
         Logger.log(self._text, self._severity)
 
     def execute(self, userdata):

@@ -9,17 +9,17 @@ from flexbe_core.proxy import ProxySubscriberCached
 
 
 class SubscriberState(EventState):
-    """Take the last message of a topic, of whatever type.
+    """Take the last message of a topic, of any type.
 
     -- topic     string  Topic to listen to.
     -- blocking  bool    Wait for a message if there is none.
-    -- clear     bool    Forget on entry what came before.
+    -- clear     bool    On entry, drop messages that arrived before.
 
     #> message  object  The message; None if there is none, and blocking is false or the topic is
                         unavailable.
 
-    <= received     A message was taken, or none has to be waited for.
-    <= unavailable  Nobody has advertised the topic.
+    <= received     A message was taken, or there is none and blocking is false.
+    <= unavailable  The topic is not advertised.
 
     """
 
@@ -36,12 +36,12 @@ class SubscriberState(EventState):
         """Subscribe, if that was not possible before."""
         self._connected = self._connected or self._connect()
         if not self._connected:
-            Logger.logwarn("%s: nobody has advertised topic %s", self.name, self._topic)
+            Logger.logwarn("%s: topic %s is not advertised", self.name, self._topic)
         elif self._clear:
             self._sub.remove_last_msg(self._topic)
 
     def execute(self, userdata):
-        """Look whether there is a message."""
+        """Check whether there is a message."""
         if not self._connected:
             userdata.message = None
             return "unavailable"

@@ -10,7 +10,7 @@ class UserDataState(EventState):
 
     #> data  object  The value.
 
-    <= done  It is there.
+    <= done  The value has been written.
 
     """
 
@@ -20,7 +20,7 @@ class UserDataState(EventState):
         self._data = data
 
     def on_enter(self, userdata):
-        """Hand out the value."""
+        """Write the value to userdata."""
         userdata.data = self._data
 
     def execute(self, userdata):

@@ -21,13 +21,13 @@ class WaitState(EventState):
         self._start = 0.0
 
     def on_enter(self, userdata):
-        """Look at the clock."""
+        """Note the time."""
         self._start = rospy.get_time()
 
     def execute(self, userdata):
-        """Look whether the time has passed, and ask to be executed when it has."""
+        """Check whether the time has passed; otherwise request an execution for then."""
         now = rospy.get_time()
-        if now < self._start:  # simulated time began anew
+        if now < self._start:  # simulated time restarted
             self._start = now
         if now - self._start >= self._wait:
             return "done"

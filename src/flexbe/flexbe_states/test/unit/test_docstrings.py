@@ -1,4 +1,4 @@
-"""Docstrings follow the grammar that the FlexBE App reads, and tell what the code does.
+"""Docstrings follow the grammar that the FlexBE App reads, and describe what the code does.
 
 -- parameter type text      ># input key type text
 #> output key type text     <= outcome text

@@ -23,7 +23,7 @@ class TestingTest(unittest.TestCase):
         self.addCleanup(self.folder.cleanup)
 
     def run_case(self, text):
-        """Return the exit code of the testing node and what it told."""
+        """Return the exit code of the testing node and what it printed."""
         file = Path(self.folder.name) / "case.test"
         file.write_text(text)
         done = subprocess.run(

@@ -174,7 +174,7 @@ def state(name, outcomes, parameters="", reads=(), writes=(), package="my_states
 @pytest.fixture(scope="module")
 def known():
     states = [
-        state("SeeState", ["seen", "unseen"], ", camera, hint=''", ["part"], ["pose"]),
+        state("SeeState", ["seen", "unseen"], ", camera, hint=''", ["part"], writes=["pose"]),
         state("MoveState", ["done"], ", speed=1", ["pose"]),
         state("AskState", "answers", ", answers"),
     ]

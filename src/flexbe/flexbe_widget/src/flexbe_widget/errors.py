@@ -1,12 +1,12 @@
-"""What the tools of this package cannot do, and why."""
+"""Errors of the tools of this package."""
 
 
 class RequestError(Exception):
-    """A request that makes no sense; the text says what was found, what there is, what to do."""
+    """An invalid request; the text says what was found, what there is, what to do."""
 
 
 class LogError(Exception):
-    """A record of a behavior that cannot be read."""
+    """A run log that cannot be read."""
 
 
 class RepositoryError(Exception):

@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import tempfile
-import time
 import unittest
 from pathlib import Path
 from xmlrpc.client import ServerProxy
@@ -24,16 +23,10 @@ from flexbe_msgs.msg import (
 )
 from std_msgs.msg import String, UInt8
 
+from flexbe_core.testing import wait_until
 from flexbe_widget.core.run_watch import ENGINE_LOST_TEXT, FAILED_TEXT, NOT_STARTED_TEXT
 
 LIMIT_S = 40.0
-
-
-def wait_until(condition, limit_s=LIMIT_S):
-    limit = time.monotonic() + limit_s
-    while not condition() and time.monotonic() < limit:
-        time.sleep(0.01)
-    return condition()
 
 
 class ActionServerTest(unittest.TestCase):
@@ -191,7 +184,7 @@ class ActionServerTest(unittest.TestCase):
         line = ["roslaunch", "flexbe_widget", "behavior_ocs.launch"]
         ocs = subprocess.Popen(line, stdout=subprocess.DEVNULL)
         try:
-            self.assertTrue(wait_until(lambda: "/Wait" in paths), "the mirror tells nothing")
+            self.assertTrue(wait_until(lambda: "/Wait" in paths), "the mirror shows nothing")
             attach.publish(3)
             self.assertTrue(wait_until(lambda: any(a.command == "attach" for a in answers)))
             (answer,) = [a.args for a in answers if a.command == "attach"]
@@ -220,7 +213,7 @@ class ActionServerTest(unittest.TestCase):
 
 
 def pid_of(node):
-    """Return the process of a node, which it tells itself."""
+    """Return the process of a node, which it reports itself."""
     uri = rosgraph.Master(rospy.get_name()).lookupNode(node)
     return ServerProxy(uri).getPid(rospy.get_name())[2]
 

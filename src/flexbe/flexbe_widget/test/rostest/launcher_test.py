@@ -4,7 +4,6 @@
 import os
 import signal
 import subprocess
-import time
 import unittest
 from xmlrpc.client import ServerProxy
 
@@ -14,17 +13,11 @@ import rostest
 from flexbe_msgs.msg import BehaviorRequest, BEStatus
 from std_msgs.msg import Empty
 
+from flexbe_core.testing import wait_until
 from flexbe_widget.core.exit_code import ExitCode
 
 LAUNCHER = ["rosrun", "flexbe_widget", "be_launcher"]
 LIMIT_S = 40.0
-
-
-def wait_until(condition, limit_s=LIMIT_S):
-    limit = time.monotonic() + limit_s
-    while not condition() and time.monotonic() < limit:
-        time.sleep(0.01)
-    return condition()
 
 
 class LauncherTest(unittest.TestCase):
@@ -38,7 +31,7 @@ class LauncherTest(unittest.TestCase):
         self.statuses.clear()
 
     def launch(self, *words, **environment):
-        """Run be_launcher to its end; return its exit code and what it told."""
+        """Run be_launcher to its end; return its exit code and what it printed."""
         done = subprocess.run(
             [*LAUNCHER, *words],
             env={**os.environ, **environment},
@@ -55,47 +48,49 @@ class LauncherTest(unittest.TestCase):
         self.assertTrue(wait_until(lambda: any(s.code == BEStatus.STARTED for s in self.statuses)))
         return launcher
 
-    def test_a_name_with_blanks_runs_and_the_outcome_is_told(self):
-        code, told = self.launch("-b", "Quick Test")
-        self.assertEqual(code, ExitCode.FINISHED, told)
-        self.assertIn("'Quick Test' is at /Wait", told)
-        self.assertIn("'Quick Test' ended with outcome 'finished'", told)
+    def test_a_name_with_blanks_runs_and_the_outcome_is_printed(self):
+        code, printed = self.launch("-b", "Quick Test")
+        self.assertEqual(code, ExitCode.FINISHED, printed)
+        self.assertIn("'Quick Test' is at /Wait", printed)
+        self.assertIn("'Quick Test' ended with outcome 'finished'", printed)
 
     def test_options_and_parameters_come_in_any_order(self):
-        code, told = self.launch("wait_time:=0", "-a", "255", "text:=well met", "-b", "Quick Test")
-        self.assertEqual(code, ExitCode.FINISHED, told)
-        self.assertIn("well met", told)
+        code, printed = self.launch(
+            "wait_time:=0", "-a", "255", "text:=well met", "-b", "Quick Test"
+        )
+        self.assertEqual(code, ExitCode.FINISHED, printed)
+        self.assertIn("well met", printed)
 
     def test_inputs_arrive(self):
-        code, told = self.launch(
+        code, printed = self.launch(
             "-b", "Input Test", "--input", "part={'pins': [7]}", "-i", "name=B"
         )
-        self.assertEqual(code, ExitCode.FINISHED, told)
-        self.assertIn("pins [7] of B", told)
+        self.assertEqual(code, ExitCode.FINISHED, printed)
+        self.assertIn("pins [7] of B", printed)
 
     def test_the_outcome_failed_has_an_exit_code(self):
-        code, told = self.launch("-b", "Goal Test", "topic:=nobody/serves/this")
-        self.assertEqual(code, ExitCode.FAILED_OUTCOME, told)
+        code, printed = self.launch("-b", "Goal Test", "topic:=nobody/serves/this")
+        self.assertEqual(code, ExitCode.FAILED_OUTCOME, printed)
 
     def test_a_failing_state_has_an_exit_code_and_a_reason(self):
-        code, told = self.launch("-b", "Faulty Test")
-        self.assertEqual(code, ExitCode.FAILED, told)
-        self.assertIn("/Faulty: RuntimeError: no camera image", told)
+        code, printed = self.launch("-b", "Faulty Test")
+        self.assertEqual(code, ExitCode.FAILED, printed)
+        self.assertIn("/Faulty: RuntimeError: no camera image", printed)
 
     def test_an_unknown_behavior_names_near_ones(self):
-        code, told = self.launch("-b", "quick tests")
+        code, printed = self.launch("-b", "quick tests")
         self.assertEqual(code, ExitCode.UNKNOWN_BEHAVIOR)
-        self.assertIn("unknown behavior 'quick tests'; near it: 'Quick Test'", told)
+        self.assertIn("unknown behavior 'quick tests'; near it: 'Quick Test'", printed)
 
-    def test_a_refused_start_tells_why(self):
-        code, told = self.launch("-b", "Quick Test", "wait_time:=soon")
+    def test_a_refused_start_says_why(self):
+        code, printed = self.launch("-b", "Quick Test", "wait_time:=soon")
         self.assertEqual(code, ExitCode.REFUSED)
-        self.assertIn("parameter '/wait_time' takes a value of type float, found 'soon'", told)
+        self.assertIn("parameter '/wait_time' takes a value of type float, found 'soon'", printed)
 
     def test_a_senseless_command_line_is_explained(self):
-        code, told = self.launch("-b", "Quick Test", "hello")
+        code, printed = self.launch("-b", "Quick Test", "hello")
         self.assertEqual(code, ExitCode.USAGE)
-        self.assertIn("'hello' is no option", told)
+        self.assertIn("'hello' is no option", printed)
 
     def test_a_stopped_behavior_has_an_exit_code(self):
         stop = rospy.Publisher("flexbe/commands/preempt", Empty, queue_size=1)
@@ -108,9 +103,9 @@ class LauncherTest(unittest.TestCase):
     def test_a_busy_engine_is_waited_for_up_to_a_bound(self):
         stop = rospy.Publisher("flexbe/commands/preempt", Empty, queue_size=1)
         first = self.begin("-b", "Quick Test", "wait_time:=60")
-        code, told = self.launch("-b", "Quick Test", "--wait", "1")
+        code, printed = self.launch("-b", "Quick Test", "--wait", "1")
         self.assertEqual(code, ExitCode.NO_ENGINE)
-        self.assertIn("the engine runs another behavior", told)
+        self.assertIn("the engine runs another behavior", printed)
         words = ("-b", "Quick Test", "wait_time:=0", "--wait", f"{LIMIT_S}")
         second = subprocess.Popen([*LAUNCHER, *words], stdout=subprocess.PIPE, text=True)
         while "the engine runs another behavior" not in second.stdout.readline():
@@ -119,26 +114,26 @@ class LauncherTest(unittest.TestCase):
         stop.publish()
         first.communicate(timeout=LIMIT_S)
         self.assertEqual(first.returncode, ExitCode.PREEMPTED)
-        told, _ = second.communicate(timeout=LIMIT_S)
-        self.assertEqual(second.returncode, ExitCode.FINISHED, told)
+        printed, _ = second.communicate(timeout=LIMIT_S)
+        self.assertEqual(second.returncode, ExitCode.FINISHED, printed)
 
-    def test_no_engine_is_told_and_given_up(self):
-        code, told = self.launch("-b", "Quick Test", "--wait", "1", "__ns:=nobody")
+    def test_no_engine_is_reported_and_given_up(self):
+        code, printed = self.launch("-b", "Quick Test", "--wait", "1", "__ns:=nobody")
         self.assertEqual(code, ExitCode.NO_ENGINE)
-        self.assertIn("there is no behavior engine", told)
+        self.assertIn("there is no behavior engine", printed)
 
-    def test_no_master_is_told_and_given_up(self):
+    def test_no_master_is_reported_and_given_up(self):
         nowhere = "http://localhost:1"
-        code, told = self.launch("-b", "Quick Test", "-w", "0.5", ROS_MASTER_URI=nowhere)
-        self.assertEqual(code, ExitCode.NO_ENGINE, told)
-        self.assertIn(f"no ROS master at {nowhere}", told)
+        code, printed = self.launch("-b", "Quick Test", "-w", "0.5", ROS_MASTER_URI=nowhere)
+        self.assertEqual(code, ExitCode.NO_ENGINE, printed)
+        self.assertIn(f"no ROS master at {nowhere}", printed)
 
     def test_an_engine_that_is_killed_leaves_nobody_waiting(self):
         launcher = self.begin("-b", "Quick Test", "wait_time:=60")
         uri = rosgraph.Master(rospy.get_name()).lookupNode("/behavior")
         os.kill(ServerProxy(uri).getPid(rospy.get_name())[2], signal.SIGKILL)
-        told, _ = launcher.communicate(timeout=LIMIT_S)
-        self.assertEqual(launcher.returncode, ExitCode.ENGINE_LOST, told)
+        printed, _ = launcher.communicate(timeout=LIMIT_S)
+        self.assertEqual(launcher.returncode, ExitCode.ENGINE_LOST, printed)
         ready = wait_until(lambda: self.statuses and self.statuses[-1].code == BEStatus.READY)
         self.assertTrue(ready, "the engine was not restarted")
 

@@ -66,7 +66,7 @@ class Wire:
         ends = [*self._publishers.values(), *self._subscribers, *self._played]
         while any(end.get_num_connections() == 0 for end in ends):
             lonely = [end.name for end in ends if end.get_num_connections() == 0]
-            assert time.monotonic() < limit, f"nobody at {lonely}"
+            assert time.monotonic() < limit, f"no connection at {lonely}"
             time.sleep(0.01)
 
     def close(self):

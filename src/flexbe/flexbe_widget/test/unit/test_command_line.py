@@ -9,7 +9,7 @@ from flexbe_widget.core.run_watch import End, Ending
 
 
 def test_without_words_it_serves_requests():
-    assert read_command_line([]) == CommandLine("", 255, (), (), 10.0)
+    assert read_command_line([]) == CommandLine("", 255, (), (), wait_s=10.0)
 
 
 def test_options_and_parameters_come_in_any_order():
@@ -27,7 +27,11 @@ def test_options_and_parameters_come_in_any_order():
         "3",
     ]
     assert read_command_line(words) == CommandLine(
-        "Two Words", 1, (("/speed", "1.5"), ("/A/n", "2"), ("/text", "a b")), (("x", "[1]"),), 3.0
+        "Two Words",
+        1,
+        (("/speed", "1.5"), ("/A/n", "2"), ("/text", "a b")),
+        (("x", "[1]"),),
+        wait_s=3.0,
     )
 
 

@@ -15,7 +15,7 @@ from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.core.library.manifest import Manifest
 from flexbe_synthesizer.core.library.resolve import ResolvedNode, scopes
 from flexbe_synthesizer.core.library.signature import BehaviorClass, chart_behavior
-from flexbe_synthesizer.core.machine.expand import expand
+from flexbe_synthesizer.core.machine.lower import lower
 from flexbe_synthesizer.core.machine.machine import BehaviorUse, Machine, walk
 
 Check: TypeAlias = Callable[
@@ -136,7 +136,7 @@ def compile_chart(checked: CheckedChart, package: str) -> Machine:
     errors = errors_in(checked.problems)
     if errors:
         raise ChartError(errors)
-    return expand(checked.resolved, package)
+    return lower(checked.resolved, package)
 
 
 def manifest_of(machine: Machine) -> Manifest:
@@ -148,5 +148,5 @@ def manifest_of(machine: Machine) -> Manifest:
         machine.package,
         names.behavior_module(machine.name),
         names.behavior_class(machine.name),
-        tuple(sorted(contained)),
+        contains=tuple(sorted(contained)),
     )

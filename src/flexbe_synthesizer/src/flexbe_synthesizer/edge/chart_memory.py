@@ -33,7 +33,7 @@ class _World:
     read_back: dict[str, Chart | None] = field(default_factory=dict, compare=False)
 
     def is_like(self, other: _World) -> bool:
-        """Tell whether charts have the same problems in both; files are those of one reading."""
+        """Return whether charts have the same problems in both; files are those of one reading."""
         return self.library.text_of is other.library.text_of and self == other
 
 
@@ -96,10 +96,10 @@ class ChartMemory:
         nested.read_back = world.read_back
         known = self._known.get(chart.file)
         if known is None or known.chart is not chart:
-            return check_chart(chart, library, charts, nested, expect_time)
+            return check_chart(chart, library, charts, nested, expect_time=expect_time)
         now, last = _World(library, charts, world.read_back), known.check
         if last is None or last.world is not world or last.inside != _charts_inside(chart, now):
-            checked = check_chart(chart, library, charts, nested, expect_time)
+            checked = check_chart(chart, library, charts, nested, expect_time=expect_time)
             known.check = last = _Check(world, _charts_inside(chart, now), checked)
         return last.checked
 

@@ -19,7 +19,7 @@ def dot_picture(dot: str, suffix: str) -> bytes:
         DrawingError: if the suffix is no format, or Graphviz fails.
     """
     if suffix not in FORMATS:
-        raise DrawingError(f"no picture has the suffix {suffix!r}; allowed: .svg, .png")
+        raise DrawingError(f"unknown suffix {suffix!r} of a picture; allowed: .svg, .png")
     command = ["dot", f"-T{suffix[1:]}"]
     if suffix == ".png":
         command.append("-Gdpi=144")
@@ -28,7 +28,9 @@ def dot_picture(dot: str, suffix: str) -> bytes:
             command, input=dot.encode(), capture_output=True, timeout=_TIMEOUT_S, check=True
         )
     except FileNotFoundError as error:
-        raise DrawingError("Graphviz is not there; install it: apt-get install graphviz") from error
+        raise DrawingError(
+            "Graphviz is not installed; install it: apt-get install graphviz"
+        ) from error
     except subprocess.CalledProcessError as error:
         reason = error.stderr.decode(errors="replace").strip()
         raise DrawingError(f"Graphviz failed: {reason}") from error

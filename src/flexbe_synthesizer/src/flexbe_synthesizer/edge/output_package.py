@@ -96,4 +96,4 @@ def enclosing_package(path: Path) -> OutputPackage:
     for folder in path.resolve().parents:
         if (folder / "package.xml").is_file():
             return output_package(folder)
-    raise OutputError(f"{path} lies in no ROS package; say with --output where to write")
+    raise OutputError(f"{path} lies in no ROS package; name the package to write to with --output")

@@ -85,7 +85,13 @@ def read_package(folder: Path) -> Package:
     tables = exports.get("remodel_states")
     path = None if tables is None else tables.get("faults")
     faults = Path(path.replace("${prefix}", str(folder))) if path else None
-    return Package(name, folder, "flexbe_states" in exports, "flexbe_behaviors" in exports, faults)
+    return Package(
+        name,
+        folder,
+        has_states="flexbe_states" in exports,
+        has_behaviors="flexbe_behaviors" in exports,
+        faults=faults,
+    )
 
 
 def find_packages(

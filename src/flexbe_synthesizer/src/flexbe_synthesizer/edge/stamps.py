@@ -19,7 +19,7 @@ class Stamp(NamedTuple):
 
     @property
     def is_fresh(self) -> bool:
-        """Tell whether the next change could still leave the same stamp."""
+        """Return whether the next change could still leave the same stamp."""
         return time.time_ns() - self.changed_ns < _FRESH_NS
 
 
@@ -51,7 +51,7 @@ class Stamps:
         return self._taken.setdefault(str(path), stamp)
 
     def still_hold(self) -> bool:
-        """Tell whether all that was read is certainly unchanged."""
+        """Return whether all that was read is certainly unchanged."""
         return not self._is_any_fresh and all(map(_is_same, self._taken.items()))
 
 

@@ -74,7 +74,7 @@ class SynthesisServer:
                 self._serve(handle)
 
     def _serve(self, handle: actionlib.ServerGoalHandle) -> None:
-        """Fulfil one request and tell how it ended."""
+        """Fulfil one request and return its result."""
         handle.set_accepted()
         asked = handle.get_goal().request
         rospy.loginfo("synthesizing %s for '%s'", asked.goal, asked.name)
@@ -91,7 +91,7 @@ class SynthesisServer:
 
         request = Request(asked.goal, asked.initial_condition, tuple(asked.sm_outcomes))
         try:
-            answer = fulfil(request, self._settings, report, expect_time, self._memory)
+            answer = fulfil(request, self._settings, report, expect_time, memory=self._memory)
         except RequestError as error:
             self._fail(handle, error.code, str(error))
         except Exception as error:  # noqa: BLE001 - one request must not end the others

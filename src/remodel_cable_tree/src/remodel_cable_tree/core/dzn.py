@@ -61,8 +61,8 @@ def parse_cable_tree(text: str) -> CableTree:
         values["b"][0][0],
         tuple((x, y) for x, y in values["AtomicConstraints"]),
         tuple((a, b, c, d) for a, b, c, d in values["DisjunctiveConstraints"]),
-        tuple((x, y) for x, y in values["SoftAtomicConstraints"]),
-        tuple(values[_LIST][0]),
+        soft=tuple((x, y) for x, y in values["SoftAtomicConstraints"]),
+        direct=tuple(values[_LIST][0]),
     )
 
 

@@ -1,6 +1,6 @@
-"""What an order of insertions breaks and costs.
+"""What an order of insertions violates and costs.
 
-This is the judge of what the kernel finds, and its plain reference.
+This checks what the kernel finds, and is its plain reference.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ class OrderCost:
         stored: cables whose ends are not inserted one right after the other.
         open: the most cables that hang open at the insertion of another cable's end.
         longest: time between the ends of a cable, at its longest, less one.
-        wishes: broken.
-        total: stored k^3 + open k^2 + longest k + wishes.
+        soft: violated soft constraints.
+        total: stored k^3 + open k^2 + longest k + soft.
     """
 
     stored: int
     open: int
     longest: int
-    wishes: int
+    soft: int
     total: int
 
 
@@ -41,14 +41,14 @@ def cost_of(tree: CableTree, order: Sequence[int]) -> OrderCost:
     times = [time for span in spans for time in span]
     hanging = max((sum(first < t < last for first, last in spans) for t in times), default=0)
     longest = max((last - first - 1 for first, last in spans), default=0)
-    wishes = sum(place[x] > place[y] for x, y in tree.soft)
+    soft = sum(place[x] > place[y] for x, y in tree.soft)
     k = tree.ends
-    total = ((stored * k + hanging) * k + longest) * k + wishes
-    return OrderCost(stored, hanging, longest, wishes, total)
+    total = ((stored * k + hanging) * k + longest) * k + soft
+    return OrderCost(stored, hanging, longest, soft, total=total)
 
 
-def broken_constraints(tree: CableTree, order: Sequence[int]) -> Iterator[str]:
-    """Yield what an order breaks, a line each."""
+def violations(tree: CableTree, order: Sequence[int]) -> Iterator[str]:
+    """Yield the constraints that an order violates, a line each."""
     if sorted(order) != list(range(1, tree.ends + 1)):
         yield f"not an order of the ends 1 to {tree.ends}"
         return

@@ -18,10 +18,11 @@ class Recipe:
     """Temperatures, and what each part of the cost weighs while annealing.
 
     With their true weights, k to k^3, the parts would freeze one after the other; with these, a
-    plan may pay with one for another. What is kept as the best is judged by the true cost.
+    plan may pay with one for another. The best order is chosen by the true cost.
 
     Attributes:
-        weights: of broken constraints, stored cables, open cables, the longest time, wishes.
+        weights: of violated constraints, stored cables, open cables, the longest time, violated
+            soft constraints.
     """
 
     start_temperature: float
@@ -61,8 +62,8 @@ _GATHER_PER_END = 1_000
 _FIRST_GATHERS = 12
 # The first gathers get no more than this part of the work.
 _FIRST_SHARE = 0.3
-# Every third round begins anew.
-_ANEW = 3
+# Every third round starts from a new order.
+_RESTART = 3
 _FEW_NODES, _MANY_NODES = 100, 1_000
 
 
@@ -82,8 +83,8 @@ def rounds(ends: int, limit_s: float) -> Iterator[Round]:
     moves = max(1, min(_MOVES_PER_END * ends, int(left / 4)))
     turn = 0
     while left > 0:
-        gathers = first_gathers if turn == 0 else int(turn % _ANEW == 0)
-        nodes = _MANY_NODES if turn % (2 * _ANEW) == 0 else _FEW_NODES
+        gathers = first_gathers if turn == 0 else int(turn % _RESTART == 0)
+        nodes = _MANY_NODES if turn % (2 * _RESTART) == 0 else _FEW_NODES
         yield Round(_RECIPES[turn % len(_RECIPES)], moves, gathers, nodes)
         left -= moves + gathers * gather
         turn += 1

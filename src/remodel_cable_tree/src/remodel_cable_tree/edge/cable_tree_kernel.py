@@ -29,7 +29,7 @@ class CableTreeTables(ctypes.Structure):
 
 
 class Feasibility(Enum):
-    """Whether any order obeys the constraints."""
+    """Whether any order satisfies the constraints."""
 
     NONE = 0
     FOUND = 1
@@ -40,7 +40,7 @@ class KernelCableTree:
     """A cable tree in the kernel, with one search on it. Ends count from 1, as everywhere."""
 
     def __init__(self, tree: CableTree) -> None:
-        """Hand the tree to the kernel, which concludes what follows from it at once.
+        """Load the tree into the kernel, which propagates its constraints at once.
 
         Raises:
             KernelError: if the kernel is not there.
@@ -77,7 +77,7 @@ class KernelCableTree:
             self._library.remodel_cable_tree_delete(self._handle)
 
     def find(self, most_nodes: int) -> tuple[Feasibility, tuple[int, ...]]:
-        """Look for an order that obeys the constraints, in a search of so many nodes."""
+        """Search an order that satisfies the constraints, in so many nodes."""
         order = np.empty(self._ends, np.int32)
         found = self._library.remodel_cable_tree_find(self._handle, most_nodes, order.ctypes.data)
         feasibility = Feasibility(found)
@@ -93,7 +93,7 @@ class KernelCableTree:
         return _from_1(order)
 
     def adopt(self, order: Sequence[int], seed: int) -> None:
-        """Begin a search from an order that obeys the constraints."""
+        """Begin a search from an order that satisfies the constraints."""
         array = np.array(order, np.int32) - 1
         self._library.remodel_cable_tree_adopt(self._handle, array.ctypes.data, seed)
 

@@ -1,6 +1,6 @@
 """Find the order of insertions of a cable tree: feasible first, then better until time is over.
 
-Two searches with their own seeds run in threads, since the kernel lets go of Python's lock.
+Two searches with their own seeds run in threads, since the kernel releases Python's lock.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ class _Search:
         return self._best
 
     def _start(self, part: Round, over: Callable[[], bool]) -> tuple[int, ...]:
-        """Return the best order so far, or the best of some that are gathered anew."""
+        """Return the best order so far, or the best of some newly gathered ones."""
         starts = []
         for _ in range(part.gathers):
             if over():

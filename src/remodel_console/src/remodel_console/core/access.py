@@ -20,7 +20,7 @@ _LONGEST_NAME = 40  # letters of a person's name in the record
 
 
 class Role(Enum):
-    """What somebody may do."""
+    """What a client of the console may do."""
 
     OPERATOR = "operator"
     WATCHER = "watcher"
@@ -41,8 +41,8 @@ class Door:
 
     Attributes:
         host: address that the console is bound to.
-        token: opens for operators; empty: everybody on this computer is one.
-        watch_token: opens for watchers; empty: nobody only watches.
+        token: grants access to operators; empty: everybody on this computer is one.
+        watch_token: grants read-only access; empty: there is none.
     """
 
     host: str
@@ -52,9 +52,11 @@ class Door:
     def __post_init__(self) -> None:
         """Refuse a door that stands open to a network."""
         if not is_local(self.host) and not self.token:
-            raise ValueError(f"a console on {self.host} needs a token, since others can reach it")
+            raise ValueError(
+                f"a console on {self.host} needs a token, because other computers can reach it"
+            )
         if self.token and self.token == self.watch_token:
-            raise ValueError("the token of operators and that of watchers must differ")
+            raise ValueError("the tokens of operators and of observers must differ")
 
     def role_of(self, token: str) -> Role | None:
         """Return the role that a token gives; None if it opens nothing."""
@@ -65,13 +67,13 @@ class Door:
         return None
 
     def knows_host(self, header: str) -> bool:
-        """Tell whether a Host header names this console; on a network the token answers for it."""
+        """Return whether a Host header names this console; on a network the token decides."""
         name = urlsplit(f"//{header}").hostname or ""
         return not is_local(self.host) or is_local(name)
 
 
 def is_local(host: str) -> bool:
-    """Tell whether a host is this computer, and no other can reach it."""
+    """Return whether a host name is this computer's, and no other can reach it."""
     if host in _LOCAL_NAMES:
         return True
     try:
@@ -81,7 +83,7 @@ def is_local(host: str) -> bool:
 
 
 def is_same_origin(headers: Mapping[str, str]) -> bool:
-    """Tell whether a request comes from a page of the host that it is for.
+    """Return whether a request comes from a page of the host that it is for.
 
     Browsers send an Origin with each web socket and each form; whatever sends none is no page.
     """

@@ -21,31 +21,39 @@ class Verb(Enum):
     SYNTHESIZE = (
         "synthesize NAME i: START g: CHART",
         r"synthesize (?P<name>\w+) i: ?(?P<initial>.+?) g: ?(?P<goal>.+)",
-        "put the chart in the file CHART, started at START (start: where it starts itself), into "
-        "the behavior as the container NAME",
+        "add the chart in the file CHART, started at START (start: its own initial state), to the "
+        "behavior as the container NAME",
     )
-    SAVE = ("save", r"save", "check the behavior, and write it and its chart if it is right")
-    EDIT = ("edit [PATH]", r"edit(?: (?P<path>/.*))?", "go into that container; without path: out")
-    SHOW = ("show", r"show", "show the chart that is edited")
-    CHECK = ("check", r"check", "tell all that is wrong with the behavior, and write nothing")
+    SAVE = ("save", r"save", "check the behavior; without errors, write it and its chart")
+    EDIT = (
+        "edit [PATH]",
+        r"edit(?: (?P<path>/.*))?",
+        "open that container; without PATH, the behavior",
+    )
+    SHOW = ("show", r"show", "print the chart that is edited")
+    CHECK = ("check", r"check", "list all errors of the behavior, and write nothing")
     NOTE = ("note TEXT", r"note(?: (?P<text>.+))?", "add the text to the behavior's description")
-    AUTOCONNECT = ("autoconnect", r"autoconnect", "lead open outcomes to outcomes of their name")
-    AUTOLAYOUT = ("autolayout", r"autolayout", "nothing: save lays every behavior out anew")
-    UPDATE = ("update NAME", r"update (?P<name>.+)", "nothing but a look: files are read anew")
+    AUTOCONNECT = (
+        "autoconnect",
+        r"autoconnect",
+        "connect unconnected outcomes to those of their name",
+    )
+    AUTOLAYOUT = ("autolayout", r"autolayout", "no effect: save lays out every behavior")
+    UPDATE = ("update NAME", r"update (?P<name>.+)", "no effect: every check reads the files again")
     FIND = (
         "findStateUsage PACKAGE.CLASS",
         r"findStateUsage[ (]['\"]?(?P<state>[\w.]+)['\"]?\)?",
         "list the charts that use a state class",
     )
-    ATTACH = ("attach [LEVEL]", r"attach(?: (?P<level>-?\d+))?", "watch the behavior that runs")
-    LOCK = ("lock [N]", r"lock(?: (?P<level>-?\d+))?", "hold the N-th level of the active state")
-    UNLOCK = ("unlock", r"unlock", "let go what is held")
+    ATTACH = ("attach [LEVEL]", r"attach(?: (?P<level>-?\d+))?", "supervise the running behavior")
+    LOCK = ("lock [N]", r"lock(?: (?P<level>-?\d+))?", "lock the N-th level of the active state")
+    UNLOCK = ("unlock", r"unlock", "release the lock")
     STATEMACHINE = (
         "statemachine [NAME]",
         r"statemachine(?:[ (]['\"]?(?P<name>\w*)['\"]?\)?)?",
         "needs a selection on a canvas: refused here",
     )
-    SWITCH = ("switch", r"switch|goforit", "go on in the version that was saved meanwhile")
+    SWITCH = ("switch", r"switch|goforit", "continue in the version saved since the start")
 
     def __init__(self, usage: str, pattern: str, help_text: str) -> None:
         """Name the parts of the value."""
@@ -75,7 +83,7 @@ def read_command(text: str) -> Command:
             return Command(text, verb, {k: v for k, v in found.groupdict().items() if v})
     word = text.split(" ", 1)[0]
     usages = [verb.usage for verb in Verb if verb.usage.split(" ")[0] == word]
-    hint = f"it is written: {usages[0]}" if usages else "'help' lists the commands"
+    hint = f"usage: {usages[0]}" if usages else "'help' lists the commands"
     raise CommandError(f"'{text}' is no command; {hint}")
 
 

@@ -6,7 +6,7 @@ import hmac
 
 
 def is_allowed(given: str, wanted: str) -> bool:
-    """Tell whether a key opens, in a time that says nothing about where it is wrong.
+    """Return whether a key is accepted, in a time that does not depend on where it differs.
 
     A key of blanks counts as none; without a wanted key, every key opens.
     """

@@ -18,9 +18,9 @@ class Settings:
         is_synthesis_enabled: containers may be filled by synthesis, on pages and by command.
         synthesis_topic: action of the synthesis server that is asked; empty: the console itself
             synthesizes.
-        system: name of the robot system, told to the synthesis server.
+        system: name of the robot system, sent to the synthesis server.
         are_commands_allowed: commands of `/flexbe/uicommand` are taken.
-        command_key: what such a command must bring; empty: nothing.
+        command_key: the key that such a command must contain; empty: none.
         chart_folders: absolute paths of folders with charts, besides those of the packages.
     """
 
@@ -75,7 +75,7 @@ def read_settings(text: str) -> Settings:
 
 
 def difference(old: Settings, new: Settings) -> str:
-    """Return what changes from one to the other, for the record; a key is not told."""
+    """Return what changes from one to the other, for the record; it does not contain keys."""
     parts = []
     for field in fields(Settings):
         before, after = getattr(old, field.name), getattr(new, field.name)

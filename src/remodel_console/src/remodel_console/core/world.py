@@ -1,4 +1,4 @@
-"""All that a page shows of the live system, and what is away, in an operator's words."""
+"""What a page shows of the live system, and which nodes are not running, for an operator."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from remodel_console.core.use_case.use_case import UseCase
 
 @dataclass(frozen=True)
 class Notice:
-    """Something that is away: what it means, and how to have it back."""
+    """A node that is not running: what that means, and the command that starts it."""
 
     what: str
     meaning: str
@@ -28,7 +28,7 @@ class World:
         has_abilities: ability servers are there, of a cell or fake ones.
         has_cell: the cameras of a cell are there.
         has_supervisor: a use case supervisor is there.
-        use_case: what it told last; None before that, and when it is away.
+        use_case: what it published last; None before that, and when it is not running.
     """
 
     run: RunView = field(default_factory=RunView)
@@ -41,35 +41,35 @@ class World:
 
     @property
     def has_engine(self) -> bool:
-        """Tell whether a behavior engine is there."""
+        """Return whether a behavior engine is running."""
         return self.run.phase is not Phase.AWAY
 
 
 def notices(world: World) -> Iterator[Notice]:
-    """Yield what is away; of things that need each other, the first."""
+    """Yield what is not running; of nodes that need each other, the first."""
     if not world.has_master:
         yield Notice(
-            "ROS is away",
-            "the master does not answer, so nothing of the cell can be seen or steered",
+            "ROS is not running",
+            "the master does not answer, so the console cannot show or command the cell",
             "roscore",
         )
         return
     if not world.has_engine:
         yield Notice(
-            "The engine is away",
+            "The engine is not running",
             "no behavior can run",
             "roslaunch flexbe_onboard behavior_onboard.launch",
         )
     elif not world.has_mirror:
         yield Notice(
-            "The mirror is away",
-            "of a run that somebody watches over, the active state is not known",
+            "The mirror is not running",
+            "the active state of a supervised run is not known",
             "roslaunch flexbe_mirror behavior_mirror.launch",
         )
     if not world.has_cell:
         yield Notice(
-            "The cell is away",
-            "ability servers answer without one, so nothing really moves"
+            "The cell is not running",
+            "ability servers answer without a cell, so nothing moves"
             if world.has_abilities
             else "no ability server answers, so states that move the robot will fail",
             "roslaunch remodel_sim cell.launch",
@@ -77,10 +77,10 @@ def notices(world: World) -> Iterator[Notice]:
 
 
 def supervisor_notice(world: World) -> Iterator[Notice]:
-    """Yield that the use case supervisor is away, if ROS is there."""
+    """Yield that the use case supervisor is not running, if ROS is."""
     if world.has_master and not world.has_supervisor:
         yield Notice(
-            "The supervisor is away",
-            "no order can run, and what one does cannot be seen",
+            "The supervisor is not running",
+            "no order can run, and the state of a running order is not known",
             "roslaunch remodel_planner supervision.launch output:=DIR database:=URL attended:=true",
         )

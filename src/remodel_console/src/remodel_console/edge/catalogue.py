@@ -18,7 +18,7 @@ class Installed:
 
     Attributes:
         behavior_id: by which the engine finds it.
-        source_checksum: by which the engine tells that it runs, and makes sure of the version.
+        source_checksum: by which the engine publishes that it runs, and verifies the version.
     """
 
     behavior: BehaviorClass

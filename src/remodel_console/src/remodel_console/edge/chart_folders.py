@@ -18,7 +18,7 @@ _READ_WITHIN_S = 10.0  # all charts of the folders; a person waits for them
 
 @dataclass(frozen=True)
 class ChartFolders:
-    """Folders of charts. Files that are no charts, or cannot be read, are passed over."""
+    """Folders of charts. Files that are no charts, or cannot be read, are skipped."""
 
     folders: tuple[Path, ...]
 
@@ -60,7 +60,7 @@ class ChartFolders:
             raise CommandError(str(error)) from error
         if now is not None and now != draft.origin:
             raise CommandError(
-                f"{file} was changed by somebody else since it was "
+                f"{file} was changed by another program since it was "
                 f"{'opened' if draft.origin is None else 'loaded'}, and saving would undo that; "
                 "load it again, or move it away and save then"
             )
@@ -82,8 +82,8 @@ class ChartFolders:
             if time.monotonic() > end:
                 where = ", ".join(map(str, self.folders))
                 raise CommandError(
-                    f"reading the chart folders takes more than {_READ_WITHIN_S:g} s; take what "
-                    f"is no chart out of {where}"
+                    f"reading the chart folders takes more than {_READ_WITHIN_S:g} s; move other "
+                    f"files out of {where}"
                 )
 
         return expect_time

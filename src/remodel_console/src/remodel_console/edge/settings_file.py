@@ -17,7 +17,7 @@ class SettingsFile:
 
     Attributes:
         now: what is configured.
-        tell: called after each change.
+        on_change: called after each change.
     """
 
     def __init__(self, path: Path, ros_package_path: str) -> None:
@@ -30,13 +30,15 @@ class SettingsFile:
         self._path = path
         self._lock = threading.Lock()
         self._ros_package_path = ros_package_path
-        self.tell: Callable[[], None] = lambda: None
+        self.on_change: Callable[[], None] = lambda: None
         try:
             self.now = (
                 read_settings(path.read_text(encoding="utf-8")) if path.exists() else Settings()
             )
         except ValueError as error:
-            raise ValueError(f"{path}: {error}; mend it, or delete it to begin anew") from error
+            raise ValueError(
+                f"{path}: {error}; correct it, or delete it to start with the defaults"
+            ) from error
 
     def change(self, changed: Callable[[Settings], Settings]) -> None:
         """Keep what a function makes of the settings; several threads may change them.
@@ -48,7 +50,7 @@ class SettingsFile:
             settings = changed(self.now)
             self._keep(settings)
             self.now = settings
-        self.tell()
+        self.on_change()
 
     def _keep(self, settings: Settings) -> None:
         for folder in settings.chart_folders:
@@ -63,12 +65,12 @@ class SettingsFile:
                 os.fsync(file.fileno())
             draft.replace(self._path)
         except OSError as error:
-            raise CommandError(f"the settings cannot be kept: {error}") from error
+            raise CommandError(f"the settings cannot be saved: {error}") from error
 
     def _expect_folder(self, folder: Path) -> None:
-        """Refuse what is no folder, or lies where a page has nothing to look for."""
+        """Refuse what is no folder, or lies where a page may not add folders."""
         if not folder.is_dir():
-            raise CommandError(f"there is no folder {folder}; make it first")
+            raise CommandError(f"there is no folder {folder}; create it first")
         allowed = tuple(self._grounds())
         if not any(folder.resolve().is_relative_to(ground) for ground in allowed):
             text = f"{folder} lies neither in the home folder nor in a ROS package; "

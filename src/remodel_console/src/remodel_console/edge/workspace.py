@@ -13,7 +13,7 @@ from flexbe_synthesizer.core.chart.model import Chart, State, walk_nodes
 from flexbe_synthesizer.core.chart.problem import errors_in
 from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.core.library.resolve import scopes
-from flexbe_synthesizer.core.machine.fold import fold
+from flexbe_synthesizer.core.machine.lift import lift
 from flexbe_synthesizer.core.machine.machine_reader import read_machine
 from flexbe_synthesizer.edge.chart_files import (
     confined_to,
@@ -194,7 +194,7 @@ class Workspace:
         code = package.module_folder.joinpath(*behavior.module.split(".")[1:]).with_suffix(".py")
         try:
             machine = read_machine(read_regular_text(code), str(code), library)
-            chart = fold(machine, str(code))
+            chart = lift(machine, str(code))
         except (OSError, ValueError) as error:
             raise CommandError(f"'{name}' has no chart, and its code is none: {error}") from error
         file = package.folder / "charts" / f"{names.behavior_file(name)}.xml"
@@ -208,7 +208,7 @@ class Workspace:
         package_of = self._package_of if is_written else _package_to_check_in
         try:
             return check_files(
-                [path], library, package_of, locate, drafts or {}, memory=self.memory
+                [path], library, package_of, locate, drafts=drafts or {}, memory=self.memory
             )
         except SynthesisError as error:
             raise CommandError(str(error)) from error

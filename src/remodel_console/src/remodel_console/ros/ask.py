@@ -18,7 +18,7 @@ def ask(command: str, key: str, timeout_s: float) -> Answer:
     """Send a command and return its answer.
 
     Raises:
-        CommandError: if nobody serves commands, or no answer comes in time.
+        CommandError: if no node serves commands, or no answer comes in time.
     """
     answered = threading.Event()
     found: list[Answer] = []
@@ -35,7 +35,7 @@ def ask(command: str, key: str, timeout_s: float) -> Answer:
     while not (commands.get_num_connections() and answers.get_num_connections()):
         if rospy.is_shutdown() or time.monotonic() > deadline_s:
             raise CommandError(
-                f"nobody serves {rospy.resolve_name(topics.COMMAND)}; start it: "
+                f"no node serves {rospy.resolve_name(topics.COMMAND)}; start it: "
                 "roslaunch remodel_console command_server.launch"
             )
         answered.wait(0.02)

@@ -1,4 +1,4 @@
-"""Call a service of another node; no longer than a person would wait, unless it is asked to."""
+"""Call a service of another node, with a time limit that suits an operator."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def call_service(name: str, kind: type, request: Message, limit_s: float = LIMIT
         limit_s: wall time in which it answers [s]; the service itself must be there earlier.
 
     Raises:
-        CommandError: if nobody serves it, it fails, or it does not answer in time.
+        CommandError: if no node serves it, it fails, or it does not answer in time.
     """
     answers: list[Message] = []
     mistakes: list[Exception] = []

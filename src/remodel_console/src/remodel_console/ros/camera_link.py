@@ -1,7 +1,8 @@
-"""The cell's cameras as the console sees them: every look of its own, and the scene for people.
+"""The cell's cameras as the console sees them: its own observations, and the view for people.
 
-Overhead and wrist camera publish whenever the cell looks. The scene is rendered on request only,
-so it is asked for while a page shows it, and so seldom that a cell that works has most of its time.
+Overhead and wrist camera publish whenever the cell takes a picture. The scene is rendered on
+request only: the console requests it while a page shows it, and leaves a working cell most of its
+time.
 """
 
 from __future__ import annotations
@@ -39,15 +40,15 @@ class CameraLink:
         """Connect.
 
         Args:
-            pictures: get what is seen.
-            is_at_work: tells whether the cell does something.
-            end: until this is set the scene is looked at too.
+            pictures: receive the pictures.
+            is_at_work: returns whether the cell is working.
+            end: until it is set, the scene is requested too.
         """
         self._pictures = pictures
         self._is_at_work = is_at_work
         self._end = end
         self._waiting: dict[str, Image] = {}
-        self._has_looked = threading.Event()
+        self._has_new = threading.Event()
         for camera in LOOKS:
             for topic in ("image_raw", "detections"):
                 rospy.Subscriber(
@@ -62,13 +63,13 @@ class CameraLink:
 
     def _take(self, message: Image, camera: str) -> None:
         self._waiting[camera] = message
-        self._has_looked.set()
+        self._has_new.set()
 
     def _encode(self) -> None:
-        """Encode the newest look of each camera; those between are not seen by anybody."""
+        """Encode the newest picture of each camera; older ones are skipped."""
         while not self._end.wait(_EVERY_S):
-            if self._has_looked.wait(_EVERY_S):
-                self._has_looked.clear()
+            if self._has_new.wait(_EVERY_S):
+                self._has_new.clear()
                 for camera in LOOKS:
                     message = self._waiting.pop(camera, None)
                     if message is not None:

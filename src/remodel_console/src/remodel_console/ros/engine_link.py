@@ -1,4 +1,4 @@
-"""The engine as the console sees it: what it tells becomes events, orders become messages."""
+"""The engine as the console sees it: its messages become events, orders become messages."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ from remodel_console.core.run.run_view import (
     Acknowledged,
     Asked,
     EngineSeen,
+    EngineStatus,
     Entered,
     Event,
     Left,
-    Told,
 )
 from remodel_console.core.run.structure import Level, Structure
 from remodel_console.errors import CommandError
@@ -57,9 +57,11 @@ _PUBLISHED = {
 class EngineLink:
     """Subscribes to the engine of this namespace, and publishes orders to it."""
 
-    def __init__(self, tell: Callable[[Event], None], tell_log: Callable[[LogLine], None]) -> None:
-        """Connect; `tell` and `tell_log` are called on threads of their own."""
-        self._tell = tell
+    def __init__(
+        self, report: Callable[[Event], None], report_line: Callable[[LogLine], None]
+    ) -> None:
+        """Connect; `report` and `report_line` are called on threads of their own."""
+        self._report = report
         self._was_there = False
         self._stop = threading.Event()
         rospy.on_shutdown(self._stop.set)
@@ -68,18 +70,18 @@ class EngineLink:
         }
         subscribe = partial(rospy.Subscriber, tcp_nodelay=True)
         self._heartbeat = subscribe(topics.HEARTBEAT, Empty)
-        self._updates = subscribe(topics.UPDATE, String, lambda m: tell(Entered(m.data)))
-        subscribe(topics.LEFT, String, lambda m: tell(_left(m)))
+        self._updates = subscribe(topics.UPDATE, String, lambda m: report(Entered(m.data)))
+        subscribe(topics.LEFT, String, lambda m: report(_left(m)))
         subscribe(topics.STATUS, BEStatus, self._take_status)
-        subscribe(topics.REQUEST, OutcomeRequest, lambda m: tell(Asked(m.target, m.outcome)))
-        subscribe(topics.STRUCTURE, ContainerStructure, lambda m: tell(_structure(m)))
+        subscribe(topics.REQUEST, OutcomeRequest, lambda m: report(Asked(m.target, m.outcome)))
+        subscribe(topics.STRUCTURE, ContainerStructure, lambda m: report(_structure(m)))
         subscribe(topics.FEEDBACK, CommandFeedback, self._take_feedback)
-        subscribe(topics.LOG, BehaviorLog, lambda m: tell_log(_log_line(m)))
+        subscribe(topics.LOG, BehaviorLog, lambda m: report_line(_log_line(m)))
         threading.Thread(target=self._look, name="engine", daemon=True).start()
 
     @property
     def is_followed(self) -> bool:
-        """Tell whether a mirror publishes the active state, besides the engine."""
+        """Return whether a mirror publishes the active state, besides the engine."""
         return self._updates.get_num_connections() > (1 if self._was_there else 0)
 
     def send(self, order: orders.Order) -> None:
@@ -90,7 +92,7 @@ class EngineLink:
         """
         if not self._was_there:
             raise CommandError(
-                "no behavior engine is there; start one: "
+                "no behavior engine is running; start one: "
                 "roslaunch flexbe_onboard behavior_onboard.launch"
             )
         for topic, message in _messages(order):
@@ -116,7 +118,7 @@ class EngineLink:
             rospy.wait_for_service(topics.USERDATA, timeout=_USERDATA_S)
             answer = rospy.ServiceProxy(topics.USERDATA, GetUserdata)("")
         except (rospy.ROSException, rospy.ServiceException) as error:
-            raise CommandError(f"the engine does not tell its userdata: {error}") from error
+            raise CommandError(f"the engine does not return its userdata: {error}") from error
         return tuple((d.state, d.key, d.type, d.data) for d in answer.userdata)
 
     def _look(self) -> None:
@@ -126,13 +128,13 @@ class EngineLink:
             is_there = hears and self._heartbeat.get_num_connections() > 0
             if is_there != self._was_there:
                 self._was_there = is_there
-                self._tell(EngineSeen(is_there))
+                self._report(EngineSeen(is_there))
 
     def _take_status(self, message: BEStatus) -> None:
-        self._tell(Told(message.code, message.behavior_id, tuple(message.args)))
+        self._report(EngineStatus(message.code, message.behavior_id, tuple(message.args)))
 
     def _take_feedback(self, message: CommandFeedback) -> None:
-        self._tell(Acknowledged(message.command, tuple(message.args)))
+        self._report(Acknowledged(message.command, tuple(message.args)))
 
 
 def _messages(order: orders.Order) -> tuple[tuple[str, Message], ...]:

@@ -1,7 +1,7 @@
-"""Whether the ROS master is there; a new one learns of this node again.
+"""Whether the ROS master is running; the node registers itself with a new one.
 
-A node registers once, so a master that is started anew does not know it. What this node publishes
-and subscribes to is registered again then, by the master's and the node's own public interface.
+A node registers once, so a restarted master does not know it. What this node publishes and
+subscribes to is registered again then, by the master's and the node's own public interface.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ _CALLER = "/remodel_console"
 
 
 class MasterWatch:
-    """Looks whether the master is there; tells changes on a thread of its own."""
+    """Checks whether the master is running; reports changes on a thread of its own."""
 
-    def __init__(self, tell: Callable[[bool], None]) -> None:
-        """Prepare; `tell` gets whether the master is there."""
-        self._tell = tell
+    def __init__(self, report: Callable[[bool], None]) -> None:
+        """Prepare; `report` gets whether the master is running."""
+        self._report = report
         self._run_id = ""
 
     def wait(self, until: threading.Event) -> bool:
@@ -36,8 +36,8 @@ class MasterWatch:
         return False
 
     def watch(self, until: threading.Event) -> None:
-        """Tell that it is there, and watch until the event is set."""
-        self._tell(True)
+        """Report that it is running, and watch until the event is set."""
+        self._report(True)
         was_there = True
         while not until.wait(_LOOK_EVERY_S):
             run_id = _run_id()
@@ -46,11 +46,11 @@ class MasterWatch:
                 _register_again()
             if (run_id is not None) != was_there:
                 was_there = run_id is not None
-                self._tell(was_there)
+                self._report(was_there)
 
 
 def _run_id() -> str | None:
-    """Return what tells one master from the next; None if there is none."""
+    """Return the id of a master's run; None without a master."""
     try:
         return str(rosgraph.Master(_CALLER).getParam("/run_id"))
     except rosgraph.MasterError:
@@ -60,7 +60,7 @@ def _run_id() -> str | None:
 
 
 def _register_again() -> None:
-    """Tell a new master what this node publishes, subscribes to and serves."""
+    """Register what this node publishes, subscribes to and serves with a new master."""
     master = rosgraph.Master(rospy.get_name())
     uri = rospy.get_node_uri()
     node = xmlrpc.client.ServerProxy(uri)

@@ -1,4 +1,4 @@
-"""Join ROS as soon as it is there, and see what of the cell is."""
+"""Join ROS as soon as it is running, and check which nodes of the cell are."""
 
 from __future__ import annotations
 
@@ -53,16 +53,16 @@ def join_ros(console: Console, journal: Journal, end: threading.Event) -> None:
     CameraLink(console.pictures, lambda: console.live.world.run.phase is Phase.RUNNING, end)
     console.session.ask_server = ask_synthesis_server
     CommandServer(console.session, Runtime(console.steering), lambda: console.settings.now, journal)
-    looking = threading.Thread(target=_look, args=(console, link, supervisor, end), daemon=True)
+    looking = threading.Thread(target=_check, args=(console, link, supervisor, end), daemon=True)
     looking.start()
     watch.watch(end)
     rospy.signal_shutdown("the console ends")
 
 
-def _look(
+def _check(
     console: Console, link: EngineLink, supervisor: UseCaseLink, end: threading.Event
 ) -> None:
-    """Keep an eye on the mirror, the supervisor and the cell."""
+    """Check whether the mirror, the supervisor and the cell are running."""
     abilities, camera = rospy.resolve_name(_ABILITIES), rospy.resolve_name(_CAMERA)
     while not end.wait(_LOOK_EVERY_S):
         published = _published()
@@ -75,7 +75,7 @@ def _look(
 
 
 def _published() -> frozenset[str]:
-    """Return the topics that somebody publishes; none if the master is away."""
+    """Return the topics with a publisher; none if the master is not running."""
     try:
         found = rosgraph.Master(rospy.get_name()).getPublishedTopics("")
     except (OSError, rosgraph.MasterError):

@@ -1,4 +1,4 @@
-"""Recorded runs as the console sees them: asked of whoever has the production database."""
+"""Recorded runs as the console sees them, requested from the supervisor, which has the database."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class RecordLink:
         """Return the record of a run, without its pictures.
 
         Raises:
-            CommandError: if nobody can tell it.
+            CommandError: if no node serves it.
         """
         return Record(tuple(self._entries(run)))
 

@@ -93,7 +93,7 @@ class RunSubscriber:
             threading.Event().wait(_FETCH_EVERY_S)
 
     def _answer(self) -> srv.GetTasksResponse | None:
-        """Return all tasks; None if nobody does."""
+        """Return all tasks; None without an answer."""
         try:
             answer = call_service(topics.TASKS, srv.GetTasks, srv.GetTasksRequest())
         except CommandError as error:

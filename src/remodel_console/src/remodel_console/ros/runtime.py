@@ -73,9 +73,9 @@ class Runtime:
         end_s = time.monotonic() + _ANSWER_S
         while phase == _SWITCHED and time.monotonic() < end_s:
             if self._steering.live.world.run.behavior_id == version.source_checksum:
-                return f"'{version.name}' goes on in the version that is saved"
+                return f"'{version.name}' continues in the saved version"
             time.sleep(_LOOK_EVERY_S)
-        text = f"the engine does not go on in the saved version: {phase.replace('_', ' ')}; "
+        text = f"the engine does not continue in the saved version: {phase.replace('_', ' ')}; "
         raise CommandError(f"{text}its log says why")
 
     def _send(self, verb: Verb, given: Mapping[str, str]) -> None:

@@ -61,10 +61,10 @@ def _result(client: actionlib.ActionClient, request: ServerRequest) -> tuple[Ins
             initial_condition=request.initial,
         )
     )
-    told = [""]
+    status = [""]
 
     def on_feedback(_: actionlib.ClientGoalHandle, feedback: BehaviorSynthesisFeedback) -> None:
-        told[0] = feedback.status
+        status[0] = feedback.status
 
     end_s = time.monotonic() + _ANSWER_S
     handle = client.send_goal(goal, feedback_cb=on_feedback)
@@ -72,7 +72,7 @@ def _result(client: actionlib.ActionClient, request: ServerRequest) -> tuple[Ins
         handle = client.send_goal(goal, feedback_cb=on_feedback)
     result: BehaviorSynthesisResult | None = handle.get_result()
     if handle.get_goal_status() != GoalStatus.SUCCEEDED or result is None:
-        reason = handle.get_goal_status_text() or told[0] or "it gave no reason"
+        reason = handle.get_goal_status_text() or status[0] or "it gave no reason"
         raise CommandError(f"the synthesis server refuses: {reason}")
     return tuple(map(_instantiation, result.states))
 

@@ -48,7 +48,7 @@ class UseCaseLink:
             CommandError: if there is no supervisor, or it refuses.
         """
         if self._client.pub_goal.get_num_connections() == 0:
-            raise CommandError("no use case supervisor is there to take the order")
+            raise CommandError("no use case supervisor is running to take the order")
         decided = threading.Event()
 
         def on_change(handle: actionlib.ClientGoalHandle) -> None:
@@ -66,7 +66,7 @@ class UseCaseLink:
             raise CommandError(f"the supervisor has not answered within {_ACCEPTED_S:.0f} s")
         if handle.get_goal_status() in _REFUSALS:
             raise CommandError(f"the supervisor refuses: {handle.get_goal_status_text()}")
-        return f"order '{order}' runs"
+        return f"order '{order}' started"
 
     def pause(self, by: str) -> str:
         """Have the run pause, and return when nothing moves any more; see `_command`."""

@@ -69,7 +69,7 @@ class BrowserTest(unittest.TestCase):
 
     @classmethod
     def prepare(cls) -> None:
-        """Start what the console looks at."""
+        """Start the nodes that the console connects to."""
 
     def setUp(self) -> None:
         """Open the first page."""
@@ -107,7 +107,7 @@ class BrowserTest(unittest.TestCase):
         return page
 
     def take_picture(self, page: Page, name: str) -> None:
-        """Keep a picture of a page, if somebody wants them."""
+        """Keep a picture of a page if CONSOLE_PICTURES names a folder."""
         folder = os.environ.get("CONSOLE_PICTURES")
         if folder:
             page.mouse.move(0, 0)
@@ -182,7 +182,7 @@ class BrowserTest(unittest.TestCase):
 
 
 def free_port() -> int:
-    """Return a port that nobody listens on."""
+    """Return a port that is free."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return int(probe.getsockname()[1])

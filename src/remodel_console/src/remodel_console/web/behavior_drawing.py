@@ -6,9 +6,9 @@ from nicegui import run, ui
 
 from flexbe_synthesizer.core.chart.model import Chart
 from remodel_console.console import Console
+from remodel_console.core.editor.collapse import collapsed
 from remodel_console.core.editor.drawing import drawn_path, drawn_paths
 from remodel_console.core.editor.editing import Path
-from remodel_console.core.editor.folding import folded
 from remodel_console.edge.picture import picture
 from remodel_console.errors import CommandError
 from remodel_console.web.canvas import Canvas
@@ -62,15 +62,15 @@ class BehaviorDrawing:
         self._paths = drawn_paths(chart) if chart else frozenset()
         self._empty.text = words
         self._empty.set_visibility(chart is None)
-        await self._unfold()
+        await self._open_container()
 
     def light(self, active: str, visited: frozenset[str], *, is_asked: bool) -> None:
         """Light what is active, dimly what was.
 
         Args:
-            active: path of the state, as the engine tells it; empty if none is.
+            active: path of the state, as the engine publishes it; empty if none is.
             visited: paths that were active before.
-            is_asked: the active state waits for somebody.
+            is_asked: the active state waits for an operator.
         """
         self._active, self._visited, self._is_asked = active, visited, is_asked
         if (visited, self._drawn) != self._passed_of:  # kept, as most stay
@@ -79,11 +79,11 @@ class BehaviorDrawing:
         self._canvas.light(drawn_path(active, self._drawn), self._passed, is_asked)
 
     async def follow(self) -> None:
-        """Open the container that has become active, if the drawing is folded."""
+        """Open the container that has become active, if the drawing is collapsed."""
         if self._drawn != self._paths and self._active_container() not in ((), self._open):
-            await self._unfold()
+            await self._open_container()
 
-    async def _unfold(self) -> None:
+    async def _open_container(self) -> None:
         """Draw the chart; of a large one, only the containers open in which something runs."""
         chart, path = self._chart, self._active_container()
         self._open = path
@@ -91,7 +91,7 @@ class BehaviorDrawing:
             self._drawn = frozenset()
             self._canvas.draw("")
             return
-        part = folded(chart, path)
+        part = collapsed(chart, path)
         try:
             svg = await run.io_bound(picture, part, self._room)
         except CommandError as error:

@@ -1,4 +1,4 @@
-"""Tell all open pages of changes: at once, and at most 25 times a second."""
+"""Update all open pages after changes: at once, and at most 25 times a second."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ class Broadcast:
         client.on_delete(lambda: self._shows.pop(client.id, None))
 
     def wake(self) -> None:
-        """Have the pages told soon; may be called from any thread, and before there is a loop."""
+        """Have the pages updated soon; callable from any thread, and before there is a loop."""
         if self._loop is not None and not self._loop.is_closed():
-            self._loop.call_soon_threadsafe(self._tell)
+            self._loop.call_soon_threadsafe(self._update)
 
-    def _tell(self) -> None:
+    def _update(self) -> None:
         if self._is_resting or self._loop is None:
             self._is_stale = True
             return
@@ -46,4 +46,4 @@ class Broadcast:
     def _rested(self) -> None:
         self._is_resting = False
         if self._is_stale:
-            self._tell()
+            self._update()

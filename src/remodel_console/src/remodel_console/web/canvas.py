@@ -10,11 +10,13 @@ from nicegui.element import Element
 from nicegui.events import GenericEventArguments
 
 Pick = Callable[[str], None]
-_LOST_S = 2.0  # after which a page that has not painted, or cannot tell, is told again
+_LOST_S = (
+    2.0  # after which a page that has not painted, or cannot report it, is sent the change again
+)
 
 
 class _Lit(NamedTuple):
-    """What is lit: the active path, those that were, and whether it waits for somebody."""
+    """What is lit: the active path, those that were, and whether it waits for an operator."""
 
     active: str = ""
     passed: frozenset[str] = frozenset()
@@ -40,7 +42,7 @@ class Canvas(Element, component="static/canvas.js"):
         self.run_method("draw", svg, keeps_view)
 
     def light(self, active: str, passed: frozenset[str], asked: bool) -> None:
-        """Light the path that is active, dimly those that were; `asked`: it waits for somebody.
+        """Light the path that is active, dimly those that were; `asked`: it waits for an operator.
 
         A run may change state fifty times a second. So only what has changed is sent, and not
         before the page has painted the last: a slow page shows fewer states, not late ones.

@@ -29,20 +29,24 @@ class ConfigurationPage(Page):
                 self._text(
                     "Action topic",
                     "synthesis_topic",
-                    "Of the synthesis server that is asked, such as flexbe/synthesize. "
+                    "Action of the synthesis server, such as flexbe/synthesize. "
                     "Empty: the console synthesizes by itself.",
                 )
                 self._text("System", "system", "Name of the robot system, if the server needs it.")
-            with _card("ROS commands", "What is sent to /flexbe/uicommand is carried out."):
+            with _card(
+                "ROS commands", "The console executes the commands sent to /flexbe/uicommand."
+            ):
                 self._box("Allow ROS commands", "are_commands_allowed")
                 self._key()
-            with _card("Chart folders", "Where charts are looked for, first to last."):
+            with _card(
+                "Chart folders", "The console searches these folders for charts, first to last."
+            ):
                 self._always = ui.element("ul").classes("folders")
                 self._folders()
             self._status = ui.label().classes("soft").props('role="status"')
 
     def show(self, world: World) -> None:
-        """Show what is configured, whoever has changed it."""
+        """Show the configuration, also when another page has changed it."""
         settings = self.console.settings.now
         if settings == self._shown:
             return
@@ -79,12 +83,12 @@ class ConfigurationPage(Page):
 
         entry = ui.input("Command key", value=shown(self.console.settings.now), password=True)
         entry.props("outlined dense stack-label autocomplete=off").classes("wide")
-        ui.label("What each command must bring; empty: nothing.").classes("soft")
+        ui.label("The key that each command must contain. Empty: none.").classes("soft")
         self._taken(entry, lambda: self._change(command_key=(entry.value or "").strip()))
         self._fields.append((entry, shown))
 
     def _folders(self) -> None:
-        entry = ui.textarea("More folders, one a line")
+        entry = ui.textarea("More folders, one per line")
         entry.props("outlined dense stack-label autogrow").classes("wide")
         ui.label("In the home folder or in a ROS package.").classes("soft")
 
@@ -103,7 +107,7 @@ class ConfigurationPage(Page):
             entry.on("keydown.enter", take)
 
     async def _change(self, **changed: object) -> None:
-        """Keep what has changed, and say so; a mistake stays in its field to be mended."""
+        """Save what has changed, and show that; an invalid value stays in its field."""
         old = self.console.settings.now
         try:
             new = replace(old, **changed)
@@ -115,7 +119,7 @@ class ConfigurationPage(Page):
         what = f"configure: {difference(old, new)}"
         kept = self.console.settings
         answer = await self.give(what, lambda: kept.change(lambda now: replace(now, **changed)))
-        self._status.text = "Kept." if answer.state == DONE else "Not kept; the message says why."
+        self._status.text = "Saved." if answer.state == DONE else "Not saved; the message says why."
 
 
 def _card(title: str, hint: str) -> ui.element:

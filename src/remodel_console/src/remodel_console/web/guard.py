@@ -1,4 +1,4 @@
-"""Who is let in: looks at every request before a page or a web socket sees it."""
+"""Access control: checks every request before a page or a web socket gets it."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ _ROLE = "role"
 _REFUSED = 4403  # close code of a web socket, in the range for applications
 _LONGEST_FORM = 1024  # bytes
 
-_FIRST = "Others can reach this console too. It asks for its token."
-_WRONG = "That is not the token. It is printed where the console was started."
+_FIRST = "This console is reachable from the network and requires its token."
+_WRONG = "Wrong token. The terminal in which the console was started shows the token."
 _ASK = """<!doctype html><html lang="en"><meta charset="utf-8"><title>REMODEL console</title>
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <style>
@@ -66,7 +66,7 @@ class Guard:
         if (not is_safe or scope["path"].startswith("/_nicegui_ws")) and not is_same_origin(
             headers
         ):
-            return Response("A page of another site may not talk to this console.", 403)
+            return Response("Pages of other sites may not access this console.", 403)
         if scope["type"] == "http" and scope["path"] == "/enter":
             return await self._enter(scope, receive)
         role = self._door.role_of(_token_of(headers))
@@ -80,9 +80,7 @@ class Guard:
         text = scope["query_string"] if scope["method"] == "GET" else await _body(receive)
         given = parse_qs(text.decode(errors="replace")).get("token", [""])[0].strip()
         if self._door.role_of(given) is None:
-            return _ask(
-                "That is not the token. It is printed where the console was started.", "wrong"
-            )
+            return _ask(_WRONG, "wrong")
         answer = RedirectResponse("/", 303)
         answer.set_cookie(TOKEN_COOKIE, given, httponly=True, samesite="strict")
         return answer

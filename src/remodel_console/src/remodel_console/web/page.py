@@ -1,4 +1,4 @@
-"""What all pages have: navigation, what is away, who is there, keys, and the way to command."""
+"""What all pages have: navigation, notices, the operator's name, keys, and commands."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Page:
 
     @property
     def is_operator(self) -> bool:
-        """Tell whether whoever uses the page may give commands."""
+        """Return whether the user of the page may give commands."""
         return self.role is Role.OPERATOR
 
     def build(self) -> None:
@@ -81,7 +81,7 @@ class Page:
         raise NotImplementedError
 
     def more_notices(self, world: World) -> Iterable[Notice]:
-        """Return what is away that only this page needs."""
+        """Return the notices that only this page shows."""
         return ()
 
     def press(self, key: str, *, ctrl: bool) -> None:
@@ -90,7 +90,7 @@ class Page:
     async def give(self, command: str, deed: Callable[[], str | None]) -> Answer:
         """Give a command, report if it could not be carried out, and return what became of it.
 
-        Whoever has given it may have closed the dialog, or the page, before it is answered.
+        Its sender may have closed the dialog, or the page, before the answer comes.
         """
         actor = self.actor
         answer = await on_own_thread(lambda: self.console.desk.give(actor, command, deed))
@@ -104,7 +104,7 @@ class Page:
     def button(
         self, text: str, deed: Callable[[], object], *, icon: str | None = None, look: str = "main"
     ) -> ui.button:
-        """Return a button for operators; who only watches cannot press it.
+        """Return a button for operators; observers cannot press it.
 
         Args:
             text: what is on it.
@@ -144,8 +144,8 @@ class Page:
         if session.is_saved or session.chart is None:
             await do()
         else:
-            question = f"'{session.chart.name}' has changes that are not saved."
-            self.ask(question, "Load, and lose them", do)
+            question = f"'{session.chart.name}' has unsaved changes."
+            self.ask(question, "Discard and load", do)
 
     def _show(self) -> None:
         world = self.console.live.world
@@ -166,7 +166,7 @@ class Page:
             for notice in found:
                 with ui.row().classes("notice").props('role="status"'):
                     ui.label(f"{notice.what}:").classes("what")
-                    ui.label(f"{notice.meaning}. To have it back:")
+                    ui.label(f"{notice.meaning}. Start it with:")
                     ui.label(notice.remedy).classes("code")
 
     def _bar(self, title: str) -> None:
@@ -181,9 +181,9 @@ class Page:
             ui.space()
             self._chips = [_chip(name) for name in ("ROS", "Engine", "Cell")]
             if not self.is_operator:
-                ui.label("watching only").classes("watching")
+                ui.label("read-only").classes("watching")
             self._who = ui.button(self._name or "Your name", on_click=self._ask_name, color=None)
-            self._who.props('flat dense no-caps title="Who you are, for the record of commands"')
+            self._who.props('flat dense no-caps title="Your name, for the record of commands"')
             _icon("contrast", "Dark or light", self._toggle_dark)
             _icon("keyboard", "Keys (?)", self._show_keys)
 
@@ -193,8 +193,8 @@ class Page:
 
     def _ask_name(self) -> None:
         with self.dialog() as dialog:
-            ui.label("Who are you?").classes("title")
-            ui.label("Each command is recorded with the name of who gave it.").classes("soft")
+            ui.label("Your name").classes("title")
+            ui.label("The console records your commands under this name.").classes("soft")
             entry = ui.input("Name", value=self._name).props("outlined dense autofocus")
 
             def take() -> None:
@@ -204,11 +204,11 @@ class Page:
                 dialog.close()
 
             entry.on("keydown.enter", take)
-            ui.button("Keep", on_click=take).props("no-caps unelevated")
+            ui.button("Save", on_click=take).props("no-caps unelevated")
 
     def _show_keys(self) -> None:
         pages = ((f"Alt+{n}", name) for n, (name, _) in enumerate(self.PAGES, start=1))
-        canvas = (("+  -  0", "closer, farther, show all, when the drawing is clicked"),)
+        canvas = (("+  -  0", "zoom in, zoom out, show all (after a click on the drawing)"),)
         with self.dialog():
             ui.label("Keys").classes("title")
             with ui.element("dl").classes("keys"):

@@ -31,16 +31,16 @@ _PING_S, _PONG_S = 2.0, 3.0  # a page whose network is gone says so after both
 
 
 def serve(console: Console, port: int) -> None:
-    """Serve until the process is told to end."""
+    """Serve until a signal ends the process."""
     broadcast = Broadcast()
     app.add_static_files("/console", _STATIC)
     app.add_middleware(Guard, door=console.door)
     app.on_startup(broadcast.bind)
-    app.on_startup(_look_often)
+    app.on_startup(_ping_often)
     console.live.on_change(broadcast.wake)
     console.pictures.on_change(broadcast.wake)
-    console.session.tell = broadcast.wake
-    console.settings.tell = broadcast.wake
+    console.session.on_change = broadcast.wake
+    console.settings.on_change = broadcast.wake
     ui.add_head_html(_HEAD, shared=True)
 
     @ui.page("/")
@@ -78,7 +78,7 @@ def serve(console: Console, port: int) -> None:
     def configuration(request: Request) -> None:
         ConfigurationPage(console, broadcast, request, "Configuration")
 
-    with contextlib.suppress(KeyboardInterrupt):  # how the server ends when it is told to
+    with contextlib.suppress(KeyboardInterrupt):  # how a signal ends the server
         ui.run(
             host=console.door.host,
             port=port,
@@ -91,15 +91,15 @@ def serve(console: Console, port: int) -> None:
         )
 
 
-def _look_often() -> None:
-    """Look whether pages are there more often than NiceGUI would by itself."""
+def _ping_often() -> None:
+    """Check more often than NiceGUI's default whether pages are still open."""
     core.sio.eio.ping_interval, core.sio.eio.ping_timeout = _PING_S, _PONG_S
 
 
 async def _recorded(console: Console, run: int, position: int) -> Response:
     """Return the picture of an entry in a run's record."""
     if console.recorder is None:
-        return Response("ROS is away", 503)
+        return Response("ROS is not running", 503)
     try:
         picture = await on_thread.io_bound(console.recorder.picture, run, position)
     except CommandError as error:

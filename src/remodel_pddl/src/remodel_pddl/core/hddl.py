@@ -21,7 +21,7 @@ _TASKS = """\
   (:task wire-all :parameters ())
   (:task lay-wire :parameters (?w - wire))
   (:task equip :parameters (?t - tool))
-  (:task settle :parameters (?w - wire))
+  (:task resolve :parameters (?w - wire))
   (:task put-in :parameters (?w - wire ?e - end))"""
 
 _METHODS = """\
@@ -39,37 +39,37 @@ _METHODS = """\
     :parameters (?w - wire ?t - tool ?l - predecessor ?p - place ?f - phase ?e ?o - end ?q - place)
     :task (lay-wire ?w)
     :precondition (and (heavy ?w) (needs ?w ?t) (may-start ?w ?e) (other ?e ?o) (end-at ?w ?o ?q))
-    :ordered-subtasks (and (equip ?t) (pick-heavy ?w ?t ?l ?p ?f) (settle ?w) (aim ?w ?e)
+    :ordered-subtasks (and (equip ?t) (pick-heavy ?w ?t ?l ?p ?f) (resolve ?w) (aim ?w ?e)
       (put-in ?w ?e) (route ?w ?e ?o) (put-in ?w ?o) (fix ?w ?o ?q)))
   (:method lay-light
     :parameters (?w - wire ?t - tool ?l - predecessor ?p - place ?f - phase ?e ?o - end ?q - place)
     :task (lay-wire ?w)
     :precondition (and (light ?w) (needs ?w ?t) (may-start ?w ?e) (other ?e ?o) (end-at ?w ?o ?q))
-    :ordered-subtasks (and (equip ?t) (pick-light ?w ?t ?l ?p ?f) (settle ?w) (aim ?w ?e)
+    :ordered-subtasks (and (equip ?t) (pick-light ?w ?t ?l ?p ?f) (resolve ?w) (aim ?w ?e)
       (put-in ?w ?e) (route ?w ?e ?o) (put-in ?w ?o) (fix ?w ?o ?q)))
   (:method equipped
     :parameters (?t - tool)
     :task (equip ?t)
     :precondition (has-tool ?t)
     :ordered-subtasks (and))
-  (:method equip-anew
+  (:method equip-again
     :parameters (?p - place ?old ?new - tool)
     :task (equip ?new)
     :precondition (and (at ?p) (has-tool ?old) (not (= ?old ?new)))
     :ordered-subtasks (and (change-tool ?p ?old ?new)))
-  (:method settle-kept
-    :parameters (?s - wish ?before ?w - wire)
-    :task (settle ?w)
-    :precondition (and (wish-of ?s ?before ?w) (open ?s) (picked ?before))
-    :ordered-subtasks (and (keep-wish ?s ?before ?w) (settle ?w)))
-  (:method settle-broken
-    :parameters (?s - wish ?before ?w - wire)
-    :task (settle ?w)
-    :precondition (and (wish-of ?s ?before ?w) (open ?s) (stored ?before))
-    :ordered-subtasks (and (break-wish ?s ?before ?w) (settle ?w)))
-  (:method settle-all
+  (:method resolve-kept
+    :parameters (?s - soft-order ?before ?w - wire)
+    :task (resolve ?w)
+    :precondition (and (soft-order-of ?s ?before ?w) (open ?s) (picked ?before))
+    :ordered-subtasks (and (keep-soft-order ?s ?before ?w) (resolve ?w)))
+  (:method resolve-violated
+    :parameters (?s - soft-order ?before ?w - wire)
+    :task (resolve ?w)
+    :precondition (and (soft-order-of ?s ?before ?w) (open ?s) (stored ?before))
+    :ordered-subtasks (and (violate-soft-order ?s ?before ?w) (resolve ?w)))
+  (:method resolve-all
     :parameters (?w - wire)
-    :task (settle ?w)
+    :task (resolve ?w)
     :ordered-subtasks (and (take ?w)))
   (:method put-in-first
     :parameters (?w - wire ?e - end ?c - component)

@@ -14,9 +14,9 @@ REQUIREMENTS = (
 )
 
 TYPES = """\
-  (:types predecessor component tool place wish end phase - object
-          wire nobody - predecessor)
-  (:constants nothing - nobody
+  (:types predecessor component tool place soft-order end phase - object
+          wire start - predecessor)
+  (:constants nothing - start
               at-start at-station - place
               a b - end
               heavy-only light-begun - phase)"""
@@ -28,10 +28,10 @@ PREDICATES = """\
     (aimed ?w - wire ?e - end) (in ?w - wire ?e - end) (first-in ?w - wire ?e - end)
     (routed ?w - wire) (going-to ?w - wire ?e - end) (second-in ?w - wire ?e - end)
     (fixed ?w - wire) (located ?c - component) (unlocated ?c - component)
-    (open ?s - wish) (settled ?s - wish)
+    (open ?s - soft-order) (resolved ?s - soft-order)
     (needs ?w - wire ?t - tool) (heavy ?w - wire) (light ?w - wire) (other ?e ?f - end)
     (end-at ?w - wire ?e - end ?p - place) (part-of ?w - wire ?e - end ?c - component)
-    (may-start ?w - wire ?e - end) (wish-of ?s - wish ?before ?after - wire)
+    (may-start ?w - wire ?e - end) (soft-order-of ?s - soft-order ?before ?after - wire)
     (under ?before ?after - wire) (pin ?before - wire ?be - end ?after - wire ?ae - end))"""
 
 FUNCTIONS = """\
@@ -39,7 +39,7 @@ FUNCTIONS = """\
     (total-cost) - number
     (change-cost ?p - place) - number
     (pick-cost ?l - predecessor ?p - place ?w - wire ?f - phase) - number
-    (wish-weight ?s - wish) - number
+    (soft-order-weight ?s - soft-order) - number
     (approach ?w - wire ?e - end) - number
     (look-cost) - number
     (insert-cost ?w - wire ?e - end) - number
@@ -65,18 +65,20 @@ ACTIONS = """\
     :effect (and (not (empty)) (not (stored ?w)) (picked ?w) (choosing ?w) (not (last ?l)) (last ?w)
       (not (at ?p)) (not (now heavy-only)) (now light-begun)
       (increase (total-cost) (pick-cost ?l ?p ?w ?f))))
-  (:action keep-wish
-    :parameters (?s - wish ?before ?after - wire)
-    :precondition (and (choosing ?after) (wish-of ?s ?before ?after) (open ?s) (picked ?before))
-    :effect (and (not (open ?s)) (settled ?s)))
-  (:action break-wish
-    :parameters (?s - wish ?before ?after - wire)
-    :precondition (and (choosing ?after) (wish-of ?s ?before ?after) (open ?s) (stored ?before))
-    :effect (and (not (open ?s)) (settled ?s) (increase (total-cost) (wish-weight ?s))))
+  (:action keep-soft-order
+    :parameters (?s - soft-order ?before ?after - wire)
+    :precondition (and (choosing ?after) (soft-order-of ?s ?before ?after) (open ?s)
+      (picked ?before))
+    :effect (and (not (open ?s)) (resolved ?s)))
+  (:action violate-soft-order
+    :parameters (?s - soft-order ?before ?after - wire)
+    :precondition (and (choosing ?after) (soft-order-of ?s ?before ?after) (open ?s)
+      (stored ?before))
+    :effect (and (not (open ?s)) (resolved ?s) (increase (total-cost) (soft-order-weight ?s))))
   (:action take
     :parameters (?w - wire)
-    :precondition (and (choosing ?w) (forall (?s - wish ?before - wire)
-      (imply (wish-of ?s ?before ?w) (settled ?s))))
+    :precondition (and (choosing ?w) (forall (?s - soft-order ?before - wire)
+      (imply (soft-order-of ?s ?before ?w) (resolved ?s))))
     :effect (and (not (choosing ?w)) (held ?w)))
   (:action aim
     :parameters (?w - wire ?e - end)

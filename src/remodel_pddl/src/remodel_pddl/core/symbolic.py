@@ -1,12 +1,13 @@
 """A one-arm problem in symbols, for planners that read PDDL or HDDL.
 
-With one arm, looking at a component just before the first insertion there costs least, and the time
-of a plan is the sum of its actions and ways; so that costs of actions say it all:
+With one arm, locating a component just before the first insertion there costs least, and the time
+of a plan is the sum of its actions and moves, so that the costs of actions determine it:
 
-    change-tool   from where the arm is: way to the station, the change, its weight
-    pick-heavy, pick-light   way to the slot, picking, what follows from the wire picked before
-    keep-wish, break-wish, take   settle the wishes that end with this pick; the wire is in hand
-    aim           which end comes first: the way to its terminal
+    change-tool   from where the arm is: move to the station, the change, its weight
+    pick-heavy, pick-light   move to the slot, picking, what follows from the wire picked before
+    keep-soft-order, violate-soft-order, take   resolve the soft orders that end with this pick;
+                  the wire is in hand
+    aim           which end comes first: the move to its terminal
     locate, insert-first, route, insert-second, fix   as in docs/planning.md
 """
 
@@ -70,8 +71,8 @@ def symbols_of(problem: Problem) -> Symbols:
     """
     if len(problem.arms) != 1:
         raise InstanceError(
-            f"{problem.name}: has {len(problem.arms)} arms; costs of actions tell the time of one "
-            "arm only, so that problems of one arm are exported"
+            f"{problem.name}: has {len(problem.arms)} arms; costs of actions determine the time "
+            "of one arm only: export a problem of one arm"
         )
     if problem.arms[0].holding is not None:
         raise InstanceError(
@@ -99,11 +100,11 @@ def symbols_of(problem: Problem) -> Symbols:
                 STATION,
                 *(f"{names['wire', w.name]}-{e.letter}" for w in wires for e in End),
             ),
-            "wish": tuple(f"wish{i}" for i in range(len(writer.wishes))),
+            "soft-order": tuple(f"soft{i}" for i in range(len(writer.soft))),
         },
         tuple(writer.facts()),
         tuple(writer.costs()),
-        names,
+        names=names,
     )
 
 
@@ -122,8 +123,9 @@ class _Writer:
         self._arm = problem.arms[0]
         stored = {wire.name for wire in wires}
         self._last = problem.wire[problem.history[-1][0]] if problem.history else None
-        wishes = chain(problem.wishes, *(ranking.wishes() for ranking in problem.rankings))
-        self.wishes = [w for w in wishes if w.before in stored and w.after in stored]
+        of_ranks = (ranking.constraints() for ranking in problem.rankings)
+        soft = chain(problem.soft_constraints, *of_ranks)
+        self.soft = [each for each in soft if each.before in stored and each.after in stored]
 
     def facts(self) -> Iterator[Ground]:
         p, wire_name = self._p, {w.name: self._names["wire", w.name] for w in self._wires}
@@ -157,9 +159,9 @@ class _Writer:
             if pin.before in wire_name and pin.after in wire_name:
                 before, after = wire_name[pin.before], wire_name[pin.after]
                 yield ("pin", before, pin.before_end.letter, after, pin.after_end.letter)
-        for i, wish in enumerate(self.wishes):
-            yield ("wish-of", f"wish{i}", wire_name[wish.before], wire_name[wish.after])
-            yield ("open", f"wish{i}")
+        for i, each in enumerate(self.soft):
+            yield ("soft-order-of", f"soft{i}", wire_name[each.before], wire_name[each.after])
+            yield ("open", f"soft{i}")
 
     def costs(self) -> Iterator[Cost]:
         p = self._p
@@ -169,8 +171,8 @@ class _Writer:
                 at = p.end_terminal(wire, end).position_mm
                 places.append((f"{self._names['wire', wire.name]}-{end.letter}", at, wire))
         for place, point, _ in places:
-            way = self._way(point, self._arm.station_mm)
-            yield Cost(("change-cost", place), way + p.durations.change_tool + p.weights.tool)
+            move = self._travel(point, self._arm.station_mm)
+            yield Cost(("change-cost", place), move + p.durations.change_tool + p.weights.tool)
         yield Cost(("change-cost", STATION), p.durations.change_tool + p.weights.tool)
         for place, point, last in places:
             yield from self._picks(place, point, last)
@@ -181,12 +183,12 @@ class _Writer:
             yield Cost(("route-cost", name), wire.route_ticks)
             yield Cost(("fix-cost", name), p.fix_ticks(wire))
             for end in End:
-                way = self._way(wire.slot_mm, p.end_terminal(wire, end).position_mm)
-                yield Cost(("approach", name, end.letter), way)
+                move = self._travel(wire.slot_mm, p.end_terminal(wire, end).position_mm)
+                yield Cost(("approach", name, end.letter), move)
                 yield Cost(("insert-cost", name, end.letter), p.insert_ticks(wire, end))
         yield Cost(("look-cost",), p.durations.locate)
-        for i, wish in enumerate(self.wishes):
-            yield Cost(("wish-weight", f"wish{i}"), wish.weight)
+        for i, each in enumerate(self.soft):
+            yield Cost(("soft-order-weight", f"soft{i}"), each.weight)
 
     def _picks(self, place: str, point: Point, last: Wire | None) -> Iterator[Cost]:
         """Yield what picking each wire costs from a place, after the wire picked last."""
@@ -196,7 +198,7 @@ class _Writer:
         for wire in self._wires:
             if wire is last:
                 continue
-            cost = self._way(point, wire.slot_mm) + p.pick_ticks(wire)
+            cost = self._travel(point, wire.slot_mm) + p.pick_ticks(wire)
             if before is None:
                 cost += p.weights.start * wire.zone
             else:
@@ -208,7 +210,7 @@ class _Writer:
                     ("pick-cost", name, place, self._names["wire", wire.name], phase), cost + late
                 )
 
-    def _way(self, origin: Point, goal: Point) -> int:
+    def _travel(self, origin: Point, goal: Point) -> int:
         distance = max(abs(origin[0] - goal[0]), abs(origin[1] - goal[1]))
         return -(-distance // self._p.speed_mm)
 
@@ -217,12 +219,12 @@ def steps_of(problem: Problem, plan: Plan, symbols: Symbols) -> list[Ground]:
     """Return a valid plan of the problem as a sequence of the symbolic actions.
 
     Raises:
-        InstanceError: if it looks at a component before it must.
+        InstanceError: if it locates a component earlier than needed.
     """
-    return list(_Teller(problem, symbols).tell(plan))
+    return list(_Steps(problem, symbols).of(plan))
 
 
-class _Teller:
+class _Steps:
     def __init__(self, problem: Problem, symbols: Symbols) -> None:
         self._p = problem
         self._s = symbols
@@ -235,7 +237,7 @@ class _Teller:
         self._first: End | None = None
         self._picked: set[str] = set()
 
-    def tell(self, plan: Plan) -> Iterator[Ground]:
+    def of(self, plan: Plan) -> Iterator[Ground]:
         actions = sorted(plan.actions, key=lambda action: action.start_ticks)
         for i, action in enumerate(actions):
             if action.kind is ActionKind.CHANGE_TOOL:
@@ -256,8 +258,11 @@ class _Teller:
         kind = "pick-heavy" if wire.heavy else "pick-light"
         yield (kind, name, self._tool, self._last, self._place, self._phase)
         for fact in self._s.facts:
-            if fact[0] == "wish-of" and fact[3] == name:
-                yield ("keep-wish" if fact[2] in self._picked else "break-wish", *fact[1:])
+            if fact[0] == "soft-order-of" and fact[3] == name:
+                yield (
+                    "keep-soft-order" if fact[2] in self._picked else "violate-soft-order",
+                    *fact[1:],
+                )
         yield ("take", name)
         self._picked.add(name)
         self._last, self._wire, self._first = name, wire, None
@@ -283,8 +288,8 @@ class _Teller:
             or component != (self._p.end_terminal(wire, end).component)
         ):
             raise InstanceError(
-                f"the plan looks at component {component} before it must, which its export cannot "
-                "tell"
+                f"the plan locates component {component} earlier than needed, which its export "
+                "cannot state"
             )
         symbol = self._s.names["component", component]
         yield ("locate", symbol, self._s.names["wire", wire.name], end.letter)

@@ -1,4 +1,4 @@
-"""`planner check INSTANCE.json PLAN.json`: judge a plan."""
+"""`planner check INSTANCE.json PLAN.json`: check a plan."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from remodel_production.errors import PlannerError
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Judge the plan, print the verdict as JSON, and return the exit code."""
+    """Check the plan, print the verdict as JSON, and return the exit code."""
     parser = argparse.ArgumentParser(
         prog="planner check",
         description="Check a plan against its problem with code that the search does not share.",

@@ -1,4 +1,4 @@
-"""`planner explain INSTANCE.json PLAN.json`: say why a plan is as it is."""
+"""`planner explain INSTANCE.json PLAN.json`: explain a plan, or a run."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ def main(arguments: list[str] | None = None) -> int:
         return explain_run.main(words)
     parser = argparse.ArgumentParser(
         prog="planner explain",
-        description="Say what a plan costs, which preferences it breaks, why, and what keeping "
-        "each of them would cost.",
+        description="Print what a plan costs, which preferences it violates, why, and what "
+        "satisfying each of them would cost.",
         usage="planner explain RUN [--database URL]\n"
         "       planner explain [OPTIONS] [INSTANCE] PLAN",
-        epilog="With the number of a run, what was done in it, what failed, what was decided and "
-        "why. Exit code: 0 explained, 1 the plan is not valid, 2 wrong usage, 3 a file is "
+        epilog="With the number of a run, print what was done in it, what failed, what was decided "
+        "and why. Exit code: 0 explained, 1 the plan is not valid, 2 wrong usage, 3 a file is "
         "malformed.",
     )
     add_problem_options(parser)
@@ -50,8 +50,8 @@ def main(arguments: list[str] | None = None) -> int:
         if not verdict.valid:
             print("\n".join(("the plan is not valid:", *verdict.violations)))
             return 1
-        mender = _Mender(preferred.problem, plan)
-        lines = list(explain(preferred, plan, verdict, mender))
+        alternatives = _Alternatives(preferred.problem, plan)
+        lines = list(explain(preferred, plan, verdict, alternatives))
     except PlannerError as error:
         print(f"explain: {error}", file=sys.stderr)
         return 3
@@ -59,7 +59,7 @@ def main(arguments: list[str] | None = None) -> int:
     return 0
 
 
-class _Mender:
+class _Alternatives:
     """Simulates a plan with one wire changed."""
 
     def __init__(self, problem: Problem, plan: Plan) -> None:

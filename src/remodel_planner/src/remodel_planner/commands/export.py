@@ -34,7 +34,7 @@ def main(arguments: list[str] | None = None) -> int:
         "are equal, to the unit. As planbench, any problem in the form of docs/planning.md: "
         "problem.json, plan.json.",
         epilog="Exit code: 0 written, 1 the plan is not valid, 2 wrong usage, 3 a file is "
-        "malformed or cannot be written, or the problem cannot be told in the format.",
+        "malformed or cannot be written, or the format cannot express the problem.",
     )
     add_problem_options(parser)
     parser.add_argument("plan", type=Path, nargs="?", help="plan of that problem")

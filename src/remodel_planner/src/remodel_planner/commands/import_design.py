@@ -6,6 +6,7 @@ import argparse
 import re
 import sys
 from collections import Counter
+from contextlib import closing
 from pathlib import Path
 
 from remodel_planner.commands.options.database_option import add_database_option
@@ -25,7 +26,7 @@ from remodel_production.errors import DesignError, PlannerError, blamed
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Import, say what was read, guessed and left out, and return the exit code."""
+    """Import, report what was read, assumed and left out, and return the exit code."""
     parser = argparse.ArgumentParser(
         prog="planner import",
         description="Read a design file into the production database: a QElectroTech project, a "
@@ -47,7 +48,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument(
         "--preferences", type=Path, metavar="FILE", help="YAML of what a user prefers and requires"
     )
-    parser.add_argument("--verbose", action="store_true", help="list every guess and omission")
+    parser.add_argument("--verbose", action="store_true", help="list every assumption and omission")
     add_design_options(parser)
     add_database_option(parser)
     options = parser.parse_args(arguments)
@@ -56,15 +57,12 @@ def main(arguments: list[str] | None = None) -> int:
         imported = _read(options, name)
         order = laid_out(imported.order)
         preferences = _preferences(options, order)
-        database = ProductionDatabase(options.database)
-        try:
+        with closing(ProductionDatabase(options.database)) as database:
             database.add_order(order, preferences, read_abilities())
-        finally:
-            database.close()
     except PlannerError as error:
         print(f"import: {error}", file=sys.stderr)
         return 1
-    _tell(imported, verbose=options.verbose)
+    _report(imported, verbose=options.verbose)
     return 0
 
 
@@ -77,7 +75,7 @@ def _read(options: argparse.Namespace, name: str) -> Imported:
             DesignFormat.WIRE_LIST if options.mapping else format_of(data, mappings)
         )
         catalogue = read_catalogue(catalogue_file())
-        return import_design(data, form, name, file.name, catalogue, mappings)
+        return import_design(data, form, name, file.name, catalogue=catalogue, mappings=mappings)
     except DesignError as error:
         raise DesignError(f"{file}: {error}") from error
 
@@ -94,7 +92,7 @@ def _preferences(options: argparse.Namespace, order: Order) -> object:
     return document
 
 
-def _tell(imported: Imported, *, verbose: bool) -> None:
+def _report(imported: Imported, *, verbose: bool) -> None:
     order, account = imported.order, imported.account
     inside = len(order.in_cabinet().wires)
     print(f"imported order {order.name}: {order.title}")
@@ -108,13 +106,13 @@ def _tell(imported: Imported, *, verbose: bool) -> None:
     print(f"\n  of {account.connections} {account.unit} in the file")
     print(f"    {len(order.wires) - account.wires_joined} are wires")
     if account.joined:
-        print(f"    {account.joined} meet and make {account.wires_joined} wires")
+        print(f"    {account.joined} are merged into {account.wires_joined} wires")
     for reason, count in Counter(item.reason for item in account.left_out).most_common():
         print(f"    {count} left out: {reason}")
     if inside < len(order.wires):
-        print(f"  {inside} wires lie in the cabinet, {len(order.wires) - inside} lead away from it")
+        print(f"  {inside} wires lie in the cabinet, {len(order.wires) - inside} leave it")
     hint = "" if verbose else " (--verbose lists them)"
-    print(f"  {len(account.guesses)} guesses, {len(account.ignored)} other omissions{hint}")
+    print(f"  {len(account.assumptions)} assumptions, {len(account.ignored)} other omissions{hint}")
     if verbose:
         for note in account.notes:
             print(f"    {note}")

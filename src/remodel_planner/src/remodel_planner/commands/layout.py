@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from contextlib import closing
 from pathlib import Path
 
 from remodel_planner.commands.options.database_option import add_database_option
@@ -26,19 +27,15 @@ def main(arguments: list[str] | None = None) -> int:
     add_database_option(parser)
     options = parser.parse_args(arguments)
     try:
-        database = ProductionDatabase(options.database)
-        try:
+        with closing(ProductionDatabase(options.database)) as database:
             order = database.order(options.order)
-        finally:
-            database.close()
         board = board_of(order)
         write_text(options.output, draw_board(board))
     except PlannerError as error:
         print(f"layout: {error}", file=sys.stderr)
         return 1
-    total = sum(board.length_of(wire) for wire in board.order.wires if wire.name in board.ways)
-    print(
-        f"{order.name}: {len(board.devices)} components and {len(board.ways)} wires, {total:.1f} m"
-    )
+    wires = [wire for wire in board.order.wires if wire.name in board.routes]
+    total = sum(map(board.length_of, wires))
+    print(f"{order.name}: {len(board.devices)} components and {len(wires)} wires, {total:.1f} m")
     print(f"drawing: {options.output}")
     return 0

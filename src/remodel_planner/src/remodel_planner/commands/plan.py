@@ -13,7 +13,7 @@ from remodel_planner.commands.options.stop_signals import stop_on_signals
 from remodel_planning.core.problem.plan_form import plan_data
 from remodel_planning.core.search.planned import Planned
 from remodel_planning.core.search.tables import tables_of
-from remodel_planning.edge.anytime_planner import AnytimePlanner, Limits
+from remodel_planning.edge.anytime_planner import AnytimePlanner, Limits, Result
 from remodel_planning.edge.json_file import write_json
 from remodel_planning.edge.order_planner import require_valid
 from remodel_planning.edge.search_kernel import Kernel
@@ -62,7 +62,17 @@ def _plan(options: argparse.Namespace) -> None:
     _write(best, options.output)
     print(f"{problem.name}: cost {best.cost} (makespan {best.makespan}, penalty {best.penalty})")
     print(f"first plan: cost {first.cost} after {first_ms:.1f} ms")
-    print(f"search: {'done' if result.complete else 'stopped'}; plan: {options.output}")
+    print(f"search: {_ending(result, limits)}; plan: {options.output}")
+
+
+def _ending(result: Result, limits: Limits) -> str:
+    if result.complete:
+        return "done"
+    if limits.stopped():
+        return "stopped by a signal"
+    if limits.target is not None and result.planned.cost <= limits.target:
+        return "target reached"
+    return "time limit reached"
 
 
 def _write(planned: Planned, file: Path) -> None:

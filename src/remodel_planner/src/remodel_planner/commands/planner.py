@@ -15,12 +15,12 @@ _COMMANDS = {
         "read a design file into the production database",
     ),
     "layout": ("remodel_planner.commands.layout", "draw the board of an order"),
-    "tasks": ("remodel_planner.commands.tasks", "say how the tasks of an order decompose"),
+    "tasks": ("remodel_planner.commands.tasks", "print how the tasks of an order decompose"),
     "plan": ("remodel_planner.commands.plan", "plan the wiring of a panel or an order"),
     "check": ("remodel_planner.commands.check", "check a plan against its problem"),
     "explain": (
         "remodel_planner.commands.explain",
-        "say why a plan is as it is, or how a run went",
+        "explain a plan, or a run",
     ),
     "draw": ("remodel_planner.commands.draw", "draw a plan"),
     "charts": ("remodel_planner.commands.charts", "make a state chart of each task of a plan"),
@@ -40,7 +40,7 @@ _COMMANDS = {
     "replay": ("remodel_planner.commands.runs.replay", "play a recorded run back"),
     "expectations": (
         "remodel_planner.commands.runs.expectations",
-        "say what runs have taught about abilities",
+        "print what was learned from runs about abilities",
     ),
     "product": ("remodel_planner.commands.product", "export what was done to a product"),
     "backup": ("remodel_planner.commands.backup", "back up the production database"),
@@ -59,7 +59,7 @@ def main(arguments: list[str] | None = None) -> int:
         known = ", ".join(_COMMANDS)
         print(f"planner: no subcommand {name}; there are: {known}", file=sys.stderr)
         return 2
-    return _started(name, rest)
+    return _run(name, rest)
 
 
 def alias(name: str) -> NoReturn:
@@ -69,10 +69,10 @@ def alias(name: str) -> NoReturn:
         "this one goes with the next release",
         file=sys.stderr,
     )
-    run(lambda: _started(name, sys.argv[1:]))
+    run(lambda: _run(name, sys.argv[1:]))
 
 
-def _started(name: str, words: list[str]) -> int:
+def _run(name: str, words: list[str]) -> int:
     """Run a subcommand as if it were the program: nodes read the program's arguments, too."""
     sys.argv = [name, *words]
     return int(import_module(_COMMANDS[name][0]).main())

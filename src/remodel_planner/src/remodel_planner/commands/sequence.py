@@ -9,7 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from remodel_cable_tree.core.dzn import parse_cable_tree
-from remodel_cable_tree.core.order import broken_constraints, cost_of
+from remodel_cable_tree.core.order import cost_of, violations
 from remodel_cable_tree.core.problem import CableTree
 from remodel_cable_tree.edge.cable_tree_kernel import Feasibility
 from remodel_cable_tree.edge.cable_tree_planner import sequence
@@ -27,7 +27,7 @@ _STATUS = {
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Search, judge what is found, print it, and return the exit code."""
+    """Search, check what is found, print it, and return the exit code."""
     parser = argparse.ArgumentParser(
         prog="planner sequence",
         description="Find the order in which the ends of a harness's cables are inserted (Cable "
@@ -60,9 +60,9 @@ def _document(
     document: dict[str, object] = {"instance": name, "status": _STATUS[feasibility]}
     if feasibility is not Feasibility.FOUND:
         return document
-    broken = list(broken_constraints(tree, order))
-    if broken:
-        raise KernelError(f"the order found is refused, which is a defect: {broken[0]}")
+    violated = list(violations(tree, order))
+    if violated:
+        raise KernelError(f"the order found is refused, which is a defect: {violated[0]}")
     place = {end: i for i, end in enumerate(order, 1)}
     cost = asdict(cost_of(tree, order))
     return {

@@ -1,4 +1,4 @@
-"""`planner tasks ORDER`: say how the tasks of an order decompose."""
+"""`planner tasks ORDER`: print how the tasks of an order decompose."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ def main(arguments: list[str] | None = None) -> int:
     """Print the decompositions, and return the exit code."""
     parser = argparse.ArgumentParser(
         prog="planner tasks",
-        description="Say of what actions each task of an order consists, how long they are "
-        "expected to take, and which methods were rejected, and why.",
-        epilog="Exit code: 0 told, 1 refused (a file is malformed, or no method does a task), "
+        description="Print the actions of each task of an order, how long they are expected to "
+        "take, which methods were rejected, and why.",
+        epilog="Exit code: 0 printed, 1 refused (a file is malformed, or no method does a task), "
         "2 wrong usage.",
     )
     add_problem_options(parser)

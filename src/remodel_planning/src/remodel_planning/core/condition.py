@@ -1,4 +1,4 @@
-"""What is asked of a wire or a task: a conjunction of tests of named values.
+"""Conditions on a wire or a task: a conjunction of tests of named values.
 
 In YAML: `{NAME: VALUE, NAME: [VALUE, ...], NAME: {at_least: NUMBER, at_most: NUMBER}, ...}`.
 
@@ -30,14 +30,14 @@ class Test:
     most: float = math.inf
 
     def passes(self, features: Features) -> bool:
-        """Tell whether the value is as it must be."""
+        """Return whether the value is as required."""
         value = features.get(self.name)
         if self.one_of:
             return any(_same(value, allowed) for allowed in self.one_of)
         return is_number(value) and self.least <= float(value) <= self.most  # type: ignore[arg-type]
 
     def reason(self, features: Features) -> str:
-        """Say why it does not pass."""
+        """Return why it does not pass."""
         found = features.get(self.name, "not given")
         if self.one_of:
             return f"{self.name} is {found}, not {' or '.join(map(str, self.one_of))}"
@@ -64,16 +64,16 @@ class Condition:
     tests: tuple[Test, ...] = ()
 
     def holds(self, features: Features) -> bool:
-        """Tell whether all tests pass."""
+        """Return whether all tests pass."""
         return all(test.passes(features) for test in self.tests)
 
     def reason(self, features: Features) -> str:
-        """Say why it does not hold: the first test that fails."""
+        """Return why it does not hold: the first test that fails."""
         return next(test.reason(features) for test in self.tests if not test.passes(features))
 
 
 def is_number(value: object) -> bool:
-    """Tell whether a value is a number; true and false are none."""
+    """Return whether a value is a number; true and false are none."""
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 

@@ -66,7 +66,7 @@ class AnytimePlanner:
         """Return the plan that keeps an older plan's order as far as the problem lets it.
 
         Args:
-            order: (k,) wires in the order wished; wires that it leaves out come last.
+            order: (k,) wires in the order to keep; wires that it leaves out come last.
             modes: (wires,) mode numbers to keep where possible, or -1.
 
         Raises:
@@ -133,17 +133,10 @@ class AnytimePlanner:
     def _decoded(self, order: Integers, modes: Integers) -> Planned:
         decoded = self._problem.decode(order, modes)
         return Planned(
-            self._tables, order, modes, decoded.actions, decoded.makespan, decoded.penalty
+            self._tables,
+            order,
+            modes,
+            decoded.actions,
+            makespan=decoded.makespan,
+            penalty=decoded.penalty,
         )
-
-
-def remaining_order(old: Planned, tables: Tables) -> tuple[Integers, Integers]:
-    """Return an old plan's order and modes in the numbers of a problem that follows from it."""
-    number = {name: i for i, name in enumerate(tables.wires)}
-    names = [old.tables.wires[i] for i in old.order]
-    order = np.array([number[name] for name in names if name in number], np.int32)
-    modes = np.full(len(tables.wires), -1, np.int32)
-    for name, mode in zip(old.tables.wires, old.modes.tolist(), strict=True):
-        if name in number:
-            modes[number[name]] = mode
-    return order, modes

@@ -52,6 +52,6 @@ def _fault(row: Mapping[str, Any], codes: Mapping[str, int]) -> Fault:
         frozenset(codes[name] for name in row["codes"]),
         row.get("after", {}).get("times", 1),
         row["symptoms"],
-        tuple(response_from(response) for response in row["responses"]),
-        row.get("unattended") == Do.STOP.value,
+        responses=tuple(response_from(response) for response in row["responses"]),
+        stops_unattended=row.get("unattended") == Do.STOP.value,
     )

@@ -1,4 +1,4 @@
-"""Load a compiled kernel, and tell ctypes what its functions take."""
+"""Load a compiled kernel, and declare its functions to ctypes."""
 
 from __future__ import annotations
 

@@ -101,7 +101,7 @@ class Kernel:
         )
 
     def load(self, tables: Tables) -> KernelProblem:
-        """Hand a problem to the kernel."""
+        """Load a problem into the kernel."""
         return KernelProblem(self._library, tables)
 
 
@@ -200,7 +200,7 @@ class KernelSearch:
             raise InstanceError(deadlock(self._problem.tables.problem))
 
     def adopt(self, order: Integers, modes: Integers) -> None:
-        """Start from a list of wires that obeys the order constraints.
+        """Start from a list of wires that satisfies the order constraints.
 
         Raises:
             InstanceError: if the arms would wait for each other.

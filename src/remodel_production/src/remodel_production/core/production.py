@@ -30,7 +30,7 @@ class Side(Enum):
 
 
 class Mount(Enum):
-    """Where a component is mounted: on the plate, or outside, so that wires to it lead away."""
+    """Where a component is mounted: on the plate, or outside, where no wire is routed."""
 
     PLATE = "plate"
     FIELD = "field"
@@ -85,9 +85,9 @@ class Terminal:
         point: at which the drawing joins its wire, with the component's other clamps of that point;
             empty if the clamp is its only one.
         kind: its type, such as the article of the contact.
-        pose: of its mouth.
+        pose: of its opening.
         approach: unit vector along which a wire end goes in.
-        clearance_m: [m] that the gripper needs around the mouth.
+        clearance_m: [m] that the gripper needs around the opening.
         insertion_force_limit_n: [N] that an insertion must not exceed.
     """
 
@@ -126,7 +126,7 @@ class Component:
         return {terminal.name: terminal for terminal in self.terminals}[name]
 
     def type_of(self, terminal: Terminal) -> str:
-        """Return what its terminal is a case of, for whoever learns from one about another."""
+        """Return the type of one of its terminals; experience with one holds for all of a type."""
         return terminal_type(terminal.kind, self.part_number, self.kind)
 
 
@@ -187,7 +187,7 @@ class Node:
 
 @dataclass(frozen=True)
 class Segment:
-    """A piece of the way of wires, such as of a duct or a bundle, between two nodes."""
+    """A piece of the route of wires, such as of a duct or a bundle, between two nodes."""
 
     name: str
     start: str
@@ -221,7 +221,7 @@ class Order:
     Attributes:
         title: of the design.
         source: the design's file name.
-        notes: what the import guessed and left out, a line each.
+        notes: what the import assumed and left out, a line each.
     """
 
     name: str
@@ -259,12 +259,12 @@ class Order:
 
     def clips_of(self, wire: Wire) -> tuple[Clip, ...]:
         """Return the clips along a wire's route, from its end a to its end b."""
-        return self.clips_along(self.way_of(wire))
+        return self.clips_along(self.directed_route(wire))
 
-    def clips_along(self, way: Sequence[tuple[Segment, bool]]) -> tuple[Clip, ...]:
+    def clips_along(self, route: Sequence[tuple[Segment, bool]]) -> tuple[Clip, ...]:
         """Return the clips along segments, of each whether it is passed from start to end."""
         passed: list[Clip] = []
-        for index, (segment, is_forward) in enumerate(way):
+        for index, (segment, is_forward) in enumerate(route):
             first, last = (segment.start, segment.end)[:: 1 if is_forward else -1]
             if not index:
                 passed += self._clips_at.get(first, ())
@@ -273,7 +273,7 @@ class Order:
             passed += self._clips_at.get(last, ())
         return tuple(passed)
 
-    def way_of(self, wire: Wire) -> list[tuple[Segment, bool]]:
+    def directed_route(self, wire: Wire) -> list[tuple[Segment, bool]]:
         """Return the segments of a wire's route, and whether each is passed from start to end."""
         segments = [self._segment[name] for name in wire.route]
         if len(segments) == 1:
@@ -281,7 +281,7 @@ class Order:
             leaves_end = self._node_of.get(wire.a.component, "") == only.end
             reaches_start = self._node_of.get(wire.b.component, "") == only.start
             return [(only, not (leaves_end or reaches_start))]
-        way = []
+        route = []
         for index, segment in enumerate(segments):
             if index + 1 < len(segments):
                 following = segments[index + 1]
@@ -289,8 +289,8 @@ class Order:
             else:
                 before = segments[index - 1]
                 is_forward = segment.start in (before.start, before.end)
-            way.append((segment, is_forward))
-        return way
+            route.append((segment, is_forward))
+        return route
 
     @cached_property
     def _segment(self) -> dict[str, Segment]:

@@ -1,1 +1,1 @@
-"""What the robot can do, one file each: steps over a station."""
+"""What the robot can do: one ability in each module, found by its decorator (ability.py)."""

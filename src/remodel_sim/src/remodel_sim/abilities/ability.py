@@ -1,9 +1,9 @@
 """What makes a function an ability of the cell.
 
-A module of this folder becomes one by the decorator:
+A module directly in this folder becomes one by the decorator:
 
     @ability("PickCable", _goal)
-    def pick_cable(station: Station, goal: PickGoal) -> Steps[CablePicked]:
+    def pick_cable(context: RobotContext, goal: PickGoal) -> Steps[CablePicked]:
 
 The name is that of the action, and of the row in the table of abilities. The goal's class checks
 its values when it is made, and `check` of it whether the cell can do it as it is now.
@@ -31,7 +31,7 @@ class CellAbility:
     Attributes:
         name: of the action, such as "InsertCable".
         parse: makes the goal of a goal message; raises AbilityError.
-        perform: the steps that do it, by the robots' stations and the goal.
+        perform: the steps that do it, given the robots' contexts and the goal.
     """
 
     name: str
@@ -50,9 +50,10 @@ def ability(name: str, parse: Callable[[Any], Any]) -> Callable[[Function], Func
 
 
 def cell_abilities() -> dict[str, CellAbility]:
-    """Return the abilities of all modules of this folder, by name."""
-    names = [module.name for module in pkgutil.iter_modules(abilities.__path__)]
-    modules = [import_module(f"{abilities.__name__}.{name}") for name in sorted(names)]
+    """Return the abilities of all modules directly in this folder, by name."""
+    found_here = pkgutil.iter_modules(abilities.__path__)
+    names = sorted(module.name for module in found_here if not module.ispkg)
+    modules = [import_module(f"{abilities.__name__}.{name}") for name in names]
     values = [value for module in modules for value in vars(module).values()]
     found = [getattr(value, _MARK) for value in values if hasattr(value, _MARK)]
     return {each.name: each for each in found}

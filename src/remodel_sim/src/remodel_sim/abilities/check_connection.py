@@ -1,7 +1,7 @@
-"""CheckConnection: look whether one end of a wire sits in a terminal.
+"""CheckConnection: check whether one end of a wire sits in a terminal.
 
-Neither ground truth nor the book of what was done decides, only what cameras show of the mouth. An
-empty hand looks from several places; a hand that holds a wire stays where it is.
+Neither ground truth nor the belief state decides, only what cameras show of the opening. An empty
+hand observes it from several places; a hand that holds a wire stays where it is.
 """
 
 from __future__ import annotations
@@ -13,33 +13,34 @@ from typing import Any
 import numpy as np
 
 from remodel_sim.abilities.ability import ability
-from remodel_sim.abilities.grasping import holds
-from remodel_sim.abilities.looking import go_and_see
-from remodel_sim.abilities.motions import park
-from remodel_sim.abilities.station import Station, Steps
-from remodel_sim.abilities.viewpoints import camera_above
-from remodel_sim.core.arm import ToolPose
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.grasping import holds
+from remodel_sim.abilities.primitives.motions import park
+from remodel_sim.abilities.primitives.observing import go_and_see
+from remodel_sim.abilities.primitives.viewpoints import camera_above
 from remodel_sim.core.camera import Picture
-from remodel_sim.core.component_shape import label_corners
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.goals import CheckGoal, parse_end
-from remodel_sim.core.layout import WORLD_FROM_PANEL
-from remodel_sim.core.panel import Component
+from remodel_sim.core.goals import CheckGoal
+from remodel_sim.core.goals.requirements import parse_end
+from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
-from remodel_sim.core.vision.label_pose import ComponentSighting, Look, locate_component
+from remodel_sim.core.vision.label_pose import ComponentObservation, LabelView, locate_component
 from remodel_sim.core.vision.labels import find_labels, search_label
-from remodel_sim.core.vision.mouth_sight import (
-    MouthSight,
-    Sight,
+from remodel_sim.core.vision.opening_occupancy import (
+    Occupancy,
+    OpeningObservation,
+    combine,
     light_on,
-    look_at_mouth,
-    settle,
+    observe_opening,
 )
+from remodel_sim.core.workpiece.component_shape import label_corners
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import Component
 from remodel_states.core.codes import Code
 
-# Places of the lens beside a mouth [m]: out of its face, where the mouth is not hidden by the
-# housing's edge, and across, first the two that lie far apart.
+# Places of the lens beside an opening [m]: out of its face, where the housing's edge does not hide
+# the opening, and across; the two that lie far apart come first.
 LENS_AT_M = ((0.02, 0.05), (0.02, -0.05), (0.02, 0.0), (0.05, 0.03), (0.05, -0.03))
 
 
@@ -58,7 +59,7 @@ class ConnectionChecked:
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """A picture that may show the mouth.
+    """A picture that may show the opening.
 
     Attributes:
         camera: "overhead" or "wrist".
@@ -68,7 +69,7 @@ class Shot:
 
     camera: str
     picture: Picture
-    component: ComponentSighting | None
+    component: ComponentObservation | None
 
 
 def _goal(message: Any) -> CheckGoal:  # noqa: ANN401 - messages have no types
@@ -78,120 +79,124 @@ def _goal(message: Any) -> CheckGoal:  # noqa: ANN401 - messages have no types
 
 
 @ability("CheckConnection", _goal)
-def check_connection(station: Station, goal: CheckGoal) -> Steps[ConnectionChecked]:
-    """Look at the mouth until pictures prove what sits in it."""
+def check_connection(context: RobotContext, goal: CheckGoal) -> Steps[ConnectionChecked]:
+    """Observe the opening until the pictures prove what sits in it."""
     where = f"'{goal.component_id}/{goal.terminal_id}'"
     what = f"end {goal.end.value} of {goal.cable_id}"
     shots: list[Shot] = []
-    sight = Sight.UNCLEAR
-    for i, take in enumerate(_looks(station, goal)):
-        station.report(f"looking at {where}", i / (1 + len(LENS_AT_M)))
+    occupancy = Occupancy.UNCLEAR
+    for i, take in enumerate(_views(context, goal)):
+        context.report(f"observing {where}", i / (1 + len(LENS_AT_M)))
         camera, picture = yield from take
-        shots.append(Shot(camera, picture, _component_in(station, goal, picture)))
+        shots.append(Shot(camera, picture, _component_in(context, goal, picture)))
         yield
-        sight = settle(_sights(station, goal, shots))
-        _show(station, goal, shots, sight)
-        if sight is not Sight.UNCLEAR:
+        occupancy = combine(_observations(context, goal, shots))
+        _show(context, goal, shots, occupancy)
+        if occupancy is not Occupancy.UNCLEAR:
             break
-    if sight is Sight.UNCLEAR:
-        raise _unseen(station, goal, shots)
-    connected = sight is Sight.WIRE
+    if occupancy is Occupancy.UNCLEAR:
+        raise _undecided(context, goal, shots)
+    connected = occupancy is Occupancy.WIRE
     verb = "sits" if connected else "does not sit"
-    return ConnectionChecked(f"{what} {verb} in {where}: {sight.value}", connected)
+    return ConnectionChecked(f"{what} {verb} in {where}: {occupancy.value}", connected)
 
 
-def _looks(station: Station, goal: CheckGoal) -> Iterator[Steps[tuple[str, Picture]]]:
-    """Return the looks that can be taken, the best first."""
-    if station.book.grip is not None or holds(station):
-        yield _from_above(station)
-        yield _from_here(station)
+def _views(context: RobotContext, goal: CheckGoal) -> Iterator[Steps[tuple[str, Picture]]]:
+    """Yield the steps of each possible observation, the best first."""
+    if context.belief.grip is not None or holds(context):
+        yield _from_above(context)
+        yield _from_here(context)
         return
-    drawn = WORLD_FROM_PANEL @ station.panel.panel_from_socket(goal.component_id, goal.terminal_id)
+    drawn = WORLD_FROM_PANEL @ context.panel.panel_from_socket(goal.component_id, goal.terminal_id)
     for out, across in LENS_AT_M:
         lens = drawn.apply(np.array([-out, across, 0.0]))[:2]
-        tool = camera_above(station, lens, station.commanded.yaw)
-        if station.arm.reaches(tool):
-            yield _from_hand(station, tool)
-    yield _from_above(station)
+        tool = camera_above(context, lens, context.commanded.yaw)
+        if context.arm.reaches(tool):
+            yield _from_hand(context, tool)
+    yield _from_above(context)
 
 
-def _from_hand(station: Station, tool: ToolPose) -> Steps[tuple[str, Picture]]:
-    picture = yield from go_and_see(station, tool)
+def _from_hand(context: RobotContext, tool: ToolPose) -> Steps[tuple[str, Picture]]:
+    picture = yield from go_and_see(context, tool)
     return "wrist", picture
 
 
-def _from_here(station: Station) -> Steps[tuple[str, Picture]]:
-    picture = station.look_wrist()
+def _from_here(context: RobotContext) -> Steps[tuple[str, Picture]]:
+    picture = context.take_wrist_picture()
     yield
     return "wrist", picture
 
 
-def _from_above(station: Station) -> Steps[tuple[str, Picture]]:
-    if station.book.grip is None and not holds(station):
-        yield from park(station)
-    picture = station.look_overhead()
+def _from_above(context: RobotContext) -> Steps[tuple[str, Picture]]:
+    if context.belief.grip is None and not holds(context):
+        yield from park(context)
+    picture = context.take_overhead_picture()
     yield
     return "overhead", picture
 
 
-def _component_in(station: Station, goal: CheckGoal, picture: Picture) -> ComponentSighting | None:
+def _component_in(
+    context: RobotContext, goal: CheckGoal, picture: Picture
+) -> ComponentObservation | None:
     """Return the component as a picture shows it; None when its label is not seen well."""
-    component = station.panel.component(goal.component_id)
-    corners = find_labels(picture, station.panel.components).get(component.marker_id)
+    component = context.panel.component(goal.component_id)
+    corners = find_labels(picture, context.panel.components).get(component.marker_id)
     near = WORLD_FROM_PANEL @ component.panel_from_component
     if corners is None and picture.view.sees(near.apply(label_corners(component)), 0.0):
         corners = search_label(picture, component, near)
     if corners is None:
         return None
-    seen = locate_component(component, [Look(picture, corners)])
+    seen = locate_component(component, [LabelView(picture, corners)])
     return seen if seen.clear else None
 
 
-def _sights(station: Station, goal: CheckGoal, shots: list[Shot]) -> list[MouthSight]:
-    """Return what each picture shows of the mouth.
+def _observations(
+    context: RobotContext, goal: CheckGoal, shots: list[Shot]
+) -> list[OpeningObservation]:
+    """Return what each picture shows of the opening.
 
     A picture whose label is hidden borrows the component's place from one whose label is not.
     """
-    component = station.panel.component(goal.component_id)
+    component = context.panel.component(goal.component_id)
     places = [shot.component.world_from_component for shot in shots if shot.component is not None]
     if not places:
         return []
-    return [_sight(station, goal, component, shot, places[-1]) for shot in shots]
+    return [_observation(context, goal, component, shot, elsewhere=places[-1]) for shot in shots]
 
 
-def _sight(
-    station: Station, goal: CheckGoal, component: Component, shot: Shot, elsewhere: Pose
-) -> MouthSight:
+def _observation(
+    context: RobotContext, goal: CheckGoal, component: Component, shot: Shot, elsewhere: Pose
+) -> OpeningObservation:
     seen = shot.component
     pose = elsewhere if seen is None else seen.world_from_component
     terminal = component.terminal(goal.terminal_id)
-    return look_at_mouth(
+    return observe_opening(
         shot.picture,
         pose @ terminal.component_from_socket,
-        station.panel.wire(goal.cable_id),
+        context.panel.wire(goal.cable_id),
         light_on(shot.picture, component, pose),
     )
 
 
-def _show(station: Station, goal: CheckGoal, shots: list[Shot], sight: Sight) -> None:
+def _show(context: RobotContext, goal: CheckGoal, shots: list[Shot], occupancy: Occupancy) -> None:
     shot = shots[-1]
     drawing = Drawing(shot.picture.rgb, shot.picture.view)
     title = f"{goal.cable_id} end {goal.end.value} in {goal.component_id}/{goal.terminal_id}: "
     if shot.component is not None:
         drawing.outline(shot.component.corners)
-        terminal = station.panel.component(goal.component_id).terminal(goal.terminal_id)
+        terminal = context.panel.component(goal.component_id).terminal(goal.terminal_id)
         socket = shot.component.world_from_component @ terminal.component_from_socket
         axis = shot.picture.view.project(socket.apply(np.array([[-0.02, 0, 0], [0, 0, 0]])))
         drawing.arrow(axis[0], axis[1], ORANGE)
-    drawing.title(title + sight.value)
-    station.show(shot.camera, shot.picture, drawing.image)
+    drawing.title(title + occupancy.value)
+    context.show(shot.camera, shot.picture, drawing.image)
 
 
-def _unseen(station: Station, goal: CheckGoal, shots: list[Shot]) -> AbilityError:
-    """Return why the looks did not settle it."""
+def _undecided(context: RobotContext, goal: CheckGoal, shots: list[Shot]) -> AbilityError:
+    """Return why the pictures do not decide it."""
     where = f"'{goal.component_id}/{goal.terminal_id}'"
-    holding = station.book.grip is not None or holds(station)
-    remedy = "place what the hand holds and look again" if holding else "clear the view"
+    holding = context.belief.grip is not None or holds(context)
+    remedy = "place what the hand holds and check again" if holding else "clear the view"
     if all(shot.component is None for shot in shots):
         return AbilityError(
             Code.COMPONENT_OCCLUDED,
@@ -200,6 +205,6 @@ def _unseen(station: Station, goal: CheckGoal, shots: list[Shot]) -> AbilityErro
         )
     return AbilityError(
         Code.CABLE_OCCLUDED,
-        f"{len(shots)} pictures do not settle whether end {goal.end.value} of {goal.cable_id!r} "
+        f"{len(shots)} pictures do not show whether end {goal.end.value} of {goal.cable_id!r} "
         f"sits in {where}; {remedy}",
     )

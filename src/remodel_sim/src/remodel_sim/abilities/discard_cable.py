@@ -9,33 +9,32 @@ from typing import Any
 import numpy as np
 
 from remodel_sim.abilities.ability import ability
-from remodel_sim.abilities.carrying import carry
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.extract_cable import extract_cable, where_it_lay
-from remodel_sim.abilities.grasping import (
+from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
+from remodel_sim.abilities.primitives.carrying import carry
+from remodel_sim.abilities.primitives.grasping import (
     RELEASE_OPENING_M,
     check_grip,
     holds,
     pick_end,
     release,
 )
-from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
-from remodel_sim.abilities.looking import loose_ends
-from remodel_sim.abilities.motions import (
+from remodel_sim.abilities.primitives.laying import lay_down
+from remodel_sim.abilities.primitives.motions import (
     CARRY_SPEED,
     HAND_OPEN_M,
     nearest_hand_yaw,
     rise,
     wait,
 )
-from remodel_sim.abilities.place_cable import lay_down
-from remodel_sim.abilities.station import Station, Steps
-from remodel_sim.core.arm import ToolPose
-from remodel_sim.core.discard_goal import DiscardGoal
+from remodel_sim.abilities.primitives.observing import loose_ends
+from remodel_sim.core.belief.openings import TerminalKey, nearest_terminal, opening_of
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.goals import ExtractGoal, LocateGoal
-from remodel_sim.core.mouths import TerminalKey, mouth_of, nearest_terminal
-from remodel_sim.core.panel import End
+from remodel_sim.core.goals import DiscardGoal, ExtractGoal, LocateGoal
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.workpiece.panel import End
 from remodel_states.core.codes import Code
 
 # A wire that is drawn out of clips or out of a duct pulls more than a free one; one that pulls more
@@ -61,73 +60,79 @@ def _goal(message: Any) -> DiscardGoal:  # noqa: ANN401 - messages have no types
 
 
 @ability("DiscardCable", _goal)
-def discard_cable(station: Station, goal: DiscardGoal) -> Steps[CableDiscarded]:
+def discard_cable(context: RobotContext, goal: DiscardGoal) -> Steps[CableDiscarded]:
     """Take the live wire, or one that was parked, off the panel, whatever holds it there."""
-    book = station.book
-    wire_id = goal.cable_id or station.wire.id
-    if wire_id not in book.fed:
+    belief = context.belief
+    wire_id = goal.cable_id or context.wire.id
+    if wire_id not in belief.fed:
         return CableDiscarded(f"no piece of {wire_id} is in the cell")
-    above_bin = station.scrap_bin
-    if book.grip is not None and not holds(station):
-        book.grip = None
+    above_bin = context.scrap_bin
+    if belief.grip is not None and not holds(context):
+        belief.grip = None
         if not goal.cable_id:
             raise AbilityError(Code.NOTHING_HELD, f"{wire_id!r} slipped out of the fingers")
-    station.make_live(wire_id)
-    yield from _release_ends(station)
-    if book.grip is None:
-        yield from _pick_an_end(station, above_bin)
-    yield from _drop(station, above_bin)
+    context.make_live(wire_id)
+    yield from _release_ends(context)
+    if belief.grip is None:
+        yield from _pick_an_end(context, above_bin)
+    yield from _drop(context, above_bin)
     return CableDiscarded(f"{wire_id} dropped into the scrap bin")
 
 
-def _release_ends(station: Station) -> Steps[None]:
+def _release_ends(context: RobotContext) -> Steps[None]:
     """Extract each end of the live wire that is in a terminal."""
-    book, wire_id = station.book, station.wire.id
-    if book.engaged is not None:
+    belief, wire_id = context.belief, context.wire.id
+    if belief.engaged is not None:
         yield from _extract(
-            station, nearest_terminal(book.engaged.position, station.panel, book.seen)
+            context, nearest_terminal(belief.engaged.position, context.panel, belief.seen)
         )
-    connected = [key for key, (wire, _) in book.occupied.items() if wire == wire_id]
-    if connected and book.grip is not None:
-        grip = book.grip
-        target = where_it_lay(station, grip, book.picked_at[grip.end])
-        yield from lay_down(station, target, (0.1, 0.2))
+    connected = [key for key, (wire, _) in belief.occupied.items() if wire == wire_id]
+    if connected and belief.grip is not None:
+        grip = belief.grip
+        target = where_it_lay(context, grip, belief.picked_at[grip.end])
+        yield from lay_down(context, target, (0.1, 0.2))
     for key in connected:
-        yield from _extract(station, key)
+        yield from _extract(context, key)
 
 
-def _extract(station: Station, terminal: TerminalKey) -> Steps[None]:
+def _extract(context: RobotContext, terminal: TerminalKey) -> Steps[None]:
     """Extract the end in a terminal; raises EXTRACTION_STUCK, the hand empty and the end there."""
-    book = station.book
+    belief = context.belief
     component_id, terminal_id = terminal
-    if book.engaged is None and component_id not in book.seen:
-        yield from locate_gearbox_component(station, LocateGoal(component_id, terminal_id))
-    socket = book.engaged or mouth_of(terminal, station.panel, book.seen)
-    goal = ExtractGoal(station.name, station.wire.id, component_id, terminal_id, socket)
+    if belief.engaged is None and component_id not in belief.seen:
+        yield from locate_gearbox_component(context, LocateGoal(component_id, terminal_id))
+    socket = belief.engaged or opening_of(terminal, context.panel, belief.seen)
+    goal = ExtractGoal(
+        robot_name=context.name,
+        cable_id=context.wire.id,
+        component_id=component_id,
+        terminal_id=terminal_id,
+        socket=socket,
+    )
     try:
-        yield from extract_cable(station, goal)
+        yield from extract_cable(context, goal)
     except AbilityError as error:
-        grip = book.grip
+        grip = belief.grip
         if error.code is not Code.EXTRACTION_STUCK or grip is None:
             raise
-        book.seat(grip.end, terminal)
-        yield from release(station, RELEASE_OPENING_M)
-        yield from rise(station)
+        belief.seat(grip.end, terminal)
+        yield from release(context, RELEASE_OPENING_M)
+        yield from rise(context)
         text = f"{error}; it was released there, the hand is empty"
         raise AbilityError(error.code, text, **error.found) from error
 
 
-def _pick_an_end(station: Station, above_bin: ToolPose) -> Steps[None]:
+def _pick_an_end(context: RobotContext, above_bin: ToolPose) -> Steps[None]:
     """Pick a loose end, the one nearer to the bin first: then the wire trails along its channel."""
 
     def away(end: End) -> float:
-        return float(np.linalg.norm(station.book.expected[end] - above_bin.position[:2]))
+        return float(np.linalg.norm(context.belief.expected[end] - above_bin.position[:2]))
 
     failures: list[AbilityError] = []
-    for end in sorted(loose_ends(station), key=away):
-        socket = _toward(above_bin, station, end)
+    for end in sorted(loose_ends(context), key=away):
+        socket = _toward(above_bin, context, end)
         try:
-            yield from pick_end(station, end, 0.0, socket, (0.5, 0.7))
+            yield from pick_end(context, end, 0.0, socket, shares=(0.5, 0.7))
         except AbilityError as error:
             failures.append(error)
         else:
@@ -135,25 +140,25 @@ def _pick_an_end(station: Station, above_bin: ToolPose) -> Steps[None]:
     raise failures[-1]
 
 
-def _toward(above_bin: ToolPose, station: Station, end: End) -> Pose:
+def _toward(above_bin: ToolPose, context: RobotContext, end: End) -> Pose:
     """Return the tip's pose over the bin, pointing as it does in its channel."""
-    feed = station.book.feed
+    feed = context.belief.feed
     assert feed is not None, "the wire is live"
     out = feed.direction if end is End.B else -feed.direction
     return Pose.level(above_bin.x, above_bin.y, above_bin.z, out * math.pi / 2)
 
 
-def _drop(station: Station, above_bin: ToolPose) -> Steps[None]:
+def _drop(context: RobotContext, above_bin: ToolPose) -> Steps[None]:
     """Carry the wire in the hand over the bin, and open."""
-    station.report("carrying the wire to the scrap bin", 0.7)
-    free, now = station.force, station.commanded
-    station.lower_fork()
-    yield from rise(station, above_bin.z)
-    yaw = nearest_hand_yaw(station.arm, above_bin.x, above_bin.y, now.yaw, now.yaw)
-    over = ToolPose(above_bin.x, above_bin.y, station.commanded.z, yaw)
-    yield from carry(station, over, CARRY_SPEED, free, MAX_PULL_N)
-    check_grip(station)
-    station.report("dropping the wire", 0.95)
-    station.drive_fingers(HAND_OPEN_M)
-    yield from wait(station, OPENING_S)
-    station.discard()
+    context.report("carrying the wire to the scrap bin", 0.7)
+    free, now = context.force, context.commanded
+    context.lower_fork()
+    yield from rise(context, above_bin.z)
+    yaw = nearest_hand_yaw(context.arm, above_bin.x, above_bin.y, now.yaw, near=now.yaw)
+    over = ToolPose(above_bin.x, above_bin.y, context.commanded.z, yaw)
+    yield from carry(context, over, CARRY_SPEED, free, most=MAX_PULL_N)
+    check_grip(context)
+    context.report("dropping the wire", 0.95)
+    context.drive_fingers(HAND_OPEN_M)
+    yield from wait(context, OPENING_S)
+    context.discard()

@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 
 from remodel_sim.abilities.ability import ability
-from remodel_sim.abilities.grasping import FLOOR_CLEARANCE_M, close_on_wire, holds
-from remodel_sim.abilities.motions import (
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.grasping import FLOOR_CLEARANCE_M, close_on_wire, holds
+from remodel_sim.abilities.primitives.laying import lay_down, tip_of
+from remodel_sim.abilities.primitives.motions import (
     APPROACH_SPEED,
     FREE_SPEED,
     HAND_OPEN_M,
@@ -20,23 +22,21 @@ from remodel_sim.abilities.motions import (
     move_to,
     swing_to,
 )
-from remodel_sim.abilities.place_cable import lay_down, tip_of
-from remodel_sim.abilities.pulling_out import pull_out
-from remodel_sim.abilities.pushing import tool_before
-from remodel_sim.abilities.station import Station, Steps
-from remodel_sim.core.arm import ToolPose
-from remodel_sim.core.book import EndState, Grip
+from remodel_sim.abilities.primitives.pulling_out import pull_out
+from remodel_sim.abilities.primitives.pushing import tool_before
+from remodel_sim.core.belief.belief_state import EndState, Grip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.goal_pose import pose_from
 from remodel_sim.core.goals import ExtractGoal
-from remodel_sim.core.panel import End
+from remodel_sim.core.goals.goal_pose import pose_from
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.workpiece.panel import End
 from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M
 from remodel_states.core.codes import Code
 
 # An end that does not come at this force is stuck: the grip holds not much more.
 MAX_PULL_N = 25.0
-# The wire leaves the bore straight only for so far; there it is grasped, the pads clear of the
+# The wire leaves the terminal straight only for so far; there it is grasped, the pads clear of the
 # face.
 OUTSIDE_M = 0.016
 
@@ -56,76 +56,76 @@ class CableExtracted:
 
 def _goal(message: Any) -> ExtractGoal:  # noqa: ANN401 - messages have no types
     return ExtractGoal(
-        message.robot_name,
-        message.cable_id,
-        message.component_id,
-        message.terminal_id,
-        pose_from("socket_pose", message.socket_pose),
+        robot_name=message.robot_name,
+        cable_id=message.cable_id,
+        component_id=message.component_id,
+        terminal_id=message.terminal_id,
+        socket=pose_from("socket_pose", message.socket_pose),
     )
 
 
 @ability("ExtractCable", _goal)
-def extract_cable(station: Station, goal: ExtractGoal) -> Steps[CableExtracted]:
+def extract_cable(context: RobotContext, goal: ExtractGoal) -> Steps[CableExtracted]:
     """Bring the wire back to where its end lies loose in the channel, from wherever it is."""
-    book = station.book
-    station.make_live(goal.cable_id)
-    end = _end_at(station, goal)
+    belief = context.belief
+    context.make_live(goal.cable_id)
+    end = _end_at(context, goal)
     where = f"'{goal.component_id}/{goal.terminal_id}'"
-    if book.grip is not None and not holds(station):
-        book.grip = None  # it slipped out; the end may sit in the bore
-    in_mouth = book.engaged is not None or book.ends[end] is not EndState.LOOSE
-    station.report(f"opening {where}", 0.05)
-    station.open_clamp(goal.component_id, goal.terminal_id)
-    if book.grip is None and in_mouth:
-        in_mouth = yield from _regrasp(station, end, goal)
-    if book.grip is None and not in_mouth:
-        station.report("clearing the hand", 0.5)
-        yield from clear_hand(station)
-        book.engaged = None
-        book.loosen(end)
+    if belief.grip is not None and not holds(context):
+        belief.grip = None  # it slipped out; the end may sit in the terminal
+    in_opening = belief.engaged is not None or belief.ends[end] is not EndState.LOOSE
+    context.report(f"opening {where}", 0.05)
+    context.open_clamp(goal.component_id, goal.terminal_id)
+    if belief.grip is None and in_opening:
+        in_opening = yield from _regrasp(context, end, goal)
+    if belief.grip is None and not in_opening:
+        context.report("clearing the hand", 0.5)
+        yield from clear_hand(context)
+        belief.engaged = None
+        belief.loosen(end)
         return CableExtracted(f"nothing to pull out of {where}: end {end.value} lies loose", 0.0)
     peak = 0.0
-    if book.engaged is not None:
-        station.report(f"pulling end {end.value} out of {where}", 0.4)
-        peak = yield from _pull_out(station, book.engaged, where)
-    book.loosen(end)
-    if book.grip is not None:
-        target = where_it_lay(station, book.grip, book.picked_at[end])
-        yield from lay_down(station, target, (0.6, 1.0))
+    if belief.engaged is not None:
+        context.report(f"pulling end {end.value} out of {where}", 0.4)
+        peak = yield from _pull_out(context, belief.engaged, where)
+    belief.loosen(end)
+    if belief.grip is not None:
+        target = where_it_lay(context, belief.grip, belief.picked_at[end])
+        yield from lay_down(context, target, (0.6, 1.0))
     return CableExtracted(f"end {end.value} of {goal.cable_id} out of {where}, laid down", peak)
 
 
-def where_it_lay(station: Station, grip: Grip, back: Grip) -> ToolPose:
+def where_it_lay(context: RobotContext, grip: Grip, back: Grip) -> ToolPose:
     """Return the tool pose that lays the tip down where it lay when it was picked."""
     yaw = back.tool.yaw + back.flip
     x, y = tip_of(back.tool, back) - grip.distance * np.array([math.cos(yaw), math.sin(yaw)])
-    z = max(station.wire.radius - grip.height, PAD_BELOW_TOOL_M + FLOOR_CLEARANCE_M)
+    z = max(context.wire.radius - grip.height, PAD_BELOW_TOOL_M + FLOOR_CLEARANCE_M)
     return ToolPose(float(x), float(y), z, yaw - grip.flip)
 
 
-def _end_at(station: Station, goal: ExtractGoal) -> End:
+def _end_at(context: RobotContext, goal: ExtractGoal) -> End:
     """Return which end is meant.
 
     The one in the hand, the one in that terminal, or the one that belongs there.
     """
-    book = station.book
-    if book.grip is not None:
-        return book.grip.end
-    occupant = book.occupant((goal.component_id, goal.terminal_id))
+    belief = context.belief
+    if belief.grip is not None:
+        return belief.grip.end
+    occupant = belief.occupant((goal.component_id, goal.terminal_id))
     if occupant is not None and occupant[0] == goal.cable_id:
         return occupant[1]
-    belongs = station.wire.goes_to(End.B) == (goal.component_id, goal.terminal_id)
+    belongs = context.wire.goes_to(End.B) == (goal.component_id, goal.terminal_id)
     return End.B if belongs else End.A
 
 
-def _regrasp(station: Station, end: End, goal: ExtractGoal) -> Steps[bool]:
-    """Grasp the wire at the mouth; return whether it is there."""
-    station.report("grasping the wire at the mouth", 0.1)
-    terminal = station.panel.component(goal.component_id).terminal(goal.terminal_id)
-    connector = station.wire.connector_at(end)
+def _regrasp(context: RobotContext, end: End, goal: ExtractGoal) -> Steps[bool]:
+    """Grasp the wire at the opening; return whether it is there."""
+    context.report("grasping the wire at the opening", 0.1)
+    terminal = context.panel.component(goal.component_id).terminal(goal.terminal_id)
+    connector = context.wire.connector_at(end)
     inside = terminal.depth if connector is None else connector.pin_length
     try:
-        yield from _grasp_at_mouth(station, end, goal.socket, inside)
+        yield from _grasp_at_opening(context, end, goal.socket, inside)
     except AbilityError as error:
         if error.code is not Code.GRASP_MISSED:
             raise
@@ -133,34 +133,38 @@ def _regrasp(station: Station, end: End, goal: ExtractGoal) -> Steps[bool]:
     return True
 
 
-def _grasp_at_mouth(station: Station, end: End, socket: Pose, inside: float) -> Steps[None]:
-    """Grasp the wire just outside a mouth; `inside` [m] of it are in the bore."""
-    then = station.book.picked_at[end]
+def _grasp_at_opening(context: RobotContext, end: End, socket: Pose, inside: float) -> Steps[None]:
+    """Grasp the wire just outside an opening; `inside` [m] of it are in the terminal."""
+    then = context.belief.picked_at[end]
     distance = inside + OUTSIDE_M
-    place = tool_before(socket, Grip(end, distance, 0.0, 0.0, then.tool), inside)
+    place = tool_before(
+        socket, Grip(end=end, distance=distance, height=0.0, flip=0.0, tool=then.tool), inside
+    )
     flip = choose_flip(
-        station.arm,
+        context.arm,
         (place.x, place.y),
         socket.yaw,
         (then.tool.x, then.tool.y),
-        then.tool.yaw + then.flip,
+        then_tip_yaw=then.tool.yaw + then.flip,
     )
     tool = ToolPose(place.x, place.y, place.z, socket.yaw - flip)
-    yield from clear_hand(station)
-    yield from swing_to(station, tool.at(z=max(TRAVEL_Z, station.commanded.z)))
-    station.drive_fingers(HAND_OPEN_M)
-    yield from move_to(station, tool.at(z=tool.z + 0.03), FREE_SPEED)
-    yield from move_to(station, tool, APPROACH_SPEED)
-    picked = station.book.picked_at[end]
-    yield from close_on_wire(station, Grip(end, distance, 0.0, flip, tool))
-    station.book.picked_at[end] = picked
-    station.book.engaged = socket
+    yield from clear_hand(context)
+    yield from swing_to(context, tool.at(z=max(TRAVEL_Z, context.commanded.z)))
+    context.drive_fingers(HAND_OPEN_M)
+    yield from move_to(context, tool.at(z=tool.z + 0.03), FREE_SPEED)
+    yield from move_to(context, tool, APPROACH_SPEED)
+    picked = context.belief.picked_at[end]
+    yield from close_on_wire(
+        context, Grip(end=end, distance=distance, height=0.0, flip=flip, tool=tool)
+    )
+    context.belief.picked_at[end] = picked
+    context.belief.engaged = socket
 
 
-def _pull_out(station: Station, socket: Pose, where: str) -> Steps[float]:
-    """Draw the held end out of the mouth; return the peak force [N]."""
+def _pull_out(context: RobotContext, socket: Pose, where: str) -> Steps[float]:
+    """Pull the held end out of the opening; return the peak force [N]."""
     try:
-        return (yield from pull_out(station, socket, MAX_PULL_N))
+        return (yield from pull_out(context, socket, MAX_PULL_N))
     except AbilityError as error:
         if error.code is Code.EXTRACTION_STUCK:
             text = f"the end in {where}: {error}; ask the operator"

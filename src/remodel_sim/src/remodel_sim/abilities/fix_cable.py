@@ -1,4 +1,4 @@
-"""FixCable: close the terminal on the inserted end, prove it by a pull, and let go."""
+"""FixCable: close the terminal on the inserted end, do a pull test, and release it."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from remodel_sim.abilities.ability import ability
-from remodel_sim.abilities.grasping import check_grip, let_go_fixed
-from remodel_sim.abilities.motions import wait
-from remodel_sim.abilities.proving import prove_by_pull
-from remodel_sim.abilities.station import Station, Steps
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.grasping import check_grip, release_fixed
+from remodel_sim.abilities.primitives.motions import wait
+from remodel_sim.abilities.primitives.pull_test import pull_test
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import FixGoal
 from remodel_states.core.codes import Code
@@ -30,38 +30,38 @@ class CableFixed:
 
 def _goal(message: Any) -> FixGoal:  # noqa: ANN401 - messages have no types
     return FixGoal(
-        message.robot_name,
-        message.cable_id,
-        message.component_id,
-        message.terminal_id,
-        message.pull_test_force,
+        robot_name=message.robot_name,
+        cable_id=message.cable_id,
+        component_id=message.component_id,
+        terminal_id=message.terminal_id,
+        pull_test_force=message.pull_test_force,
     )
 
 
 @ability("FixCable", _goal)
-def fix_cable(station: Station, goal: FixGoal) -> Steps[CableFixed]:
+def fix_cable(context: RobotContext, goal: FixGoal) -> Steps[CableFixed]:
     """Close the clamp, pull, open the fingers, and lift the hand off."""
-    book = station.book
+    belief = context.belief
     key = (goal.component_id, goal.terminal_id)
     where = f"'{goal.component_id}/{goal.terminal_id}'"
-    station.report(f"closing {where}", 0.1)
-    end = book.grip.end if book.grip is not None else None
-    closed = station.close_clamp(*key)
-    yield from wait(station, 0.1)
+    context.report(f"closing {where}", 0.1)
+    end = belief.grip.end if belief.grip is not None else None
+    closed = context.close_clamp(*key)
+    yield from wait(context, 0.1)
     if end is None or not closed:
         raise AbilityError(
             Code.NOT_SEATED,
             f"the screw of {where} met nothing: the end is not deep enough; extract, locate "
             "again, insert again",
         )
-    station.report(f"pulling with {goal.pull_test_force:.0f} N", 0.3)
+    context.report(f"pulling with {goal.pull_test_force:.0f} N", 0.3)
     slip = 0.0
     if goal.pull_test_force > 0:
-        nominal = station.panel.panel_from_socket(*key)
-        socket = nominal if book.engaged is None else book.engaged
-        slip = yield from prove_by_pull(station, socket, goal.pull_test_force, where)
-    check_grip(station)
-    yield from let_go_fixed(station, end, key)
+        nominal = context.panel.panel_from_socket(*key)
+        socket = nominal if belief.engaged is None else belief.engaged
+        slip = yield from pull_test(context, socket, goal.pull_test_force, where)
+    check_grip(context)
+    yield from release_fixed(context, end, key)
     message = (
         f"end {end.value} of {goal.cable_id} fixed in {where}, slip {slip * 1e3:.2f} mm at "
         f"{goal.pull_test_force:.0f} N"

@@ -6,22 +6,28 @@ from dataclasses import dataclass
 from typing import Any
 
 from remodel_sim.abilities.ability import ability
-from remodel_sim.abilities.grasping import check_grip, pick_end
-from remodel_sim.abilities.motions import disengage
-from remodel_sim.abilities.pushing import bring_before, judge_bore, judge_depth, push_in
-from remodel_sim.abilities.station import Station, Steps
-from remodel_sim.core.goal_pose import pose_from
-from remodel_sim.core.goals import InsertGoal, parse_end
-from remodel_sim.core.mouths import mouth_of
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.grasping import check_grip, pick_end
+from remodel_sim.abilities.primitives.motions import disengage
+from remodel_sim.abilities.primitives.pushing import (
+    bring_before,
+    judge_alignment,
+    judge_depth,
+    push_in,
+)
+from remodel_sim.core.belief.openings import opening_of
+from remodel_sim.core.goals import InsertGoal
+from remodel_sim.core.goals.goal_pose import pose_from
+from remodel_sim.core.goals.requirements import parse_end
 
 
 @dataclass(frozen=True)
 class CableInserted:
-    """An end at the bottom of a bore.
+    """An end at the bottom of a terminal.
 
     Attributes:
         message: for a person.
-        depth: from the mouth to the tip, by the arm [m].
+        depth: from the opening to the tip, by the arm [m].
         peak_force: largest axial force at the wrist [N].
     """
 
@@ -32,35 +38,35 @@ class CableInserted:
 
 def _goal(message: Any) -> InsertGoal:  # noqa: ANN401 - messages have no types
     return InsertGoal(
-        message.robot_name,
-        message.cable_id,
-        parse_end(message.cable_end),
-        message.component_id,
-        message.terminal_id,
-        pose_from("socket_pose", message.socket_pose),
-        message.force_limit,
+        robot_name=message.robot_name,
+        cable_id=message.cable_id,
+        end=parse_end(message.cable_end),
+        component_id=message.component_id,
+        terminal_id=message.terminal_id,
+        socket=pose_from("socket_pose", message.socket_pose),
+        force_limit=message.force_limit,
     )
 
 
 @ability("InsertCable", _goal)
-def insert_cable(station: Station, goal: InsertGoal) -> Steps[CableInserted]:
-    """Pick the end if the hand is empty, push it into the mouth, judge by travel and force."""
-    yield from disengage(station)
-    if station.book.grip is None:
-        yield from pick_end(station, goal.end, 0.0, goal.socket, (0.0, 0.45))
-    station.report(f"carrying end {goal.end.value} to {goal.component_id}/{goal.terminal_id}", 0.5)
-    yield from bring_before(station, goal.socket)
-    check_grip(station)
-    station.report("pushing", 0.75)
-    station.book.engaged = goal.socket
-    terminal = station.panel.component(goal.component_id).terminal(goal.terminal_id)
-    push = yield from push_in(station, goal.socket, terminal.depth, goal.force_limit)
-    check_grip(station)
+def insert_cable(context: RobotContext, goal: InsertGoal) -> Steps[CableInserted]:
+    """Pick the end if the hand is empty, push it into the opening, judge by travel and force."""
+    yield from disengage(context)
+    if context.belief.grip is None:
+        yield from pick_end(context, goal.end, 0.0, goal.socket, shares=(0.0, 0.45))
+    context.report(f"carrying end {goal.end.value} to {goal.component_id}/{goal.terminal_id}", 0.5)
+    yield from bring_before(context, goal.socket)
+    check_grip(context)
+    context.report("pushing", 0.75)
+    context.belief.engaged = goal.socket
+    terminal = context.panel.component(goal.component_id).terminal(goal.terminal_id)
+    push = yield from push_in(context, goal.socket, terminal.depth, goal.force_limit)
+    check_grip(context)
     key = (goal.component_id, goal.terminal_id)
     where = f"'{goal.component_id}/{goal.terminal_id}'"
-    judge_bore(push, mouth_of(key, station.panel, station.book.seen), terminal, where)
+    judge_alignment(push, opening_of(key, context.panel, context.belief.seen), terminal, where)
     judge_depth(push, terminal.depth, where)
-    station.book.seat(goal.end, key)
+    context.belief.seat(goal.end, key)
     message = (
         f"end {goal.end.value} of {goal.cable_id} seated in "
         f"{goal.component_id}/{goal.terminal_id}, "

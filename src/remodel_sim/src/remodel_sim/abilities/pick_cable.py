@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from remodel_sim.abilities.ability import ability
-from remodel_sim.abilities.grasping import pick_end
-from remodel_sim.abilities.station import Station, Steps
-from remodel_sim.core.arm import ToolPose
-from remodel_sim.core.goals import PickGoal, parse_end
-from remodel_sim.core.layout import WORLD_FROM_PANEL
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.grasping import pick_end
+from remodel_sim.core.goals import PickGoal
+from remodel_sim.core.goals.requirements import parse_end
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 
 
 @dataclass(frozen=True)
@@ -35,10 +36,10 @@ def _goal(message: Any) -> PickGoal:  # noqa: ANN401 - messages have no types
 
 
 @ability("PickCable", _goal)
-def pick_cable(station: Station, goal: PickGoal) -> Steps[CablePicked]:
+def pick_cable(context: RobotContext, goal: PickGoal) -> Steps[CablePicked]:
     """Find the end, grasp it so that the hand can insert it where it belongs, and lift it."""
-    socket = WORLD_FROM_PANEL @ station.panel.panel_from_socket(*station.wire.goes_to(goal.end))
-    yield from pick_end(station, goal.end, goal.grasp_distance, socket, (0.0, 1.0))
-    gap = station.finger_gap
+    socket = WORLD_FROM_PANEL @ context.panel.panel_from_socket(*context.wire.goes_to(goal.end))
+    yield from pick_end(context, goal.end, goal.grasp_distance, socket, shares=(0.0, 1.0))
+    gap = context.finger_gap
     message = f"end {goal.end.value} of {goal.cable_id} held, {gap * 1e3:.1f} mm between the pads"
-    return CablePicked(message, station.book.picked_at[goal.end].tool, gap)
+    return CablePicked(message, context.belief.picked_at[goal.end].tool, gap)

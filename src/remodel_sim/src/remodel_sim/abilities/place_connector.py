@@ -1,4 +1,4 @@
-"""PlaceConnector: push a connector into its header until it latches, prove it, and let go."""
+"""PlaceConnector: push a connector into its header until it latches, then do a pull test."""
 
 from __future__ import annotations
 
@@ -6,30 +6,30 @@ from dataclasses import dataclass
 from typing import Any
 
 from remodel_sim.abilities.ability import ability
-from remodel_sim.abilities.grasping import check_grip, let_go_fixed, pick_end
-from remodel_sim.abilities.motions import disengage
-from remodel_sim.abilities.proving import prove_by_pull
-from remodel_sim.abilities.pushing import (
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.grasping import check_grip, pick_end, release_fixed
+from remodel_sim.abilities.primitives.motions import disengage
+from remodel_sim.abilities.primitives.pull_test import pull_test
+from remodel_sim.abilities.primitives.pushing import (
     CONNECTOR,
     Push,
     bring_before,
-    judge_bore,
+    judge_alignment,
     judge_depth,
     push_in,
 )
-from remodel_sim.abilities.station import Station, Steps
+from remodel_sim.core.belief.openings import opening_of
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.goal_pose import pose_from
 from remodel_sim.core.goals import ConnectGoal
-from remodel_sim.core.mouths import mouth_of
+from remodel_sim.core.goals.goal_pose import pose_from
 from remodel_states.core.codes import Code
 
 # Resistance so far before the pins are in whole is not the body's on the header's face: a connector
 # bends less than a wire.
 SHORT_OF_FACE_M = 0.0015
 # A latch holds more; pins without one hold some newtons by friction.
-PROOF_N = 10.0
+PULL_TEST_N = 10.0
 
 
 @dataclass(frozen=True)
@@ -49,41 +49,41 @@ class ConnectorPlaced:
 
 def _goal(message: Any) -> ConnectGoal:  # noqa: ANN401 - messages have no types
     return ConnectGoal(
-        message.robot_name,
-        message.connector_id,
-        message.cable_id,
-        message.component_id,
-        message.terminal_id,
-        pose_from("socket_pose", message.socket_pose),
-        message.force_limit,
+        robot_name=message.robot_name,
+        connector_id=message.connector_id,
+        cable_id=message.cable_id,
+        component_id=message.component_id,
+        terminal_id=message.terminal_id,
+        socket=pose_from("socket_pose", message.socket_pose),
+        force_limit=message.force_limit,
     )
 
 
 @ability("PlaceConnector", _goal)
-def place_connector(station: Station, goal: ConnectGoal) -> Steps[ConnectorPlaced]:
-    """Pick the connector if the hand is empty, push, judge by travel and force, pull, let go."""
-    book = station.book
-    connector = station.wire.connector(goal.connector_id)
+def place_connector(context: RobotContext, goal: ConnectGoal) -> Steps[ConnectorPlaced]:
+    """Pick the connector if the hand is empty, push, judge by travel and force, pull, release."""
+    belief = context.belief
+    connector = context.wire.connector(goal.connector_id)
     key = (goal.component_id, goal.terminal_id)
     where = f"'{goal.component_id}/{goal.terminal_id}'"
-    yield from disengage(station)
-    if book.grip is None:
-        yield from pick_end(station, connector.end, 0.0, goal.socket, (0.0, 0.45))
-    station.report(f"carrying {connector.id} to {where}", 0.5)
-    yield from bring_before(station, goal.socket)
-    check_grip(station)
-    station.report("pushing", 0.75)
-    book.engaged = goal.socket
+    yield from disengage(context)
+    if belief.grip is None:
+        yield from pick_end(context, connector.end, 0.0, goal.socket, shares=(0.0, 0.45))
+    context.report(f"carrying {connector.id} to {where}", 0.5)
+    yield from bring_before(context, goal.socket)
+    check_grip(context)
+    context.report("pushing", 0.75)
+    belief.engaged = goal.socket
     bottom, limit = connector.pin_length, goal.force_limit
-    push = yield from push_in(station, goal.socket, bottom, limit, CONNECTOR)
-    check_grip(station)
-    header = station.panel.component(goal.component_id).terminal(goal.terminal_id)
-    judge_bore(push, mouth_of(key, station.panel, book.seen), header, where)
+    push = yield from push_in(context, goal.socket, bottom, limit, manner=CONNECTOR)
+    check_grip(context)
+    header = context.panel.component(goal.component_id).terminal(goal.terminal_id)
+    judge_alignment(push, opening_of(key, context.panel, belief.seen), header, where)
     judge_depth(push, bottom, where, SHORT_OF_FACE_M)
-    station.report(f"pulling with {PROOF_N:.0f} N", 0.9)
-    yield from _prove_latched(station, goal.socket, push, where)
-    check_grip(station)
-    yield from let_go_fixed(station, connector.end, key)
+    context.report(f"pulling with {PULL_TEST_N:.0f} N", 0.9)
+    yield from _check_latched(context, goal.socket, push, where)
+    check_grip(context)
+    yield from release_fixed(context, connector.end, key)
     message = (
         f"{connector.id} of {goal.cable_id} latched in {goal.component_id}/{goal.terminal_id}, "
         f"{push.depth * 1e3:.1f} mm deep, {push.peak_force:.1f} N"
@@ -91,17 +91,17 @@ def place_connector(station: Station, goal: ConnectGoal) -> Steps[ConnectorPlace
     return ConnectorPlaced(message, push.depth, push.peak_force)
 
 
-def _prove_latched(station: Station, socket: Pose, push: Push, where: str) -> Steps[None]:
+def _check_latched(context: RobotContext, socket: Pose, push: Push, where: str) -> Steps[None]:
     """Pull; raises INSUFFICIENT_FORCE when the connector comes out again."""
     try:
-        yield from prove_by_pull(station, socket, PROOF_N, where)
+        yield from pull_test(context, socket, PULL_TEST_N, where)
     except AbilityError as error:
         if error.code is not Code.PULLED_OUT:
             raise
         raise AbilityError(
             Code.INSUFFICIENT_FORCE,
             f"the connector was pressed home in {where} with {push.peak_force:.1f} N and did not "
-            f"latch: it came out at less than {PROOF_N:.0f} N; place it again with a higher force "
-            "limit",
+            f"latch: it came out at less than {PULL_TEST_N:.0f} N; place it again with a higher "
+            "force limit",
             **push.readings,
         ) from error

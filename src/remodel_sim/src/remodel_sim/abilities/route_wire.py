@@ -8,26 +8,26 @@ from typing import Any
 import numpy as np
 
 from remodel_sim.abilities.ability import ability
-from remodel_sim.abilities.carrying import carry
-from remodel_sim.abilities.clipping import lay_into, press_from_above
-from remodel_sim.abilities.course_check import (
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.carrying import carry
+from remodel_sim.abilities.primitives.clipping import lay_into, press_from_above
+from remodel_sim.abilities.primitives.grasping import check_grip
+from remodel_sim.abilities.primitives.laying import lay_down
+from remodel_sim.abilities.primitives.motions import CARRY_SPEED, disengage, held_tool
+from remodel_sim.abilities.primitives.route_check import (
     check_ducts,
     clip_fault,
     judge_clips,
-    look_at_course,
+    observe_route,
 )
-from remodel_sim.abilities.grasping import check_grip
-from remodel_sim.abilities.motions import CARRY_SPEED, disengage, held_tool
-from remodel_sim.abilities.place_cable import lay_down
-from remodel_sim.abilities.station import Station, Steps
-from remodel_sim.core.book import Grip
-from remodel_sim.core.course import clips_along, world_from_clip
+from remodel_sim.core.belief.belief_state import Grip
+from remodel_sim.core.belief.openings import opening_of
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.goal_pose import pose_from
 from remodel_sim.core.goals import RouteGoal
-from remodel_sim.core.mouths import mouth_of
-from remodel_sim.core.panel import Clip
+from remodel_sim.core.goals.goal_pose import pose_from
+from remodel_sim.core.workpiece.panel import Clip
+from remodel_sim.core.workpiece.routes import clips_along, world_from_clip
 from remodel_states.core.codes import Code
 
 # A wire that is seen to stand off its clips is pressed in again so often.
@@ -56,21 +56,21 @@ def _goal(message: Any) -> RouteGoal:  # noqa: ANN401 - messages have no types
 
 
 @ability("RouteWire", _goal)
-def route_wire(station: Station, goal: RouteGoal) -> Steps[WireRouted]:
+def route_wire(context: RobotContext, goal: RouteGoal) -> Steps[WireRouted]:
     """Go from pose to pose with the end; where the path passes clips, lay the wire into them.
 
     Whether it lies in clips and ducts is seen from above. The end stays in the hand, or lies loose
     when there are clips.
     """
-    yield from disengage(station)
-    clips = clips_along(goal.path, station.panel)
+    yield from disengage(context)
+    clips = clips_along(goal.path, context.panel)
     if clips:
-        yield from _lay_into_all(station, clips)
+        yield from _lay_into_all(context, clips)
     else:
-        yield from _carry_along(station, goal)
+        yield from _carry_along(context, goal)
     count = len(goal.path)
     try:
-        yield from check_ducts(station, goal.path)
+        yield from check_ducts(context, goal.path)
     except AbilityError as error:
         error.found["reached"] = count
         raise
@@ -80,49 +80,49 @@ def route_wire(station: Station, goal: RouteGoal) -> Steps[WireRouted]:
     return WireRouted(f"{goal.cable_id} {done}", count)
 
 
-def _carry_along(station: Station, goal: RouteGoal) -> Steps[None]:
+def _carry_along(context: RobotContext, goal: RouteGoal) -> Steps[None]:
     """Lift to the first pose's height, then go from pose to pose in straight lines."""
-    count, free = len(goal.path), station.force
+    count, free = len(goal.path), context.force
     for i, pose in enumerate(goal.path):
-        station.report(f"carrying the wire to pose {i + 1} of {count}", 0.95 * i / count)
-        tool = held_tool(station, pose)
+        context.report(f"carrying the wire to pose {i + 1} of {count}", 0.95 * i / count)
+        tool = held_tool(context, pose)
         try:
-            if i == 0 and tool.z > station.commanded.z:
-                yield from carry(station, station.commanded.at(z=tool.z), CARRY_SPEED, free)
-            yield from carry(station, tool, CARRY_SPEED, free)
-            check_grip(station)
+            if i == 0 and tool.z > context.commanded.z:
+                yield from carry(context, context.commanded.at(z=tool.z), CARRY_SPEED, free)
+            yield from carry(context, tool, CARRY_SPEED, free)
+            check_grip(context)
         except AbilityError as error:
             error.found["reached"] = i
             raise
 
 
-def _lay_into_all(station: Station, clips: tuple[Clip, ...]) -> Steps[None]:
+def _lay_into_all(context: RobotContext, clips: tuple[Clip, ...]) -> Steps[None]:
     """Lay the end down where it was picked, and the wire into its clips, one by one."""
-    grip = station.book.grip
+    grip = context.belief.grip
     if grip is None:
         raise AbilityError(Code.NOTHING_HELD, "the gripper is empty; pick the wire first")
-    held_at = _held_at(station, grip)
-    yield from lay_down(station, station.book.picked_at[grip.end].tool, (0.0, 0.05), fork=False)
+    held_at = _held_at(context, grip)
+    yield from lay_down(context, context.belief.picked_at[grip.end].tool, (0.0, 0.05), fork=False)
     for i, clip in enumerate(clips):
-        station.report(f"laying the wire into clip {clip.id}", 0.05 + 0.8 * i / len(clips))
-        yield from lay_into(station, clip, held_at)
+        context.report(f"laying the wire into clip {clip.id}", 0.05 + 0.8 * i / len(clips))
+        yield from lay_into(context, clip, held_at)
         held_at = world_from_clip(clip).apply(np.array([0.0, 0.0, clip.height]))
-        station.book.in_clips.append(held_at)
-    station.report("looking at the clips from above", 0.85)
-    seen = yield from look_at_course(station)
+        context.belief.in_clips.append(held_at)
+    context.report("observing the clips from above", 0.85)
+    seen = yield from observe_route(context)
     for _ in range(PRESSES):
         standing_off = [clip for clip in clips if clip_fault(clip, seen)]
         if not standing_off:
             break
         for clip in standing_off:
-            yield from press_from_above(station, clip)
-        seen = yield from look_at_course(station)
-    judge_clips(station, clips, seen)
+            yield from press_from_above(context, clip)
+        seen = yield from observe_route(context)
+    judge_clips(context, clips, seen)
 
 
-def _held_at(station: Station, grip: Grip) -> Array:
+def _held_at(context: RobotContext, grip: Grip) -> Array:
     """Return where the wire is held nearest to the held end, (3,) [m], world frame."""
-    if station.book.in_clips:
-        return station.book.in_clips[-1]
-    terminal = station.wire.goes_to(grip.end.other)
-    return mouth_of(terminal, station.panel, station.book.seen).position
+    if context.belief.in_clips:
+        return context.belief.in_clips[-1]
+    terminal = context.wire.goes_to(grip.end.other)
+    return opening_of(terminal, context.panel, context.belief.seen).position

@@ -1,7 +1,7 @@
 """Detect the cables in a picture.
 
-Prints what was found, for people or as JSON, and draws it. The exit code is 0 for an answer to rely
-on, 1 for one with doubts, which are told, and 2 when a file cannot be read or written.
+Prints what was found, for people or as JSON, and draws it. The exit code is 0 for a reliable
+result, 1 for one with warnings, which it prints, and 2 when a file cannot be read or written.
 """
 
 from __future__ import annotations
@@ -108,4 +108,4 @@ def as_text(found: Detection) -> str:
         f"confidence {c.confidence:.2f}"
         for c in found.crossings
     ]
-    return "\n".join([*lines, *(f"doubt: {doubt}" for doubt in found.doubts)])
+    return "\n".join([*lines, *(f"doubt: {warning}" for warning in found.doubts)])

@@ -113,7 +113,7 @@ def looking_down(x: float, y: float, z: float, up_yaw: float) -> Pose:
 
 
 def looking_at(eye: Array, target: Array) -> Pose:
-    """Return the optical frame of a level camera at `eye` that looks at `target`, (3,) [m]."""
+    """Return the optical frame of a level camera at `eye` directed at `target`, (3,) [m]."""
     forward = (target - eye) / np.linalg.norm(target - eye)
     right = np.cross(forward, [0.0, 0.0, 1.0])
     right /= np.linalg.norm(right)

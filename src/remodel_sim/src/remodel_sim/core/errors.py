@@ -1,4 +1,4 @@
-"""What goes wrong in the cell."""
+"""Errors of the cell."""
 
 from typing import Any
 
@@ -57,15 +57,15 @@ class FilmError(CellError):
 
 
 class MemoryFileError(CellError):
-    """What a cell has kept of its world cannot be read or written."""
+    """The memory of a cell cannot be read or written."""
 
 
 class PictureFileError(CellError):
-    """A file is no picture, or not all of one."""
+    """A file is no picture, or is truncated."""
 
 
 class CellFileError(CellError):
-    """A cell's file cannot be read or makes no sense.
+    """A cell's file cannot be read or is invalid.
 
     Attributes:
         problems: every problem found: its place in the file, what was found, what is allowed.

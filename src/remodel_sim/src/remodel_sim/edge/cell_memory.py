@@ -1,4 +1,4 @@
-"""What a cell that is killed finds again: placed wires, as a real one does, its owner, the time.
+"""What a cell restores after a restart: placed wires, as a real one does, its owner, the time.
 
 The live wire is not among it: who handled it is dead, and the feeder presents a new one.
 """
@@ -13,9 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
+from remodel_sim.core.belief.placed_wires import ParkedWire, PlacedWires
 from remodel_sim.core.errors import MemoryFileError
-from remodel_sim.core.panel import End, Panel
-from remodel_sim.core.placed_wires import ParkedWire, PlacedWires
+from remodel_sim.core.workpiece.panel import End, Panel
 
 _TIME = struct.Struct("<d")
 
@@ -140,5 +140,5 @@ class CellMemory:
 
 
 def _mark(panel: Panel) -> str:
-    """Return what tells a panel from others: all that its message says."""
+    """Return a hash of all fields of a panel: no two panels share it."""
     return hashlib.sha256(repr(panel).encode()).hexdigest()

@@ -8,7 +8,7 @@ import rospkg
 import yaml
 
 from remodel_sim.core.errors import MaterialError
-from remodel_sim.core.wire_materials import WireMaterials, materials_from
+from remodel_sim.core.workpiece.wire_materials import WireMaterials, materials_from
 
 
 def read_wire_materials(path: Path | None = None) -> WireMaterials:

@@ -31,7 +31,7 @@ def take(
     """Take a picture as a camera of the cell would: diffuse light, blur and noise.
 
     Args:
-        world: what is looked at.
+        world: what the camera sees.
         view: of the camera, as the cell believes.
         noise: of the sensor.
         depth: whether it measures depth too.

@@ -7,23 +7,23 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from remodel_sim.core.cable import discretise
-from remodel_sim.core.component_shape import Box
-from remodel_sim.core.connector_shape import connector_solids
-from remodel_sim.core.feeding import Feeder, Laying, plan_laying
+from remodel_sim.core.cell.feeding import Feeder, Laying, plan_laying
 from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.panel import Channel, Panel, Wire
-from remodel_sim.physics.cable import Cable
+from remodel_sim.core.workpiece.component_shape import Box
+from remodel_sim.core.workpiece.connector_shape import connector_solids
+from remodel_sim.core.workpiece.panel import Channel, Panel, Wire
+from remodel_sim.core.workpiece.wire_mechanics import discretise
 from remodel_sim.physics.static_body import add_static
+from remodel_sim.physics.wires.cable import Cable
 from remodel_sim.physics.world import World
 
 FORK_RGB = (0.16, 0.45, 0.30)
-SETTLE_S = 0.3
+REST_S = 0.3
 # A wire is at rest when no node moves faster than this [m/s]; it is waited for so long [s].
 REST_M_S = 0.002
 CHECK_S = 0.1
-PATIENCE_S = 3.0
-# Laid this far above what lies in the channel, the wire settles without a push [m].
+WAIT_LIMIT_S = 3.0
+# Laid this far above what lies in the channel, the wire comes to rest without a push [m].
 DROP_M = 2e-4
 # What is parked so near to the line counts; and the thickest wire's radius, for the wires below.
 BESIDE_M = 0.010
@@ -40,12 +40,12 @@ def lay(
     parked: Iterable[Array],
     noise: np.random.Generator,
 ) -> tuple[Cable, Laying, int]:
-    """Set the fork, lay a wire onto what is parked, nodes (n, 3) [m], and let it settle.
+    """Set the fork, lay a wire onto what is parked, nodes (n, 3) [m], and let it come to rest.
 
     Return the wire, where it lies, and the fork's body.
     """
     model = discretise(wire, world.time_step)
-    laying = plan_laying(feeder, panel, wire, channel, len(model.lengths) - 1, noise)
+    laying = plan_laying(feeder, panel, wire, channel, joints=len(model.lengths) - 1, noise=noise)
     fork = _make_fork(world, feeder, wire, laying)
     connectors = {c.end: connector_solids(wire, c) for c in wire.connectors}
     cable = Cable(world, model, wire.colour, connectors)
@@ -53,10 +53,10 @@ def lay(
     cable.lay(np.array([*laying.tip_a, 0.0]), yaw, laying.curvature)
     height = _free_height(cable.nodes(), wire, parked)
     cable.lay(np.array([*laying.tip_a, height + DROP_M]), yaw, laying.curvature)
-    for _ in range(round(SETTLE_S / world.time_step)):
+    for _ in range(round(REST_S / world.time_step)):
         world.step()
     if height > wire.radius:
-        _settle(world, cable)
+        _come_to_rest(world, cable)
     return cable, laying, fork
 
 
@@ -78,10 +78,10 @@ def _dense(nodes: Array) -> Array:
     return (nodes[:-1, None] + shares * np.diff(nodes, axis=0)[:, None]).reshape(-1, 3)
 
 
-def _settle(world: World, cable: Cable) -> None:
+def _come_to_rest(world: World, cable: Cable) -> None:
     """Step until a wire that fell from a height is at rest."""
     before = cable.nodes()
-    for _ in range(math.ceil(PATIENCE_S / CHECK_S)):
+    for _ in range(math.ceil(WAIT_LIMIT_S / CHECK_S)):
         for _ in range(round(CHECK_S / world.time_step)):
             world.step()
         now = cable.nodes()

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from remodel_sim.core.cable import discretise
-from remodel_sim.core.connector_shape import connector_solids
+from remodel_sim.core.belief.placed_wires import ParkedWire
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.panel import Connector, End, Wire
-from remodel_sim.core.placed_wires import ParkedWire
-from remodel_sim.physics.cable import Cable
-from remodel_sim.physics.clamps import Clamp
-from remodel_sim.physics.latches import Header, Latch
+from remodel_sim.core.workpiece.connector_shape import connector_solids
+from remodel_sim.core.workpiece.panel import Connector, End, Wire
+from remodel_sim.core.workpiece.wire_mechanics import discretise
+from remodel_sim.physics.fixtures.clamps import Clamp
+from remodel_sim.physics.fixtures.latches import Header, Latch
+from remodel_sim.physics.wires.cable import Cable
 from remodel_sim.physics.world import World
 
 
@@ -38,9 +38,9 @@ class LiveWire:
     def watch_headers(
         self, world: World, headers_of: Callable[[Connector], Sequence[Header]]
     ) -> None:
-        """Let the headers that the wire's connectors fit into latch."""
+        """Monitor the headers that the wire's connectors fit into, so that they latch."""
         self.latches = tuple(
-            Latch(world, self.cable, connector, headers_of(connector), self.clamps)
+            Latch(world, self.cable, connector, headers_of(connector), clamps=self.clamps)
             for connector in self.wire.connectors
         )
 

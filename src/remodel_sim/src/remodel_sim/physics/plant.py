@@ -1,6 +1,6 @@
 """The physical cell.
 
-Everything that has mass, light or force. Abilities reach it only through the station.
+Everything that has mass, light or force. Abilities reach it only through the robot context.
 """
 
 from __future__ import annotations
@@ -13,33 +13,33 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from remodel_sim.core.arm import ToolPose
-from remodel_sim.core.cable import discretise
+from remodel_sim.core.belief.openings import TerminalKey
+from remodel_sim.core.belief.placed_wires import ParkedWire
 from remodel_sim.core.camera import Picture, View
-from remodel_sim.core.cell_design import CellDesign, WristCamera
-from remodel_sim.core.component_shape import Box
+from remodel_sim.core.cell.cell_design import CellDesign, WristCamera
+from remodel_sim.core.cell.faults import Disturbances, Stray, check_fault
+from remodel_sim.core.cell.feeding import Laying
 from remodel_sim.core.errors import FaultError, PanelError
-from remodel_sim.core.faults import Disturbances, Stray, check_fault
-from remodel_sim.core.feeding import Laying
 from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.layout import WORLD_FROM_PANEL, find_problems
-from remodel_sim.core.mouths import TerminalKey
-from remodel_sim.core.panel import Connector, End, Panel, Wire
-from remodel_sim.core.placed_wires import ParkedWire
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.workpiece.component_shape import Box
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL, find_problems
+from remodel_sim.core.workpiece.panel import Connector, End, Panel, Wire
+from remodel_sim.core.workpiece.wire_mechanics import discretise
 from remodel_sim.physics import cameras
-from remodel_sim.physics.cable import Cable
-from remodel_sim.physics.clamps import close_clamp
 from remodel_sim.physics.feeder import lay
-from remodel_sim.physics.latches import Header
+from remodel_sim.physics.fixtures.clamps import close_clamp
+from remodel_sim.physics.fixtures.latches import Header
+from remodel_sim.physics.fixtures.panel_scene import PanelScene
 from remodel_sim.physics.live_wire import LiveWire, bent_cable
-from remodel_sim.physics.panel_scene import PanelScene
-from remodel_sim.physics.parked_wire import add_solid, draw_parked
 from remodel_sim.physics.robot import Robot
 from remodel_sim.physics.static_body import add_static
+from remodel_sim.physics.wires.cable import Cable
+from remodel_sim.physics.wires.parked_wire import add_solid, draw_parked
 from remodel_sim.physics.world import World
 
 FILM_WIDTH_PX = 640
-# A piece of cable that somebody left, and how far above the plate it falls from.
+# A piece of cable that was left behind, and how far above the plate it falls from.
 STRAY_LENGTH_M = 0.12
 STRAY_DROP_M = 0.02
 STRAY_COLOUR = "GY"
@@ -48,12 +48,12 @@ REVIVED_S = 0.3
 # Where the fork is out of everything's way [m].
 FORK_DOWN_M = -0.1
 PLUG_RGB = (0.5, 0.1, 0.1)
-# A plug begins this deep in the bore.
+# A plug begins this deep in the opening.
 PLUG_FROM_M = 0.005
 
 
 class Plant:
-    """The world of one cell. Everything random comes from the seed and the order of what is asked.
+    """The world of one cell. Everything random follows from the seed and the order of requests.
 
     Attributes:
         design: of the cell.
@@ -86,7 +86,7 @@ class Plant:
         self.load(panel)
 
     def load(self, panel: Panel) -> None:
-        """Build a panel from nothing.
+        """Build a panel without wires.
 
         Raises PanelError and changes nothing when it breaks the rules.
         """
@@ -154,7 +154,13 @@ class Plant:
         self._build(tools)
         lying = [other.nodes for other in self.parked.values()] if self._solid_parked else []
         cable, laying, self._fork = lay(
-            self.world, self.design.feeder, self.panel, wire, channel, lying, self._noise
+            self.world,
+            self.design.feeder,
+            self.panel,
+            wire,
+            channel=channel,
+            parked=lying,
+            noise=self._noise,
         )
         self.live = LiveWire(wire, cable)
         self.live.watch_headers(self.world, self._headers)
@@ -246,7 +252,9 @@ class Plant:
         terminal = self.panel.component(component_id).terminal(terminal_id)
         socket = self.world_from_socket(component_id, terminal_id)
         housing = self._scene.body_of(component_id)
-        clamp = close_clamp(self.world, self.live.cable, terminal, housing, socket)
+        clamp = close_clamp(
+            self.world, self.live.cable, terminal, housing, world_from_socket=socket
+        )
         if clamp is None:
             return False
         tips = {end: self.live.cable.tip(end)[0] for end in End}
@@ -266,7 +274,7 @@ class Plant:
                 del self.live.clamps[end]
 
     def world_from_socket(self, component_id: str, terminal_id: str) -> Pose:
-        """Return where a mouth really is."""
+        """Return where an opening really is."""
         terminal = self.panel.component(component_id).terminal(terminal_id)
         return self._poses[component_id] @ terminal.component_from_socket
 
@@ -337,14 +345,14 @@ class Plant:
         cable.lay(tip, middle.yaw, np.zeros(len(cable.model.spans)))
 
     def block_socket(self, component_id: str, terminal_id: str) -> None:
-        """Push a plug into a bore, of a header the first; it leaves the first millimetres free."""
+        """Push a plug into an opening, of a header the first; the first millimetres stay free."""
         self.panel.component(component_id).terminal(terminal_id)
         if (component_id, terminal_id) not in self._blocked:
             self._blocked.add((component_id, terminal_id))
             self._add_plug(component_id, terminal_id)
 
     def clear_socket(self, component_id: str, terminal_id: str) -> None:
-        """Take the plug out of a bore."""
+        """Take the plug out of an opening."""
         self.panel.component(component_id).terminal(terminal_id)
         if (component_id, terminal_id) in self._blocked:
             self._blocked.remove((component_id, terminal_id))
@@ -359,18 +367,18 @@ class Plant:
         pose = self.world_from_socket(component_id, terminal_id) @ first_bore
         self._plugs[component_id, terminal_id] = add_static(self.world.bullet, [plug], pose)
 
-    def look_overhead(self) -> Picture:
+    def take_overhead_picture(self) -> Picture:
         """Take a colour and depth picture of the whole plate."""
-        return self._look("overhead", self.design.overhead, depth=True)
+        return self._take_picture("overhead", self.design.overhead, depth=True)
 
-    def look_wrist(self, robot: str) -> Picture:
+    def take_wrist_picture(self, robot: str) -> Picture:
         """Take a colour picture from a robot's hand."""
-        return self._look(self._camera(robot).name, self.wrist_view(robot), depth=False)
+        return self._take_picture(self._camera(robot).name, self.wrist_view(robot), depth=False)
 
     def _camera(self, robot: str) -> WristCamera:
         return next(design.camera for design in self.design.robots if design.name == robot)
 
-    def _look(self, camera: str, believed: View, *, depth: bool) -> Picture:
+    def _take_picture(self, camera: str, believed: View, *, depth: bool) -> Picture:
         shift = self._disturbances.shifts.get(camera)
         seen_from = None if shift is None else believed.world_from_camera @ shift
         return cameras.take(

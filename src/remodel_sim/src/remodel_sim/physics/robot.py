@@ -1,4 +1,4 @@
-"""The arm in the world: drives joints and fingers, and reads what a real arm's sensors tell."""
+"""The arm in the world: drives joints and fingers, and reads what a real arm's sensors measure."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from remodel_sim.core.arm import PANDA_AT_ORIGIN, Arm, ToolPose
-from remodel_sim.core.cell_design import Gripper
+from remodel_sim.core.cell.cell_design import Gripper
 from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN, Arm, ToolPose
 from remodel_sim.physics.robot_description import (
     CAMERA_MOUNT,
     FINGERS,

@@ -6,8 +6,8 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from remodel_sim.core.component_shape import Box
 from remodel_sim.core.geometry import Pose
+from remodel_sim.core.workpiece.component_shape import Box
 
 
 def add_static(bullet, boxes: Iterable[Box], pose: Pose) -> int:  # noqa: ANN001

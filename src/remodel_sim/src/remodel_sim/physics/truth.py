@@ -1,4 +1,4 @@
-"""Where the wires really are. Only tests, reports and scores may ask."""
+"""Ground truth: where the wires really are. Only tests, reports and scores use it."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remodel_sim.core.course import world_from_clip
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.panel import Clip, End
+from remodel_sim.core.workpiece.panel import Clip, End
+from remodel_sim.core.workpiece.routes import world_from_clip
 from remodel_sim.physics.plant import Plant
 
 # A tip that is so near to the bottom sits at it; InsertCable judges by the same distance. The
@@ -23,8 +23,8 @@ class EndTruth:
     """One end of a wire.
 
     Attributes:
-        at: "component/terminal" whose bore holds it; empty: none.
-        depth: of the tip in that bore [m].
+        at: "component/terminal" whose opening holds it; empty: none.
+        depth: of the tip in that opening [m].
         fixed: whether that clamp is closed on it.
         seated: whether it sits at the bottom of its own terminal.
     """
@@ -60,8 +60,8 @@ def ground_truth(plant: Plant, wire_ids: list[str]) -> list[WireTruth]:
             nodes, fixed = parked.nodes, parked.fixed
         else:
             continue
-        a = _end_truth(plant, wire_id, End.A, nodes[0], fixed)
-        b = _end_truth(plant, wire_id, End.B, nodes[-1], fixed)
+        a = _end_truth(plant, wire_id, End.A, nodes[0], fixed=fixed)
+        b = _end_truth(plant, wire_id, End.B, nodes[-1], fixed=fixed)
         truths.append(WireTruth(wire_id, a, b))
     return truths
 

@@ -42,7 +42,7 @@ class World:
         self.clear()
 
     def clear(self) -> None:
-        """Remove every body and start counting steps anew."""
+        """Remove every body and restart the count of steps."""
         self.bullet.resetSimulation()
         self.bullet.setGravity(0, 0, -GRAVITY / MASS_SCALE)
         self.bullet.setPhysicsEngineParameter(
@@ -60,7 +60,7 @@ class World:
         self._before_step.append(action)
 
     def remove_before_step(self, action: Callable[[], None]) -> None:
-        """Call `action` no more."""
+        """Stop calling `action`."""
         self._before_step.remove(action)
 
     def step(self) -> None:

@@ -8,9 +8,10 @@ from functools import partial
 from genpy import Message
 
 from remodel_sim.abilities.ability import CellAbility
-from remodel_sim.abilities.station import Station
+from remodel_sim.abilities.execution.robot_context import RobotContext
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.goals import Goal, require, require_number
+from remodel_sim.core.goals import Goal
+from remodel_sim.core.goals.requirements import require, require_number
 from remodel_sim.ros.job import Job
 from remodel_sim.ros.owner import Owner
 from remodel_states.ability_server import AbilityServer
@@ -34,19 +35,19 @@ class CellAbilityServer(AbilityServer):
         super().__init__(ability)
 
     def schedule(self, take: Callable[[], None]) -> None:
-        """Have a new goal taken between two ticks."""
+        """Queue a new goal, to be accepted between two ticks."""
         self._owner.post(take)
 
-    def prepare(self, goal: Message) -> tuple[list[Station], Goal]:
+    def prepare(self, goal: Message) -> tuple[list[RobotContext], Goal]:
         """Return the robots for a goal, and the goal."""
         self._owner.cell.admit(owner_of(goal.id))
-        stations = self._stations(goal)
-        return stations, self._checked(goal, stations)
+        contexts = self._contexts(goal)
+        return contexts, self._checked(goal, contexts)
 
-    def start(self, running: RunningGoal, prepared: tuple[list[Station], Goal]) -> None:
-        """Have a goal done by the owner of the plant."""
+    def start(self, running: RunningGoal, prepared: tuple[list[RobotContext], Goal]) -> None:
+        """Queue a goal for the owner of the plant."""
         finish, keep = partial(self.finish, running), self._owner.cell.keep
-        self._owner.jobs.append(Job(self._steps, running, *prepared, keep, finish))
+        self._owner.jobs.append(Job(self._steps, running, *prepared, keep=keep, finish=finish))
 
     def elapsed(self) -> Callable[[], float]:
         """Return the plant's clock, from now on."""
@@ -54,7 +55,7 @@ class CellAbilityServer(AbilityServer):
         began_s = clock.now_s
         return lambda: clock.now_s - began_s
 
-    def _stations(self, message: Message) -> list[Station]:
+    def _contexts(self, message: Message) -> list[RobotContext]:
         """Return the robots that a goal names, or the one that is free for it when it names none.
 
         Raises UNKNOWN_NAME, or BUSY when one of them does another goal.
@@ -62,33 +63,33 @@ class CellAbilityServer(AbilityServer):
         cell = self._owner.cell
         fields = [field for field in ROBOT_FIELDS if field in message.__slots__]
         if fields:
-            stations = [cell.station_of(getattr(message, field)) for field in fields]
+            contexts = [cell.context_of(getattr(message, field)) for field in fields]
         else:
-            stations = [self._free_station()]
-        for station in stations:
-            job = self._owner.job_of(station.name)
+            contexts = [self._free_context()]
+        for context in contexts:
+            job = self._owner.job_of(context.name)
             if job is not None:
-                text = f"{station.name} is doing {job}; wait for it or cancel it"
+                text = f"{context.name} is doing {job}; wait for it or cancel it"
                 raise AbilityError(Code.BUSY, text)
-            if station.busy:
+            if context.busy:
                 raise AbilityError(
-                    Code.BUSY, f"{station.name} is making way for another robot; try again"
+                    Code.BUSY, f"{context.name} is making way for another robot; try again"
                 )
-        return stations
+        return contexts
 
-    def _free_station(self) -> Station:
+    def _free_context(self) -> RobotContext:
         """Return a robot for an observation: an idle one, preferably with an empty hand."""
 
-        def rank(station: Station) -> tuple[bool, bool]:
-            return station.busy, station.book.grip is not None
+        def rank(context: RobotContext) -> tuple[bool, bool]:
+            return context.busy, context.belief.grip is not None
 
-        return min(self._owner.cell.stations.values(), key=rank)
+        return min(self._owner.cell.contexts.values(), key=rank)
 
-    def _checked(self, message: Message, stations: Sequence[Station]) -> Goal:
+    def _checked(self, message: Message, contexts: Sequence[RobotContext]) -> Goal:
         """Return the goal of a message; raises AbilityError when it cannot be taken."""
         require(bool(message.id.strip()), "id is empty; it must name the goal")
-        require_number("timeout", message.timeout, 0.1, MAX_TIMEOUT_S, "s")
+        require_number("timeout", message.timeout, 0.1, MAX_TIMEOUT_S, unit="s")
         goal = self._steps.parse(message)
-        for station in stations:
-            goal.check(station.panel, station.book)
+        for context in contexts:
+            goal.check(context.panel, context.belief)
         return goal

@@ -28,7 +28,7 @@ class Filming:
 
     def __call__(self) -> None:
         """Take a picture when it is time."""
-        working = any(station.busy for station in self._cell.stations.values())
+        working = any(context.busy for context in self._cell.contexts.values())
         if self._stopped or not working or self._clock.now_s - self._taken_s < PERIOD_S:
             return
         self._taken_s = self._clock.now_s

@@ -9,8 +9,8 @@ from typing import Any
 import rospy
 
 from remodel_sim.abilities.ability import CellAbility
-from remodel_sim.abilities.runner import occupy
-from remodel_sim.abilities.station import Found, Station
+from remodel_sim.abilities.execution.robot_context import AbilityResult, RobotContext
+from remodel_sim.abilities.execution.runner import occupy
 from remodel_sim.core.errors import MemoryFileError
 from remodel_sim.core.goals import Goal
 from remodel_sim.ros.conversions import result_fields
@@ -30,7 +30,7 @@ class Job:
         self,
         ability: CellAbility,
         running: RunningGoal,
-        stations: Sequence[Station],
+        contexts: Sequence[RobotContext],
         goal: Goal,
         keep: Callable[[], None],
         finish: Callable[[Callable[[], None]], None],
@@ -40,20 +40,20 @@ class Job:
         Args:
             ability: its steps.
             running: the goal as its client sees it.
-            stations: the robots that it needs.
+            contexts: the robots that it needs.
             goal: what to do.
             keep: stores what the goal has changed in the cell; raises MemoryFileError. It is called
                 before the result is sent: what a client has read in a result must outlive this
                 process.
             finish: ends the goal by the call that it is given.
         """
-        self.robots = tuple(station.name for station in stations)
+        self.robots = tuple(context.name for context in contexts)
         self._ability = ability
         self._running = running
         self._keep = keep
         self._finish = finish
-        self._stations = stations
-        self._steps = occupy(stations, ability.perform(*stations, goal))
+        self._contexts = contexts
+        self._steps = occupy(contexts, ability.perform(*contexts, goal))
 
     def __str__(self) -> str:
         """Name the ability and its goal."""
@@ -76,12 +76,12 @@ class Job:
             rospy.logerr("%s: %s", self, traceback.format_exc())
             self._end(Code.INTERNAL, f"{type(error).__name__}: {error}; the log has more", {})
         else:
-            progress = self._stations[0].progress
+            progress = self._contexts[0].progress
             self._running.report(progress.message, 100.0 * progress.share)
             return False
         return True
 
-    def _succeed(self, found: Found) -> None:
+    def _succeed(self, found: AbilityResult) -> None:
         try:
             self._keep()
         except MemoryFileError as error:

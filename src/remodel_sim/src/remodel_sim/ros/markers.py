@@ -8,14 +8,14 @@ from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-from remodel_sim.core.component_shape import HOUSING
-from remodel_sim.core.goal_pose import WORLD
-from remodel_sim.core.panel import Component, Wire
-from remodel_sim.core.wire_colours import WIRE_RGB, Rgb
+from remodel_sim.core.goals.goal_pose import WORLD
+from remodel_sim.core.workpiece.component_shape import HOUSING
+from remodel_sim.core.workpiece.panel import Component, Wire
+from remodel_sim.core.workpiece.wire_colours import WIRE_RGB, Rgb
 from remodel_sim.physics.plant import Plant
 from remodel_sim.ros.sim_clock import SimClock
 
-# Markers are told this often [s of simulated time].
+# Markers are published this often [s of simulated time].
 PERIOD_S = 0.2
 
 
@@ -26,14 +26,17 @@ class Markers:
         """Advertise the topic."""
         self._plant = plant
         self._clock = clock
-        self._told_s = 0.0
+        self._published_s = 0.0
         self._publisher = rospy.Publisher("cell/markers", MarkerArray, queue_size=2)
 
     def __call__(self) -> None:
-        """Publish when it is time and somebody looks."""
-        if self._clock.now_s - self._told_s < PERIOD_S or not self._publisher.get_num_connections():
+        """Publish when it is time and there is a subscriber."""
+        if (
+            self._clock.now_s - self._published_s < PERIOD_S
+            or not self._publisher.get_num_connections()
+        ):
             return
-        self._told_s = self._clock.now_s
+        self._published_s = self._clock.now_s
         plant = self._plant
         markers = [Marker(action=Marker.DELETEALL)]
         markers += [self._box(component) for component in plant.panel.components]

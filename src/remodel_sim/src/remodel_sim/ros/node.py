@@ -13,12 +13,12 @@ from genpy import MessageException
 
 from flexbe_core.ros.master import join, spin
 from remodel_sim.abilities.ability import cell_abilities
-from remodel_sim.abilities.station import Audience
+from remodel_sim.abilities.execution.observers import Observers
 from remodel_sim.cell import Cell
-from remodel_sim.core.cell_design import CellDesign
+from remodel_sim.core.cell.cell_design import CellDesign
 from remodel_sim.core.errors import CellError
-from remodel_sim.core.panel import End
-from remodel_sim.core.wire_materials import WireMaterials
+from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.wire_materials import WireMaterials
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.edge.film import Film
@@ -74,7 +74,7 @@ def _build(materials: WireMaterials, closing: ExitStack) -> Owner:
         rate_hz=rate_hz,
         gui=bool(rospy.get_param("~gui", False)),
         solid_parked=bool(rospy.get_param("~solid_parked", False)),
-        audience=Audience(Pictures(design, clock), fixed),
+        observers=Observers(Pictures(design, clock), fixed),
         memory=memory,
     )
     closing.callback(cell.close)

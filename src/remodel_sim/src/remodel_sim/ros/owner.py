@@ -5,7 +5,7 @@ It runs the abilities, answers requests between their ticks, and keeps time.
 PyBullet is not thread-safe, and it holds Python's lock while it steps or renders. So rospy's
 threads only leave requests here. The abilities of two robots take turns: each does one step, then
 the world advances by one tick for both. While an ability runs, simulated time runs as fast as the
-machine allows. Between goals the settled scene is frozen: time goes on at the wall's pace and
+machine allows. Between goals the scene is at rest and frozen: time goes on at the wall's pace and
 nothing is stepped, so that results depend on the seed and the goals alone, not on how long a client
 thinks.
 """
@@ -18,7 +18,7 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import Generic, TypeVar
 
-from remodel_sim.abilities.runner import advance
+from remodel_sim.abilities.execution.runner import advance
 from remodel_sim.cell import Cell
 from remodel_sim.core.errors import CellError
 from remodel_sim.ros.job import Job
@@ -26,7 +26,7 @@ from remodel_sim.ros.sim_clock import SimClock
 
 T = TypeVar("T")
 
-# The idle loop looks for shutdown and tells the time this often [s of wall time].
+# The idle loop checks for shutdown and publishes the time this often [s of wall time].
 IDLE_S = 0.01
 
 
@@ -41,7 +41,7 @@ class Owner:
         self.clock = clock
         self.jobs: list[Job] = []
         self._publishers = publishers
-        # Not a SimpleQueue: its get() waits for ever once a signal has come during a timeout.
+        # Not a SimpleQueue: its get() waits forever once a signal has come during a timeout.
         self._requests: queue.Queue[Callable[[], None]] = queue.Queue()
         self._frozen_until_s = -math.inf
 
@@ -50,11 +50,11 @@ class Owner:
         return next((job for job in self.jobs if robot in job.robots), None)
 
     def post(self, action: Callable[[], None]) -> None:
-        """Have an action done between two ticks; from any thread, returns at once."""
+        """Queue an action for the time between two ticks; from any thread, returns at once."""
         self._requests.put(action)
 
     def ask(self, question: Callable[[], T], timeout_s: float) -> T:
-        """Have a question answered between two ticks; from any thread but the owner's.
+        """Evaluate a function between two ticks; from any thread but the owner's.
 
         Raises:
             CellError: when there is no answer in time, or what the question itself raises.
@@ -103,12 +103,12 @@ class Owner:
             if job.step():
                 self.jobs.remove(job)
         if not self.jobs:
-            for passed_s in self.cell.settling():
+            for passed_s in self.cell.rest_steps():
                 self.clock.advance(passed_s)
                 self._publish()
             return
-        advance(self.cell.plant, self.cell.station)
-        self.clock.advance(self.cell.station.tick_s)
+        advance(self.cell.plant, self.cell.context)
+        self.clock.advance(self.cell.context.tick_s)
 
 
 class _Answer(Generic[T]):
@@ -129,7 +129,7 @@ class _Answer(Generic[T]):
 
     def wait(self, timeout_s: float) -> T:
         if not self._done.wait(timeout_s):
-            raise CellError(f"the cell did not answer within {timeout_s:.0f} s; look at its log")
+            raise CellError(f"the cell did not answer within {timeout_s:.0f} s; check its log")
         if self._error is not None:
             raise self._error
         return self._value  # type: ignore[return-value]

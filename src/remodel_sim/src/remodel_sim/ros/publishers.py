@@ -11,21 +11,21 @@ from sensor_msgs.msg import CameraInfo, Image, JointState
 from tf2_ros import StaticTransformBroadcaster, TransformBroadcaster
 
 from remodel_sim.core.camera import Picture
-from remodel_sim.core.cell_design import CellDesign
+from remodel_sim.core.cell.cell_design import CellDesign
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.goal_pose import PANEL, WORLD
-from remodel_sim.core.layout import WORLD_FROM_PANEL
+from remodel_sim.core.goals.goal_pose import PANEL, WORLD
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.physics.plant import Plant
 from remodel_sim.physics.robot_description import BASE_LINKS, CAMERA_MOUNT, HAND
 from remodel_sim.ros.conversions import camera_info, image
 from remodel_sim.ros.sim_clock import SimClock
 
-# Joint states, forces and frames are told this often [s of simulated time].
+# Joint states, forces and frames are published this often [s of simulated time].
 STATE_PERIOD_S = 0.04
 
 
 class Pictures:
-    """Publishes every look, and latched what was found in it."""
+    """Publishes every picture, and latched what was found in it."""
 
     def __init__(self, design: CellDesign, clock: SimClock) -> None:
         """Advertise the topics of the cameras that abilities use."""
@@ -40,7 +40,7 @@ class Pictures:
             )
 
     def __call__(self, camera: str, picture: Picture, drawing: np.ndarray | None) -> None:
-        """Publish a look, or what was found in it."""
+        """Publish a picture, or what was found in it."""
         frame, stamp = optical_frame(camera), self._clock.now
         if drawing is not None:
             self._found[camera].publish(image(drawing, frame, stamp))
@@ -55,30 +55,30 @@ def optical_frame(camera: str) -> str:
 
 
 class FixedFrames:
-    """Tells frames that do not move, those of goals among them."""
+    """Publishes frames that do not move, those of goals among them."""
 
     def __init__(self, clock: SimClock) -> None:
         """Advertise the topic."""
         self._clock = clock
-        self._told: dict[str, TransformStamped] = {}
+        self._published: dict[str, TransformStamped] = {}
         self._broadcaster = StaticTransformBroadcaster()
 
     def __call__(self, frames: Mapping[str, Pose], parent: str = WORLD) -> None:
-        """Tell frames in their parent, besides those told before."""
+        """Publish frames in their parent, besides those published before."""
         for child, pose in frames.items():
-            self._told[child] = _transform(parent, child, pose, self._clock.now)
-        # Those who come later get the last message only: it has all of them.
-        self._broadcaster.sendTransform(list(self._told.values()))
+            self._published[child] = _transform(parent, child, pose, self._clock.now)
+        # Later subscribers get the last message only: it has all of them.
+        self._broadcaster.sendTransform(list(self._published.values()))
 
 
 class RobotState:
     """Publishes joint states, the forces at the wrists, and frames."""
 
     def __init__(self, plant: Plant, clock: SimClock, fixed: FixedFrames) -> None:
-        """Tell the frames that never move, once."""
+        """Publish the frames that never move, once."""
         self._plant = plant
         self._clock = clock
-        self._told_s = 0.0
+        self._published_s = 0.0
         self._joints = rospy.Publisher("/joint_states", JointState, queue_size=5)
         self._wrenches = {
             robot.name: rospy.Publisher(
@@ -97,9 +97,9 @@ class RobotState:
 
     def __call__(self) -> None:
         """Publish when it is time."""
-        if self._clock.now_s - self._told_s < STATE_PERIOD_S:
+        if self._clock.now_s - self._published_s < STATE_PERIOD_S:
             return
-        self._told_s = self._clock.now_s
+        self._published_s = self._clock.now_s
         message = JointState()
         message.header.stamp = self._clock.now
         for design in self._plant.design.robots:

@@ -11,9 +11,9 @@ import rospy
 from remodel_msgs import srv
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
+from remodel_sim.core.cell.faults import check_fault
 from remodel_sim.core.errors import AbilityError, CellError, PanelError
-from remodel_sim.core.faults import check_fault
-from remodel_sim.core.wire_materials import WireMaterials
+from remodel_sim.core.workpiece.wire_materials import WireMaterials
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import image, panel_from, truth_message
 from remodel_sim.ros.owner import Owner
@@ -66,7 +66,7 @@ class Services:
             self._require_idle()
             self._owner.cell.reset()
 
-        return TriggerResponse(*self._done(reset, "the same panel anew, no wire on it"))
+        return TriggerResponse(*self._done(reset, "panel rebuilt, no wire on it"))
 
     def _inject_fault(self, request: srv.InjectFaultRequest) -> srv.InjectFaultResponse:
         text = f"{request.kind} {request.target!r}"
@@ -86,7 +86,9 @@ class Services:
 
     def _ground_truth(self, _: srv.GetGroundTruthRequest) -> srv.GetGroundTruthResponse:
         cell = self._owner.cell
-        truths = self._owner.ask(lambda: ground_truth(cell.plant, cell.station.book.fed), TIMEOUT_S)
+        truths = self._owner.ask(
+            lambda: ground_truth(cell.plant, cell.context.belief.fed), TIMEOUT_S
+        )
         return srv.GetGroundTruthResponse([truth_message(truth) for truth in truths])
 
     def _take_picture(self, request: srv.TakePictureRequest) -> srv.TakePictureResponse:

@@ -9,7 +9,7 @@ from rosgraph_msgs.msg import Clock
 
 from remodel_sim.edge.cell_memory import CellMemory
 
-# How often the clock is told [s of simulated time].
+# How often the clock is published [s of simulated time].
 PERIOD_S = 0.01
 # A pause of the process, as for a render, is not made up for by more than this at once [s].
 MAX_CATCH_UP_S = 0.1
@@ -24,8 +24,8 @@ class SimClock:
     def __init__(self, memory: CellMemory | None = None) -> None:
         """Start at one second: zero means "no time yet" in ROS.
 
-        `memory` keeps the time; with it a cell that is started anew goes on where it was, since
-        nodes take time that goes back for a new beginning.
+        `memory` keeps the time; with it a restarted cell continues where it was, since nodes
+        take time that goes back for a restart of the simulation.
         """
         self._memory = memory
         kept_s = memory.time_s if memory else 0.0

@@ -10,15 +10,15 @@ from typing import Any
 
 from genpy import Message
 
-# Stands for a name that nobody uses.
-NOBODY = "no_such_name"
+# Stands for a name that does not exist.
+UNKNOWN_NAME = "no_such_name"
 
 _FLOATS = frozenset({"float32", "float64"})
 
 
 @dataclass(frozen=True)
 class BadGoal:
-    """A goal that makes no sense in one field.
+    """A goal that is invalid in one field.
 
     Attributes:
         field: the field, as it stands in the goal.
@@ -31,7 +31,7 @@ class BadGoal:
     goal: Any
 
 
-def senseless_goals(good: Message) -> Iterator[BadGoal]:
+def invalid_goals(good: Message) -> Iterator[BadGoal]:
     """Yield goals that a server must refuse before anything moves."""
     for value in (0.0, -1.0, math.inf, math.nan):
         yield BadGoal("timeout", f"timeout {value}", _with(good, "timeout", value))
@@ -42,16 +42,16 @@ def senseless_goals(good: Message) -> Iterator[BadGoal]:
         spoilt = copy.deepcopy(good)
         if kind in _FLOATS:
             setattr(spoilt, name, math.nan)
-            yield BadGoal(name, f"{name} that is not a number", spoilt)
+            yield BadGoal(name, f"{name} NaN", spoilt)
         elif _spoil(getattr(spoilt, name)):
-            yield BadGoal(name, f"{name} with numbers that are none", spoilt)
+            yield BadGoal(name, f"{name} with NaN", spoilt)
 
 
-def goals_for_nobody(good: Message) -> Iterator[BadGoal]:
+def goals_with_unknown_names(good: Message) -> Iterator[BadGoal]:
     """Yield goals about things that do not exist: whatever a server does, they cannot succeed."""
     for name, kind in zip(good.__slots__, good._slot_types, strict=True):
         if kind == "string" and name != "id" and getattr(good, name):
-            yield BadGoal(name, f"{name} {NOBODY!r}", _with(good, name, NOBODY))
+            yield BadGoal(name, f"{name} {UNKNOWN_NAME!r}", _with(good, name, UNKNOWN_NAME))
 
 
 def _with(good: Message, name: str, value: object) -> Message:

@@ -1,6 +1,6 @@
-"""Send goals to one action server and keep everything that is heard about each.
+"""Send goals to one action server and store all messages about each.
 
-It speaks actionlib's topics itself: a client of actionlib hides what a bad server does, such as a
+It uses actionlib's topics itself: a client of actionlib hides what a faulty server does, such as a
 second result.
 """
 
@@ -17,14 +17,14 @@ from genpy import Message
 
 from remodel_states.conformance.exchange import Exchange, Feedback, Result
 
-# [s] Wall time between two looks at ROS time, which may be simulated.
-_LOOK_EVERY_S = 0.05
+# [s] Wall time between two checks of ROS time, which may be simulated.
+_CHECK_EVERY_S = 0.05
 
 _WORKED_ON = (GoalStatus.ACTIVE, GoalStatus.PREEMPTING)
 
 
 class Probe:
-    """The line to one action server."""
+    """The connection to one action server."""
 
     def __init__(self, topic: str, action_type: type[Message]) -> None:
         """Connect to the server at `topic`."""
@@ -68,7 +68,7 @@ class Probe:
         while self.missing() or rospy.Time.now().is_zero():
             if time.monotonic() > end or rospy.is_shutdown():
                 return False
-            time.sleep(_LOOK_EVERY_S)
+            time.sleep(_CHECK_EVERY_S)
         return True
 
     def send(self, goal: Message) -> Exchange:
@@ -87,15 +87,15 @@ class Probe:
         exchange.cancelled_wall_s = time.monotonic()
         self._cancels.publish(GoalID(id=self._id_of(exchange)))
 
-    def cancel_stranger(self) -> None:
-        """Cancel a goal that nobody sent."""
-        self._cancels.publish(GoalID(id="nobody sent this goal"))
+    def cancel_unknown_goal(self) -> None:
+        """Cancel a goal that was never sent."""
+        self._cancels.publish(GoalID(id="this goal was never sent"))
 
     def wait(self, condition: Callable[[], bool], limit_s: float) -> bool:
-        """Wait until something heard makes the condition true; return whether it is.
+        """Wait until a message makes the condition true; return whether it is.
 
         Args:
-            condition: looked at whenever something is heard.
+            condition: checked after each message.
             limit_s: [s] ROS time to wait at most.
         """
         end = rospy.Time.now().to_sec() + limit_s
@@ -103,7 +103,7 @@ class Probe:
             while not condition() and rospy.Time.now().to_sec() < end:
                 if rospy.is_shutdown():
                     raise rospy.ROSInterruptException("ROS was shut down during a trial")
-                self._changed.wait(_LOOK_EVERY_S)
+                self._changed.wait(_CHECK_EVERY_S)
             return condition()
 
     def _id_of(self, exchange: Exchange) -> str:
@@ -136,7 +136,7 @@ class Probe:
                         time.monotonic(),
                         message.status.status,
                         message.status.text,
-                        message.result,
+                        message=message.result,
                     )
                 )
             self._changed.notify_all()

@@ -16,7 +16,7 @@ ID = "conformance"
 
 
 class GoalError(Exception):
-    """The goal cannot be read; the text tells where, what was found and what to do."""
+    """The goal cannot be read; the text says where, what was found and what to do."""
 
 
 def read_goal(action_type: type[Message], text: str) -> Any:  # noqa: ANN401 - any ability's goal

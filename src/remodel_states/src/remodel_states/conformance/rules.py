@@ -1,7 +1,7 @@
 """The clauses of the contract that all abilities keep (Deliverable 5.1, 3.1).
 
-Each rule takes what was heard about one goal and yields what is wrong with it. None of them knows
-what the ability does.
+Each rule takes the messages about one goal and yields what is wrong with them. The rules do not
+depend on the ability.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def echoes_the_id(exchange: Exchange) -> Iterator[Fault]:
             yield Fault("wrong-id", f"the {what} of goal {wanted!r} says id {wrong!r}")
 
 
-def tells_one_story(exchange: Exchange) -> Iterator[Fault]:
+def is_consistent(exchange: Exchange) -> Iterator[Fault]:
     """Status, success, error code and error message of a result agree."""
     result = exchange.result
     if result is None:
@@ -79,7 +79,7 @@ def tells_one_story(exchange: Exchange) -> Iterator[Fault]:
         name = STATUS_NAMES.get(result.status, result.status)
         yield Fault("status-against-success", f"status {name}, with success {message.success}")
     if not message.success and not result.reason:
-        yield Fault("no-reason", "no success, and neither error_message nor status tell why")
+        yield Fault("no-reason", "no success, and neither error_message nor status has a reason")
     if message.success and message.error_message:
         yield Fault("reason-of-success", f"success, with error_message {message.error_message!r}")
 
@@ -99,23 +99,23 @@ def knows_its_codes(codes: Collection[int]) -> Rule:
     return rule
 
 
-def tells_the_time(exchange: Exchange) -> Iterator[Fault]:
+def reports_elapsed_time(exchange: Exchange) -> Iterator[Fault]:
     """The result's elapsed_time is that from acceptance to result."""
     result = exchange.result
     if result is None or exchange.is_refused:
         return
-    told = result.message.elapsed_time
+    reported = result.message.elapsed_time
     took = exchange.took_s
     slack = CLOCK_SLACK_S + CLOCK_SLACK * took
-    if not abs(told - took) <= slack:
-        yield Fault("wrong-time", f"elapsed_time {told:g} s; the goal took {took:.2f} s")
+    if not abs(reported - took) <= slack:
+        yield Fault("wrong-time", f"elapsed_time {reported:g} s; the goal took {took:.2f} s")
 
 
-def tells_progress(exchange: Exchange) -> Iterator[Fault]:
-    """Feedback is in range, never goes back, comes before the result, and comes at all."""
-    told = [feedback.message for feedback in exchange.feedback]
-    shares = [message.completed_percentage for message in told]
-    times = [message.elapsed_time for message in told]
+def reports_progress(exchange: Exchange) -> Iterator[Fault]:
+    """Feedback exists, is in range, never decreases and arrives before the result."""
+    messages = [feedback.message for feedback in exchange.feedback]
+    shares = [message.completed_percentage for message in messages]
+    times = [message.elapsed_time for message in messages]
     wrong = next((share for share in shares if not 0.0 <= share <= 100.0), None)
     if wrong is not None:
         yield Fault("percentage-range", f"completed_percentage {wrong:g}; it is 0 to 100")
@@ -131,7 +131,7 @@ def tells_progress(exchange: Exchange) -> Iterator[Fault]:
     if fall is not None:
         yield Fault("feedback-time", f"elapsed_time went from {fall[0]:g} to {fall[1]:g} s")
     if exchange.result is not None and not exchange.is_refused:
-        if not told and exchange.took_s > SILENT_LIMIT_S:
+        if not messages and exchange.took_s > SILENT_LIMIT_S:
             yield Fault("no-feedback", f"no feedback in {exchange.took_s:.1f} s")
         late = [f for f in exchange.feedback if f.ros_s > exchange.result.ros_s + LATE_S]
         if late:
@@ -150,10 +150,12 @@ def keeps_its_timeout(exchange: Exchange) -> Iterator[Fault]:
             f"timeout {limit_s:g} s; the goal ended after {exchange.took_s:.1f} s",
         )
     elif exchange.took_s >= limit_s and not result.message.success:
-        yield from _has_code(result, ErrorCode.TIMEOUT, "TIMEOUT", "timeout-code", "its timeout")
+        yield from _has_code(
+            result, ErrorCode.TIMEOUT, "TIMEOUT", "timeout-code", cause="its timeout"
+        )
 
 
-def obeys_a_cancel(exchange: Exchange) -> Iterator[Fault]:
+def ends_when_cancelled(exchange: Exchange) -> Iterator[Fault]:
     """A cancelled goal ends at once, as cancelled."""
     result, asked = exchange.result, exchange.cancelled_wall_s
     if asked is None or result is None or result.wall_s < asked:
@@ -166,34 +168,36 @@ def obeys_a_cancel(exchange: Exchange) -> Iterator[Fault]:
     if result.status not in CANCELLED:
         name = STATUS_NAMES.get(result.status, result.status)
         yield Fault("cancel-status", f"a cancelled goal ended {name}; it ends PREEMPTED")
-    yield from _has_code(result, ErrorCode.PREEMPTED, "PREEMPTED", "cancel-code", "a cancel")
+    yield from _has_code(result, ErrorCode.PREEMPTED, "PREEMPTED", "cancel-code", cause="a cancel")
 
 
-def refuses_nonsense(field: str) -> Rule:
-    """Return the rule for a goal that makes no sense in this field."""
+def refuses_invalid_goal(field: str) -> Rule:
+    """Return the rule for a goal that is invalid in this field."""
 
     def rule(exchange: Exchange) -> Iterator[Fault]:
         result = exchange.result
         if exchange.active_ros_s is not None or (result and not exchange.is_refused):
-            yield Fault("takes-nonsense", "the goal was accepted; it is to be REJECTED, unmoved")
+            yield Fault(
+                "accepts-invalid-goal", "the goal was accepted; it must be REJECTED, without motion"
+            )
         elif result is not None:
             code = result.message.error_code
             if code != ErrorCode.INVALID_GOAL:
                 yield Fault(
-                    "nonsense-code", f"refused with error code {code}; it is INVALID_GOAL (3)"
+                    "invalid-goal-code", f"refused with error code {code}; it is INVALID_GOAL (3)"
                 )
             if field not in result.reason:
                 yield Fault(
-                    "nonsense-unnamed", f"the reason {result.reason!r} does not name {field}"
+                    "invalid-goal-unnamed", f"the reason {result.reason!r} does not name {field}"
                 )
 
     return rule
 
 
-def cannot_do_it(exchange: Exchange) -> Iterator[Fault]:
-    """A goal about what does not exist fails."""
+def fails_with_unknown_name(exchange: Exchange) -> Iterator[Fault]:
+    """A goal with an unknown name fails."""
     if exchange.is_done:
-        yield Fault("does-the-impossible", "the goal succeeded")
+        yield Fault("accepts-unknown-name", "the goal succeeded")
 
 
 def _has_code(result: Result, code: int, name: str, rule: str, cause: str) -> Iterator[Fault]:

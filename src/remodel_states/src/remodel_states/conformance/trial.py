@@ -11,7 +11,7 @@ from genpy import Message
 
 from remodel_states.conformance import rules
 from remodel_states.conformance.exchange import Exchange
-from remodel_states.conformance.goals import goals_for_nobody, senseless_goals
+from remodel_states.conformance.goals import goals_with_unknown_names, invalid_goals
 from remodel_states.conformance.probe import Probe
 from remodel_states.conformance.rules import Fault, Rule
 from remodel_states.core.contract_times import GRACE_S
@@ -19,7 +19,7 @@ from remodel_states.core.contract_times import GRACE_S
 # [s] ROS time in which a server refuses a goal, or is heard to work on it.
 ANSWER_LIMIT_S = 5.0
 
-# [s] ROS time to go on listening after a goal's end, for what should not come.
+# [s] ROS time to continue listening after a goal's end, for messages that should not arrive.
 LINGER_S = 0.6
 
 # [s] ROS time; a goal that takes less cannot be caught while it runs.
@@ -45,7 +45,7 @@ class Trial:
 
 
 class NotTestableError(Exception):
-    """The server cannot be tried at all; the text tells why and what to do."""
+    """The server cannot be tried at all; the text says why and what to do."""
 
 
 class Trials:
@@ -57,10 +57,10 @@ class Trials:
         """Prepare.
 
         Args:
-            probe: the line to the server.
+            probe: the connection to the server.
             goal: a goal that it can do, with id and timeout.
             codes: all error codes.
-            restart: shell command that has the server killed and started anew; empty for none.
+            restart: shell command that kills and restarts the server; empty for none.
         """
         self._probe = probe
         self._goal = goal
@@ -70,12 +70,12 @@ class Trials:
         self._always: tuple[Rule, ...] = (
             rules.answers_once,
             rules.echoes_the_id,
-            rules.tells_one_story,
+            rules.is_consistent,
             rules.knows_its_codes(codes),
-            rules.tells_the_time,
-            rules.tells_progress,
+            rules.reports_elapsed_time,
+            rules.reports_progress,
             rules.keeps_its_timeout,
-            rules.obeys_a_cancel,
+            rules.ends_when_cancelled,
         )
 
     def run(self, limit_s: float = ANSWER_LIMIT_S) -> Iterator[Trial]:
@@ -90,19 +90,19 @@ class Trials:
         if not self._probe.wait_for_server(limit_s):
             missing = ", ".join(self._probe.missing()) or "/clock"
             raise NotTestableError(
-                f"no server of this type: nobody is connected on {missing}; start the server, and "
+                f"no server of this type: no node is connected on {missing}; start the server, and "
                 "compare TYPE with `rostopic info`"
             )
         nominal = self._send()
         yield self._nominal(nominal)
         if not nominal.results:
             return
-        yield self._stranger()
+        yield self._unknown_cancel()
         yield self._timeout()
         yield self._cancel()
         yield self._two_at_once()
-        yield from self._senseless()
-        yield from self._nobody()
+        yield from self._invalid_goals()
+        yield from self._unknown_names()
         yield (
             self._restarted()
             if self._restart
@@ -120,17 +120,17 @@ class Trials:
         self._nominal_s = exchange.took_s
         return self._judged("a goal that can be done", [exchange])
 
-    def _stranger(self) -> Trial:
-        name = "a cancel of a goal that nobody sent"
+    def _unknown_cancel(self) -> Trial:
+        name = "a cancel of a goal that was never sent"
         if self._is_quick():
             return Trial(name, unjudged=self._too_quick())
         exchange = self._send()
         self._while_it_runs(exchange)
-        self._probe.cancel_stranger()
+        self._probe.cancel_unknown_goal()
         self._finish(exchange)
         trial = self._judged(name, [exchange])
         if exchange.result and exchange.result.status in rules.CANCELLED:
-            found = Fault("obeys-strangers", "a cancel with another id cancelled the goal")
+            found = Fault("foreign-cancel", "a cancel with another id cancelled the goal")
             return Trial(name, (*trial.faults, found))
         return trial
 
@@ -163,10 +163,10 @@ class Trials:
         second = self._send()
         self._finish(first)
         self._finish(second)
-        return self._judged(name, [first, second], without=(rules.tells_the_time,))
+        return self._judged(name, [first, second], without=(rules.reports_elapsed_time,))
 
-    def _senseless(self) -> Iterator[Trial]:
-        for bad in senseless_goals(self._goal):
+    def _invalid_goals(self) -> Iterator[Trial]:
+        for bad in invalid_goals(self._goal):
             exchange = self._send(bad.goal)
             self._probe.wait(
                 lambda e=exchange: bool(e.results) or e.active_ros_s is not None, ANSWER_LIMIT_S
@@ -174,14 +174,15 @@ class Trials:
             if not exchange.results:
                 self._probe.cancel(exchange)
                 self._probe.wait(lambda e=exchange: bool(e.results), ANSWER_LIMIT_S)
-            refuses = rules.refuses_nonsense(bad.field)
+            refuses = rules.refuses_invalid_goal(bad.field)
             faults = [*refuses(exchange)] or [*rules.answers_once(exchange)]
             yield Trial(f"a goal with {bad.what}", tuple(faults))
 
-    def _nobody(self) -> Iterator[Trial]:
-        for bad in goals_for_nobody(self._goal):
+    def _unknown_names(self) -> Iterator[Trial]:
+        for bad in goals_with_unknown_names(self._goal):
             exchange = self._finish(self._send(bad.goal))
-            yield self._judged(f"a goal with {bad.what}", [exchange], (rules.cannot_do_it,))
+            also = (rules.fails_with_unknown_name,)
+            yield self._judged(f"a goal with {bad.what}", [exchange], also)
 
     def _restarted(self) -> Trial:
         name = "restart of the server"

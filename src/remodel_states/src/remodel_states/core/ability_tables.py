@@ -110,7 +110,9 @@ def abilities_from(
 def _ability(package: str, row: Mapping[str, Any], action: Action) -> Ability:
     state = _state(row["state"], action) if "state" in row else None
     errors = tuple(row["errors"])
-    return Ability(package, action, errors, state, row.get("colour", ""), row.get("fake", {}))
+    return Ability(
+        package, action, errors, state, colour=row.get("colour", ""), fake=row.get("fake", {})
+    )
 
 
 def _state(row: Mapping[str, Any], action: Action) -> AbilityState:
@@ -122,8 +124,8 @@ def _state(row: Mapping[str, Any], action: Action) -> AbilityState:
         row["means"],
         tuple(goal[name] for name in row.get("inputs", [])),
         tuple(sorted(parameters, key=lambda parameter: not parameter.is_required)),
-        {key: result[name] for key, name in row.get("outputs", {}).items()},
-        float(row["timeout_s"]),
+        outputs={key: result[name] for key, name in row.get("outputs", {}).items()},
+        timeout_s=float(row["timeout_s"]),
     )
 
 

@@ -75,7 +75,7 @@ def join_fault_tables(
 def _codes(package: str, table: Row) -> Iterable[Code]:
     groups = [table.get("no_fault", []), *(row.get("codes", []) for row in table.get("faults", []))]
     for row in (row for group in groups for row in group):
-        yield Code(row["code"], row["name"], row["meaning"], row["remedy"], package)
+        yield Code(row["code"], row["name"], row["meaning"], row["remedy"], package=package)
 
 
 def _names(row: Row, by_name: Mapping[str, Row]) -> list[str]:

@@ -12,15 +12,15 @@ _RETRY_S = 0.02
 def write_ahead(connection: sqlite3.Connection, limit_s: float) -> None:
     """Switch a database to the write-ahead log; it stays so.
 
-    A new database changes its mode with nobody else in it, and SQLite does not wait for the others
-    then, whatever the connection's timeout is. So this does.
+    A new database changes its mode alone, and SQLite does not wait for other connections
+    then, whatever its timeout is. So this function waits.
 
     Args:
         connection: to the database, outside a transaction.
-        limit_s: [s] wall time that the others get.
+        limit_s: [s] wall time to wait for other connections.
 
     Raises:
-        sqlite3.OperationalError: if the others are not done in time.
+        sqlite3.OperationalError: if the others still use it then.
     """
     late_s = time.monotonic() + limit_s
     while True:

@@ -13,16 +13,16 @@ from actionlib import ServerGoalHandle
 from genpy import Message
 from remodel_msgs.msg import ErrorCode
 
-from remodel_states.ability_messages import message_class
 from remodel_states.core.ability_error import AbilityError
 from remodel_states.core.ability_tables import Ability
-from remodel_states.ros_stopwatch import RosStopwatch
+from remodel_states.core.ros_stopwatch import RosStopwatch
+from remodel_states.serving.ability_messages import message_class
 
 # [s] Wall time between two feedbacks at least, and while `wait` is called, at most.
 _QUIET_S = 0.1
 _FEEDBACK_S = 0.5
 
-# [s] Wall time between two looks at the clock.
+# [s] Wall time between two readings of the clock.
 _POLL_S = 0.02
 
 
@@ -66,7 +66,7 @@ class RunningGoal:
 
     @property
     def is_cancelled(self) -> bool:
-        """Whether somebody asked to cancel it."""
+        """Whether a client asked to cancel it."""
         return self._cancelled.is_set()
 
     def is_cancelled_within(self, seconds: float) -> bool:

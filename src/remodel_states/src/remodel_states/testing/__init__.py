@@ -1,6 +1,6 @@
 """Ability servers without a robot, for tests and dry runs.
 
-fake_ability.py    one server that answers as it is told, at once or never
+fake_ability.py    one server with scripted answers, at once or never
 
 A fake cell: all abilities over one physical world that outlives their processes (node fake_cell).
 

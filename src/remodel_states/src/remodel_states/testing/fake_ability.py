@@ -1,4 +1,4 @@
-"""Ability servers without a robot: they answer as they are told, at once or never.
+"""Ability servers without a robot: their answers are scripted, and given at once or never.
 
 For tests, and for dry runs of behaviors (`rosrun remodel_states fake_abilities`).
 """
@@ -29,7 +29,7 @@ class Answer:
         refuse: reject the goal instead.
         hang: never answer; the goal ends only when it is cancelled.
         contradict: say success in the result, whatever the code.
-        elapsed_s: [s] told as the result's elapsed_time.
+        elapsed_s: [s] elapsed_time of the result.
     """
 
     error_code: int = ErrorCode.NONE
@@ -88,7 +88,7 @@ class FakeAbility(AbilityServer):
 
 
 def _reason(code: int) -> str:
-    return f"told to answer error {code}"
+    return f"scripted to answer error {code}"
 
 
 def serve_all(codes: dict[str, list[int]]) -> list[FakeAbility]:

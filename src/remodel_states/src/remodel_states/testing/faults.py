@@ -9,7 +9,7 @@ retry helps against some faults and not against others:
     look_again     LocateGearboxComponent or DetectCable observes from another viewpoint
     new_part       a new piece of the wire that was struck is fed
     replan         another wire is fed first
-    ask_operator   somebody mends it (cell/mend_faults)
+    ask_operator   an operator mends it (cell/mend_faults)
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ LOOKING = frozenset({"DetectCable", "LocateGearboxComponent"})
 
 
 class Behaves(Enum):
-    """How a server misbehaves, whatever the ability does."""
+    """How a server misbehaves, independent of the ability."""
 
     DIES = "dies"  # its process is killed, before the deed or after it
     HANGS = "hangs"  # it never answers, only a cancel ends the goal
@@ -95,7 +95,7 @@ class Fault:
 
 
 def fault_from(row: Mapping[str, Any], codes: Mapping[str, int], **given: Any) -> Fault:  # noqa: ANN401
-    """Return the fault of a row of faults.yaml, as its `cause.interface` tells to cause it.
+    """Return the fault of a row of faults.yaml, caused as its `cause.interface` describes.
 
     Args:
         row: of the table.

@@ -1,7 +1,7 @@
 """What was done in the world that cannot be undone, and the account of it.
 
-The ledger is the judge of supervisors that die and come again: it is written in the same
-transaction as the world, and only ever grows.
+Tests of supervisors that die and restart check the ledger: it is written in the same transaction
+as the world, and only ever grows.
 """
 
 from __future__ import annotations

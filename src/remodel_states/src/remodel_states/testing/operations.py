@@ -68,7 +68,7 @@ def fail(world: World, cell: str, ability: str, code: int, goal: Any) -> World: 
     if code in _UNMOVED:
         return world
     if code == ErrorCode.GRASP_SLIPPED:
-        return _let_go(world, cell)
+        return _release(world, cell)
     if ability == "InsertCable" and code < ErrorCode.UNKNOWN_NAME:
         return world.with_hand(cell, held=goal.cable_end)  # it was picked, or held before
     if ability == "PickCable" and code == ErrorCode.TWO_CABLES_HELD:
@@ -82,7 +82,7 @@ def fail(world: World, cell: str, ability: str, code: int, goal: Any) -> World: 
 def _locate(world: World, _: str, goal: Any) -> Effect:  # noqa: ANN401
     found: dict[str, Place] = {"component_pose": world.panel.components[goal.component_id]}
     if goal.terminal_id:
-        found["socket_pose"] = world.panel.mouths[terminal_of(goal)]
+        found["socket_pose"] = world.panel.openings[terminal_of(goal)]
     return Effect(world, f"{goal.component_id} is where the panel has it", found=found)
 
 
@@ -93,7 +93,7 @@ def _detect(world: World, _: str, goal: Any) -> Effect:  # noqa: ANN401
     return Effect(world, text, found={"observation": (goal.cable_id, length_m, len(loose))})
 
 
-def _look_at_connection(world: World, _: str, goal: Any) -> Effect:  # noqa: ANN401
+def _check_connection(world: World, _: str, goal: Any) -> Effect:  # noqa: ANN401
     connected = world.seat(goal.cable_id, goal.cable_end) == Seat(terminal_of(goal), True)
     text = f"end {goal.cable_end} of {goal.cable_id} {'sits' if connected else 'does not sit'} in"
     return Effect(world, f"{text} {terminal_of(goal)}", found={"connected": connected})
@@ -106,7 +106,7 @@ def _pick(world: World, cell: str, goal: Any) -> Effect:  # noqa: ANN401
 
 def _place(world: World, cell: str, goal: Any) -> Effect:  # noqa: ANN401
     text = f"{world.hand(cell).live} laid down"
-    return Effect(_let_go(_disengaged(world, cell), cell), text)
+    return Effect(_release(_disengaged(world, cell), cell), text)
 
 
 def _discard(world: World, cell: str, goal: Any) -> Effect:  # noqa: ANN401
@@ -145,24 +145,24 @@ def _fix(world: World, cell: str, goal: Any) -> Effect:  # noqa: ANN401
             ErrorCode.NOT_SEATED,
             f"the screw of {terminal!r} met nothing: end {end} is not in it; insert it first",
         )
-    after = _let_go(world, cell).with_seat(goal.cable_id, end, Seat(terminal, True))
-    entry = Entry(Deed.FIX, cell, goal.cable_id, end, terminal, goal.id)
+    after = _release(world, cell).with_seat(goal.cable_id, end, Seat(terminal, True))
+    entry = Entry(Deed.FIX, cell, goal.cable_id, end, terminal=terminal, goal=goal.id)
     return Effect(after, f"end {end} of {goal.cable_id} fixed in {terminal}", (entry,))
 
 
 def _extract(world: World, cell: str, goal: Any) -> Effect:  # noqa: ANN401
     end = _end_meant(world, cell, goal)
     seat = world.seat(goal.cable_id, end)
-    after = _let_go(world, cell).with_seat(goal.cable_id, end, None)
+    after = _release(world, cell).with_seat(goal.cable_id, end, None)
     if seat is None or not seat.fixed:
         return Effect(after, f"end {end} of {goal.cable_id} laid down")
-    entry = Entry(Deed.LOOSEN, cell, goal.cable_id, end, seat.terminal, goal.id)
+    entry = Entry(Deed.LOOSEN, cell, goal.cable_id, end, terminal=seat.terminal, goal=goal.id)
     return Effect(after, f"end {end} of {goal.cable_id} out of {seat.terminal}", (entry,))
 
 
 def _mate(world: World, cell: str, goal: Any) -> Effect:  # noqa: ANN401
     found = {"depth": DEPTH_M, "peak_force": min(PUSH_N, goal.force_limit)}
-    return Effect(_let_go(world, cell), f"{goal.connector_id} mated", found=found)
+    return Effect(_release(world, cell), f"{goal.connector_id} mated", found=found)
 
 
 def _place_pin(world: World, _: str, __: Any) -> Effect:  # noqa: ANN401
@@ -195,7 +195,7 @@ def _disengaged(world: World, cell: str) -> World:
     return world.with_seat(hand.live, hand.held, None)
 
 
-def _let_go(world: World, cell: str) -> World:
+def _release(world: World, cell: str) -> World:
     return world.with_hand(cell, held="")
 
 
@@ -204,7 +204,7 @@ def _let_go(world: World, cell: str) -> World:
 OPERATIONS: Mapping[str, Operation] = MappingProxyType(
     {
         "CheckConnection": Operation(
-            requirements.check_connection, _look_at_connection, observes=True
+            requirements.check_connection, _check_connection, observes=True
         ),
         "DetectCable": Operation(requirements.check_live, _detect, observes=True),
         "DiscardCable": Operation(requirements.check_discard, _discard, includes=_extracts_ends),
@@ -237,7 +237,7 @@ def perform(ability: str, world: World, cell: str, goal: Any, code: int = 0) -> 
         AbilityError: if it fails as the world is.
     """
     operation = operation_of(ability)
-    done = Effect(fail(world, cell, ability, code, goal), "") if code else None
+    done = Effect(fail(world, cell, ability, code, goal=goal), "") if code else None
     effect = done or operation.do(world, cell, goal)
     if operation.observes or code in _UNMOVED:
         return effect

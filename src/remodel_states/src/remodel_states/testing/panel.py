@@ -19,12 +19,12 @@ def panel_from(message: remodel_msgs.Panel) -> Panel:
     Raises:
         ValueError: with every name that is used and not there.
     """
-    places, mouths = {}, {}
+    places, openings = {}, {}
     for component in message.components:
         pose = component.pose
         places[component.id] = (pose.x, pose.y, 0.0, pose.theta)
         for terminal in component.terminals:
-            mouths[f"{component.id}/{terminal.id}"] = _mouth(places[component.id], terminal)
+            openings[f"{component.id}/{terminal.id}"] = _opening(places[component.id], terminal)
     wires = {
         wire.id: (f"{wire.a_component}/{wire.a_terminal}", f"{wire.b_component}/{wire.b_terminal}")
         for wire in message.wires
@@ -33,7 +33,7 @@ def panel_from(message: remodel_msgs.Panel) -> Panel:
         f"wire {wire!r} goes to {terminal!r}, which is not there"
         for wire, terminals in wires.items()
         for terminal in terminals
-        if terminal not in mouths
+        if terminal not in openings
     ]
     if missing:
         raise ValueError("; ".join(missing))
@@ -42,9 +42,9 @@ def panel_from(message: remodel_msgs.Panel) -> Panel:
         wires,
         {wire.id: wire.length for wire in message.wires},
         places,
-        mouths,
-        tuple(channel.id for channel in message.channels),
-        message.serial,
+        openings=openings,
+        channels=tuple(channel.id for channel in message.channels),
+        serial=message.serial,
     )
 
 
@@ -67,20 +67,27 @@ def truth_of(world: World, wire: str) -> WireTruth:
     return truth
 
 
-def _mouth(component: Place, terminal: remodel_msgs.Terminal) -> Place:
+def _opening(component: Place, terminal: remodel_msgs.Terminal) -> Place:
     x, y, _, yaw = component
-    mouth = terminal.mouth
+    opening = terminal.mouth
     return (
-        x + mouth.x * math.cos(yaw) - mouth.y * math.sin(yaw),
-        y + mouth.x * math.sin(yaw) + mouth.y * math.cos(yaw),
-        mouth.z,
+        x + opening.x * math.cos(yaw) - opening.y * math.sin(yaw),
+        y + opening.x * math.sin(yaw) + opening.y * math.cos(yaw),
+        opening.z,
         yaw + terminal.insertion_yaw,
     )
 
 
 def _observation(cable_id: str, length_m: float, loose_ends: int) -> CableObservation:
     tips = [_pose((0.0, 0.0, 0.0, 0.0)) for _ in range(loose_ends)]
-    return CableObservation(cable_id, [], tips, length_m, 1.0, False)
+    return CableObservation(
+        cable_id=cable_id,
+        centreline=[],
+        tips=tips,
+        length=length_m,
+        confidence=1.0,
+        truncated=False,
+    )
 
 
 def _pose(place: Place) -> PoseStamped:

@@ -165,7 +165,7 @@ def _check_number(name: str, value: float, low: float, high: float) -> None:
 
 def _check_terminal(world: World, goal: Any) -> None:  # noqa: ANN401
     known(world.panel.components, goal.component_id, "component")
-    known(world.panel.mouths, terminal_of(goal), "terminal")
+    known(world.panel.openings, terminal_of(goal), "terminal")
 
 
 def check_live(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401

@@ -26,7 +26,7 @@ class RobotLock:
         return True
 
     def free(self) -> None:
-        """Let go, if it is held."""
+        """Release it, if it is held."""
         file, self._file = self._file, None
         if file is not None:
             os.close(file)

@@ -26,7 +26,7 @@ class Panel:
         wires: wire -> terminals of its ends a and b, as "component/terminal".
         lengths: wire -> [m].
         components: component -> place of its base.
-        mouths: "component/terminal" -> place of the mouth, yaw into the bore.
+        openings: "component/terminal" -> place of its opening, yaw into the terminal.
         channels: in which wires are fed.
         serial: serial number of the product that is built on it.
     """
@@ -35,7 +35,7 @@ class Panel:
     wires: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     lengths: Mapping[str, float] = field(default_factory=dict)
     components: Mapping[str, Place] = field(default_factory=dict)
-    mouths: Mapping[str, Place] = field(default_factory=dict)
+    openings: Mapping[str, Place] = field(default_factory=dict)
     channels: tuple[str, ...] = ()
     serial: str = ""
 

@@ -135,7 +135,7 @@ def _panel(text: str) -> Panel:
     panel = json.loads(text)
     tuples = {
         name: {key: tuple(value) for key, value in panel[name].items()}
-        for name in ("wires", "components", "mouths")
+        for name in ("wires", "components", "openings")
     }
     return Panel(
         panel["name"],
@@ -162,8 +162,8 @@ def _world(panel: Panel, world: dict[str, Any]) -> World:
         tuple(world["fed"]),
         world["untouched"],
         {end: Seat(*seat) for end, seat in world["seats"].items()},
-        {cell: Hand(*hand) for cell, hand in world["hands"].items()},
-        world["loaded_by"],
+        hands={cell: Hand(*hand) for cell, hand in world["hands"].items()},
+        loaded_by=world["loaded_by"],
     )
 
 

@@ -11,13 +11,13 @@ from remodel_planning.core.decomposition.preparation import Prepared, prepare
 from remodel_planning.core.orders.work_order import WorkOrder
 from remodel_planning.core.plan.listing import listing_of
 from remodel_planning.core.problem.modes import Mode
-from remodel_planning.core.problem.part import put_off
+from remodel_planning.core.problem.part import defer
 from remodel_planning.core.task_charts.escalation import escalating
 from remodel_planning.core.task_charts.planned_tasks import (
     PlannedTask,
-    done_otherwise,
     planned_task,
     planned_tasks,
+    with_other_method,
 )
 from remodel_planning.core.task_charts.state_path import step_of
 from remodel_planning.core.use_case.fault import Do
@@ -121,7 +121,7 @@ class WorkPlanner:
             base = self._prepare(wanted)
         self._prepared = base
         prepared = base.only(wanted) if base.plan_of.keys() > wanted else base
-        problem = put_off(prepared.preferred.problem, last)
+        problem = defer(prepared.preferred.problem, last)
         if previous:
             modes = {name: place.mode.number for name, place in self._places.items()}
             search_s = min(self._search_s, replan_search_s(len(wanted)))
@@ -248,7 +248,7 @@ class WorkPlanner:
         return escalating(chart)
 
     def _otherwise(self, task: PlannedTask, state_path: str) -> PlannedTask | None:
-        return done_otherwise(self._place(task.name).prepared, task, state_path)
+        return with_other_method(self._place(task.name).prepared, task, state_path)
 
     def _place(self, name: str) -> _Place:
         """Return how a task is done; one that was not planned is planned alone."""

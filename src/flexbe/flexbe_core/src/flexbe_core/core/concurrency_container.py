@@ -8,7 +8,7 @@ from typing import ClassVar
 from flexbe_core.core.operatable_state_machine import OperatableStateMachine
 from flexbe_core.core.state import State
 from flexbe_core.engine.concurrency import Concurrency
-from flexbe_core.engine.definition import Condition, Kind
+from flexbe_core.engine.definitions.definition import Condition, Kind
 from flexbe_core.ros.session import run_session
 
 
@@ -36,8 +36,8 @@ class ConcurrencyContainer(OperatableStateMachine):
     @property
     def _returned_outcomes(self) -> dict[str, str]:
         """Outcomes of the states that have ended in this visit, by their labels."""
-        record = run_session(self).container(self.path)
-        return record.results if isinstance(record, Concurrency) else {}
+        node = run_session(self).container(self.path)
+        return node.results if isinstance(node, Concurrency) else {}
 
     def _supervised_children(self) -> list[State]:
         return self._states[:1]

@@ -13,11 +13,11 @@ class EventState(OperatableState):
     @property
     def _entering(self) -> bool:
         """Whether the next execution calls on_enter; stock FlexBE's attribute."""
-        record = run_session(self).node(self.path)
-        return not (isinstance(record, Leaf) and record.entered)
+        node = run_session(self).node(self.path)
+        return not (isinstance(node, Leaf) and node.entered)
 
     @_entering.setter
     def _entering(self, value: bool) -> None:
-        record = run_session(self).node(self.path)
-        if isinstance(record, Leaf):
-            record.entered = not value
+        node = run_session(self).node(self.path)
+        if isinstance(node, Leaf):
+            node.entered = not value

@@ -24,13 +24,13 @@ class LockableState(ManuallyTransitionableState):
     def _stored_outcome(self) -> str | None:
         """The outcome that the active state keeps until it is unlocked; stock's attribute."""
         session = run_session(self)
-        return session.engine.record.stored if session.active_leaf() is self else None
+        return session.engine.supervision.stored if session.active_leaf() is self else None
 
     @_stored_outcome.setter
     def _stored_outcome(self, value: str | None) -> None:
         session = run_session(self)
         if session.active_leaf() is self:
-            session.engine.record = replace(session.engine.record, stored=value)
+            session.engine.supervision = replace(session.engine.supervision, stored=value)
 
     def is_locked(self) -> bool:
         """Return whether the state is kept from being left."""

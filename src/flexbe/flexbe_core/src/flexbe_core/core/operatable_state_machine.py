@@ -6,23 +6,22 @@ from collections.abc import Mapping
 
 from flexbe_core.core.preemptable_state_machine import PreemptableStateMachine
 from flexbe_core.core.state import State
-from flexbe_core.core.state_machine import StateMachine
-from flexbe_core.engine.definition import Definition, Kind
-from flexbe_core.engine.errors import StateMachineError
-from flexbe_core.engine.handover import Handover, take_over
-from flexbe_core.engine.structure import definitions_below
-from flexbe_core.engine.supervision import DEFAULT_AUTONOMY, PREEMPTED, UNSUPERVISED
-from flexbe_core.engine.user_data import UserData
+from flexbe_core.core.state_machine import opened_container
+from flexbe_core.engine.definitions.definition import Definition, Kind
+from flexbe_core.engine.definitions.structure import definitions_below
+from flexbe_core.engine.migration import MigratingState, attach_state
+from flexbe_core.engine.supervision.in_force import DEFAULT_AUTONOMY, PREEMPTED, UNSUPERVISED
+from flexbe_core.engine.userdata.user_data import UserData
 from flexbe_core.ros.session import own_session, run_session
-from flexbe_core.state_logger import StateLogger, record_events
+from flexbe_core.state_logger import StateLogger, log_all_events
 
 
 class OperatableStateMachine(PreemptableStateMachine):
     """A state machine whose transitions may need an operator's consent.
 
     Attributes:
-        autonomy_level: transitions that need this level or more ask; 255 if nobody supervises. Of
-            the class: the default. Of an instance that is a root: its own.
+        autonomy_level: transitions that need this level or more ask the operator; 255 for an
+            unsupervised behavior. Of the class: the default. Of a root: its own.
         id: checksum of the behavior's source, for a root.
     """
 
@@ -53,28 +52,24 @@ class OperatableStateMachine(PreemptableStateMachine):
             StateMachineError: if no container is open or the label cannot be used.
             StateError: if the state is in a container already.
         """
-        container = StateMachine.get_opened_container()
-        if container is None:
-            raise StateMachineError(
-                f"cannot add {label!r}: no container is open; add states inside `with container:`"
-            )
+        container = opened_container(label)
         container._add(
             label,
             state,
             {**transitions, PREEMPTED: PREEMPTED},
             dict.fromkeys(transitions, 0) if autonomy is None else dict(autonomy),
-            dict(remapping or {}),
+            remapping=dict(remapping or {}),
         )
 
     @property
     def _last_exception(self) -> Exception | None:
         """What a child raised in the last execution."""
-        record = run_session(self).container(self.path)
-        return None if record is None else record.last_exception
+        node = run_session(self).container(self.path)
+        return None if node is None else node.last_exception
 
     @property
     def _inner_sync_request(self) -> bool:
-        """Whether mirrors are to be told where the run is; setting it asks for that."""
+        """Whether a sync of the mirrors is pending; setting it requests one."""
         return run_session(self).engine.sync_pending
 
     @_inner_sync_request.setter
@@ -94,33 +89,33 @@ class OperatableStateMachine(PreemptableStateMachine):
         """Return the level that an outcome of the active child needs."""
         return self._autonomy[self.current_state_label][outcome]
 
-    def confirm(self, name: str, id: int, handover: Handover | None = None) -> None:
-        """Begin as the root of a behavior: listen to operators, and start all states.
+    def confirm(self, name: str, id: int, migrating: MigratingState | None = None) -> None:
+        """Begin as the root of a behavior: accept commands of operators, and start all states.
 
         Args:
             name: the behavior's name.
             id: checksum of the behavior's source.
-            handover: the state of another version with which to begin; it is started already.
+            migrating: state of another version at which to begin; its on_start has been called.
         """
         self._name = name
         self.id = id
         own_session(self).forget()
         own_session(self).listen()
-        self._begin_record()
+        self._begin_log()
         if self.autonomy_level != UNSUPERVISED:
             self._enable_ros_control()
         try:
             for state in self._all_states():
-                if handover is None or state is not handover.state:
+                if migrating is None or state is not migrating.state:
                     state.on_start()
         except Exception:
             self.destroy()
             raise
-        if handover is not None:
-            take_over(own_session(self).engine, handover)
+        if migrating is not None:
+            attach_state(own_session(self).engine, migrating)
 
     def destroy(self) -> None:
-        """End as the root of a behavior: stop all states, and listen no more.
+        """End as the root of a behavior: stop all states, and accept no more commands.
 
         Raises:
             Exception: the first that an on_stop raised, after all have been called.
@@ -139,17 +134,17 @@ class OperatableStateMachine(PreemptableStateMachine):
 
     def on_exit(self, userdata: UserData | None = None) -> None:
         """End the visits of everything that is active in the container."""
-        record = run_session(self).container(self.path)
-        if record is not None:
-            record.exit()
+        node = run_session(self).container(self.path)
+        if node is not None:
+            node.exit()
 
-    def _begin_record(self) -> None:
-        """Record what all states do, if the node's parameters ask for it."""
+    def _begin_log(self) -> None:
+        """Log what all states do, if the node's parameters enable it."""
         StateLogger.initialize(self._name, self.autonomy_level)
         own_session(self).engine.recording = StateLogger.enabled
         if StateLogger.enabled:
             for state in self._all_states():
-                record_events(state)
+                log_all_events(state)
 
     def _all_states(self) -> list[State]:
         return [state for state in definitions_below(self) if type(state).__kind__ is Kind.STATE]

@@ -5,18 +5,18 @@ from __future__ import annotations
 from typing import ClassVar
 
 from flexbe_core.core.operatable_state_machine import OperatableStateMachine
-from flexbe_core.engine.definition import Kind
+from flexbe_core.engine.definitions.definition import Kind
 from flexbe_core.ros.session import Session
 
 
 class _Priority(type):
-    """Tells, as an attribute of the class, what runs alone; each run has a priority of its own."""
+    """Provides stock FlexBE's attribute of the class; each run has a priority of its own."""
 
     @property
     def active_container(cls) -> str | None:
         """Path of the priority container that is active in what was last executed by hand.
 
-        What is assigned holds for whatever is executed by hand next.
+        An assigned path applies to what is executed by hand next.
         """
         return Session.priority_by_hand
 

@@ -13,8 +13,8 @@ from flexbe_core.proxy.proxy_publisher import ProxyPublisher
 from flexbe_core.proxy.proxy_subscriber_cached import ProxySubscriberCached
 from flexbe_core.ros.session import run_session
 
-# [s] Wall time between two looks at the condition of `wait`.
-_LOOK_EVERY_S = 0.01
+# [s] Wall time between two checks of the condition of `wait`.
+_CHECK_EVERY_S = 0.01
 
 
 class RosStateMachine(StateMachine):
@@ -30,7 +30,7 @@ class RosStateMachine(StateMachine):
         if seconds is not None:
             rospy.sleep(seconds)
         while condition is not None and not condition() and not rospy.is_shutdown():
-            time.sleep(_LOOK_EVERY_S)
+            time.sleep(_CHECK_EVERY_S)
 
     def _enable_ros_control(self) -> None:
         """Let operators supervise the container and everything in it."""

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping
 from typing import ClassVar
 
 from flexbe_core.core.state import State
-from flexbe_core.engine.definition import Kind
+from flexbe_core.engine.definitions.definition import Kind
 from flexbe_core.engine.errors import StateMachineError
-from flexbe_core.engine.supervision import PREEMPTED
-from flexbe_core.engine.user_data import UserData
+from flexbe_core.engine.supervision.in_force import PREEMPTED
+from flexbe_core.engine.userdata.user_data import UserData
 from flexbe_core.ros.session import own_session, run_session
 
 
@@ -22,6 +22,19 @@ class _Opened(threading.local):
 
 
 _opened = _Opened()
+
+
+def opened_container(label: str) -> StateMachine:
+    """Return the container that is open, to add a state with this label.
+
+    Raises:
+        StateMachineError: if there is none.
+    """
+    if not _opened.containers:
+        raise StateMachineError(
+            f"cannot add {label!r}: no container is open; add states inside `with container:`"
+        )
+    return _opened.containers[-1]
 
 
 class StateMachine(State):
@@ -83,12 +96,8 @@ class StateMachine(State):
             StateMachineError: if no container is open or the label cannot be used.
             StateError: if the state is in a container already.
         """
-        container = StateMachine.get_opened_container()
-        if container is None:
-            raise StateMachineError(
-                f"cannot add {label!r}: no container is open; add states inside `with container:`"
-            )
-        container._add(label, state, dict(transitions or {}), {}, dict(remapping or {}))
+        container = opened_container(label)
+        container._add(label, state, dict(transitions or {}), {}, remapping=dict(remapping or {}))
 
     @property
     def _states(self) -> list[State]:
@@ -102,8 +111,8 @@ class StateMachine(State):
     @property
     def _userdata(self) -> UserData | None:
         """Runtime userdata; None if the container has not been reached."""
-        record = run_session(self).container(self.path)
-        return None if record is None else record.userdata
+        node = run_session(self).container(self.path)
+        return None if node is None else node.userdata
 
     @property
     def userdata(self) -> UserData:

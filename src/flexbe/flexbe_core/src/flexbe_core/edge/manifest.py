@@ -23,7 +23,7 @@ class Manifest:
     Attributes:
         name: display name.
         package_path: dotted path of the module, from its package on.
-        class_name: class of the behavior; empty if the manifest does not tell.
+        class_name: class of the behavior; empty if the manifest does not name it.
     """
 
     name: str

@@ -1,6 +1,6 @@
 """Find the packages on the ROS package path that export something.
 
-rospkg would do, but for two things: it keeps what it found for the life of the process, and one
+rospkg is not used for two reasons: it caches what it found for the life of the process, and one
 malformed package.xml anywhere on the path makes it raise.
 """
 
@@ -22,7 +22,7 @@ def packages_exporting(element: str, warn: Callable[[str], None]) -> dict[str, P
 
     Args:
         element: name of the element inside <export>.
-        warn: told about each package.xml that cannot be read.
+        warn: called with a message for each package.xml that cannot be read.
     """
     found: dict[str, Path] = {}
     for root in rospkg.get_ros_paths():

@@ -9,8 +9,8 @@ from pathlib import Path
 def source_file(package: str, module_path: str, package_folder: Path | None) -> Path | None:
     """Return the file of a module, None if there is none.
 
-    Looked at are the source layouts of catkin packages, then the Python path, where installed
-    packages are.
+    The source layouts of catkin packages are searched first, then the Python path, where
+    installed packages are.
 
     Args:
         package: name of the ROS package.

@@ -1,8 +1,8 @@
 """A concurrency container in a run: all children are active, and their outcomes together end it.
 
 Each child keeps its own rate. After the children that are due have been executed once, in order of
-definition, the conditions are looked at in order; the first that is satisfied ends the container,
-and the children that still run are exited. A preempted child ends it at once.
+definition, the conditions are checked in order. The first satisfied condition ends the container,
+and the children that are still active are exited. A preempted child ends it at once.
 
 Only the first child is supervised and shown to mirrors, since their protocol knows one active path.
 """
@@ -13,20 +13,20 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from flexbe_core.engine.container import Container
-from flexbe_core.engine.decision import Act, Moment, decide
 from flexbe_core.engine.errors import StateMachineError
 from flexbe_core.engine.node import NEVER, NOW, Node
-from flexbe_core.engine.supervision import PREEMPTED
+from flexbe_core.engine.supervision.decision import Act, Moment, decide
+from flexbe_core.engine.supervision.in_force import PREEMPTED
 
 if TYPE_CHECKING:
-    from flexbe_core.engine.definition import Condition, Definition
+    from flexbe_core.engine.definitions.definition import Condition, Definition
     from flexbe_core.engine.engine import Engine
     from flexbe_core.engine.leaf import Leaf
-    from flexbe_core.engine.user_data import UserData
+    from flexbe_core.engine.userdata.user_data import UserData
 
 
 class Concurrency(Container):
-    """The record of a concurrency container.
+    """The runtime node of a concurrency container.
 
     Attributes:
         results: label -> outcome, of the children that have ended.
@@ -59,11 +59,11 @@ class Concurrency(Container):
         self._active = True
 
     def tick(self, now: float) -> str | None:
-        """Execute the children that are due, and look whether that ends the container."""
+        """Execute the children that are due, and check whether that ends the container."""
         if not self._active:
             self.begin()
         self.last_exception = None
-        settled = len(self.results)
+        ended = len(self.results)
         for node in self._running():
             if self._is_shadowed(node):
                 node.skip()
@@ -72,7 +72,7 @@ class Concurrency(Container):
                 if self.results.get(node.label) == PREEMPTED:
                     self.exit()
                     return PREEMPTED
-        return self._outcome() if len(self.results) > settled else None
+        return self._outcome() if len(self.results) > ended else None
 
     def exit(self) -> None:
         """End the visits of the children that still run."""
@@ -82,7 +82,7 @@ class Concurrency(Container):
             node.exit()
 
     def skip(self) -> None:
-        """Tell the children that still run."""
+        """Pause the children that are still active."""
         for node in self._running():
             node.skip()
 
@@ -109,7 +109,7 @@ class Concurrency(Container):
         return next(iter(self._running()), None)
 
     def child(self, label: str) -> Node:
-        """Return the record of a child; mirrors see the first, conditions say where all lead."""
+        """Return the node of a child; mirrors show only the first, and conditions use outcomes."""
         node = super().child(label)
         node.shown = self.shown and label == next(iter(self.definition._labels))
         outcomes = dict.fromkeys([*node.definition._outcomes, PREEMPTED], "")
@@ -125,12 +125,12 @@ class Concurrency(Container):
         if self.engine.priority is None:
             return False
         moment = Moment(node.path, supervised=False, shadowed=self.engine.shadows(node.path))
-        return decide(self.engine.record, moment) is Act.SKIP
+        return decide(self.engine.supervision, moment) is Act.SKIP
 
     def _tick_child(self, node: Node, now: float) -> None:
         try:
             outcome = node.tick(now)
-        except Exception as error:  # noqa: BLE001 - whatever users write in a state
+        except Exception as error:  # noqa: BLE001 - a user's state may raise anything
             self.on_error(node, error, now)
         else:
             if outcome is not None:

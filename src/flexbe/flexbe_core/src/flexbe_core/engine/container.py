@@ -9,22 +9,22 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flexbe_core.engine.definitions.rate import DEFAULT_PERIOD_S
 from flexbe_core.engine.errors import BehaviorFailure
-from flexbe_core.engine.facts import Raised
+from flexbe_core.engine.events import Raised
 from flexbe_core.engine.node import Node
-from flexbe_core.engine.rate import DEFAULT_PERIOD_S
-from flexbe_core.engine.user_data import UserData
+from flexbe_core.engine.userdata.user_data import UserData
 
 if TYPE_CHECKING:
-    from flexbe_core.engine.definition import Definition
+    from flexbe_core.engine.definitions.definition import Definition
     from flexbe_core.engine.engine import Engine
 
 
 class Container(Node):
-    """The record of a container.
+    """The runtime node of a container.
 
     Attributes:
-        children: label -> record, of those reached so far.
+        children: label -> node, of those reached so far.
         userdata: runtime userdata of this visit.
         last_exception: what a child raised in the last tick, if it was held.
     """
@@ -40,7 +40,7 @@ class Container(Node):
         self.userdata = UserData()
         self.last_exception: Exception | None = None
         self._checked = False
-        # What all children without keys see: as a view is empty between ticks, one will do.
+        # The view of all children without keys: a view is empty between ticks, so they share one.
         self._blank = UserData(None, (), ())
 
     def begin(self, userdata: UserData | None = None) -> None:
@@ -79,16 +79,16 @@ class Container(Node):
         )
 
     def child(self, label: str) -> Node:
-        """Return the record of a child, made when first asked for."""
+        """Return the node of a child, made on first use."""
         node = self.children.get(label)
         if node is None:
             definition = self.definition._labels[label]
-            record = self.engine.records[type(definition).__kind__]
-            node = self.children[label] = record(self.engine, definition, self, label)
+            node_class = self.engine.node_classes[type(definition).__kind__]
+            node = self.children[label] = node_class(self.engine, definition, self, label)
         return node
 
     def resume(self, label: str) -> Node:
-        """Go on with the child that was active in another version; for a visit that has begun."""
+        """Continue with the child that was active in another version, in a visit that has begun."""
         return self.child(label)
 
     def hold(self, now: float) -> None:
@@ -109,5 +109,5 @@ class Container(Node):
         if not type(self.definition).__holds_errors__:
             raise error
         self.last_exception = error
-        self.engine.facts.append(Raised(node.path, error, held=True))
+        self.engine.events.append(Raised(node.path, error, held=True))
         node.hold(now)

@@ -1,12 +1,12 @@
 """The engine: runs one behavior, step by step, without a clock or a thread of its own.
 
-Whoever drives it tells the time and what happened; it answers with what it did.
+A driver calls it with the time and with what arrives, and publishes the events that it returns.
 
-    handle(command)   an operator asks for something
-    wake(leaf)        what a state waits for may have come
+    handle(command)   an operator sent a command
+    wake(leaf)        what a state waits for may have arrived
     run(now)          execute what is due, until everything waits or the behavior ends
-    next_due()        ROS time at which there is something to do again
-    take_facts()      what happened, to be published
+    next_due()        ROS time at which something is due again
+    take_events()     what happened, to be published
 
 A state that returns an outcome is followed by the next at once. A state that returns None is
 executed again when its rate says so, when it is woken, or when a command comes.
@@ -20,24 +20,24 @@ from dataclasses import replace
 from enum import Enum
 from typing import TYPE_CHECKING, ClassVar
 
-from flexbe_core.engine import commands
 from flexbe_core.engine.concurrency import Concurrency
-from flexbe_core.engine.definition import Definition, Kind
-from flexbe_core.engine.facts import Answered, Entered, Fact, Left, Refused, Shown, Synced
+from flexbe_core.engine.definitions.definition import Definition, Kind
+from flexbe_core.engine.definitions.structure import first_state
+from flexbe_core.engine.events import Answered, Entered, Event, Left, Refused, Shown, Synced
 from flexbe_core.engine.following import arrival, shown, shown_path
-from flexbe_core.engine.handover import active_state, let_go
 from flexbe_core.engine.leaf import Leaf
 from flexbe_core.engine.machine import Machine
+from flexbe_core.engine.migration import detach_state, migrating_state
 from flexbe_core.engine.node import NOW, Node
 from flexbe_core.engine.priority import Priority, is_inside
-from flexbe_core.engine.structure import first_state
-from flexbe_core.engine.supervision import PREEMPTED, UNSUPERVISED, Supervision
+from flexbe_core.engine.supervision import commands
+from flexbe_core.engine.supervision.in_force import PREEMPTED, UNSUPERVISED, Supervision
 
 if TYPE_CHECKING:
-    from flexbe_core.engine.user_data import UserData
+    from flexbe_core.engine.userdata.user_data import UserData
 
-# Of a longer series of entries between two calls of take_facts only the last is told: nobody can
-# follow the others.
+# Of a longer series of entries between two calls of take_events only the last is returned: no
+# operator can follow the others.
 ENTRIES_TO_FOLLOW = 20
 
 
@@ -45,7 +45,7 @@ class ErrorPolicy(Enum):
     """What happens when a state raises, or returns an outcome that it does not have."""
 
     AUTO = "auto"
-    """Hold the state if somebody supervises the behavior, otherwise end the run."""
+    """Hold the state if an operator supervises the behavior, otherwise end the run."""
     HOLD = "hold"
     """Keep the state active and execute it again, as stock FlexBE does."""
     FAIL = "fail"
@@ -56,23 +56,23 @@ class Engine:
     """One run of one behavior, or of any part of it.
 
     Attributes:
-        record: what the operator has in force.
+        supervision: what the operator has in force.
         priority: path of the priority container, or paused state, that runs alone; None if none.
-        commands: what the operator asked of the active supervised state, not yet obeyed.
-        records: which class of records runs which kind of definition.
+        commands: commands to the active supervised state that are not applied yet.
+        node_classes: which class of nodes runs which kind of definition.
         policy: what happens when a state raises.
-        facts: what happened since the last take_facts, but for the entries of states.
+        events: what happened since the last take_events, but for the entries of states.
         entries: paths of the states entered since then; when it is full, older ones are forgotten.
-        moved: whether a transition was taken since somebody set it to False.
+        moved: whether a transition was taken since it was last set to False.
         executing: the state that is being executed, or was last.
         root_path: path of the root; empty but for a part of a behavior that is run by itself.
         slow: whether cycles are slowed down, see machine.py; for the driver to set.
-        released: whether the active state was handed over to another version.
-        recording: whether facts are told that only a record of the run needs (Ended, Forced).
-        sync_pending: whether mirrors need to know where the run is, as soon as a state is active.
+        released: whether the active state was detached for another version.
+        recording: whether to return also the events that only the run log needs (Ended, Forced).
+        sync_pending: whether to sync mirrors as soon as a state is active.
     """
 
-    records: ClassVar[Mapping[Kind, type[Node]]] = {
+    node_classes: ClassVar[Mapping[Kind, type[Node]]] = {
         Kind.STATE: Leaf,
         Kind.MACHINE: Machine,
         Kind.CONCURRENCY: Concurrency,
@@ -84,10 +84,10 @@ class Engine:
     ) -> None:
         """Prepare to run the definition `root`, which is at `path` of the behavior."""
         self.root_path = path
-        self.record = Supervision()
+        self.supervision = Supervision()
         self.priority: str | None = None
         self.commands: deque[commands.StateCommand] = deque()
-        self.facts: list[Fact] = []
+        self.events: list[Event] = []
         self.entries: deque[str] = deque(maxlen=ENTRIES_TO_FOLLOW + 1)
         self.moved = False
         self.executing: Leaf | None = None
@@ -102,26 +102,28 @@ class Engine:
         self._entered = ""
         self._sync_asked = False
         self._pause_claim: tuple[str | None] | None = None
-        self.root: Node = self.records[type(root).__kind__](self, root, None, "")
+        self.root: Node = self.node_classes[type(root).__kind__](self, root, None, "")
 
     def handle(self, command: commands.Command) -> None:
-        """Put in force what an operator asks for; the active state is executed at once."""
+        """Put a command of an operator in force; the active state is executed at once."""
         if isinstance(command, commands.Preempt):
-            self.record = replace(self.record, preempt=True)
+            self.supervision = replace(self.supervision, preempt=True)
         elif isinstance(command, commands.SetAutonomy):
-            self.record = replace(self.record, autonomy_level=command.level)
-            self.facts.append(Answered("autonomy"))
+            self.supervision = replace(self.supervision, autonomy_level=command.level)
+            self.events.append(Answered("autonomy"))
         elif isinstance(command, commands.Attach):
-            # Who attaches is asked again what another may have been asked before.
-            self.record = replace(self.record, autonomy_level=command.level, requested=None)
-            self.facts.append(Answered("attach", (self.root.definition._name or "",)))
+            # A request that was made before is repeated for the operator who attaches.
+            self.supervision = replace(
+                self.supervision, autonomy_level=command.level, requested=None
+            )
+            self.events.append(Answered("attach", (self.root.definition._name or "",)))
             self.sync_pending = True
         elif isinstance(command, commands.Sync):
             self._sync_asked = True
         elif isinstance(command, commands.Release):
-            active = None if self.record.preempt else active_state(self)
+            active = None if self.supervision.preempt else migrating_state(self)
             if command.offer(active):
-                let_go(self)
+                detach_state(self)
         elif isinstance(command, commands.StateCommand):
             self._take(command)
         leaf = self.root.leaf()
@@ -131,22 +133,22 @@ class Engine:
     def _take(self, command: commands.StateCommand) -> None:
         """Keep a command for the active state; as in stock FlexBE, only if it is supervised.
 
-        Otherwise an operator who asked for a hold gets a warning, and no feedback: operator
+        Otherwise an operator who asked for a hold gets a warning and no feedback: operator
         interfaces take any feedback for success.
         """
         if self._is_supervised():
             self.commands.append(command)
         elif isinstance(command, commands.Pause | commands.Lock):
-            self.facts.append(
+            self.events.append(
                 Refused(
-                    f"{type(command).__name__.lower()} has no effect: nobody supervises the "
-                    f"behavior (autonomy {self.record.autonomy_level}); attach to it first"
+                    f"{type(command).__name__.lower()} has no effect: the behavior is not "
+                    f"supervised (autonomy {self.supervision.autonomy_level}); attach to it first"
                 )
             )
 
     def forget_supervision(self) -> None:
-        """Put nothing in force any more, for a new run."""
-        self.record = Supervision()
+        """Clear what is in force, for a new run."""
+        self.supervision = Supervision()
         self.priority = None
         self.commands.clear()
         self.sync_pending = self._sync_asked = False
@@ -154,29 +156,29 @@ class Engine:
         self._shown = self._entered = ""
 
     def wake(self, leaf: Leaf) -> None:
-        """Execute a state as soon as possible: what it waits for may have come."""
+        """Execute a state as soon as possible: what it waits for may have arrived."""
         leaf.due = NOW
 
     def begin(self, userdata: UserData | None = None) -> None:
-        """Hand in the userdata to run with; a container takes it only when a visit begins."""
+        """Set the userdata to run with; a container uses it only when a visit begins."""
         if isinstance(self.root, Leaf) or not self.root.active:
             self.root.begin(userdata)
 
     def run(self, now: float, enough: Callable[[], bool] = lambda: True) -> str | None:
-        """Execute until every active state waits, or it is enough.
+        """Execute until every active state waits, or `enough` returns True.
 
         Args:
             now: [s] ROS time.
-            enough: asked after each transition; by default one execution of the root is enough.
+            enough: called after each transition; by default one execution of the root is enough.
 
         Returns:
-            the outcome of the root, or None while it goes on.
+            the outcome of the root, or None while it continues.
 
         Raises:
-            BehaviorFailure: if a state could not go on and errors end the run.
+            BehaviorFailure: if a state could not continue and errors end the run.
             Exception: what a root raised that holds no errors.
         """
-        if self.record.preempt:  # the first row of decision.BEFORE, for all states at once
+        if self.supervision.preempt:  # the first row of decision.BEFORE, for all states at once
             return self._preempt()
         tick = self._tick_supervised if self.root.definition._is_controlled else self.root.tick
         while True:
@@ -200,11 +202,11 @@ class Engine:
         if self._shown:
             self._show("")
 
-    def take_facts(self) -> list[Fact]:
+    def take_events(self) -> list[Event]:
         """Return what happened since the last call: entries first, then the rest in order."""
-        entries, facts = list(self.entries), self.facts
+        entries, events = list(self.entries), self.events
         self.entries.clear()
-        self.facts = []
+        self.events = []
         if len(entries) > ENTRIES_TO_FOLLOW:
             entries = entries[-1:]
         # A state whose beginning was not followed may be the one to show now: another child of a
@@ -218,12 +220,12 @@ class Engine:
             entries.append(node.path)
         if entries:
             self._entered = entries[-1]
-        return [Entered(path) for path in entries] + facts
+        return [Entered(path) for path in entries] + events
 
     def holds_errors(self) -> bool:
         """Return whether a state that raises stays active."""
         if self.policy is ErrorPolicy.AUTO:
-            return self.record.autonomy_level != UNSUPERVISED
+            return self.supervision.autonomy_level != UNSUPERVISED
         return self.policy is ErrorPolicy.HOLD
 
     def shadows(self, path: str) -> bool:
@@ -233,10 +235,10 @@ class Engine:
 
     def claim_while_paused(self, path: str) -> None:
         """Let the paused state at `path` run alone, so that its siblings are paused too."""
-        if self.record.paused and self._pause_claim is None:
+        if self.supervision.paused and self._pause_claim is None:
             self._pause_claim = (self.priority,)
             self.priority = path
-        elif not self.record.paused and self._pause_claim is not None:
+        elif not self.supervision.paused and self._pause_claim is not None:
             (self.priority,) = self._pause_claim
             self._pause_claim = None
 
@@ -247,32 +249,32 @@ class Engine:
 
     def _preempt(self) -> str:
         if self._is_supervised() and not self.released:
-            self.facts.append(Answered("preempt"))
-        self.record = replace(self.record, preempt=False)
+            self.events.append(Answered("preempt"))
+        self.supervision = replace(self.supervision, preempt=False)
         self.stop()
         return PREEMPTED
 
     def leave(self, leaf: Leaf, outcome: str) -> None:
         """Note that a supervised state was left with one of its outcomes, for mirrors."""
-        fact = Left(leaf.path, outcome, leaf.definition._outcomes.index(outcome))
+        event = Left(leaf.path, outcome, leaf.definition._outcomes.index(outcome))
         if self.root.definition._is_controlled:
-            self._left, self._arrival = fact, arrival(leaf, outcome)
+            self._left, self._arrival = event, arrival(leaf, outcome)
         else:  # executed by hand, where a state may be supervised by itself; no mirror follows
-            self.facts.append(fact)
+            self.events.append(event)
 
     def _tick_supervised(self, now: float) -> str | None:
         """Execute the root once; mirrors follow each execution, before the next one."""
         try:
             return self.root.tick(now)
         finally:
-            self._lead_mirrors()
+            self._update_mirrors()
 
-    def _lead_mirrors(self) -> None:
+    def _update_mirrors(self) -> None:
         """Have mirrors show the state that is active after an execution."""
         path = shown_path(self.root) if self.root.active else ""
         is_followed = self._shown in ("", path)
         if self._left is not None:
-            self.facts.append(self._left)
+            self.events.append(self._left)
             is_followed = self._arrival == path
             self._left, self._shown = None, ""  # a state that follows itself is shown again
         if path != self._shown or self._sync_asked:
@@ -282,13 +284,13 @@ class Engine:
 
     def _show(self, path: str) -> None:
         self._shown = path
-        self.facts.append(Shown(path))
+        self.events.append(Shown(path))
 
     def _sync(self) -> None:
         path = shown_path(self.root) if self.root.active else ""
         if not path:
             return
-        self.facts.append(Synced(path))
+        self.events.append(Synced(path))
         if self._sync_asked:
-            self.facts.append(Answered("sync"))
+            self.events.append(Answered("sync"))
         self.sync_pending = self._sync_asked = False

@@ -11,7 +11,7 @@ class StateError(Exception):
 
 
 class StateMachineError(Exception):
-    """A container is put together or used in a way that makes no sense."""
+    """A container is built or used incorrectly."""
 
 
 class UserDataError(Exception):
@@ -19,10 +19,10 @@ class UserDataError(Exception):
 
 
 class BehaviorFailure(Exception):  # noqa: N818 - a failure of the behavior, not an error in it
-    """A state could not go on, and nobody is there to help: the run ends.
+    """A state could not continue, and no operator is present to help: the run ends.
 
     Attributes:
-        path: path of the state or container that could not go on.
+        path: path of the state or container that could not continue.
         cause: what it raised.
     """
 

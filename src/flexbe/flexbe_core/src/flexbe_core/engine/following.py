@@ -1,9 +1,9 @@
 """Which state mirrors show, and where they arrive when they follow an outcome.
 
 A mirror knows the structure of the behavior and one active state. It follows the outcomes of that
-state through the structure, as in stock FlexBE. Where this leads elsewhere than the run does, the
-engine publishes a sync behind the outcome: a concurrency container goes on after its first state
-has ended, or is ended by another of its states.
+state through the structure, as in stock FlexBE. If it arrives at a state other than the active
+one, the engine publishes a sync after the outcome: a concurrency container continues after its
+first state has ended, or is ended by another of its states.
 """
 
 from __future__ import annotations
@@ -11,18 +11,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexbe_core.engine.concurrency import Concurrency
+from flexbe_core.engine.definitions.structure import first_path
 from flexbe_core.engine.machine import Machine
-from flexbe_core.engine.structure import first_path
 
 if TYPE_CHECKING:
     from flexbe_core.engine.node import Node
 
 
 def shown(node: Node) -> Node:
-    """Return the record of the active state below `node` that mirrors show.
+    """Return the node of the active state below `node` that mirrors show.
 
-    If there is none, it is that of the innermost container that has been reached: it has not begun,
-    or its states have all ended and it is held for the operator.
+    Without one, return the innermost container that has been reached: it has not begun, or its
+    states have all ended and it is held for the operator.
     """
     while True:
         inner = None

@@ -10,34 +10,34 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexbe_core.engine import oversight
-from flexbe_core.engine.decision import Act
+from flexbe_core.engine import supervised_leaf
+from flexbe_core.engine.definitions.rate import Rate, is_over, period_s
 from flexbe_core.engine.errors import StateError
-from flexbe_core.engine.facts import Ended, Raised
+from flexbe_core.engine.events import Ended, Raised
 from flexbe_core.engine.node import NEVER, NOW, Node
-from flexbe_core.engine.rate import Rate, is_over, period_s
-from flexbe_core.engine.user_data import UserData
+from flexbe_core.engine.supervision.decision import Act
+from flexbe_core.engine.userdata.user_data import UserData
 
 if TYPE_CHECKING:
     from flexbe_core.engine.container import Container
-    from flexbe_core.engine.definition import Definition
+    from flexbe_core.engine.definitions.definition import Definition
     from flexbe_core.engine.engine import Engine
 
 
-# What a state without a parent sees until somebody hands in userdata.
+# What a state without a parent sees until its userdata is set.
 _NOTHING = UserData(None, (), ())
 
 
 class Leaf(Node):
-    """The record of a state.
+    """The runtime node of a state.
 
     Attributes:
-        view: userdata as the state sees it, as new at the beginning of each tick; without a parent,
-            whatever the caller of the tick hands in.
+        view: userdata as the state sees it, reset at the beginning of each tick; without a parent,
+            what the caller of the tick passes.
         entered: whether on_enter has been called and on_exit has not.
-        skipped: whether it has been told that it is paused.
-        alarm: [s] ROS time at which the state wants to be executed next, instead of at its rate;
-            it asks anew in each execution.
+        skipped: whether on_pause has been called and on_resume has not.
+        alarm: [s] ROS time at which the state requests its next execution, instead of at its
+            rate; set again in each execution.
     """
 
     __slots__ = ("_execute", "alarm", "entered", "skipped", "view")
@@ -59,11 +59,11 @@ class Leaf(Node):
         return self.entered
 
     def begin(self, userdata: UserData | None = None) -> None:
-        """See this userdata from now on; for a state without a parent."""
+        """Use this userdata from now on; for a state without a parent."""
         self.view = _NOTHING if userdata is None else userdata
 
-    def go_on(self, entered: bool) -> None:
-        """Go on with a visit that began in another version of the behavior, or is about to."""
+    def resume_visit(self, entered: bool) -> None:
+        """Continue a visit that began in another version of the behavior, or was about to."""
         self.entered = entered
         if self.parent is not None:
             self.view._reference = self.parent.userdata
@@ -74,15 +74,15 @@ class Leaf(Node):
         """Execute the state once.
 
         Raises:
-            StateError: if it returns an outcome that leads nowhere.
-            Exception: whatever the state raises.
+            StateError: if it returns an outcome without a transition.
+            Exception: what the state raises.
         """
         self.engine.executing = self
         state = self.definition
         supervised = state._is_controlled
         outcome: str | None = None
         if supervised:
-            act, outcome = oversight.before(self)
+            act, outcome = supervised_leaf.before(self)
             if act is not Act.EXECUTE and outcome is None:
                 if act is Act.SKIP:
                     self.skip()
@@ -99,7 +99,7 @@ class Leaf(Node):
         if outcome is not None and outcome not in self.targets and self.targets:
             raise StateError(self._undeclared(outcome))
         if supervised:
-            act = oversight.after(self, outcome)
+            act = supervised_leaf.after(self, outcome)
             if act is Act.REPEAT:
                 self._repeat()
                 return None
@@ -109,21 +109,21 @@ class Leaf(Node):
             return None
         self._leave()
         if supervised:
-            oversight.left(self, outcome)
+            supervised_leaf.left(self, outcome)
         if self.engine.recording:
-            self.engine.facts.append(Ended(self.path, outcome))
+            self.engine.events.append(Ended(self.path, outcome))
         return outcome
 
     def exit(self) -> None:
-        """End the visit; an error in on_exit is told, and stops nothing."""
+        """End the visit; an error in on_exit is reported as an event, and stops nothing."""
         self.skipped = False
         if self.definition._is_controlled:
-            self.engine.record = self.engine.record.after_visit()
+            self.engine.supervision = self.engine.supervision.after_visit()
         if self.entered:
             try:
                 self._leave()
-            except Exception as error:  # noqa: BLE001 - the visit ends whatever the state does
-                self.engine.facts.append(Raised(self.path, error, held=False))
+            except Exception as error:  # noqa: BLE001 - the visit ends even if on_exit raises
+                self.engine.events.append(Raised(self.path, error, held=False))
 
     def skip(self) -> None:
         """Call on_pause, once."""
@@ -171,9 +171,9 @@ class Leaf(Node):
         self.due = NOW
 
     def _stay(self, now: float) -> None:
-        """Be due when the state asked for it, or else at its rate.
+        """Set when the state is due: at its alarm, or else at its rate.
 
-        The rate's beat is kept; after a wake-up or a delay, a new one begins.
+        The beat of the rate is kept; after a wake-up or a delay, a new beat begins.
         """
         if self.parent is not None and self.view._data:
             self.view._close()

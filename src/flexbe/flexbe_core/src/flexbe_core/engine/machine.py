@@ -1,8 +1,8 @@
 """A state machine in a run: one child is active, and its outcome chooses the next.
 
-A cycle of states that return at once would take a whole core for ever. Once the driver finds that
-the engine has run too long without waiting (engine.slow), a child that is entered again is put back
-to its rate, as in stock FlexBE. The machine is free again when one of its states returns None.
+A cycle of states that return at once would occupy a whole core forever. Once the driver finds that
+the engine has run too long without waiting (engine.slow), a child that is entered again is executed
+at its rate, as in stock FlexBE. The machine runs freely again when one of its states returns None.
 """
 
 from __future__ import annotations
@@ -10,19 +10,19 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexbe_core.engine.container import Container
+from flexbe_core.engine.definitions.rate import period_s
 from flexbe_core.engine.errors import StateError
 from flexbe_core.engine.node import NOW, Node
-from flexbe_core.engine.rate import period_s
 
 if TYPE_CHECKING:
-    from flexbe_core.engine.definition import Definition
+    from flexbe_core.engine.definitions.definition import Definition
     from flexbe_core.engine.engine import Engine
     from flexbe_core.engine.leaf import Leaf
-    from flexbe_core.engine.user_data import UserData
+    from flexbe_core.engine.userdata.user_data import UserData
 
 
 class Machine(Container):
-    """The record of a state machine.
+    """The runtime node of a state machine.
 
     Attributes:
         current: the active child; None while the machine itself is not active.
@@ -36,7 +36,7 @@ class Machine(Container):
         """Stand for the state machine `definition`."""
         super().__init__(engine, definition, parent, label)
         self.current: Node | None = None
-        # Slowed down: label -> [s] ROS time of its last entry. None: free.
+        # While slowed down: label -> [s] ROS time of its last entry; else None.
         self._entries: dict[str, float] | None = None
 
     @property
@@ -51,7 +51,7 @@ class Machine(Container):
         self.current.due = NOW
 
     def resume(self, label: str) -> Node:
-        """Go on with this child in place of the initial state."""
+        """Continue with this child in place of the initial state."""
         self.current = super().resume(label)
         self.current.due = NOW
         return self.current
@@ -73,7 +73,7 @@ class Machine(Container):
             target = node.targets.get(outcome)
             if target is None:
                 raise StateError(_unconnected(node, outcome))
-        except Exception as error:  # noqa: BLE001 - whatever users write in a state
+        except Exception as error:  # noqa: BLE001 - a user's state may raise anything
             self.on_error(node, error, now)
             return None
         following = self.children.get(target)
@@ -97,7 +97,7 @@ class Machine(Container):
             node.exit()
 
     def skip(self) -> None:
-        """Tell the active child."""
+        """Pause the active child."""
         if self.current is not None:
             self.current.skip()
 

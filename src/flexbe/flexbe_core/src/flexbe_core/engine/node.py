@@ -1,15 +1,15 @@
-"""A record of a run: one state or container of the behavior, as it is being executed.
+"""A runtime node: one state or container of the behavior while it runs.
 
-Records form a tree like the definitions, made when they are first reached. Each kind has the same
-operations; a container passes them on to the children that are active:
+Nodes form a tree like the definitions, made when they are first reached. Each kind has the same
+operations; a container passes them on to its active children:
 
     begin(data) begin a visit
     tick(now)   execute once; return the outcome with which it ends, or None
-    exit()      end the visit now, whatever it does
-    skip()      tell it that it is not executed for a while
+    exit()      end the visit now
+    skip()      pause it: it is not executed for a while
     hold(now)   try again later, after an error
     wake()      be due now, with everything active below
-    next_due()  when it wants to be executed, as ROS time
+    next_due()  when it is due, as ROS time
     leaf()      the active state below it that a mirror shows
 """
 
@@ -21,10 +21,10 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from flexbe_core.engine.container import Container
-    from flexbe_core.engine.definition import Definition
+    from flexbe_core.engine.definitions.definition import Definition
     from flexbe_core.engine.engine import Engine
     from flexbe_core.engine.leaf import Leaf
-    from flexbe_core.engine.user_data import UserData
+    from flexbe_core.engine.userdata.user_data import UserData
 
 # [s] Due times: at once, and only when woken.
 NOW = float("-inf")
@@ -32,14 +32,14 @@ NEVER = float("inf")
 
 
 class Node(ABC):
-    """What all records have in common.
+    """What all nodes have in common.
 
     Attributes:
         definition: the state or container that it runs.
-        targets: outcomes that may leave it -> label or outcome of the parent; empty for the root,
-            which nothing checks.
+        targets: outcome -> label or outcome of the parent; empty for the root, which may return
+            any outcome.
         shown: whether a mirror shows it: in a concurrency container only the first child.
-        due: [s] when it wants to be executed.
+        due: [s] when it is due.
     """
 
     __slots__ = (
@@ -91,7 +91,7 @@ class Node(ABC):
 
     @abstractmethod
     def skip(self) -> None:
-        """Tell the active states that they are not executed for a while."""
+        """Pause the active states: they are not executed for a while."""
 
     @abstractmethod
     def hold(self, now: float) -> None:
@@ -103,7 +103,7 @@ class Node(ABC):
 
     @abstractmethod
     def next_due(self) -> float:
-        """Return when it wants to be executed."""
+        """Return when it is due."""
 
     @abstractmethod
     def leaf(self) -> Leaf | None:

@@ -8,13 +8,13 @@ from flexbe_core.engine.machine import Machine
 
 if TYPE_CHECKING:
     from flexbe_core.engine.container import Container
-    from flexbe_core.engine.definition import Definition
+    from flexbe_core.engine.definitions.definition import Definition
     from flexbe_core.engine.engine import Engine
-    from flexbe_core.engine.user_data import UserData
+    from flexbe_core.engine.userdata.user_data import UserData
 
 
 class Priority(Machine):
-    """The record of a priority container: a state machine that claims priority for its visits."""
+    """The runtime node of a priority container: a state machine that claims priority."""
 
     __slots__ = ("_before", "_claimed")
 

@@ -15,15 +15,15 @@ from flexbe_core.proxy.goal import Goal
 from flexbe_core.ros import clock
 from flexbe_core.ros.waiting import Waiting
 
-# [s] A server says its status at 5 Hz of ROS time. Silent this long, in ROS time as well as in wall
-# time (the one may stand still, the other may be a tenth of it), it hangs.
+# [s] A server publishes its status at 5 Hz of ROS time. If it is silent this long, in ROS time as
+# well as in wall time (ROS time may be stopped, or ten times as fast), it hangs.
 SILENCE_S = 5.0
 
-# [s] Wall time between two looks whether the connection is complete; rospy tells nobody.
-_LOOK_EVERY_S = 0.01
+# [s] Wall time between two checks whether the connection is complete; rospy has no callback for it.
+_CHECK_EVERY_S = 0.01
 
-# [s] Wall time after which waiting for a server is told.
-_TELL_AFTER_S = 0.5
+# [s] Wall time after which waiting for a server is logged.
+_LOG_AFTER_S = 0.5
 
 _goal_numbers = itertools.count(1)
 
@@ -39,7 +39,7 @@ class ActionConnection:
     """
 
     def __init__(self, topic: str, action_type: type[Message]) -> None:
-        """Connect to the server at `topic`, now or when it comes."""
+        """Connect to the server at `topic`, now or when it starts."""
         action = action_type()
         self._topic = topic
         self._goal_type = type(action.action_goal)
@@ -52,9 +52,9 @@ class ActionConnection:
         self._heard_ros = clock.now()
         self._changed = threading.Event()
         self._goal_publisher = rospy.Publisher(f"{topic}/goal", self._goal_type, queue_size=10)
-        # A goal is written by the thread that sends it: a hand-off to a queue costs 0.03 to 0.1 ms.
-        # A server that reads no more is found silent and gets no goals (is_available), long before
-        # the system's buffers for it are full.
+        # The thread that sends a goal also writes it: a queue would cost 0.03 to 0.1 ms. A server
+        # that reads no more is found silent and gets no goals (is_available) long before the
+        # system's buffers for it are full.
         self._goal_publisher.impl.set_queue_size(None)
         self._cancel_publisher = rospy.Publisher(f"{topic}/cancel", GoalID, queue_size=10)
         self._subscribers = [
@@ -84,23 +84,23 @@ class ActionConnection:
     def wait(self, limit_s: float) -> bool:
         """Wait for the server, at most `limit_s` [s] of wall time; return whether it is there."""
         start = time.monotonic()
-        told = False
+        is_logged = False
         while not self.is_available():
             waited = time.monotonic() - start
             if waited >= limit_s or rospy.is_shutdown():
                 return False
-            if not told and waited > _TELL_AFTER_S:
-                told = True
+            if not is_logged and waited > _LOG_AFTER_S:
+                is_logged = True
                 rospy.logwarn("waiting up to %g s for action server %s", limit_s, self._topic)
-            self._changed.wait(_LOOK_EVERY_S)
+            self._changed.wait(_CHECK_EVERY_S)
             self._changed.clear()
-        if told:
+        if is_logged:
             rospy.loginfo("action server %s is there", self._topic)
         return True
 
     def send(self, goal: Message) -> Goal:
         """Send a goal, given as the goal message of the action."""
-        # The wall clock keeps ids apart when simulated time begins anew.
+        # The wall clock keeps ids apart when simulated time restarts.
         goal_id = f"{rospy.get_name()}-{next(_goal_numbers)}-{time.time():.6f}"
         sent = Goal(goal_id, time.monotonic())
         self._goals[goal_id] = sent
@@ -156,6 +156,6 @@ def _established(subscriber: rospy.Subscriber) -> set[str]:
     """Return the names of the nodes from which the subscriber receives.
 
     The list that rospy keeps is replaced, never changed, so that it needs no lock; a connection
-    that is still being made has no name yet. actionlib looks in the same way.
+    that is still being made has no name yet. actionlib does the same.
     """
     return {c.callerid_pub for c in subscriber.impl.connections if c.callerid_pub != "unknown"}

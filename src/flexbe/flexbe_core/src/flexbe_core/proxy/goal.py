@@ -20,8 +20,8 @@ _TERMINAL = frozenset(
 _SIMPLE = {GoalStatus.RECALLING: GoalStatus.PENDING, GoalStatus.PREEMPTING: GoalStatus.ACTIVE}
 
 
-# [s] A server lists a goal as soon as it has it. One that tells its list for this long without the
-# goal never got it: it was sent into a connection that was about to end.
+# [s] A server lists a goal as soon as it has it. A server that publishes its list for this long
+# without the goal never received it: the goal was sent into a connection that was about to end.
 UNNOTICED_S = 5.0
 
 
@@ -33,8 +33,8 @@ class Goal:
         sent_at: [s] when it was sent, by time.monotonic.
         status: a constant of GoalStatus.
         text: what the server says about the status.
-        result: the server's answer, until somebody removes it.
-        feedback: the server's last feedback, until somebody removes it.
+        result: the server's result, until it is removed.
+        feedback: the server's last feedback, until it is removed.
         gone_since: [s] when the server was first found missing; None while it is there.
     """
 
@@ -56,15 +56,15 @@ class Goal:
 
     @property
     def simple_status(self) -> int:
-        """Return the status as actionlib's simple client tells it."""
+        """Return the status as actionlib's simple client reports it."""
         return _SIMPLE.get(self.status, self.status)
 
     def take_status(self, listed: GoalStatus | None, now: float = 0.0) -> bool:
         """Take what the server lists about the goal at `now` [s]; None if it lists nothing.
 
-        A goal that the server knew and no longer lists is lost: the server was started anew. So is
-        one that it never lists. A terminal status counts only with its result, which comes on
-        another topic.
+        A goal that the server knew and no longer lists is lost: the server was restarted. A goal
+        that it never lists is lost too. A terminal status counts only with its result, which
+        arrives on another topic.
 
         Returns:
             whether the status changed.
@@ -76,9 +76,9 @@ class Goal:
                 return False
             self.status = GoalStatus.LOST
             self.text = (
-                "the server no longer knows the goal; it was started anew"
+                "the server no longer knows the goal; it was restarted"
                 if self._is_known
-                else "the server never got the goal"
+                else "the server never received the goal"
             )
             return True
         self._is_known = True

@@ -14,15 +14,15 @@ from flexbe_core.proxy.action_connection import ActionConnection
 from flexbe_core.proxy.goal import Goal
 
 # [s] How long send_goal waits for a server that was not there at set-up.
-_LOOK_AGAIN_S = 1.0
+_RETRY_S = 1.0
 
-# [s] A state that asks is_available notices a lost server by itself. One that goes on asking for
-# the result of a lost goal for this long would do so for ever.
+# [s] A state that asks is_available notices a lost server by itself. A state that still asks for
+# the result of a lost goal after this long would do so forever.
 LOST_GRACE_S = 1.0
 
 
 class ActionServerLostError(Exception):
-    """The server of an active goal has gone away, so that its result can never come."""
+    """The server of an active goal is gone, so that its result can never arrive."""
 
 
 class ProxyActionClient:
@@ -46,8 +46,8 @@ class ProxyActionClient:
         Args:
             topic: action topic.
             action_type: `...Action` message.
-            wait_duration: [s] wall time to wait for the server; if it does not come, the error is
-                told and the connection is made whenever it comes.
+            wait_duration: [s] wall time to wait for the server; after that, an error is logged,
+                and the connection is made when the server starts.
         """
         if topic in self._connections:
             return
@@ -64,15 +64,15 @@ class ProxyActionClient:
         connection = self._connections.get(topic)
         if connection is None:
             raise ValueError(f"cannot send a goal to {topic}: no client was set up for it")
-        if not connection.wait(_LOOK_AGAIN_S):
+        if not connection.wait(_RETRY_S):
             raise ValueError(f"cannot send a goal to {topic}: the action server is not there")
         self._goals[topic] = connection.send(goal)
 
     def is_available(self, topic: str) -> bool:
         """Return at once whether the server is there and alive, also during a goal.
 
-        A server that was started anew is there, but the goal is lost: LOST_GRACE_S long the answer
-        is no.
+        After a restart the server is there, but the goal is lost: for LOST_GRACE_S the answer is
+        False.
         """
         connection = self._connections.get(topic)
         if connection is None or not connection.is_available():
@@ -160,7 +160,7 @@ class ProxyActionClient:
             goal.gone_since = None
         elif _gone_for(goal) > LOST_GRACE_S:
             raise ActionServerLostError(
-                f"action server {topic} has gone away during a goal; its result will never come"
+                f"action server {topic} stopped during a goal; its result will never arrive"
             )
 
 

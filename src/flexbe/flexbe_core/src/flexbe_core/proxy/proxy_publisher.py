@@ -9,11 +9,11 @@ from typing import ClassVar
 import rospy
 from genpy import Message
 
-# [s] Wall time after which waiting for a subscriber is told.
-_TELL_AFTER_S = 0.5
+# [s] Wall time after which waiting for a subscriber is logged.
+_LOG_AFTER_S = 0.5
 
-# [s] Wall time between two looks whether a subscriber is there; rospy tells nobody.
-_LOOK_EVERY_S = 0.02
+# [s] Wall time between two checks whether there is a subscriber.
+_CHECK_EVERY_S = 0.02
 
 
 class ProxyPublisher:
@@ -45,7 +45,7 @@ class ProxyPublisher:
         return topic in self._publishers
 
     def publish(self, topic: str, msg: Message) -> None:
-        """Publish a message; whatever goes wrong costs a warning only."""
+        """Publish a message; a failure is only logged as a warning."""
         publisher = self._publishers.get(topic)
         if publisher is None:
             rospy.logwarn("cannot publish on %s: no publisher was created for it", topic)
@@ -56,22 +56,22 @@ class ProxyPublisher:
             rospy.logwarn("cannot publish on %s: %s", topic, error)
 
     def wait_for_any(self, topic: str, timeout: float = 5.0) -> bool:
-        """Wait until somebody subscribes, at most `timeout` [s] of wall time."""
+        """Wait for a subscriber, at most `timeout` [s] of wall time."""
         publisher = self._publishers.get(topic)
         if publisher is None:
             rospy.logerr("cannot wait for %s: no publisher was created for it", topic)
             return False
         start = time.monotonic()
-        told = False
+        is_logged = False
         while publisher.get_num_connections() == 0:
             waited = time.monotonic() - start
             if waited >= timeout or rospy.is_shutdown():
-                rospy.logerr("nobody subscribed to %s within %g s", topic, timeout)
+                rospy.logerr("no subscriber of %s within %g s", topic, timeout)
                 return False
-            if not told and waited > _TELL_AFTER_S:
-                told = True
+            if not is_logged and waited > _LOG_AFTER_S:
+                is_logged = True
                 rospy.logwarn("waiting up to %g s for a subscriber of %s", timeout, topic)
-            time.sleep(_LOOK_EVERY_S)
-        if told:
+            time.sleep(_CHECK_EVERY_S)
+        if is_logged:
             rospy.loginfo("%s has a subscriber", topic)
         return True

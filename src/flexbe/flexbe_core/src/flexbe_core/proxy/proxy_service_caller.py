@@ -9,7 +9,7 @@ import rospy
 from genpy import Message
 
 # [s] How long is_available and call wait for a service that was not there at set-up.
-_LOOK_AGAIN_S = 1.0
+_RETRY_S = 1.0
 
 
 class ProxyServiceCaller:
@@ -39,7 +39,7 @@ class ProxyServiceCaller:
 
     def is_available(self, topic: str) -> bool:
         """Return whether the service is there, within 1 s."""
-        return topic in self._services and self._wait(topic, _LOOK_AGAIN_S)
+        return topic in self._services and self._wait(topic, _RETRY_S)
 
     def call(self, topic: str, request: Message) -> Message:
         """Call the service and return its response.

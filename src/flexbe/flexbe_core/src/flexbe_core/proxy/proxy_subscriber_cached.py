@@ -1,4 +1,4 @@
-"""Look at messages from a state."""
+"""Receive messages in a state."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Callback = Callable[[Message], None]
 
 
 class _Channel:
-    """What arrived on one topic, and who wants to know."""
+    """What arrived on one topic, and its callbacks and waiting states."""
 
     def __init__(self, buffered: bool) -> None:
         self.subscriber: rospy.Subscriber | None = None
@@ -35,7 +35,7 @@ class _Channel:
             self._callbacks.append(lambda: callback)
 
     def arrived(self, message: Message) -> None:
-        """Keep a message, tell the callbacks, then wake the states that wait for it."""
+        """Store a message, call the callbacks, then wake the states that wait for it."""
         if self.buffer is not None:
             self.buffer.append(message)
         self.last = message

@@ -1,1 +1,1 @@
-"""The shell around the engine: time, threads, commands in, facts out."""
+"""The shell around the engine: time, threads, topics."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import rospy
 
-from flexbe_core.engine.rate import period_s
+from flexbe_core.engine.definitions.rate import period_s
 from flexbe_core.ros import clock
 
 

@@ -1,4 +1,4 @@
-"""The states in which every transition asks the operator: a parameter, looked at without a call.
+"""The states in which every transition asks the operator: a parameter, read without a call.
 
 rospy subscribes to a parameter the first time it is read with a cache, but asks the master each
 time for one that is not set. So the cache is read here once it is subscribed.
@@ -16,7 +16,7 @@ from flexbe_core.ros.topics import BREAKPOINTS_PARAMETER
 
 @functools.cache
 def subscribe() -> None:
-    """Have the master tell this node about changes; the first call is one to the master."""
+    """Subscribe to changes of the parameter; the first call is a call to the master."""
     rospy.get_param_cached(BREAKPOINTS_PARAMETER, [])
 
 

@@ -1,4 +1,4 @@
-"""Commands from operators, handed to the runs of this process.
+"""Commands from operators, passed to the runs of this process.
 
 There is one subscription per topic and process, whatever runs in it.
 """
@@ -13,7 +13,7 @@ from typing import Any, Protocol
 
 from genpy import Message
 
-from flexbe_core.engine.commands import (
+from flexbe_core.engine.supervision.commands import (
     Attach,
     Command,
     ForceOutcome,
@@ -45,11 +45,11 @@ _COMMANDS: dict[str, Callable[[Any], Command]] = {
 }
 
 
-# What ends whatever runs. A machine that is executed by hand, without supervision, needs no more,
+# Commands that end a run. A machine that is executed by hand, without supervision, needs no more,
 # and each subscription costs calls to the master.
 STOPS = (topics.PREEMPT, topics.PREEMPT_OF_DELIVERABLE)
 
-# What stays in force until another command changes it. The others are about what is active now.
+# Stay in force until another command changes them. The others apply to the state active now.
 _LASTING = Preempt | SetAutonomy | Attach | Lock | Unlock | Pause | Resume
 
 
@@ -61,7 +61,7 @@ class Listener(Protocol):
 
 
 class CommandHub:
-    """Hands each command to everything that listens.
+    """Passes each command to all listeners.
 
     Attributes:
         preempts: how many have arrived.

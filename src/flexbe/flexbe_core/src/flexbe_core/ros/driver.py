@@ -8,14 +8,14 @@ from collections.abc import Callable, Sequence
 
 import rospy
 
-from flexbe_core.engine.commands import Command
 from flexbe_core.engine.engine import Engine
-from flexbe_core.engine.facts import Fact
+from flexbe_core.engine.events import Event
 from flexbe_core.engine.leaf import Leaf
+from flexbe_core.engine.supervision.commands import Command
 from flexbe_core.ros import clock
 from flexbe_core.ros.waiting import Waiting, driven_by
 
-# [s] Wall time after which facts are published even if no state waits.
+# [s] Wall time after which events are published even if no state waits.
 _REPORT_EVERY_S = 0.01
 
 # [s] Wall time of states that never wait after which cycles of them are put back to their rates.
@@ -26,14 +26,14 @@ _SPIN_LIMIT_S = 0.25
 _FRUITLESS_S = 0.002
 _FRUITLESS_AHEAD_S = 0.02
 
-# [s] Wall time; what waits less, as for the next of a flood of arrivals, has not waited.
+# [s] Wall time; a shorter wait, as for the next of a flood of arrivals, does not count as one.
 _SHORTEST_WAIT_S = 0.001
 
 # [s] Wall time after which the end of ROS is noticed at the latest.
 _LONGEST_WAIT_S = 2.0
 
-Event = Command | Leaf | None
-Inbox = queue.SimpleQueue[Event]
+Arrival = Command | Leaf | None
+Inbox = queue.SimpleQueue[Arrival]
 
 
 class Driver:
@@ -50,16 +50,16 @@ class Driver:
         inbox: Inbox,
         command: Callable[[Command], None],
         refresh: Callable[[], None],
-        report: Callable[[Sequence[Fact]], None],
+        report: Callable[[Sequence[Event]], None],
     ) -> None:
         """Prepare a run.
 
         Args:
             engine: what to drive.
-            inbox: where commands and wake-ups arrive; None only looks at the clock again.
+            inbox: where commands and wake-ups arrive; None only has the clock read again.
             command: puts a command in force.
             refresh: called before the engine runs, so that it sees what was set from outside.
-            report: publishes facts.
+            report: publishes events.
         """
         self.engine = engine
         self.busy_since: float | None = None
@@ -87,16 +87,16 @@ class Driver:
 
         Raises:
             rospy.ROSInterruptException: if ROS is shut down.
-            BehaviorFailure: if a state could not go on and errors end the run.
+            BehaviorFailure: if a state could not continue and errors end the run.
             Exception: what a root raised that holds no errors.
         """
-        alarm = clock.SimulatedAlarm(self._look_again) if clock.is_simulated() else None
+        alarm = clock.SimulatedAlarm(self._check_clock) if clock.is_simulated() else None
         try:
             with driven_by(self):
                 return self._loop(alarm)
         finally:
             self.engine.stop()
-            self._report(self.engine.take_facts())
+            self._report(self.engine.take_events())
             for waiting in self._remembered:
                 waiting.forget(self)
             if alarm is not None:
@@ -106,7 +106,7 @@ class Driver:
         engine = self.engine
         running_since = time.monotonic()
         while not rospy.is_shutdown():
-            if engine.record.preempt or engine.next_due() <= self._now():
+            if engine.supervision.preempt or engine.next_due() <= self._now():
                 self._refresh()
                 self.busy_since = time.monotonic()
                 self._slice_end = self.busy_since + _REPORT_EVERY_S
@@ -125,7 +125,7 @@ class Driver:
                 running_since = time.monotonic()
         raise rospy.ROSInterruptException("ROS was shut down while a behavior ran")
 
-    def _look_again(self) -> None:
+    def _check_clock(self) -> None:
         self._inbox.put(None)
 
     def _now(self) -> float:
@@ -140,9 +140,9 @@ class Driver:
         return self._inbox.qsize() > 0 or time.monotonic() > self._slice_end
 
     def _report_facts(self) -> None:
-        facts = self.engine.take_facts()
-        if facts:
-            self._report(facts)
+        events = self.engine.take_events()
+        if events:
+            self._report(events)
         elif self._was_woken:
             self._fruitless_until = max(self._fruitless_until, time.monotonic()) + _FRUITLESS_S
         self._was_woken = False
@@ -177,12 +177,12 @@ class Driver:
             timeout = min(timeout, free_at - time.monotonic())
         return timeout
 
-    def _take(self, event: Event) -> None:
-        if isinstance(event, Leaf):
+    def _take(self, arrival: Arrival) -> None:
+        if isinstance(arrival, Leaf):
             if self._fruitless_until - time.monotonic() > _FRUITLESS_AHEAD_S:
-                self._postponed.add(event)
+                self._postponed.add(arrival)
             else:
-                self.engine.wake(event)
+                self.engine.wake(arrival)
                 self._was_woken = True
-        elif event is not None:
-            self._command(event)
+        elif arrival is not None:
+            self._command(arrival)

@@ -1,9 +1,9 @@
 """The ROS master: whether it answers, and whether it is still the one that this node joined.
 
-rospy waits for a master for ever, and registers a node only once. A node that must not do so calls
+rospy waits for a master forever, and registers a node only once. A node that must not do so calls
 `require_master` before it joins, and `spin` or a `MasterWatch` afterwards. rospy's handler of
-signals deadlocks when one arrives while the node still advertises its topics. So nobody calls
-rospy.init_node: nodes that serve call `join` and `spin`, commands call `join_interruptibly`.
+signals deadlocks when one arrives while the node still advertises its topics. Therefore no program
+calls rospy.init_node: nodes that serve call `join` and `spin`, commands call `join_interruptibly`.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class Identity:
     run_id: str
 
     def is_same(self, later: Identity) -> bool:
-        """Return whether the master that is `later` seen at the URI is this one."""
+        """Return whether the master that `later` answers at the URI is this one."""
         known = self.run_id and later.run_id
         return self.pid == later.pid and (not known or self.run_id == later.run_id)
 

@@ -19,12 +19,13 @@ from std_msgs.msg import String, UInt8
 
 from flexbe_core.core.state import State
 from flexbe_core.engine.checksum import checksum
-from flexbe_core.engine.facts import (
+from flexbe_core.engine.definitions.structure import definition_at, structure_of
+from flexbe_core.engine.events import (
     NO_OUTCOME,
     Answered,
     Ended,
     Entered,
-    Fact,
+    Event,
     Forced,
     Left,
     Raised,
@@ -33,13 +34,12 @@ from flexbe_core.engine.facts import (
     Shown,
     Synced,
 )
-from flexbe_core.engine.structure import definition_at, structure_of
 from flexbe_core.logger import Logger
 from flexbe_core.proxy.proxy_publisher import ProxyPublisher
 from flexbe_core.ros import topics
 from flexbe_core.state_logger import StateLogger
 
-# [s] Wall time for which the same error of a held state, tried again and again, is not logged anew.
+# [s] Wall time for which the same error of a held state is not logged again.
 _SAME_ERROR_S = 10.0
 
 
@@ -50,7 +50,7 @@ def advertise() -> None:
 
 
 class Reporter:
-    """Turns facts into messages and log lines."""
+    """Turns events into messages and log lines."""
 
     def __init__(self, root: State) -> None:
         """Report about the run of `root`."""
@@ -58,10 +58,10 @@ class Reporter:
         self._publisher = ProxyPublisher()
         self._logged: dict[str, tuple[str, float]] = {}
 
-    def report(self, facts: Sequence[Fact]) -> None:
-        """Publish facts in their order."""
-        for fact in facts:
-            self._publish(fact)
+    def report(self, events: Sequence[Event]) -> None:
+        """Publish events in their order."""
+        for event in events:
+            self._publish(event)
 
     def structure(self) -> None:
         """Publish the structure of the run's root."""
@@ -81,69 +81,69 @@ class Reporter:
         )
 
     @singledispatchmethod
-    def _publish(self, fact: Fact) -> None:
-        raise TypeError(f"no way to publish {fact!r}")
+    def _publish(self, event: Event) -> None:
+        raise TypeError(f"cannot publish {event!r}")
 
     @_publish.register
-    def _(self, fact: Entered) -> None:
+    def _publish_entered(self, event: Entered) -> None:
         # A supervised behavior is followed by a mirror, which publishes this itself. What is
         # executed by hand has no id, and is no behavior.
         if not self._root._is_controlled and getattr(self._root, "id", None) is not None:
-            self._send(topics.BEHAVIOR_UPDATE, String(fact.path))
+            self._send(topics.BEHAVIOR_UPDATE, String(event.path))
 
     @_publish.register
-    def _(self, fact: Left) -> None:
-        self._send(topics.MIRROR_OUTCOME, UInt8(fact.index))
-        self._send(topics.CURRENT_STATE, String(f"{fact.path} > {fact.outcome}"))
+    def _publish_left(self, event: Left) -> None:
+        self._send(topics.MIRROR_OUTCOME, UInt8(event.index))
+        self._send(topics.CURRENT_STATE, String(f"{event.path} > {event.outcome}"))
 
     @_publish.register
-    def _(self, fact: Requested) -> None:
-        self._send(topics.OUTCOME_REQUEST, OutcomeRequest(fact.index, fact.path))
-        if StateLogger.enabled and fact.index != NO_OUTCOME:
-            self._record_request(fact)
+    def _publish_requested(self, event: Requested) -> None:
+        self._send(topics.OUTCOME_REQUEST, OutcomeRequest(event.index, event.path))
+        if StateLogger.enabled and event.index != NO_OUTCOME:
+            self._log_request(event)
 
     @_publish.register
-    def _(self, fact: Forced) -> None:
-        about = {"type": "forced", "forced": fact.outcome, "requested": fact.requested}
-        StateLogger.log("flexbe.operator", definition_at(self._root, fact.path), **about)
+    def _publish_forced(self, event: Forced) -> None:
+        about = {"type": "forced", "forced": event.outcome, "requested": event.requested}
+        StateLogger.log("flexbe.operator", definition_at(self._root, event.path), **about)
 
     @_publish.register
-    def _(self, fact: Ended) -> None:
-        state = definition_at(self._root, fact.path)
-        StateLogger.log("flexbe.outcomes", state, outcome=fact.outcome)
+    def _publish_ended(self, event: Ended) -> None:
+        state = definition_at(self._root, event.path)
+        StateLogger.log("flexbe.outcomes", state, outcome=event.outcome)
 
     @_publish.register
-    def _(self, fact: Answered) -> None:
-        self._send(topics.COMMAND_FEEDBACK, CommandFeedback(fact.command, list(fact.args)))
+    def _publish_answered(self, event: Answered) -> None:
+        self._send(topics.COMMAND_FEEDBACK, CommandFeedback(event.command, list(event.args)))
 
     @_publish.register
-    def _(self, fact: Synced) -> None:
-        self._send(topics.MIRROR_SYNC, BehaviorSync(self._behavior_id(), checksum(fact.path)))
+    def _publish_synced(self, event: Synced) -> None:
+        self._send(topics.MIRROR_SYNC, BehaviorSync(self._behavior_id(), checksum(event.path)))
 
     @_publish.register
-    def _(self, fact: Shown) -> None:
-        self._send(topics.ACTIVE_STATE, String(fact.path))
+    def _publish_shown(self, event: Shown) -> None:
+        self._send(topics.ACTIVE_STATE, String(event.path))
 
     @_publish.register
-    def _(self, fact: Refused) -> None:
-        Logger.logwarn("%s", fact.text)
+    def _publish_refused(self, event: Refused) -> None:
+        Logger.logwarn("%s", event.text)
 
     @_publish.register
-    def _(self, fact: Raised) -> None:
-        error = fact.error
+    def _publish_raised(self, event: Raised) -> None:
+        error = event.error
         text = f"{type(error).__name__}: {error}"
-        last, at = self._logged.get(fact.path, ("", 0.0))
+        last, at = self._logged.get(event.path, ("", 0.0))
         if text == last and time.monotonic() - at < _SAME_ERROR_S:
             return
-        self._logged[fact.path] = (text, time.monotonic())
+        self._logged[event.path] = (text, time.monotonic())
         trace = "".join(traceback.format_exception(error))
-        then = "; it stays active and is tried again" if fact.held else ""
-        Logger.logerr("%s: %s%s", fact.path or "root", text, then)
+        then = "; it stays active and is tried again" if event.held else ""
+        Logger.logerr("%s: %s%s", event.path or "root", text, then)
         Logger.local(trace, Logger.REPORT_ERROR)
 
-    def _record_request(self, fact: Requested) -> None:
-        state: State = definition_at(self._root, fact.path)
-        outcome = state.outcomes[fact.index]
+    def _log_request(self, event: Requested) -> None:
+        state: State = definition_at(self._root, event.path)
+        outcome = state.outcomes[event.index]
         levels = getattr(state.parent, "_autonomy", {}).get(state.name, {})
         about = {
             "type": "request",

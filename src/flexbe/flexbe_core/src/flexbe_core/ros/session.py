@@ -12,12 +12,18 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import rospy
 
-from flexbe_core.engine.commands import Attach, Command, Preempt, SetAutonomy, ShowStructure
 from flexbe_core.engine.container import Container
-from flexbe_core.engine.definition import Definition, Kind
+from flexbe_core.engine.definitions.definition import Definition, Kind
 from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.engine.leaf import Leaf
 from flexbe_core.engine.node import Node
+from flexbe_core.engine.supervision.commands import (
+    Attach,
+    Command,
+    Preempt,
+    SetAutonomy,
+    ShowStructure,
+)
 from flexbe_core.logger import Logger
 from flexbe_core.ros import breakpoints, clock
 from flexbe_core.ros.beat import Beat
@@ -27,7 +33,7 @@ from flexbe_core.ros.reporter import Reporter, advertise
 
 if TYPE_CHECKING:
     from flexbe_core.core.state import State
-    from flexbe_core.engine.user_data import UserData
+    from flexbe_core.engine.userdata.user_data import UserData
 
 
 class Session:
@@ -59,7 +65,7 @@ class Session:
 
     @classmethod
     def assign_priority(cls, path: str | None) -> None:
-        """Have what is at `path` run alone, in whatever is executed by hand next; None: nothing."""
+        """Let what is at `path` run alone in what is executed by hand next; None for nothing."""
         cls.priority_by_hand = path
         cls._assigned = cls._assigned[0] + 1, path
 
@@ -75,7 +81,7 @@ class Session:
         self._begin_listening()
 
     def listen_for_stops(self) -> None:
-        """Be preempted by operators from now on, with nothing else in force than before."""
+        """Accept preempts from now on; what is in force stays unchanged."""
         HUB.subscribe(STOPS)
         self._begin_listening()
 
@@ -85,13 +91,13 @@ class Session:
             HUB.listen(self)
 
     def ignore(self) -> None:
-        """Take no more commands from operators, and put none in force any more."""
+        """Take no more commands from operators, and clear what is in force."""
         self.is_listening = False
         HUB.ignore(self)
         self.forget()
 
     def forget(self) -> None:
-        """Put nothing in force of what was commanded, for a new run."""
+        """Drop all commands and clear what is in force, for a new run."""
         while not self._inbox.empty():
             self._inbox.get()
         self.engine.forget_supervision()
@@ -103,7 +109,7 @@ class Session:
         self._take_commands()
         self.engine.begin(userdata)
         self._driver = Driver(
-            self.engine, self._inbox, self._command, self._refresh, self._reporter.report
+            self.engine, self._inbox, self._command, self._refresh, report=self._reporter.report
         )
         try:
             return self._driver.drive()
@@ -113,8 +119,8 @@ class Session:
     def execute(self, userdata: UserData | None = None, is_preempted: bool = False) -> str | None:
         """Execute once and return the outcome, if it ends with that.
 
-        A container holds the errors of its states at any level, unless told otherwise: its caller
-        looks at them.
+        Under ErrorPolicy.AUTO a container holds the errors of its states at any level: its caller
+        checks them.
         """
         self._refresh()
         self._take_commands()
@@ -131,7 +137,7 @@ class Session:
         finally:
             self.engine.policy = policy
             Session.priority_by_hand = self.engine.priority
-            self._reporter.report(self.engine.take_facts())
+            self._reporter.report(self.engine.take_events())
 
     def execution(self) -> tuple[str, float] | None:
         """Return the path of the state that is being executed, and since when (time.monotonic)."""
@@ -166,12 +172,12 @@ class Session:
         return leaf.path[len(path) + 1 :].split("/")[0]
 
     def container(self, path: str) -> Container | None:
-        """Return the record of the container at this path; None if it has not been reached."""
+        """Return the node of the container at this path; None if it has not been reached."""
         node = self.node(path)
         return node if isinstance(node, Container) else None
 
     def node(self, path: str) -> Node | None:
-        """Return the record at this path; None if it has not been reached."""
+        """Return the runtime node at this path; None if it has not been reached."""
         node: Node | None = self.engine.root
         for label in path.removeprefix(self.engine.root_path).split("/")[1:]:
             node = node.children.get(label) if isinstance(node, Container) else None
@@ -179,13 +185,13 @@ class Session:
 
     def is_locked(self, path: str) -> bool:
         """Return whether the operator has locked the state or container at this path."""
-        return path in self.engine.record.locks
+        return path in self.engine.supervision.locks
 
     def set_locked(self, path: str, is_locked: bool) -> None:
         """Lock or unlock the state or container at this path, as an operator would."""
-        record = self.engine.record
-        locks = record.locks | {path} if is_locked else record.locks - {path}
-        self.engine.record = replace(record, locks=locks)
+        supervision = self.engine.supervision
+        locks = supervision.locks | {path} if is_locked else supervision.locks - {path}
+        self.engine.supervision = replace(supervision, locks=locks)
 
     def userdata(self) -> dict[str, dict[str, Any]]:
         """Return the runtime userdata of all containers reached so far, by their paths."""
@@ -199,7 +205,7 @@ class Session:
         return found
 
     def publish_structure(self) -> None:
-        """Tell mirrors what the definition is made of."""
+        """Publish the structure of the definition for mirrors."""
         self._reporter.structure()
 
     def _steady_beat(self) -> Beat:
@@ -211,9 +217,9 @@ class Session:
     def _take_commands(self) -> None:
         """Put in force what was posted before this run, or since the last execution."""
         while not self._inbox.empty():
-            event = self._inbox.get()
-            if event is not None and not isinstance(event, Leaf):
-                self._command(event)
+            arrival = self._inbox.get()
+            if arrival is not None and not isinstance(arrival, Leaf):
+                self._command(arrival)
 
     def _command(self, command: Command) -> None:
         if isinstance(command, ShowStructure):
@@ -225,16 +231,16 @@ class Session:
         self.engine.handle(command)
 
     def _refresh(self) -> None:
-        """Take over what users and operators may have set since the last time."""
-        record = self.engine.record
-        level = self._root.autonomy_level if self._has_level else record.autonomy_level
-        points = breakpoints.current() if self._root._is_controlled else record.breakpoints
-        if (level, points) != (record.autonomy_level, record.breakpoints):
-            self.engine.record = replace(record, autonomy_level=level, breakpoints=points)
+        """Read what users and operators may have set since the last time."""
+        supervision = self.engine.supervision
+        level = self._root.autonomy_level if self._has_level else supervision.autonomy_level
+        points = breakpoints.current() if self._root._is_controlled else supervision.breakpoints
+        if (level, points) != (supervision.autonomy_level, supervision.breakpoints):
+            self.engine.supervision = replace(supervision, autonomy_level=level, breakpoints=points)
 
 
 def connect() -> None:
-    """Make all connections that runs need; calls to the master, so better done before the first."""
+    """Make all connections that runs need; calls the master, so better before the first run."""
     advertise()
     Logger.initialize()
     HUB.subscribe()

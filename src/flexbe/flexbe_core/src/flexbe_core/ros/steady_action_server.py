@@ -1,4 +1,4 @@
-"""An action server that outlives a ROS clock which is set back."""
+"""An action server that keeps working when the ROS clock is set back."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ import rospy
 
 
 class SteadyActionServer(actionlib.ActionServer):
-    """An action server that goes on publishing its status when `/clock` jumps back.
+    """An action server that continues to publish its status when `/clock` jumps back.
 
-    The timer of actionlib's own server ends for ever then; clients then count the server as lost.
+    The timer of actionlib's own server ends then, and clients count the server as lost.
     """
 
     def initialize(self) -> None:

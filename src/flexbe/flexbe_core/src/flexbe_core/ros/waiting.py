@@ -1,8 +1,8 @@
-"""Who waits for what: how an arriving message finds the state that asked for it.
+"""Which states wait for what: how an arriving message wakes the state that polls for it.
 
-A state that asks a proxy for something that has not come is remembered by the proxy's channel. The
-arrival wakes that state at once, and no other. States that nobody drives (executed by hand, as in
-flexbe_testing) are not remembered; their caller polls them.
+If a state asks a proxy for something that has not arrived, the proxy's channel remembers the state.
+The arrival wakes that state at once, and no other. States without a driver (executed by hand, as
+in flexbe_testing) are not remembered; their caller polls them.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from flexbe_core.engine.leaf import Leaf
 
 
 class Driver(Protocol):
-    """Whoever drives an engine on a thread of his own."""
+    """Runs an engine on the calling thread."""
 
     engine: Engine
 
@@ -61,7 +61,7 @@ class Waiting:
         self._states: set[tuple[Driver, Leaf]] = set()
 
     def add_caller(self) -> None:
-        """Remember the state that this thread executes; call it before looking whether it is there.
+        """Remember the state that this thread executes; to be called before checking for arrivals.
 
         The other order would lose what arrives in between.
         """

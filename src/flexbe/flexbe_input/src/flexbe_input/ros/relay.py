@@ -2,11 +2,11 @@
 
 How goals end:
 
-    the operator answers                            SUCCEEDED, with his result
-    there is no interface, or it goes away          SUCCEEDED, RESULT_FAILED or RESULT_ABORTED
+    the operator answers                            SUCCEEDED, with the operator's result
+    there is no interface, or it stops              SUCCEEDED, RESULT_FAILED or RESULT_ABORTED
     the goal is cancelled                           PREEMPTED; the operator's goal is cancelled too
 
-A client of stock FlexBE looks at the result code alone, so nobody waits for ever.
+A client of stock FlexBE checks only the result code, so each goal ends with one.
 """
 
 from __future__ import annotations
@@ -22,12 +22,11 @@ from flexbe_core.ros.steady_action_server import SteadyActionServer
 
 DEFAULT_OPERATOR_LIMIT_S = 10.0
 
-# [s] Wall time between two looks whether the interface is still there.
-_LOOK_EVERY_S = 1.0
+# [s] Wall time between two checks whether the interface is still there.
+_CHECK_EVERY_S = 1.0
 
-
-# [s] Wall time after which an interface that does not take notice of a question never got it.
-_NOTICED_LIMIT_S = 5.0
+# [s] Wall time after which an interface that has not acknowledged a question never received it.
+_ACKNOWLEDGE_LIMIT_S = 5.0
 
 
 class Relay:
@@ -62,7 +61,7 @@ class Relay:
             event.set()
 
     def _relay(self, handle: actionlib.ServerGoalHandle) -> None:
-        """Ask the operator and hand his answer on; the thread of one question."""
+        """Ask the operator and pass the answer on; runs in the thread of one question."""
         goal_id = handle.get_goal_id().id
         try:
             result, text = self._ask(handle.get_goal(), self._answered[goal_id])
@@ -76,9 +75,9 @@ class Relay:
     def _ask(
         self, goal: BehaviorInputGoal, answered: threading.Event
     ) -> tuple[BehaviorInputResult | None, str]:
-        """Return the operator's result and what there is to say about it; None if cancelled."""
+        """Return the operator's result and its status text; None if cancelled."""
         if not self._operator.wait_for_server(self._operator_limit):
-            rospy.logwarn("nobody serves flexbe/operator_input; a question is not answered")
+            rospy.logwarn("no node serves flexbe/operator_input; a question is not answered")
             failed = BehaviorInputResult(result_code=BehaviorInputResult.RESULT_FAILED)
             return failed, "no operator's interface serves flexbe/operator_input"
 
@@ -88,13 +87,13 @@ class Relay:
 
         asked = self._operator.send_goal(goal, on_transition)
         asked_at = time.monotonic()
-        while not answered.wait(_LOOK_EVERY_S):
+        while not answered.wait(_CHECK_EVERY_S):
             is_waiting = asked.get_comm_state() == actionlib.CommState.WAITING_FOR_GOAL_ACK
-            is_lost = is_waiting and time.monotonic() - asked_at > _NOTICED_LIMIT_S
-            limit = rospy.Duration.from_sec(_LOOK_EVERY_S)
+            is_lost = is_waiting and time.monotonic() - asked_at > _ACKNOWLEDGE_LIMIT_S
+            limit = rospy.Duration.from_sec(_CHECK_EVERY_S)
             if is_lost or not self._operator.wait_for_server(limit):
                 gone = BehaviorInputResult(result_code=BehaviorInputResult.RESULT_ABORTED)
-                return gone, "the operator's interface has gone away"
+                return gone, "the operator's interface is no longer running"
         if asked.get_comm_state() != actionlib.CommState.DONE:
             asked.cancel()
             return None, ""

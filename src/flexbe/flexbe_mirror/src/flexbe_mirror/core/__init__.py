@@ -1,1 +1,1 @@
-"""Where a behavior is, worked out from what its engine tells; no ROS."""
+"""Determines the active state of a behavior from the messages of its engine; no ROS."""

@@ -4,24 +4,24 @@
       ^                     |  (asks for it after ASK_AFTER_S)     |
       +---------------------+-------- any end, silence -----------+
 
-An engine of this workspace names its active state itself, in the order of the run: on_active_state.
-Any other is followed: on_outcome goes from state to state through the structure, on_sync jumps.
-Those come on topics of their own, and may overtake each other.
+An engine of this workspace publishes its active state, in the order of the run: on_active_state.
+With any other engine, on_outcome goes from state to state through the structure, and on_sync
+jumps. Outcomes and syncs arrive on separate topics, and may overtake each other.
 
-An engine that falls silent shows nothing; if its heartbeat comes back, the mirror follows it again.
-What has been told is answered with what to do: Show, AskForStructure, AskWhere. A mirror that joins
-late, or gets the structure late, does not know where the behavior is: it asks.
+While an engine is silent, no state is shown; when its heartbeat resumes, the mirror follows it
+again. Each method returns what to do: Show, AskForStructure, AskWhere. A mirror that joins late, or
+gets the structure late, does not know the active state and asks for it.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import Enum
 
+from flexbe_core.engine.status_code import StatusCode
 from flexbe_mirror.core.tree import Tree
 
-# [s] The structure comes by itself with a behavior that an operator starts; otherwise it is asked
-# for after this long, and again until it comes.
+# [s] The structure arrives by itself with a behavior that an operator starts; otherwise the mirror
+# asks for it after this long, and again until it arrives.
 ASK_AFTER_S = 0.2
 ASK_AGAIN_S = 1.0
 
@@ -29,27 +29,16 @@ ASK_AGAIN_S = 1.0
 SILENCE_S = 5.0
 
 
-class Code(Enum):
-    """Codes of flexbe_msgs/BEStatus."""
-
-    STARTED = 0
-    FINISHED = 1
-    FAILED = 2
-    SWITCHING = 6
-    ERROR = 11
-    READY = 20
-
-
 @dataclass(frozen=True)
 class Show:
-    """Tell viewers that this state is active; empty if none is."""
+    """Publish that this state is active; empty if none is."""
 
     path: str
 
 
 @dataclass(frozen=True)
 class AskForStructure:
-    """Ask the engine what the behavior with this id is made of."""
+    """Ask the engine for the structure of the behavior with this id."""
 
     behavior_id: int
 
@@ -59,16 +48,16 @@ class AskWhere:
     """Ask the engine which state is active."""
 
 
-Deed = Show | AskForStructure | AskWhere
+Action = Show | AskForStructure | AskWhere
 
-_ENDS = {Code.FINISHED.value, Code.FAILED.value, Code.SWITCHING.value, Code.READY.value}
+_ENDS = {StatusCode.FINISHED, StatusCode.FAILED, StatusCode.SWITCHING, StatusCode.READY}
 
 
 class Mirror:
-    """Where the running behavior is.
+    """The active state of the running behavior.
 
     Attributes:
-        path: the active state; empty if none is, or it is not known.
+        path: of the active state; empty if none is, or it is not known.
     """
 
     def __init__(self) -> None:
@@ -84,7 +73,7 @@ class Mirror:
         self._named = ""
         self._is_first = False
 
-    def on_heartbeat(self, now: float) -> list[Deed]:
+    def on_heartbeat(self, now: float) -> list[Action]:
         """Take a sign of life of the engine; `now` [s] is wall time."""
         self._heard_at = now
         lost, self._lost = self._lost, None
@@ -92,32 +81,32 @@ class Mirror:
 
     def on_status(
         self, code: int, behavior_id: int, args: tuple[str, ...], now: float
-    ) -> list[Deed]:
-        """Take what the engine says about itself; `now` [s] is wall time."""
+    ) -> list[Action]:
+        """Take a status of the engine; `now` [s] is wall time."""
         self._heard_at, self._lost = now, None
-        if code == Code.STARTED.value:
+        if code == StatusCode.STARTED:
             return self._begin(behavior_id, args[0] if args else None, now)
         if self._behavior_id is None:
             return self._show("") if self._is_new else []
-        is_end = code in _ENDS or (code == Code.ERROR.value and behavior_id == self._behavior_id)
+        is_end = code in _ENDS or (code == StatusCode.ERROR and behavior_id == self._behavior_id)
         return self._end() if is_end else []
 
-    def on_structure(self, behavior_id: int, tree: Tree) -> list[Deed]:
-        """Take the structure of a behavior; it may come before the behavior is started."""
+    def on_structure(self, behavior_id: int, tree: Tree) -> list[Action]:
+        """Take the structure of a behavior; it may arrive before the behavior is started."""
         self._buffered = {behavior_id: tree}
         if behavior_id != self._behavior_id or self._tree is not None:
             return []
         self._tree = tree
         return [AskWhere()]
 
-    def on_active_state(self, path: str) -> list[Deed]:
-        """Take the active state from an engine that names it; it may come before STARTED."""
+    def on_active_state(self, path: str) -> list[Action]:
+        """Take the active state from an engine that publishes it, perhaps before STARTED."""
         self._named = path
         is_known = self._is_first and path == self.path
-        # That no state is active is what a status reports.
+        # A status reports that no state is active.
         return [] if self._behavior_id is None or not path or is_known else self._show(path)
 
-    def on_outcome(self, index: int) -> list[Deed]:
+    def on_outcome(self, index: int) -> list[Action]:
         """Take the outcome of the active state."""
         if self._tree is None or not self.path:
             return []
@@ -127,14 +116,14 @@ class Mirror:
             return [AskWhere()]
         return [] if following is None else self._show(following)
 
-    def on_sync(self, behavior_id: int, path_checksum: int) -> list[Deed]:
-        """Take where the engine says that it is."""
+    def on_sync(self, behavior_id: int, path_checksum: int) -> list[Action]:
+        """Take the active state, by the checksum of its path."""
         if self._tree is None or behavior_id != self._behavior_id:
             return []
         path = self._tree.state_with(path_checksum)
         return [] if path is None else self._show(path)
 
-    def on_time(self, now: float) -> list[Deed]:
+    def on_time(self, now: float) -> list[Action]:
         """Ask for what is missing, once it is late; `now` [s] is wall time."""
         if self._behavior_id is None:
             return []
@@ -146,7 +135,7 @@ class Mirror:
         self._ask_at = now + ASK_AGAIN_S
         return [AskForStructure(self._behavior_id) if self._tree is None else AskWhere()]
 
-    def _begin(self, behavior_id: int, resume_at: str | None, now: float) -> list[Deed]:
+    def _begin(self, behavior_id: int, resume_at: str | None, now: float) -> list[Action]:
         self._behavior_id = behavior_id
         self._tree, self.path = self._buffered.get(behavior_id), ""
         self._ask_at = now + ASK_AFTER_S
@@ -155,17 +144,17 @@ class Mirror:
         if self._tree is None:
             return []
         is_there = resume_at in self._tree.parts
-        deeds = self._show(resume_at if is_there else self._tree.first_state())
+        actions = self._show(resume_at if is_there else self._tree.first_state())
         self._is_first = True  # and not to be shown again when the engine names it
-        return deeds
+        return actions
 
-    def _show(self, path: str | None) -> list[Deed]:
+    def _show(self, path: str | None) -> list[Action]:
         self._is_new = self._is_first = False
         self.path = path or ""
         return [Show(self.path)]
 
-    def _end(self) -> list[Deed]:
-        # To ask for a structure makes the engine supervise the run: the next run needs that anew.
+    def _end(self) -> list[Action]:
+        # A request for the structure makes the engine supervise the run; each run needs one.
         if self._behavior_id is not None:
             self._buffered.pop(self._behavior_id, None)
         self._behavior_id = self._tree = None

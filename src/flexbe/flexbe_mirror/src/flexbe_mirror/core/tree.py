@@ -9,7 +9,7 @@ from flexbe_core.engine.checksum import checksum
 
 
 class StructureError(ValueError):
-    """A structure message from which no behavior can be put together."""
+    """A structure message that does not describe a whole behavior."""
 
 
 @dataclass(frozen=True)

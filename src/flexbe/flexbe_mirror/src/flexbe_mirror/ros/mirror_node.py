@@ -1,7 +1,7 @@
-"""Take in what the engine tells, publish which state is active.
+"""Receive the messages of the engine, publish which state is active.
 
-`flexbe/behavior_update` is latched: who joins late learns at once where the behavior is. Callbacks
-of ROS put what they get into a queue, and one thread takes it out, so that nothing overtakes.
+`flexbe/behavior_update` is latched: a late subscriber receives the active state at once. ROS
+callbacks put messages into a queue, and one thread handles them, so that their order is kept.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from genpy import Message
 from std_msgs.msg import Empty, Int32, String, UInt8
 
 from flexbe_core.ros import topics
-from flexbe_mirror.core.mirror import AskForStructure, AskWhere, Deed, Mirror, Show
+from flexbe_mirror.core.mirror import Action, AskForStructure, AskWhere, Mirror, Show
 from flexbe_mirror.core.tree import Part, StructureError, Tree
 
-# [s] Wall time between two looks at what is late.
-_LOOK_EVERY_S = 0.1
+# [s] Wall time between two checks of what is late.
+_CHECK_EVERY_S = 0.1
 
 
 class FlexbeMirror:
@@ -30,7 +30,7 @@ class FlexbeMirror:
     def __init__(self) -> None:
         """Begin to follow what runs, or the next behavior that is started."""
         self._mirror = Mirror()
-        self._arrived: queue.SimpleQueue[Callable[[], list[Deed]]] = queue.SimpleQueue()
+        self._arrived: queue.SimpleQueue[Callable[[], list[Action]]] = queue.SimpleQueue()
         self._update = rospy.Publisher(topics.BEHAVIOR_UPDATE, String, queue_size=100, latch=True)
         self._request = rospy.Publisher(topics.REQUEST_STRUCTURE, Int32, queue_size=10)
         self._ask_where = rospy.Publisher(topics.SYNC, Empty, queue_size=10)
@@ -47,34 +47,34 @@ class FlexbeMirror:
         )
         threading.Thread(target=self._work, name="mirror", daemon=True).start()
 
-    def _put(self, message: Message, handle: Callable[[Message], list[Deed]]) -> None:
+    def _put(self, message: Message, handle: Callable[[Message], list[Action]]) -> None:
         self._arrived.put(lambda: handle(message))
 
     def _work(self) -> None:
         while not rospy.is_shutdown():
-            deeds: list[Deed] = []
+            actions: list[Action] = []
             try:
-                deeds = self._arrived.get(timeout=_LOOK_EVERY_S)()
+                actions = self._arrived.get(timeout=_CHECK_EVERY_S)()
             except queue.Empty:
                 pass
             except StructureError as error:
-                rospy.logwarn("a structure is left alone: %s", error)
-            for deed in [*deeds, *self._mirror.on_time(time.monotonic())]:
-                self._do(deed)
+                rospy.logwarn("ignored a structure: %s", error)
+            for action in [*actions, *self._mirror.on_time(time.monotonic())]:
+                self._do(action)
 
-    def _do(self, deed: Deed) -> None:
-        if isinstance(deed, Show):
-            self._update.publish(deed.path)
-        elif isinstance(deed, AskForStructure):
-            self._request.publish(deed.behavior_id)
-        elif isinstance(deed, AskWhere):
+    def _do(self, action: Action) -> None:
+        if isinstance(action, Show):
+            self._update.publish(action.path)
+        elif isinstance(action, AskForStructure):
+            self._request.publish(action.behavior_id)
+        elif isinstance(action, AskWhere):
             self._ask_where.publish()
 
-    def _on_status(self, message: BEStatus) -> list[Deed]:
+    def _on_status(self, message: BEStatus) -> list[Action]:
         args = tuple(message.args)
         return self._mirror.on_status(message.code, message.behavior_id, args, time.monotonic())
 
-    def _on_structure(self, message: ContainerStructure) -> list[Deed]:
+    def _on_structure(self, message: ContainerStructure) -> list[Action]:
         tree = Tree(
             Part(
                 part.path,
@@ -85,15 +85,15 @@ class FlexbeMirror:
         )
         return self._mirror.on_structure(message.behavior_id, tree)
 
-    def _on_active_state(self, message: String) -> list[Deed]:
+    def _on_active_state(self, message: String) -> list[Action]:
         return self._mirror.on_active_state(message.data)
 
-    def _on_outcome(self, message: UInt8) -> list[Deed]:
+    def _on_outcome(self, message: UInt8) -> list[Action]:
         if self._is_named():
             return []
         return self._mirror.on_outcome(message.data)
 
-    def _on_sync(self, message: BehaviorSync) -> list[Deed]:
+    def _on_sync(self, message: BehaviorSync) -> list[Action]:
         if self._is_named():
             return []
         return self._mirror.on_sync(message.behavior_id, message.current_state_checksum)

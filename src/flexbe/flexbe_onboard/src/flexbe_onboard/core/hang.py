@@ -1,21 +1,21 @@
-"""Decide when an execution that does not return is a hang, and when to tell."""
+"""Decide when an execution that does not return is a hang, and when to report it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
 
-# [s] An execution that goes on hanging is told again after this long.
-TELL_AGAIN_S = 60.0
+# [s] An execution that still hangs is reported again after this long.
+REPORT_AGAIN_S = 60.0
 
 
 class HangPolicy(Enum):
     """What happens when a state does not return."""
 
     REPORT = "report"
-    """Tell the operator; the behavior goes on if the state returns after all."""
+    """Report it to the operator; the behavior continues if the state returns after all."""
     RESTART = "restart"
-    """Cancel the goals of the behavior, end it as failed, and start the engine anew."""
+    """Cancel the goals of the behavior, end it as failed, and restart the engine."""
 
 
 @dataclass(frozen=True)
@@ -32,21 +32,21 @@ class Execution:
 
 
 class HangAlarm:
-    """Tells each hang once, and again each TELL_AGAIN_S."""
+    """Reports each hang once, and again each REPORT_AGAIN_S."""
 
     def __init__(self, limit_s: float) -> None:
-        """Take executions longer than `limit_s` [s] for hangs; 0 for none at all."""
+        """Treat executions longer than `limit_s` [s] as hangs; 0 disables the alarm."""
         self._limit_s = limit_s
         self._since = 0.0
-        self._tell_at = 0.0
+        self._report_at = 0.0
 
-    def look(self, execution: Execution | None, now: float) -> float | None:
-        """Return how long [s] the execution has taken, if that is to be told now."""
+    def check(self, execution: Execution | None, now: float) -> float | None:
+        """Return how long [s] the execution has taken, if that is to be reported now."""
         if execution is None or not self._limit_s:
             return None
         if execution.since != self._since:
-            self._since, self._tell_at = execution.since, execution.since + self._limit_s
-        if now < self._tell_at:
+            self._since, self._report_at = execution.since, execution.since + self._limit_s
+        if now < self._report_at:
             return None
-        self._tell_at = now + TELL_AGAIN_S
+        self._report_at = now + REPORT_AGAIN_S
         return now - execution.since

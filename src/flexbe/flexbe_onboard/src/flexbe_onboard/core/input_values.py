@@ -1,4 +1,4 @@
-"""Read input values: they come as text, and are Python literals."""
+"""Read input values, which arrive as the text of Python literals."""
 
 from __future__ import annotations
 

@@ -42,7 +42,7 @@ def load_behavior(
     """Return the class of a behavior.
 
     Args:
-        library: where to look.
+        library: where to find it.
         behavior_id: id in the library.
         wanted_checksum: checksum of the source, after the modifications.
         modifications: changes to the installed source.
@@ -64,7 +64,7 @@ def load_behavior(
     if checksum(text) != wanted_checksum:
         raise StartError(
             f"behavior {name!r} is another version here: {path} has checksum {checksum(text)}, "
-            f"asked for was {wanted_checksum}; bring the sources on both computers to one version"
+            f"the request has {wanted_checksum}; install the same version on both computers"
         )
     if modifications:
         module_name = f"tmp_{wanted_checksum}"
@@ -108,5 +108,5 @@ def _behavior_class(module: ModuleType, named: str, path: str) -> type[Behavior]
         return next(iter(found.values()))
     raise StartError(
         f"{path} has no class {named!r} that is a Behavior; "
-        f"it has: {', '.join(found) or 'none'}; mend the class in the manifest"
+        f"it has: {', '.join(found) or 'none'}; correct the class in the manifest"
     )

@@ -1,7 +1,7 @@
 """Import what behaviors import: from the Python path, or else from the ROS package path.
 
 A package that is on the ROS package path but was not built into the workspace has its modules in
-src/, where Python does not look.
+src/, which is not on the Python path.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ def importing(load: Callable[[], None]) -> None:
 
     Raises:
         ModuleNotFoundError: if what is missing is not on the ROS package path either.
-        Exception: whatever else `load` raises.
+        Exception: what else `load` raises.
     """
     while True:
         try:

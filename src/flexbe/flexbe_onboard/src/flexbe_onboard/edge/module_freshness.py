@@ -1,8 +1,7 @@
-"""Forget modules whose files have changed, so that the next run imports them anew.
+"""Forget modules whose files have changed, so that the next run imports them again.
 
 A behavior may contain others, and states: Python would import each once in the life of the engine.
-What belongs together is forgotten together: on one change, all modules of packages that export
-behaviors or states.
+One change makes the engine forget all modules of packages that export behaviors or states.
 """
 
 from __future__ import annotations
@@ -17,16 +16,16 @@ Stamp = tuple[int, int]
 
 
 class ModuleFreshness:
-    """What was imported for behaviors, and how the files looked then."""
+    """The modules imported for behaviors, and the stamps of their files at that time."""
 
     def __init__(self) -> None:
-        """Take what is imported now for the engine's own, which is never forgotten."""
+        """Treat the modules imported so far as the engine's own, which are never forgotten."""
         self._own = frozenset(sys.modules)
         self._stamps: dict[str, tuple[str, Stamp | None]] = {}
         self._packages: dict[str, bool] = {}
 
     def remember(self) -> None:
-        """Remember how the files of the modules look that were imported since the last time."""
+        """Remember the stamps of the modules that were imported since the last call."""
         for name in set(sys.modules) - self._own - self._stamps.keys():
             file = getattr(sys.modules.get(name), "__file__", None)
             if file and self._is_of_behaviors(name.split(".")[0], Path(file)):
@@ -36,7 +35,7 @@ class ModuleFreshness:
         """Forget all modules of behaviors and states if one of their files has changed."""
         changed = [file for file, stamp in self._stamps.values() if _stamp(file) != stamp]
         for file in changed:
-            # Bytecode is told from newer sources by whole seconds; it may be older than that.
+            # Python compares bytecode and source by whole seconds, and would miss a fast change.
             with contextlib.suppress(OSError, NotImplementedError):
                 Path(importlib.util.cache_from_source(file)).unlink()
         if changed:
@@ -57,7 +56,7 @@ class ModuleFreshness:
 
 
 def _exports_behaviors(package: str, file: Path) -> bool:
-    """Look into the package.xml around the source, or beside the lib folder it is installed in."""
+    """Read the package.xml above the source, or beside the lib folder it is installed in."""
     for folder in file.parents:
         for manifest in (folder / "package.xml", folder / "share" / package / "package.xml"):
             if manifest.is_file():

@@ -1,4 +1,4 @@
-"""Run behaviors when asked to, one at a time, and tell how they go.
+"""Run behaviors on request, one at a time, and publish their status.
 
     idle --start request--> preparing --STARTED--> running --FINISHED or FAILED--> idle
                                 |                    | ^
@@ -6,8 +6,8 @@
                                                      v |
       preparing <--SWITCHING-- (the old version) -- switching
 
-A request for another version of the behavior that runs switches to it: its active state goes on in
-the new version, locked. Any other request that comes meanwhile is refused, and changes nothing.
+A request for another version of the running behavior switches to it: the active state continues in
+the new version, locked. Any other request during a run is refused, and changes nothing.
 
 Commands that stay in force (pause, lock, autonomy, attach, preempt) and arrive while a behavior is
 prepared are in force when its first state is due.
@@ -27,7 +27,7 @@ from flexbe_msgs.msg import BehaviorSelection, BEStatus, CommandFeedback
 
 from flexbe_core import Behavior, BehaviorLibrary, Logger
 from flexbe_core.engine.errors import BehaviorFailure, StateMachineError
-from flexbe_core.engine.handover import Handover
+from flexbe_core.engine.migration import MigratingState
 from flexbe_core.proxy.proxy_action_client import cancel_all_goals
 from flexbe_core.ros import session
 from flexbe_core.ros.command_hub import HUB
@@ -42,12 +42,12 @@ from flexbe_onboard.ros.heartbeat import Heartbeat
 from flexbe_onboard.ros.options import Options
 from flexbe_onboard.ros.userdata_service import UserdataService
 
-# [s] Wall time that STARTED stands at least, before the status that ends the run replaces it: tools
-# and tests look at the last status a hundred times per second, and must not miss a short run.
-_STARTED_STANDS_S = 0.03
+# [s] Least wall time between STARTED and the status that ends the run: tools and tests read the
+# last status a hundred times per second, and must not miss a short run.
+_SHORTEST_RUN_S = 0.03
 
-# [s] Wall time in which the last messages of a node that hangs go out.
-_FAREWELL_S = 0.5
+# [s] Wall time in which the last messages of a node that hangs are sent.
+_FLUSH_S = 0.5
 
 # os.EX_SOFTWARE: the node found a fault in itself.
 _EXIT_HUNG = 70
@@ -66,7 +66,7 @@ class Phase(Enum):
 
 
 class SwitchPhase(Enum):
-    """What is told, as feedback, about a request that comes while a behavior runs."""
+    """The feedback on a request that arrives while a behavior runs."""
 
     RECEIVED = "received"
     START = "start"
@@ -79,7 +79,7 @@ class EngineNode:
     """The behavior engine of one namespace."""
 
     def __init__(self, options: Options) -> None:
-        """Advertise everything, and tell that the engine is ready."""
+        """Advertise everything, and publish that the engine is ready."""
         self._options = options
         self._lock = threading.Lock()
         self._phase = Phase.IDLE
@@ -91,7 +91,7 @@ class EngineNode:
         self._status = rospy.Publisher("flexbe/status", BEStatus, latch=True, queue_size=100)
         self._feedback = rospy.Publisher("flexbe/command_feedback", CommandFeedback, queue_size=100)
         watch = HangWatch(options.hang_limit_s, lambda: self._behavior, self._on_hang)
-        self._heartbeat = Heartbeat(watch.look)
+        self._heartbeat = Heartbeat(watch.check)
         self._userdata_service = UserdataService(lambda: self._behavior)
         session.connect()
         self._library = BehaviorLibrary()
@@ -99,7 +99,7 @@ class EngineNode:
         rospy.on_shutdown(self._stop)
         rospy.Subscriber("flexbe/start_behavior", BehaviorSelection, self._on_request)
         Logger.loginfo("the engine knows %d behaviors", self._library.count_behaviors())
-        self._tell(BEStatus.READY, 0)
+        self._publish_status(BEStatus.READY, 0)
 
     def _on_request(self, request: BehaviorSelection) -> None:
         with self._lock:
@@ -119,7 +119,7 @@ class EngineNode:
             self._refuse(request, SwitchPhase.FAILED, text)
 
     def _work(self, request: BehaviorSelection) -> None:
-        """Prepare and run the behavior of a request, and its successors; the thread of one run."""
+        """Prepare and run the behavior of a request, and its successors, in the run's thread."""
         try:
             behavior = self._prepare(request)
         except StartError as error:
@@ -132,32 +132,32 @@ class EngineNode:
             successor, self._successor = self._successor, None
             if successor is None:
                 break
-            self._tell(BEStatus.SWITCHING, behavior.id)
+            self._publish_status(BEStatus.SWITCHING, behavior.id)
             behavior = successor
         self._become_idle(code, behavior.id, args)
 
     def _become_idle(self, code: int, behavior_id: int, args: Sequence[str] = ()) -> None:
-        time.sleep(max(0.0, self._started_at + _STARTED_STANDS_S - time.monotonic()))
+        time.sleep(max(0.0, self._started_at + _SHORTEST_RUN_S - time.monotonic()))
         with self._lock:
             late, self._switch = self._switch, None
             self._behavior, self._phase = None, Phase.IDLE
             HUB.drop()
-            # A behavior that ends with its engine was not stopped by anybody: it counts as lost.
+            # A behavior that ends with its engine was not stopped by an operator: it is lost.
             if not rospy.core.is_shutdown_requested():
-                self._tell(code, behavior_id, args)
+                self._publish_status(code, behavior_id, args)
         if late is not None:
             text = "the running version ended before it could be switched"
             self._refuse(late, SwitchPhase.FAILED, text)
 
     def _run_whole(self, behavior: Behavior) -> tuple[int, list[str]]:
-        """Run a behavior to its end, and return the status that tells how it went."""
+        """Run a behavior to its end, and return its last status."""
         try:
             return BEStatus.FINISHED, [self._run(behavior)]
         except BehaviorFailure as failure:
             Logger.logerr("behavior failed at %s", failure)
             trace = "".join(traceback.format_exception(failure.cause))
             Logger.local(trace, Logger.REPORT_ERROR)
-        except (Exception, SystemExit) as error:  # noqa: BLE001 - users' code; the engine lives on
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - users' code; the engine goes on
             Logger.logerr("behavior failed: %s: %s", type(error).__name__, error)
             Logger.local(traceback.format_exc(), Logger.REPORT_ERROR)
         return BEStatus.FAILED, []
@@ -165,7 +165,7 @@ class EngineNode:
     def _refuse(self, request: BehaviorSelection, phase: SwitchPhase, why: str) -> None:
         Logger.logerr("start request refused: %s", why)
         self._feedback.publish("switch", [phase.value])
-        self._tell(BEStatus.ERROR, request.behavior_checksum)
+        self._publish_status(BEStatus.ERROR, request.behavior_checksum)
 
     # A switch: prepared on a thread of its own, then offered to the running behavior.
 
@@ -185,17 +185,17 @@ class EngineNode:
             return
         self._feedback.publish("switch", [SwitchPhase.START.value])
         if running is not None:
-            running.release(lambda handover: self._offer(request, behavior, handover))
+            running.release(lambda migrating: self._offer(request, behavior, migrating))
 
     def _offer(
-        self, request: BehaviorSelection, behavior: Behavior, handover: Handover | None
+        self, request: BehaviorSelection, behavior: Behavior, migrating: MigratingState | None
     ) -> bool:
-        """Take the active state over; called by the thread of the run, between two executions."""
-        if handover is None:
+        """Attach the active state; called by the thread of the run, between two executions."""
+        if migrating is None:
             self._call_off(request, SwitchPhase.FAILED, "no state is active")
             return False
         try:
-            behavior.take_over(handover)
+            behavior.attach_state(migrating)
         except StateMachineError as error:
             self._call_off(request, SwitchPhase.FAILED, str(error))
             return False
@@ -206,7 +206,7 @@ class EngineNode:
         return True
 
     def _call_off(self, request: BehaviorSelection, phase: SwitchPhase, why: str) -> None:
-        """Refuse a switch, unless that was done because the behavior ended; what runs goes on."""
+        """Refuse a switch, unless the end of the behavior did so already; the run continues."""
         with self._lock:
             if self._switch is not request:
                 return
@@ -262,24 +262,24 @@ class EngineNode:
         behavior.confirm()
         self._behavior, self._phase = behavior, Phase.RUNNING
         path = behavior.requested_state_path
-        self._tell(BEStatus.STARTED, behavior.id, [] if path is None else [path])
+        self._publish_status(BEStatus.STARTED, behavior.id, [] if path is None else [path])
         self._started_at = time.monotonic()
-        Logger.loginfo("behavior %s runs", behavior.name)
+        Logger.loginfo("behavior %s started", behavior.name)
         outcome = behavior.execute()
         Logger.loginfo("behavior %s ended with %s", behavior.name, outcome)
         return outcome
 
     def _on_hang(self, behavior: Behavior, path: str) -> None:
-        """End the node if that is the policy; the thread that hangs cannot be ended alone."""
+        """End the node if that is the policy; Python cannot end only the thread that hangs."""
         if self._options.on_hang is not HangPolicy.RESTART:
             return
-        Logger.logerr("behavior %s failed: %s hangs; the engine starts anew", behavior.name, path)
+        Logger.logerr("behavior %s failed: %s hangs; the engine restarts", behavior.name, path)
         cancel_all_goals()
-        self._tell(BEStatus.FAILED, behavior.id)
-        time.sleep(_FAREWELL_S)
+        self._publish_status(BEStatus.FAILED, behavior.id)
+        time.sleep(_FLUSH_S)
         os._exit(_EXIT_HUNG)
 
-    def _tell(self, code: int, behavior_id: int, args: Sequence[str] = ()) -> None:
+    def _publish_status(self, code: int, behavior_id: int, args: Sequence[str] = ()) -> None:
         self._status.publish(BEStatus(behavior_id=behavior_id, code=code, args=list(args)))
 
     def _stop(self) -> None:

@@ -1,7 +1,7 @@
 """Watch whether the states of the running behavior return.
 
-Python cannot end a thread that hangs. So there is nothing to be done but to tell, or to end the
-whole node: roslaunch starts it anew, and its clients learn that.
+Python cannot end a thread that hangs. The node can only report it, or end as a whole: roslaunch
+then respawns it, and its clients notice that.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from flexbe_onboard.core.hang import Execution, HangAlarm
 
 
 class HangWatch:
-    """Looks at the running behavior whenever it is asked to, from another thread."""
+    """Checks the running behavior on each call, from another thread."""
 
     def __init__(
         self,
@@ -27,22 +27,22 @@ class HangWatch:
         Args:
             limit_s: [s] wall time of an execution that counts as a hang; 0 for none.
             running: returns the behavior that runs.
-            on_hang: told the behavior and the path of the state, once the operator has been.
+            on_hang: called with the behavior and the path of the state, after the report.
         """
         self._alarm = HangAlarm(limit_s)
         self._running = running
         self._on_hang = on_hang
 
-    def look(self) -> None:
-        """Look once."""
+    def check(self) -> None:
+        """Check once, and report a hang."""
         behavior = self._running()
         found = behavior.get_execution() if behavior is not None else None
         execution = Execution(*found) if found is not None else None
-        hanging_s = self._alarm.look(execution, time.monotonic())
+        hanging_s = self._alarm.check(execution, time.monotonic())
         if behavior is not None and execution is not None and hanging_s is not None:
             Logger.logerr(
-                "%s has not returned for %.1f s: until it does, nothing else is executed and "
-                "no command obeyed, not even a preempt",
+                "%s has not returned for %.1f s: until it does, the engine executes nothing else "
+                "and applies no command, not even a preempt",
                 *(execution.path or "the behavior's only state", hanging_s),
             )
             self._on_hang(behavior, execution.path)

@@ -1,4 +1,4 @@
-"""Tell that the engine is alive."""
+"""Publish that the engine is alive."""
 
 from __future__ import annotations
 

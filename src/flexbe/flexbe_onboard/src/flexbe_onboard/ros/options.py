@@ -24,7 +24,7 @@ class Options:
 
     Attributes:
         modifications: apply source changes that come with a request.
-        enable_clear_imports: import modules of behaviors and states anew for each run.
+        enable_clear_imports: import modules of behaviors and states again for each run.
         on_error: what happens when a state raises.
         hang_limit_s: [s] wall time of one execution that counts as a hang; 0 for none.
         on_hang: what happens when a state does not return.
@@ -44,7 +44,7 @@ def read_options(modifications: bool = False) -> Options:
         modifications: whether source changes are applied if the parameter is not set.
 
     Raises:
-        OptionError: if a parameter makes no sense.
+        OptionError: if a parameter is invalid.
     """
     return Options(
         modifications=bool(rospy.get_param("~modifications", modifications)),

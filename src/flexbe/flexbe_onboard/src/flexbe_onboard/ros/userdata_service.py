@@ -1,4 +1,4 @@
-"""Tell what is in the userdata of the running behavior."""
+"""Serve the userdata of the running behavior."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ class Known:
 
         Args:
             alias: the name.
-            used: outcomes, without blanks, which tell states of one class name apart.
+            used: outcomes, without blanks, which distinguish states of one class name.
         """
         package, separator, name = alias.partition("__")
         if separator:

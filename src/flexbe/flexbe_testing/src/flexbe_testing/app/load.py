@@ -72,9 +72,9 @@ def define_behavior(text: str, module: str) -> BehaviorDefinition:
         _class_name(read),
         module,
         root.outcomes,
-        root.input_keys,
-        root.output_keys,
-        tuple(dict(_PARAMETER.findall(init))),
+        input_keys=root.input_keys,
+        output_keys=root.output_keys,
+        parameters=tuple(dict(_PARAMETER.findall(init))),
     )
 
 

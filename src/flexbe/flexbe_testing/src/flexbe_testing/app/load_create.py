@@ -108,7 +108,9 @@ class CreateSection:
             self._lost.append(f"the App loses the position of '{inner}'")
         maps = {name: self._map(name, arguments[2:], inner) for name in _MAPS}
         internal = {name: value.strip() for name, value in _INTERNAL.findall(found[3] or "")}
-        content = self._content(arguments[1], inner, above, (*maps["transitions"],), internal)
+        content = self._content(
+            arguments[1], inner, above, (*maps["transitions"],), internal=internal
+        )
         place: Point = _DEFAULT_PLACE if found[1] is None else (int(found[1]), int(found[2]))
         return Child(label, place, content, *(maps[name] for name in _MAPS))
 
@@ -143,7 +145,7 @@ class CreateSection:
         arguments = cut.items(cut.bracketed(text, called.end() - 1) or "")
         if called[1] == "self.use_behavior":
             return self._behavior(arguments, path)
-        return self._state(called[1], arguments, path, used, internal)
+        return self._state(called[1], arguments, path, used, internal=internal)
 
     def _state(
         self,
@@ -233,8 +235,8 @@ def _definition(found: re.Match[str]) -> Container:
         lists.get("outcomes", ()),
         lists.get("input_keys", ()),
         lists.get("output_keys", ()),
-        tuple((int(x), int(y)) for x, y in places),
-        conditions,
+        places=tuple((int(x), int(y)) for x, y in places),
+        conditions=conditions,
     )
 
 

@@ -1,4 +1,4 @@
-"""A test case: what to run, with what, and what must come out.
+"""A test case: what to run, with which inputs, and the expected result.
 
 path: flexbe_states.calculation_state   module of a state; with `name`, package of a behavior
 class: CalculationState                 class of a state or behavior
@@ -50,8 +50,8 @@ class Case:
         import_only: whether it is only imported.
         params: parameters of the state or behavior, as written in the case.
         inputs: its userdata, as written.
-        outputs: userdata that must come out, as written.
-        outcome: outcome that must come out; None for any.
+        outputs: expected userdata, as written.
+        outcome: expected outcome; None for any.
         bag: file with messages that values are taken from; empty for none.
         launch: launch file, or its XML; empty for none.
         wait_cond: expression that is true when what was launched is ready; empty for none.
@@ -76,7 +76,7 @@ def read_case(title: str, found: object) -> Case:
     """Return the test case that a YAML file holds.
 
     Raises:
-        CaseError: if it makes no sense; with all that is wrong.
+        CaseError: if it is invalid; the text lists all errors.
     """
     if not isinstance(found, dict):
         raise CaseError(f"a test case is a mapping of keys to values; found {found!r:.80}")

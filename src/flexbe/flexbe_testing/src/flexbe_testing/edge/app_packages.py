@@ -29,7 +29,7 @@ def flexbe_packages() -> list[Path]:
 
 
 def read_packages(folders: Iterable[Path]) -> Known:
-    """Return what the App finds in the folders of packages, in which it looks for exports.
+    """Return what the App finds in the folders of packages that export states or behaviors.
 
     Raises:
         ValueError: if a package.xml or manifest is no XML.

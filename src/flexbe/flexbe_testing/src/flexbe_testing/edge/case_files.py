@@ -37,7 +37,7 @@ def read_case_file(file: Path) -> Case:
     """Return the test case in a file.
 
     Raises:
-        CaseError: if it makes no sense.
+        CaseError: if it is invalid.
     """
     try:
         text = file.read_text(encoding="utf-8")

@@ -10,7 +10,7 @@ import rospy
 
 from flexbe_core import Behavior
 from flexbe_core.core import State, UserData
-from flexbe_core.engine.supervision import UNSUPERVISED
+from flexbe_core.engine.supervision.in_force import UNSUPERVISED
 from flexbe_testing.core.case import Case
 from flexbe_testing.core.values import value_of
 from flexbe_testing.core.verdict import PASS, Check, Verdict, compare, not_run

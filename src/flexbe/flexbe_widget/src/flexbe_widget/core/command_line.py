@@ -6,14 +6,14 @@ import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from flexbe_core.engine.supervision import UNSUPERVISED
+from flexbe_core.engine.supervision.in_force import UNSUPERVISED
 from flexbe_widget.core.exit_code import MEANINGS
 
 # [s] How long to wait for an engine that is there and free.
 DEFAULT_WAIT_S = 10.0
 
 _DESCRIPTION = """\
-Start a behavior on the behavior engine, tell how it goes, and end with it.
+Start a behavior on the behavior engine, print its progress, and exit when it ends.
 Without -b, wait for requests on flexbe/request_behavior and pass them on to the engine.
 """
 
@@ -28,7 +28,7 @@ examples:
 
 @dataclass(frozen=True)
 class CommandLine:
-    """What was asked for on the command line.
+    """The options of the command line.
 
     Attributes:
         behavior: display name; empty to serve requests.
@@ -46,10 +46,10 @@ class CommandLine:
 
 
 def read_command_line(words: Sequence[str]) -> CommandLine:
-    """Return what the words ask for; options and parameters come in any order.
+    """Return the options that the words set; options and parameters come in any order.
 
     Raises:
-        SystemExit: if they make no sense, or ask for help; what there is to say is printed.
+        SystemExit: after a usage error, or after --help; the text is printed.
     """
     parser = _parser()
     options = parser.parse_intermixed_args([word for word in words if not _is_for_ros(word)])

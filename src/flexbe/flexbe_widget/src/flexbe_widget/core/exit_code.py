@@ -6,7 +6,7 @@ from enum import IntEnum
 
 from flexbe_widget.core.run_watch import End, Ending
 
-# Outcome by which behaviors say, by custom, that they did not reach what they were for.
+# Outcome that, by convention, means that a behavior did not reach its purpose.
 FAILED_OUTCOME = "failed"
 
 
@@ -28,14 +28,14 @@ class ExitCode(IntEnum):
 MEANINGS = {
     ExitCode.FINISHED: "it ended with an outcome other than 'failed' and 'preempted'",
     ExitCode.FAILED_OUTCOME: "it ended with the outcome 'failed'",
-    ExitCode.USAGE: "the command line makes no sense",
+    ExitCode.USAGE: "usage error",
     ExitCode.UNKNOWN_BEHAVIOR: "there is no behavior with this name",
     ExitCode.NO_ENGINE: "no ROS master or behavior engine was there, or the engine free, in time",
     ExitCode.REFUSED: "the engine did not start it, see its log",
-    ExitCode.FAILED: "a state failed in a way that the behavior does not foresee",
+    ExitCode.FAILED: "a state failed in a way that the behavior does not handle",
     ExitCode.PREEMPTED: "it was stopped",
-    ExitCode.ENGINE_LOST: "the engine went away, or was restarted, while it ran",
-    ExitCode.INTERRUPTED: "interrupted from the keyboard; the behavior goes on",
+    ExitCode.ENGINE_LOST: "the engine stopped, or was restarted, while it ran",
+    ExitCode.INTERRUPTED: "interrupted from the keyboard; the behavior continues",
 }
 
 _BY_END = {
@@ -50,7 +50,7 @@ _BY_END = {
 
 
 def exit_code(ending: Ending) -> ExitCode:
-    """Return the exit code that tells how a run ended."""
+    """Return the exit code for the end of a run."""
     if ending.outcome == FAILED_OUTCOME:
         return ExitCode.FAILED_OUTCOME
     return _BY_END[ending.end]

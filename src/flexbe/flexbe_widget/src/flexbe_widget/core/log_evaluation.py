@@ -1,4 +1,4 @@
-"""Add up what the record of a behavior tells (flexbe_core.state_logger writes it).
+"""Sum up the run log of a behavior, which flexbe_core.state_logger writes.
 
 Each visit of a state begins with its event enter and ends with exit. While it asks the operator for
 a transition it waits; the rest of the time it runs.
@@ -8,9 +8,9 @@ a transition it waits; the rest of the time it runs.
     time_run    [s] of these, running
     visits      number of visits
     interact    transitions that the operator forced
-    count_wait  transitions that the operator was asked for
-    correct     forced transitions that had been asked for
-    wrong       forced transitions other than that
+    count_wait  transitions that states requested from the operator
+    correct     forced transitions that had been requested
+    wrong       forced transitions that had not been requested
 """
 
 from __future__ import annotations

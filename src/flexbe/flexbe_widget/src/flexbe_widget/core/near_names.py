@@ -1,4 +1,4 @@
-"""Say which names were perhaps meant."""
+"""Suggest the names that were perhaps meant."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _ALIKE = 0.5
 
 
 def unknown_behavior(name: str, known: Sequence[str]) -> str:
-    """Return what to tell somebody who asked for a behavior that does not exist."""
+    """Return the message for a request for a behavior that does not exist."""
     if not known:
         return (
             f"unknown behavior {name!r}: there are no behaviors on the ROS package path; "

@@ -1,4 +1,4 @@
-"""Follow one run by what the engine says about it.
+"""Follow one run by the statuses of the engine.
 
     SENT --STARTED--> RUNNING --FINISHED, FAILED--> ended    (--SWITCHING, STARTED--> RUNNING)
       |                  |
@@ -7,9 +7,9 @@
       +--silence---------+----> ended (the engine is gone)
       +--START_LIMIT_S--> ended (the engine is still preparing it)
 
-Statuses carry the checksum of the behavior's source; those of other behaviors are left alone. An
-operator may switch the behavior to another version: from then on that one is followed. Any
-number of statuses may have come before the request was sent; they tell what the engine is doing.
+Statuses carry the checksum of the behavior's source; those of other behaviors are ignored. An
+operator may switch the behavior to another version: from then on that version is followed. Any
+number of statuses may have arrived before the request was sent; they show what the engine does.
 """
 
 from __future__ import annotations
@@ -17,34 +17,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-from flexbe_core.engine.supervision import PREEMPTED
+from flexbe_core.engine.status_code import StatusCode
+from flexbe_core.engine.supervision.in_force import PREEMPTED
 
-# [s] Wall time without a heartbeat (they come each second) after which the engine counts as gone.
+# [s] Wall time without a heartbeat (1 Hz) after which the engine counts as gone.
 SILENCE_S = 5.0
 
-
-# [s] Wall time that the engine gets to prepare a behavior. Each action server that is missing costs
-# it up to 10 s.
+# [s] Wall time that the engine gets to prepare a behavior. Each missing action server delays it by
+# up to 10 s.
 START_LIMIT_S = 300.0
 
-
-# How the status text of a goal that was aborted begins, so that clients can distinguish a behavior
-# that failed from an engine that was lost: part of the interface, see the README.
+# Beginnings of the status text of an aborted goal, by which clients distinguish a failed behavior
+# from a lost engine: part of the interface, see the README.
 FAILED_TEXT = "failed: "
 NOT_STARTED_TEXT = "not started: "
 ENGINE_LOST_TEXT = "engine lost: "
 SERVER_ENDED_TEXT = "action server ended: "
-
-
-class Code(Enum):
-    """Codes of flexbe_msgs/BEStatus that matter here."""
-
-    STARTED = 0
-    FINISHED = 1
-    FAILED = 2
-    SWITCHING = 6
-    ERROR = 11
-    READY = 20
 
 
 class End(Enum):
@@ -75,38 +63,38 @@ class RunWatch:
     """
 
     def __init__(self, behavior_id: int) -> None:
-        """Follow the run of the behavior whose source has this checksum; it was just asked for."""
+        """Follow the run of the behavior whose source has this checksum; it was just requested."""
         self._behavior_id = behavior_id
         self._is_switching = False
         self.is_running = False
 
     def on_status(self, code: int, behavior_id: int, args: tuple[str, ...]) -> Ending | None:
         """Return how the run ended, if a status says so."""
-        if code == Code.READY.value:
+        if code == StatusCode.READY:
             return Ending(End.RESTARTED)
-        if self._is_switching and code == Code.STARTED.value:
+        if self._is_switching and code == StatusCode.STARTED:
             self._behavior_id, self._is_switching = behavior_id, False
         if not self.concerns(behavior_id):
             return None
-        if code == Code.STARTED.value:
+        if code == StatusCode.STARTED:
             self.is_running = True
-        elif code == Code.SWITCHING.value:
+        elif code == StatusCode.SWITCHING:
             self._is_switching = True
-        elif code == Code.ERROR.value and not self.is_running:
+        elif code == StatusCode.ERROR and not self.is_running:
             return Ending(End.REFUSED)
-        elif self.is_running and code == Code.FAILED.value:
+        elif self.is_running and code == StatusCode.FAILED:
             return Ending(End.FAILED)
-        elif self.is_running and code == Code.FINISHED.value:
+        elif self.is_running and code == StatusCode.FINISHED:
             outcome = args[0] if args else ""
             return Ending(End.PREEMPTED if outcome == PREEMPTED else End.FINISHED, outcome)
         return None
 
     def on_time(self, waited_s: float, silent_s: float) -> Ending | None:
-        """Return how the run ended, if that is to be said without a status.
+        """Return how the run ended, if it ended without a status.
 
         Args:
             waited_s: [s] since the request.
-            silent_s: [s] since the engine was heard last.
+            silent_s: [s] since the last message of the engine.
         """
         if silent_s > SILENCE_S:
             return Ending(End.LOST)
@@ -120,4 +108,4 @@ class RunWatch:
 
 def is_busy(code: int) -> bool:
     """Return whether an engine whose last status this is runs a behavior."""
-    return code in (Code.STARTED.value, Code.SWITCHING.value)
+    return code in (StatusCode.STARTED, StatusCode.SWITCHING)

@@ -1,4 +1,4 @@
-"""Read the record of a behavior."""
+"""Read the run log of a behavior."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from flexbe_widget.errors import LogError
 
 
 def read_log(name: str) -> list[dict[str, Any]]:
-    """Return the lines of a record; the last may be cut off, if its engine was killed.
+    """Return the lines of a run log; the last may be incomplete if its engine was killed.
 
     Raises:
-        LogError: if it cannot be read, or is no record.
+        LogError: if it cannot be read, or is not a run log.
     """
     try:
         texts = Path(name).expanduser().read_text(encoding="utf-8").splitlines()
@@ -27,7 +27,7 @@ def read_log(name: str) -> list[dict[str, Any]]:
         except (yaml.YAMLError, ValueError, TypeError) as error:
             if number == len(texts):
                 break
-            raise LogError(f"{name}:{number}: no line of a record: {text:.80}") from error
+            raise LogError(f"{name}:{number}: not a line of a run log: {text:.80}") from error
         if isinstance(line, dict):
             lines.append(line)
     return lines

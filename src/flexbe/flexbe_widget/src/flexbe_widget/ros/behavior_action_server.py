@@ -7,14 +7,14 @@ How goals end:
     it is cancelled, or stopped otherwise                   PREEMPTED, outcome 'preempted'
     it fails                                                ABORTED, "failed: ..."
     the engine does not start it                            ABORTED, "not started: ..."
-    the engine is missing, goes away, stalls or restarts    ABORTED, "engine lost: ..."
+    the engine is missing, stops, stalls or restarts        ABORTED, "engine lost: ..."
     this node is shut down                                  ABORTED, "action server ended: ..."
 
-A stalled engine, once it is back, stops the behavior that was given up; only then is another one
-started. A goal that comes while another runs stops that one and waits for its end; one that waits
-already is dropped for it.
+When a stalled engine responds again, the server stops the behavior that was given up before it
+starts another one. A goal that arrives while another runs stops that one and waits for its end; it
+replaces a goal that is already waiting.
 
-Callbacks of ROS only put events into a queue. One thread takes them out and does everything.
+ROS callbacks only put events into a queue. One thread handles them all.
 """
 
 from __future__ import annotations
@@ -37,7 +37,8 @@ from flexbe_msgs.msg import (
 )
 
 from flexbe_core import BehaviorLibrary
-from flexbe_core.engine.supervision import PREEMPTED
+from flexbe_core.engine.status_code import StatusCode
+from flexbe_core.engine.supervision.in_force import PREEMPTED
 from flexbe_core.ros.steady_action_server import SteadyActionServer
 from flexbe_widget.core.run_watch import (
     ENGINE_LOST_TEXT,
@@ -46,7 +47,6 @@ from flexbe_widget.core.run_watch import (
     SERVER_ENDED_TEXT,
     SILENCE_S,
     START_LIMIT_S,
-    Code,
     End,
     Ending,
     RunWatch,
@@ -57,15 +57,15 @@ from flexbe_widget.errors import RequestError
 from flexbe_widget.ros.engine_link import EngineLink, Entered, Status
 from flexbe_widget.ros.start_request import start_request
 
-# [s] Wall time between two looks at what takes too long.
-_LOOK_EVERY_S = 0.1
+# [s] Wall time between two checks of the time limits.
+_CHECK_EVERY_S = 0.1
 
 # [s] Wall time that a goal waits for an engine.
 _ENGINE_LIMIT_S = 10.0
 
 
 class Act(Enum):
-    """What becomes of a goal."""
+    """How a goal ends."""
 
     SUCCEED = "succeed"
     CANCEL = "cancel"
@@ -95,14 +95,14 @@ class _Cancelled:
 
 @dataclass
 class _Run:
-    """A goal on its way.
+    """A goal that has not ended.
 
     Attributes:
         handle: the goal.
-        request: what the engine is asked for.
-        since: [s] when it came.
-        watch: how it goes; None until the engine has been asked.
-        older: statuses up to this number were told before the engine was asked.
+        request: the request to the engine.
+        since: [s] when it arrived.
+        watch: follows the run; None until the request has been sent.
+        older: statuses up to this number were sent before the request.
         is_stopping: whether it is to be stopped.
     """
 
@@ -139,7 +139,7 @@ class BehaviorActionServer:
     def _work(self) -> None:
         while not rospy.is_shutdown():
             try:
-                event = self._events.get(timeout=_LOOK_EVERY_S if self._run else None)
+                event = self._events.get(timeout=_CHECK_EVERY_S if self._run else None)
             except queue.Empty:
                 event = None
             try:
@@ -156,7 +156,7 @@ class BehaviorActionServer:
         elif isinstance(event, _Cancelled):
             self._on_cancel(event.handle)
         elif isinstance(event, Status) and self._given_up is not None:
-            self._settle(self._given_up, event)
+            self._stop_given_up(self._given_up, event)
         run = self._run
         if run is None:
             return
@@ -185,7 +185,7 @@ class BehaviorActionServer:
             handle.set_rejected(BehaviorExecutionResult(), str(error))
             return
         if self._next is not None:
-            self._next.handle.set_canceled(BehaviorExecutionResult(), "another goal came behind it")
+            self._next.handle.set_canceled(BehaviorExecutionResult(), "replaced by a later goal")
         self._next = _Run(handle, request, time.monotonic())
         if self._run is None:
             self._begin_next()
@@ -210,7 +210,7 @@ class BehaviorActionServer:
             self._run.since = time.monotonic()
 
     def _ask(self, run: _Run) -> None:
-        """Ask the engine, as soon as it is there and has stopped what was given up."""
+        """Send the request, as soon as the engine is there and has stopped what was given up."""
         if self._link.is_there and self._given_up is None:
             run.watch = RunWatch(run.request.behavior_checksum)
             run.older = self._link.start(run.request)
@@ -229,16 +229,16 @@ class BehaviorActionServer:
             self._link.preempt()
         self._end(run, ending)
 
-    def _settle(self, given_up: RunWatch, status: Status) -> None:
-        """Stop a run that goes on although it was given up; forget it once the engine is free.
+    def _stop_given_up(self, given_up: RunWatch, status: Status) -> None:
+        """Stop a run that continues although it was given up; forget it once the engine is free.
 
-        A preempt that the engine gets before the start request has no effect: they come on
-        connections of their own.
+        A preempt that the engine receives before the start request has no effect: they arrive on
+        separate connections.
         """
         given_up.on_status(status.code, status.behavior_id, status.args)
         if not is_busy(status.code) or not given_up.concerns(status.behavior_id):
             self._given_up = None
-        elif status.code == Code.STARTED.value:
+        elif status.code == StatusCode.STARTED:
             self._link.preempt()
 
     def _stop(self, run: _Run) -> None:
@@ -273,10 +273,10 @@ class BehaviorActionServer:
         self._begin_next()
 
     def _abort(self) -> None:
-        """Leave no client waiting when the node is shut down."""
+        """End all goals when the node is shut down, so that no client waits."""
         for run in (self._run, self._next):
             if run is not None:
-                text = f"{SERVER_ENDED_TEXT}what runs in the engine goes on"
+                text = f"{SERVER_ENDED_TEXT}the behavior continues in the engine"
                 run.handle.set_aborted(BehaviorExecutionResult(), text)
 
 

@@ -1,4 +1,4 @@
-"""The line to the behavior engine: requests out, statuses and news in."""
+"""The connection to the behavior engine: requests out, statuses, active states and log in."""
 
 from __future__ import annotations
 
@@ -13,22 +13,21 @@ from std_msgs.msg import Empty, String
 
 from flexbe_widget.core.run_watch import SILENCE_S
 
-# [s] Wall time by which the reason for a status may come behind it.
+# [s] Wall time by which the reason for a status may arrive after it.
 _LOG_LIMIT_S = 0.5
 
-
-# [s] Wall time by which a sender knows a connection that its receiver has already: rospy's sender
-# adds it after it has answered. The latched status comes only when that is over; of the log a first
-# line could be lost.
-_SETTLING_S = 0.01
+# [s] Wall time after which a sender knows a connection that its receiver already has: rospy's
+# sender adds it after its answer. The latched status arrives only then, but the first line of the
+# log could be lost.
+_CONNECTION_S = 0.01
 
 
 @dataclass(frozen=True)
 class Status:
-    """The engine says what it is doing.
+    """A status of the engine.
 
     Attributes:
-        number: counts statuses, so that old ones are known as such: the first may be an old one.
+        number: counts statuses, to distinguish old ones: the first may be an old one.
     """
 
     code: int
@@ -39,14 +38,14 @@ class Status:
 
 @dataclass(frozen=True)
 class Entered:
-    """The behavior is at another state."""
+    """Another state is active."""
 
     path: str
 
 
 @dataclass(frozen=True)
 class Logged:
-    """The engine, or a state, tells something."""
+    """The engine, or a state, logged a message."""
 
     severity: int
     text: str
@@ -54,20 +53,20 @@ class Logged:
 
 @dataclass(frozen=True)
 class Connected:
-    """The engine hears requests."""
+    """The engine has subscribed to requests."""
 
 
 Event = Status | Entered | Logged | Connected
 
 
 class _Listener(rospy.SubscribeListener):
-    """Tells when the engine subscribes to requests."""
+    """Reports when the engine subscribes to requests."""
 
     def __init__(self, on_event: Callable[[Event], None]) -> None:
         self._on_event = on_event
 
     def peer_subscribe(self, topic_name: str, topic_publish: object, peer_publish: object) -> None:
-        """Tell it."""
+        """Report it."""
         self._on_event(Connected())
 
 
@@ -75,17 +74,17 @@ class EngineLink:
     """The engine as its clients see it.
 
     Attributes:
-        last_status: what the engine said last; None if it has said nothing yet.
-        last_error: the last error that was told since the last request.
+        last_status: last status of the engine; None if there was none yet.
+        last_error: last error that was logged since the last request.
     """
 
     def __init__(self, on_event: Callable[[Event], None]) -> None:
-        """Call `on_event` with whatever the engine says, from several threads."""
+        """Call `on_event` with each event, from several threads."""
         self.last_status: Status | None = None
         self.last_error = ""
         self._on_event = on_event
         self._heard = time.monotonic()
-        self._told = threading.Condition()
+        self._has_error = threading.Condition()
         self._heard_since: float | None = None
         self._start = rospy.Publisher(
             "flexbe/start_behavior",
@@ -94,7 +93,7 @@ class EngineLink:
             queue_size=100,
         )
         self._preempt = rospy.Publisher("flexbe/command/preempt", Empty, queue_size=100)
-        self._news = [
+        self._subscribers = [
             rospy.Subscriber(f"flexbe/{topic}", message_type, callback, tcp_nodelay=True)
             for topic, message_type, callback in (
                 ("status", BEStatus, self._on_status),
@@ -106,11 +105,11 @@ class EngineLink:
 
     @property
     def is_there(self) -> bool:
-        """Return whether an engine has reported what it does, hears requests, and is heard.
+        """Return whether an engine has published a status, is connected both ways, and is alive.
 
         A process that is stopped keeps its connections, but is silent.
         """
-        heard = set.intersection(*(_senders(subscriber) for subscriber in self._news))
+        heard = set.intersection(*(_senders(subscriber) for subscriber in self._subscribers))
         now = time.monotonic()
         if self.last_status is None or not heard:
             self._heard_since = None
@@ -119,7 +118,7 @@ class EngineLink:
         hears_requests = any(self._start.impl.has_connection(node) for node in heard)
         if self.silent_s() > SILENCE_S:
             return False
-        return hears_requests and now - self._heard_since >= _SETTLING_S
+        return hears_requests and now - self._heard_since >= _CONNECTION_S
 
     @property
     def last_number(self) -> int:
@@ -127,27 +126,27 @@ class EngineLink:
         return 0 if self.last_status is None else self.last_status.number
 
     def start(self, request: BehaviorSelection) -> int:
-        """Ask for a behavior; statuses with the number that is returned, or less, are older."""
+        """Request a behavior; statuses up to the returned number are older than the request."""
         self.last_error = ""
         older = self.last_number
         self._start.publish(request)
         return older
 
     def preempt(self) -> None:
-        """Ask to stop what runs."""
+        """Ask the engine to stop the running behavior."""
         self._preempt.publish()
 
     def silent_s(self) -> float:
-        """Return how long [s] of wall time nothing has been heard."""
+        """Return the wall time [s] since the last message of the engine."""
         return time.monotonic() - self._heard
 
     def why(self, limit_s: float = _LOG_LIMIT_S) -> str:
-        """Return the error that was told since the last request, waiting for it for a while [s].
+        """Return the error that was logged since the last request; wait for it up to `limit_s` [s].
 
-        It is told before the status that it explains, but on another connection.
+        It is sent before the status that it explains, but on another connection.
         """
-        with self._told:
-            self._told.wait_for(lambda: self.last_error, limit_s)
+        with self._has_error:
+            self._has_error.wait_for(lambda: self.last_error, limit_s)
         return self.last_error
 
     def _on_status(self, message: BEStatus) -> None:
@@ -164,9 +163,9 @@ class EngineLink:
 
     def _on_log(self, message: BehaviorLog) -> None:
         if message.status_code == BehaviorLog.ERROR:
-            with self._told:
+            with self._has_error:
                 self.last_error = message.text
-                self._told.notify_all()
+                self._has_error.notify_all()
         self._on_event(Logged(message.status_code, message.text))
 
 

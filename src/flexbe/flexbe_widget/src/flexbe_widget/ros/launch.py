@@ -12,25 +12,25 @@ from flexbe_widget.core.exit_code import ExitCode, exit_code
 from flexbe_widget.core.run_watch import START_LIMIT_S, End, Ending, RunWatch, is_busy
 from flexbe_widget.ros.engine_link import EngineLink, Entered, Logged, Status
 
-# [s] Wall time between two looks at the heartbeat.
-_LOOK_EVERY_S = 0.5
+# [s] Wall time between two checks of the heartbeat.
+_CHECK_EVERY_S = 0.5
 
-# [s] Wall time between two looks whether the engine is there and free.
-_LOOK_FOR_ENGINE_S = 0.01
+# [s] Wall time between two checks whether the engine is there and free.
+_CHECK_ENGINE_EVERY_S = 0.01
 
-# [s] Wall time after which waiting for the engine is told.
-_TELL_AFTER_S = 0.5
+# [s] Wall time after which waiting for the engine is printed.
+_PRINT_AFTER_S = 0.5
 
-# [s] Wall time by which news may come behind a status that was sent after them, at most and until
-# there is a gap.
-_LATE_NEWS_S = 0.5
+# [s] Wall time by which log messages may arrive after a status that was sent later, at most and
+# until there is a gap.
+_LATE_LOG_S = 0.5
 _GAP_S = 0.05
 
-_TOLD = {BehaviorLog.WARN: "warning", BehaviorLog.ERROR: "error", BehaviorLog.HINT: "hint"}
+_PRINTED = {BehaviorLog.WARN: "warning", BehaviorLog.ERROR: "error", BehaviorLog.HINT: "hint"}
 
 
 class Launch:
-    """One behavior, from the request to its end, told on the terminal."""
+    """One behavior, from the request to its end, with its progress printed on the terminal."""
 
     def __init__(self, name: str) -> None:
         """Connect to the engine, to run the behavior with this display name."""
@@ -42,7 +42,7 @@ class Launch:
         """Run the behavior and return how it ended.
 
         Args:
-            request: what to ask the engine for.
+            request: the request to send to the engine.
             wait_s: [s] how long to wait for an engine that is there and free.
         """
         if not self._wait_for_engine(wait_s):
@@ -51,23 +51,23 @@ class Launch:
         ending = self._follow(watch, self._link.start(request))
         if ending.end in (End.FAILED, End.REFUSED):
             self._link.why()
-        self._tell_rest()
-        say(self._told(ending))
+        self._print_late_log()
+        say(self._end_text(ending))
         return exit_code(ending)
 
     def _wait_for_engine(self, wait_s: float) -> bool:
         """Wait until the engine is there and free; return whether it is."""
         begin = time.monotonic()
-        told = ""
+        printed = ""
         while self._hindrance():
             waited_s = time.monotonic() - begin
             if waited_s >= wait_s:
                 say(f"{self._hindrance()}; gave up after {wait_s:g} s")
                 return False
-            if waited_s >= _TELL_AFTER_S and told != self._hindrance():
-                told = self._hindrance()
-                say(f"{told}; waiting up to {wait_s:g} s")
-            self._next_event(min(_LOOK_FOR_ENGINE_S, wait_s - waited_s))
+            if waited_s >= _PRINT_AFTER_S and printed != self._hindrance():
+                printed = self._hindrance()
+                say(f"{printed}; waiting up to {wait_s:g} s")
+            self._next_event(min(_CHECK_ENGINE_EVERY_S, wait_s - waited_s))
         return True
 
     def _hindrance(self) -> str:
@@ -89,56 +89,56 @@ class Launch:
         ending = None
         asked = time.monotonic()
         while ending is None:
-            event = self._next_event(_LOOK_EVERY_S)
+            event = self._next_event(_CHECK_EVERY_S)
             if isinstance(event, Status) and event.number <= older:
                 continue
             if isinstance(event, Status):
                 was_running = watch.is_running
                 ending = watch.on_status(event.code, event.behavior_id, event.args)
                 if watch.is_running and not was_running:
-                    say(f"'{self._name}' runs")
+                    say(f"'{self._name}' started")
             elif isinstance(event, Entered) and event.path:
                 say(f"'{self._name}' is at {event.path}")
             elif isinstance(event, Logged):
-                self._tell_log(event)
+                self._print_log(event)
             else:
                 ending = watch.on_time(time.monotonic() - asked, self._link.silent_s())
         if ending.end is End.LATE:
             self._link.preempt()
         return ending
 
-    def _tell_log(self, event: Logged) -> None:
-        if event.severity in _TOLD:
-            say(f"{_TOLD[event.severity]}: {event.text}")
+    def _print_log(self, event: Logged) -> None:
+        if event.severity in _PRINTED:
+            say(f"{_PRINTED[event.severity]}: {event.text}")
 
-    def _tell_rest(self) -> None:
-        """Tell what was logged before the behavior ended, and comes behind its last status."""
-        end = time.monotonic() + _LATE_NEWS_S
+    def _print_late_log(self) -> None:
+        """Print what was logged before the behavior ended, but arrives after its last status."""
+        end = time.monotonic() + _LATE_LOG_S
         while time.monotonic() < end and (event := self._next_event(_GAP_S)) is not None:
             if isinstance(event, Logged):
-                self._tell_log(event)
+                self._print_log(event)
 
     def _next_event(self, timeout_s: float) -> object:
-        """Return what comes next, None if nothing does in time."""
+        """Return the next event, None if there is none in time."""
         try:
             return self._events.get(timeout=max(0.0, timeout_s))
         except queue.Empty:
             return None
 
-    def _told(self, ending: Ending) -> str:
+    def _end_text(self, ending: Ending) -> str:
         text = {
             End.FINISHED: f"ended with outcome '{ending.outcome}'",
             End.PREEMPTED: "was stopped",
             End.FAILED: "failed",
             End.REFUSED: "was not started",
-            End.LATE: f"is not started after {START_LIMIT_S:g} s, and is called off",
-            End.RESTARTED: "is gone: the engine was restarted",
-            End.LOST: "is gone: the engine is silent",
+            End.LATE: f"has not started after {START_LIMIT_S:g} s, and is cancelled",
+            End.RESTARTED: "is lost: the engine was restarted",
+            End.LOST: "is lost: the engine is silent",
         }[ending.end]
         return f"'{self._name}' {text}"
 
 
 def say(text: str) -> None:
-    """Tell the person at the terminal."""
+    """Print a line on the terminal."""
     sys.stdout.write(f"be_launcher: {text}\n")
     sys.stdout.flush()

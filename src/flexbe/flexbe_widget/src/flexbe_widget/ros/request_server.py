@@ -10,7 +10,7 @@ from flexbe_msgs.msg import BehaviorRequest, BEStatus, ContainerStructure
 from std_msgs.msg import String
 
 from flexbe_core import BehaviorLibrary, Logger
-from flexbe_core.engine.supervision import UNSUPERVISED
+from flexbe_core.engine.supervision.in_force import UNSUPERVISED
 from flexbe_widget.edge.value_file import yaml_text
 from flexbe_widget.errors import RequestError
 from flexbe_widget.ros.engine_link import EngineLink, Event
@@ -18,10 +18,10 @@ from flexbe_widget.ros.start_request import start_request
 
 _YAML = "/YAML:"
 
-# [s] Wall time between two looks whether the engine is there.
-_LOOK_EVERY_S = 0.05
+# [s] Wall time between two checks whether the engine is there.
+_CHECK_EVERY_S = 0.05
 
-# Versions of the FlexBE App before this one speak another protocol.
+# Older versions of the FlexBE App use another protocol.
 _OLDEST_APP = (2, 2, 0)
 
 
@@ -54,7 +54,11 @@ class RequestServer:
         parameters = [_parameter(key, value) for key, value in pairs]
         try:
             request = start_request(
-                self._library, message.behavior_name, parameters, (), message.autonomy_level
+                self._library,
+                message.behavior_name,
+                parameters,
+                (),
+                autonomy_level=message.autonomy_level,
             )
             self._wait_for_engine()
         except RequestError as error:
@@ -73,7 +77,7 @@ class RequestServer:
                     f"there is no behavior engine; gave up after {self._wait_s:g} s "
                     "(start it with: roslaunch flexbe_onboard behavior_onboard.launch)"
                 )
-            self._changed.wait(_LOOK_EVERY_S)
+            self._changed.wait(_CHECK_EVERY_S)
             self._changed.clear()
 
     def _on_engine(self, event: Event) -> None:
@@ -82,7 +86,7 @@ class RequestServer:
     def _on_version(self, message: String) -> None:
         parts = message.data.split(".")
         if not all(part.isdigit() for part in parts):
-            rospy.logwarn("the FlexBE App tells a version that is no number: %r", message.data)
+            rospy.logwarn("the FlexBE App has an invalid version: %r", message.data)
         elif tuple(map(int, parts)) < _OLDEST_APP:
             oldest = ".".join(map(str, _OLDEST_APP))
             rospy.logwarn("FlexBE App %s is too old; use %s or later", message.data, oldest)

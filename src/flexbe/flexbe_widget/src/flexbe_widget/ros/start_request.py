@@ -1,4 +1,4 @@
-"""Ask the engine for a behavior."""
+"""Request a behavior from the engine."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from flexbe_msgs.msg import BehaviorSelection
 
 from flexbe_core import BehaviorLibrary
 from flexbe_core.engine.checksum import checksum
-from flexbe_core.engine.supervision import UNSUPERVISED
+from flexbe_core.engine.supervision.in_force import UNSUPERVISED
 from flexbe_widget.core.near_names import unknown_behavior
 from flexbe_widget.errors import RequestError
 
@@ -17,7 +17,7 @@ Pairs = Sequence[tuple[str, str]]
 
 
 class UnknownBehaviorError(RequestError):
-    """There is no behavior with the name that was asked for."""
+    """There is no behavior with the requested name."""
 
 
 def start_request(
@@ -27,10 +27,10 @@ def start_request(
     inputs: Pairs = (),
     autonomy_level: int = UNSUPERVISED,
 ) -> BehaviorSelection:
-    """Return the message that asks the engine for a behavior.
+    """Return the message that requests a behavior from the engine.
 
     Args:
-        library: where to look for it.
+        library: where to find it.
         name: its display name.
         parameters: (key, value) pairs.
         inputs: (key, value) pairs; values are Python literals.

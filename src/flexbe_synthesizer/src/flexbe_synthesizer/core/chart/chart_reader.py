@@ -1,7 +1,7 @@
 """The one reader of the chart language; its writer is in `chart_writer`.
 
 Reading reports everything that does not fit the grammar and goes on with the rest; a required
-attribute that is missing reads as the empty string, which the checks pass over.
+attribute that is missing reads as the empty string, which the checks skip.
 """
 
 from __future__ import annotations
@@ -143,7 +143,7 @@ class _ChartReader:
         """Return the chart of the outermost element."""
         fields = self._elements.fields(root, STATEMACHINE)
         source = (self._tree, root)
-        chart = self._body(root, fields, STATEMACHINE, fields.text("name"), source)
+        chart = self._body(root, fields, STATEMACHINE, fields.text("name"), source=source)
         return replace(chart, description=self._tree.description, file=self._file)
 
     def _body(
@@ -250,7 +250,14 @@ class _ChartReader:
         )
 
     def _autonomy(self, element: Element, extensions: Mapping[str, str]) -> Autonomy | None:
-        return self._convert(element, extensions, "autonomy", Autonomy, _LEVELS, Autonomy.OFF)
+        return self._convert(
+            element,
+            extensions,
+            name="autonomy",
+            convert=Autonomy,
+            allowed=_LEVELS,
+            instead=Autonomy.OFF,
+        )
 
     def _connections(self, elements: Sequence[Element]) -> tuple[Connection, ...]:
         tree = self._tree
@@ -309,13 +316,25 @@ class _ChartReader:
     def _limits(self, element: Element, extensions: Mapping[str, str]) -> _Limits:
         """Return the attempts, the timeout and the error routes of a node."""
         attempts = self._convert(
-            element, extensions, "attempts", _at_least_one, "an integer from 1", 1
+            element,
+            extensions,
+            name="attempts",
+            convert=_at_least_one,
+            allowed="an integer from 1",
+            instead=1,
         )
         seconds = "a number of seconds above 0"
-        timeout_s = self._convert(element, extensions, "timeout_s", _positive, seconds, 1.0)
+        timeout_s = self._convert(
+            element, extensions, name="timeout_s", convert=_positive, allowed=seconds, instead=1.0
+        )
         no_routes: tuple[ErrorRoute, ...] = ()
         on_error = self._convert(
-            element, extensions, "on_error", parse_routes, ROUTES_RULE, no_routes
+            element,
+            extensions,
+            name="on_error",
+            convert=parse_routes,
+            allowed=ROUTES_RULE,
+            instead=no_routes,
         )
         return attempts, timeout_s, on_error or no_routes
 
@@ -328,7 +347,7 @@ class _ChartReader:
 
         source = (_IdForName(self._tree), element)
         self._depth += 1
-        body = self._body(element, fields, shape, fields.text("id"), source)
+        body = self._body(element, fields, shape, fields.text("id"), source=source)
         self._depth -= 1
         return body
 
@@ -372,7 +391,7 @@ def _nodes(element: Element) -> list[tuple[str, Element]]:
 
 
 def _has_outcome(model: Element) -> bool:
-    """Tell whether a datamodel holds an outcome, directly or in a wrapper."""
+    """Return whether a datamodel holds an outcome, directly or in a wrapper."""
     return model.find("outcome") is not None or model.find("outcomes/outcome") is not None
 
 

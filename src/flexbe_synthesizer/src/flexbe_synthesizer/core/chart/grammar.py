@@ -23,7 +23,7 @@ class Shape:
     children: Mapping[str, Shape] = field(default_factory=dict)
 
     def is_all(self, given: Mapping[str, str]) -> bool:
-        """Tell whether all attributes that have to be there have a value, and there are no more."""
+        """Return whether all required attributes have a value, and there are no others."""
         return len(given) == len(self.required) and all(map(given.get, self.required))
 
     @property

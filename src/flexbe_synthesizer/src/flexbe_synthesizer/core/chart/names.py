@@ -35,7 +35,7 @@ _LISTED = 12  # names shown in a message before it says how many more there are
 
 
 def is_name(text: str) -> bool:
-    """Tell whether FlexBE can carry the text as the name of a state, outcome or behavior."""
+    """Return whether FlexBE can carry the text as the name of a state, outcome or behavior."""
     return bool(_NAME.match(text)) and not _CODE_WORD.search(text)
 
 
@@ -56,12 +56,12 @@ def is_topic(text: str) -> bool:
 
 
 def is_readable_outcome(text: str) -> bool:
-    """Tell whether the FlexBE App can read the text as an outcome of a state class."""
+    """Return whether the FlexBE App can read the text as an outcome of a state class."""
     return bool(text) and not _UNREADABLE.search(text)
 
 
 def is_key(text: str) -> bool:
-    """Tell whether the text can name userdata: a Python identifier that is not private."""
+    """Return whether the text can name userdata: a Python identifier that is not private."""
     return text.isidentifier() and not keyword.iskeyword(text) and not text.startswith("_")
 
 
@@ -99,7 +99,7 @@ def take_unused(wanted: str, taken: Collection[str]) -> str:
 
 
 class Vocabulary(tuple[str, ...]):
-    """Many names, of which some are looked for that are spelled about like another one.
+    """Many names that are searched for those spelled similarly to another one.
 
     Comparing each found name with each known one takes too long for thousands of both, so only
     those are compared that differ in a letter or two.

@@ -41,7 +41,10 @@ class Code(Enum):
     UNEXPECTED_TEXT = ("unexpected-text", "text between elements")
     UNKNOWN_ATTRIBUTE = ("unknown-attribute", "an attribute that the element does not have")
     MISSING_ATTRIBUTE = ("missing-attribute", "a required attribute is absent or empty")
-    UNKNOWN_EXTENSION = ("unknown-extension", "nothing that the extension namespace offers here")
+    UNKNOWN_EXTENSION = (
+        "unknown-extension",
+        "a name that the extension does not have in this place",
+    )
     INVALID_VALUE = ("invalid-value", "an attribute's value is outside what it allows")
     INVALID_NAME = ("invalid-name", "a name with characters that FlexBE cannot carry")
     RESERVED_NAME = ("reserved-name", "a name that already means something else")
@@ -138,7 +141,7 @@ class ProblemList(list[Problem]):
 
     @property
     def is_full(self) -> bool:
-        """Return whether no more problems are to be looked for."""
+        """Return whether the search for problems can end."""
         return self._errors >= MOST_ERRORS
 
     def take(self, problem: Problem) -> None:
@@ -146,7 +149,7 @@ class ProblemList(list[Problem]):
         self._expect_time()
         self._errors += problem.code.severity is Severity.ERROR
         if self.is_full:
-            more = f" No more is checked after {MOST_ERRORS} errors; mend these first."
+            more = f" No more is checked after {MOST_ERRORS} errors; correct these first."
             problem = replace(problem, message=problem.message + more)
         self.append(problem)
 

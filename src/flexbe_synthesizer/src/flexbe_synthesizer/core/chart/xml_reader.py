@@ -59,15 +59,6 @@ class Document:
     problems: tuple[Problem, ...]
 
 
-def read_xml(source: str | bytes, file: str) -> Document:
-    """Return the document that the source holds.
-
-    Raises:
-        ChartError: if the source is not well-formed XML in a known encoding, or has a DOCTYPE.
-    """
-    return read_utf8(as_utf8(source, file), file)
-
-
 def read_utf8(data: bytes, file: str) -> Document:
     """Return the document that `as_utf8` gave the bytes of.
 
@@ -193,7 +184,7 @@ def encoded(text: str, file: str, like: bytes) -> bytes:
 
 
 def _encoding(data: bytes, file: str) -> str:
-    """Return the encoding that a byte order mark, the first letter or the declaration tells."""
+    """Return the encoding by the byte order mark, the first letter or the declaration."""
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         return "utf-16"
     if data.startswith((b"<\0", b"\0<")):
@@ -330,10 +321,10 @@ class _Reading:
         element = XmlElement(
             namespace or "",
             local,
-            done.position,
-            tuple(done.attributes),
-            tuple(done.children),
-            done.text,
+            position=done.position,
+            attributes=tuple(done.attributes),
+            children=tuple(done.children),
+            text=done.text,
         )
         if self._open:
             self._open[-1].children.append(element)

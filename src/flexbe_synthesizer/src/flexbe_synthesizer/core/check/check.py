@@ -83,7 +83,7 @@ def _checks(scope: ResolvedChart, expect_time: Callable[[], None]) -> Iterator[I
 
 
 def _check_nodes(scope: ResolvedChart, expect_time: Callable[[], None]) -> Iterator[Problem]:
-    """Yield what is wrong with a node by itself; of faultless ones that are alike, look at one."""
+    """Yield the problems of each node by itself; of equal nodes without any, check one."""
     faultless: set[object] = set()
     for entry in scope.nodes:
         expect_time()

@@ -1,13 +1,13 @@
 """Check that a concurrency container ends, whatever the states in it end with.
 
 FlexBE ends such a container when all that one of its conditions waits for has happened; if all
-states have ended and no condition holds, it waits for ever. Since each event stands in one
+states have ended and no condition holds, it waits forever. Since each event stands in one
 condition (the FlexBE App can read no other), whether that can happen is a question about a graph:
 let states and conditions be its vertices, and join a state with each condition that waits for it
-together with others. No state that waits for nobody may be among them: its event ends the
-container. Some choice of one event for each state leaves every condition open if and only if each
-connected part of this graph has a cycle; in a part that is a tree, there are too few events to
-leave all its conditions open. The choice is found by giving each vertex an edge of its own: a
+together with others. A state that a condition waits for alone may not be among them: its event
+ends the container. Some choice of one event for each state leaves every condition open if and only
+if each connected part of this graph has a cycle; in a part that is a tree, there are too few events
+to leave all its conditions open. The choice is found by giving each vertex an edge of its own: a
 state ends with its edge, a condition is kept open by its edge not being chosen.
 """
 
@@ -19,7 +19,8 @@ from collections.abc import Iterator, Mapping
 from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.model import When
 from flexbe_synthesizer.core.chart.problem import Code, Problem
-from flexbe_synthesizer.core.library.resolve import ResolvedChart, label
+from flexbe_synthesizer.core.library.resolve import ResolvedChart
+from flexbe_synthesizer.core.library.use import label
 
 
 def check_conditions(resolved: ResolvedChart) -> Iterator[Problem]:
@@ -91,7 +92,7 @@ def _check_end(resolved: ResolvedChart) -> Iterator[Problem]:
     if stuck:
         choice = ", ".join(f"{state} -{event}" for state, event in stuck.items())
         message = f"when the states end with {choice}, no condition of {resolved.title} holds, and "
-        message += "it waits for ever; give one of these events a condition of its own."
+        message += "it waits forever; give one of these events a condition of its own."
         yield Problem(resolved.chart.position("name"), Code.ENDLESS_CONTAINER, message)
 
 

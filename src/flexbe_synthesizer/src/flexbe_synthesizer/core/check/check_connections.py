@@ -9,8 +9,9 @@ from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.model import Connection, Input, Output
 from flexbe_synthesizer.core.chart.problem import Code, Position, Problem
 from flexbe_synthesizer.core.library.data_flow import DataFlow, Wiring
-from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode, label
+from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode
 from flexbe_synthesizer.core.library.signature import Port, fits
+from flexbe_synthesizer.core.library.use import label
 
 
 def check_connections(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
@@ -40,7 +41,7 @@ class _Ends:
         self._chart_name = chart.name
 
     def exist(self, connection: Connection) -> bool:
-        """Tell whether both ends are there, and not both in the chart's own data."""
+        """Return whether both ends exist, and are not both in the chart's own data."""
         giver, taker = connection.output_state_id, connection.input_state_id
         return (
             connection.output in self._givers.get(giver, ())
@@ -146,7 +147,9 @@ def _check_inputs(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
             else:
                 source = f"output '{given.name}' of '{connection.output_state_id}'"
             place = _place(connection, entry, port)
-            yield from _check_flow(source, given, f"input '{name}' of '{node}'", port, place)
+            yield from _check_flow(
+                source, given, f"input '{name}' of '{node}'", port, position=place
+            )
 
 
 def _place(connection: Connection | None, entry: ResolvedNode, port: Port) -> Position:
@@ -276,7 +279,9 @@ def _check_feeds(
         connection = wiring.into_machine.get((node, name))
         position = output.position() if connection is None else connection.position()
         target = f"output '{output.name}' of {resolved.title}"
-        yield from _check_flow(f"output '{name}' of '{node}'", port, target, output, position)
+        yield from _check_flow(
+            f"output '{name}' of '{node}'", port, target, output, position=position
+        )
         return
 
 
@@ -288,4 +293,4 @@ def _check_pass_through(resolved: ResolvedChart) -> Iterator[Problem]:
         source = f"input '{output.name}' of {resolved.title}"
         target = "its output of the same name, which is the same value,"
         if given is not None:
-            yield from _check_flow(source, given, target, output, output.position())
+            yield from _check_flow(source, given, target, output, position=output.position())

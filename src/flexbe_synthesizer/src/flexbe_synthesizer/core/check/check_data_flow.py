@@ -13,9 +13,10 @@ from typing import NamedTuple
 from flexbe_synthesizer.core.chart.model import Connection
 from flexbe_synthesizer.core.chart.problem import Code, Problem
 from flexbe_synthesizer.core.library.data_flow import DataFlow
+from flexbe_synthesizer.core.library.definite_assignment import Values
 from flexbe_synthesizer.core.library.graph import Edge, path_text, shortest_path
-from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode, label
-from flexbe_synthesizer.core.library.written import Values
+from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode
+from flexbe_synthesizer.core.library.use import label
 
 _MOST_PATHS = 50  # problems of a chart that are told with their path; each is a search
 _MOST_WRITERS = 12  # named in a message
@@ -49,7 +50,9 @@ def check_data_flow(resolved: ResolvedChart) -> Iterator[Problem]:
                 expected = _expected(read, connection, flow)
                 other = values.last_writers.besides(expected, home, node)
                 if other is not None:
-                    yield _overwritten(read, connection, other, values, paths_left > 0)
+                    yield _overwritten(
+                        read, connection, other, values, is_path_shown=paths_left > 0
+                    )
                     paths_left -= 1
 
 
@@ -103,7 +106,7 @@ def _missing(read: _Read, values: Values, is_path_shown: bool) -> Problem:
     if silent is not None:
         how = "always write" if values.has(values.touched_on(silent), home) else "write"
         message += f"'{silent.source}' does not {how} it when it ends with '{silent.event}'. "
-    message += f"Lead that path through {writers}, or feed the input from elsewhere."
+    message += f"Route that path through {writers}, or feed the input from elsewhere."
     position = (read.connection or read.entry.node).position()
     return Problem(position, Code.READ_BEFORE_WRITE, message)
 

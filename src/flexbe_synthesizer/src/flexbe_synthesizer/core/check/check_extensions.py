@@ -1,4 +1,4 @@
-"""Check that extensions stand where they can be expanded to plain FlexBE."""
+"""Check that extensions stand where they can be lowered to plain FlexBE."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from flexbe_synthesizer.core.chart.error_routes import codes_of_routes, is_named
 from flexbe_synthesizer.core.chart.model import AnyNode, Container, ContainerKind, walk_nodes
 from flexbe_synthesizer.core.chart.names import ERROR_CODE, FAILED
 from flexbe_synthesizer.core.chart.problem import Code, Problem
-from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode, label
+from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode
+from flexbe_synthesizer.core.library.use import label
 
 
 def check_extensions(entry: ResolvedNode, resolved: ResolvedChart) -> Iterator[Problem]:
@@ -66,7 +67,7 @@ def _check_routes(entry: ResolvedNode, resolved: ResolvedChart) -> Iterator[Prob
     node, signature = entry.node, entry.use.signature
     position = node.position("on_error")
     if signature is not None and signature.outcomes is not None and not entry.use.has_own(FAILED):
-        message = f"ext:on_error parts the outcome '{FAILED}' by code, and {signature.title} has "
+        message = f"ext:on_error routes the outcome '{FAILED}' by code, and {signature.title} has "
         message += f"none; its outcomes: {names.quoted(signature.outcomes)}."
         yield Problem(position, Code.UNKNOWN_EVENT, message)
     found = entry.use.outputs

@@ -13,7 +13,8 @@ from flexbe_synthesizer.core.chart.model import State
 from flexbe_synthesizer.core.chart.names import ERROR_CODE
 from flexbe_synthesizer.core.chart.problem import Code, Problem
 from flexbe_synthesizer.core.library.data_flow import DataFlow
-from flexbe_synthesizer.core.library.resolve import ResolvedChart, label
+from flexbe_synthesizer.core.library.resolve import ResolvedChart
+from flexbe_synthesizer.core.library.use import label
 
 
 def check_homes(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
@@ -50,7 +51,7 @@ def _check_containers(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Probl
             own = [o for o, at in flow.outputs.get(name, {}).items() if at == home and o != key]
             if own:
                 message = f"input '{key}' of {label(entry.node)} is the same value, '{home}', as "
-                message += f"its output '{own[0]}', and may be written over while it is still "
+                message += f"its output '{own[0]}', and may be overwritten while it is still "
                 message += "read. Let the output feed another output of the chart."
                 connection = flow.wiring.into_state.get((name, key))
                 place = (connection or entry.node).position()

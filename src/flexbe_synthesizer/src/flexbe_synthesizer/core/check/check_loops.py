@@ -32,10 +32,12 @@ def check_loops(resolved: ResolvedChart, graph: Graph) -> Iterator[Problem]:
         reported.add(loop)
         path = shortest_path(name, name, rest.leaving) or ()
         message = (
-            f"nothing bounds the loop {path_text(path)}: while it fails, it goes on for ever. "
+            f"nothing bounds the loop {path_text(path)}: while it fails, it continues forever. "
         )
         if any(edge.event == EXHAUSTED for edge in path):
-            message += f"Lead '{EXHAUSTED}' out of it, or give another of its states ext:attempts."
+            message += (
+                f"Let '{EXHAUSTED}' lead out of it, or give another of its states ext:attempts."
+            )
         else:
             message += "Give one of its states ext:attempts."
         yield Problem(by_id[name].node.position(), Code.UNBOUNDED_LOOP, message)

@@ -15,8 +15,9 @@ from flexbe_synthesizer.core.chart.model import (
     State,
 )
 from flexbe_synthesizer.core.chart.problem import Code, Problem
-from flexbe_synthesizer.core.library.resolve import ResolvedChart, label
+from flexbe_synthesizer.core.library.resolve import ResolvedChart
 from flexbe_synthesizer.core.library.signature import TYPES, is_type
+from flexbe_synthesizer.core.library.use import label
 from flexbe_synthesizer.core.machine.expanded_labels import added_labels
 
 
@@ -121,9 +122,9 @@ def _meanings(
 
 
 def check_paths(resolved: ResolvedChart) -> Iterator[Problem]:
-    """Yield a problem for each path that the FlexBE App cannot tell from another one.
+    """Yield a problem for each path that the FlexBE App cannot distinguish from another one.
 
-    The App joins the parts of a path with '_'. Two ids in one place are told as duplicates.
+    The App joins the parts of a path with '_'. Equal ids in one place are reported as duplicates.
     """
     if not any(isinstance(node, Container) for node in resolved.chart.nodes):
         return
@@ -133,8 +134,8 @@ def check_paths(resolved: ResolvedChart) -> Iterator[Problem]:
         other_path, other = first.setdefault(joined, (path, node))
         if other_path != path:
             line = other.position("id").line
-            message = f"the FlexBE App cannot tell the path '{path}' from '{other_path}' in line "
-            message += f"{line}: it joins paths with '_'. Rename one of the two."
+            message = f"the FlexBE App cannot distinguish the path '{path}' from '{other_path}' "
+            message += f"in line {line}: it joins paths with '_'. Rename one of the two."
             yield Problem(node.position("id"), Code.DUPLICATE_ID, message)
 
 

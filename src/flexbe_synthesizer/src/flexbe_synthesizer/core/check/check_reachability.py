@@ -8,7 +8,8 @@ from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.names import EXHAUSTED
 from flexbe_synthesizer.core.chart.problem import Code, Problem
 from flexbe_synthesizer.core.library.graph import Graph, reachable
-from flexbe_synthesizer.core.library.resolve import ResolvedChart, label
+from flexbe_synthesizer.core.library.resolve import ResolvedChart
+from flexbe_synthesizer.core.library.use import label
 
 _MOST_LISTED = 50  # dead ends that are told with all that they lead to
 _MORE = "states that do not end either"
@@ -24,7 +25,7 @@ def check_reachability(resolved: ResolvedChart, graph: Graph) -> Iterator[Proble
     for name, entry in by_id.items():
         if name not in reached:
             message = f"no path from the initial state '{initial}' leads to "
-            message += f"{label(entry.node)}; lead a transition to it, or delete it."
+            message += f"{label(entry.node)}; add a transition to it, or delete it."
             yield Problem(entry.node.position(), Code.UNREACHABLE_STATE, message)
     spent = _spent(graph, resolved)
     ending_when_spent = _ending(graph, spent)
@@ -38,7 +39,7 @@ def check_reachability(resolved: ResolvedChart, graph: Graph) -> Iterator[Proble
         if name not in ending:
             message = f"from {label(entry.node)} no outcome of {resolved.title} can be reached; it "
             found = _led_to(name, graph, frozenset()) if shown >= 0 else _MORE
-            message += f"leads only to {found}. Lead a transition to an "
+            message += f"leads only to {found}. Add a transition to an "
             yield Problem(entry.node.position(), Code.NO_WAY_OUT, message + "outcome.")
         elif any(edge.is_exhausted for edge in graph.leaving.get(name, ())):
             message = f"once {label(entry.node)} has had its attempts, no outcome of "
@@ -51,7 +52,7 @@ def check_reachability(resolved: ResolvedChart, graph: Graph) -> Iterator[Proble
 def _spent(graph: Graph, resolved: ResolvedChart) -> frozenset[str]:
     """Return the states that can have had all their attempts.
 
-    A state that never comes back to itself never runs out of attempts, unless the container that it
+    A state that never leads to itself never runs out of attempts, unless the container that it
     is in is entered again.
     """
     if resolved.is_repeated:

@@ -8,7 +8,8 @@ from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.model import Transition
 from flexbe_synthesizer.core.chart.names import EXHAUSTED, TIMED_OUT
 from flexbe_synthesizer.core.chart.problem import Code, Problem
-from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode, label
+from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode
+from flexbe_synthesizer.core.library.use import label
 
 _ADDED_BY = {EXHAUSTED: "attempts", TIMED_OUT: "timeout_s"}
 
@@ -38,7 +39,7 @@ def _check_outcomes(resolved: ResolvedChart, targets: Collection[str]) -> Iterat
     """Warn of each outcome that nothing leads to."""
     for outcome in resolved.chart.outcomes:
         if outcome.name and outcome.name not in targets:
-            message = f"no transition leads to the outcome '{outcome.name}'; delete it, or lead a "
+            message = f"no transition leads to the outcome '{outcome.name}'; delete it, or add a "
             message += "transition to it."
             yield Problem(outcome.position("name"), Code.UNUSED_OUTCOME, message)
 

@@ -13,8 +13,7 @@ from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.core.library.lookup import resolve_chart
 from flexbe_synthesizer.core.library.resolve import ResolvedChart, included_path
 from flexbe_synthesizer.core.library.signature import BehaviorClass, Effect
-from flexbe_synthesizer.core.library.written import outcome_effects
-from flexbe_synthesizer.core.machine.fold import fold
+from flexbe_synthesizer.core.machine.lift import lift
 from flexbe_synthesizer.core.machine.machine_reader import InexpressibleError, read_machine
 
 
@@ -77,7 +76,7 @@ class NestedBehaviors:
             return ()
         resolved = self.resolved(behavior)
         if resolved is not None:
-            return outcome_effects(resolved)
+            return resolved.effects
         outputs = frozenset(port.name for port in behavior.outputs)
         return tuple(Effect(outcome, frozenset(), outputs) for outcome in behavior.outcomes)
 
@@ -94,6 +93,6 @@ def _read_back(behavior: BehaviorClass, library: Library) -> Chart | None:
     """Return what a behavior's file says about states and values, None if that cannot be read."""
     text, file = library.text_of(behavior), behavior.module
     try:
-        return fold(read_machine(text, file, library, is_outline=True), file, is_outline=True)
+        return lift(read_machine(text, file, library, is_outline=True), file, is_outline=True)
     except InexpressibleError:
         return None

@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from flexbe_synthesizer.core.chart.names import EXHAUSTED
+from flexbe_synthesizer.core.library.definite_assignment import Steps
 from flexbe_synthesizer.core.library.graph import Graph
 from flexbe_synthesizer.core.library.resolve import ResolvedChart
-from flexbe_synthesizer.core.library.written import Steps
 
 Bound = int | None  # None: nothing bounds it
 
@@ -73,12 +73,12 @@ def _reaching(graph: Graph) -> Mapping[str, int]:
         for edge in graph.leaving.get(name, ()):
             if edge.event != EXHAUSTED and edge.target in reaching:
                 reaching[edge.target] |= begun
-                steps.look_at(edge.target)
+                steps.visit(edge.target)
     for name in steps:
         mask = reaching[name]
         for edge in free.leaving.get(name, ()):
             old = reaching.get(edge.target)
             if old is not None and old | mask != old:
                 reaching[edge.target] = old | mask
-                steps.look_at(edge.target)
+                steps.visit(edge.target)
     return reaching

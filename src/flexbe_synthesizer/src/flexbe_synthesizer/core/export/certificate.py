@@ -22,7 +22,6 @@ from flexbe_synthesizer.core.check.visits import Bound, most_visits
 from flexbe_synthesizer.core.library.graph import Graph
 from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode, scopes
 from flexbe_synthesizer.core.library.signature import BehaviorClass, Effect, StateClass
-from flexbe_synthesizer.core.library.written import outcome_effects
 
 UNBOUNDED = "unbounded"
 _ANY, _OTHER = "any", "other"  # codes: of an outcome without routes, and those without a route
@@ -97,16 +96,16 @@ def certify(checked: CheckedChart, package: str) -> Certificate:
     resolved = checked.resolved
     times = _Times(checked.nested)
     outcomes = [outcome.name for outcome in resolved.chart.outcomes]
-    effects = {effect.outcome: effect for effect in outcome_effects(resolved)}
+    effects = {effect.outcome: effect for effect in resolved.effects}
     nothing: frozenset[str] = frozenset()
     return Certificate(
         resolved.chart.name,
         package,
-        times.longest(resolved),
-        tuple(_bounds(resolved, "", 1, times)),
-        tuple(_ErrorEnds(outcomes).of_chart(resolved)),
-        tuple(effects.get(name, Effect(name, nothing, nothing)) for name in outcomes),
-        tuple(sorted(set(_assumed(resolved)))),
+        longest_s=times.longest(resolved),
+        states=tuple(_bounds(resolved, "", 1, times)),
+        errors=tuple(_ErrorEnds(outcomes).of_chart(resolved)),
+        effects=tuple(effects.get(name, Effect(name, nothing, nothing)) for name in outcomes),
+        assumed=tuple(sorted(set(_assumed(resolved)))),
     )
 
 
@@ -227,7 +226,7 @@ class _ErrorEnds:
         for name, entry in resolved.by_id.items():
             path = above + name
             for event, codes, target in _coded(entry, graph, resolved.error_names):
-                yield ErrorEnd(path, event, codes, target, self._listed(ends.get(target, 0)))
+                yield ErrorEnd(path, event, codes, target, ends=self._listed(ends.get(target, 0)))
             if entry.body is not None:
                 inner: dict[str, int] = {}
                 for edge in graph.leaving.get(name, ()):

@@ -68,7 +68,7 @@ class _Run:
     entered: frozenset[str]
 
     def is_faint(self, path: str) -> bool:
-        """Tell whether a node or outcome is off the path."""
+        """Return whether a node or outcome is off the path."""
         return bool(self.steps) and path not in self.entered
 
 
@@ -80,8 +80,8 @@ def chart_to_dot(
     Args:
         chart: what to draw.
         path_taken: (id, event) of each state or behavior that a run left, in order; the id of one
-            inside containers has theirs before it, `Place/Insert`. `expand.chart_steps` makes it
-            from what an engine reports.
+            inside containers has theirs before it, `Place/Insert`. `expanded_labels.chart_steps`
+            makes it from what an engine reports.
         direction: "TB", from top to bottom, or "LR", from left to right.
     """
     run = _run_of(chart, path_taken)
@@ -142,7 +142,7 @@ def _scope(chart: Chart, prefix: str, run: _Run) -> Iterator[str]:
     yield from (_missing(target, prefix) for target in _missing_targets(chart))
     by_id = {node.id: node for node in chart.nodes}
     for arrow in _arrows(chart, prefix, run):
-        yield _edge(arrow, chart, by_id[arrow.source], prefix, bool(run.steps))
+        yield _edge(arrow, chart, by_id[arrow.source], prefix, has_path=bool(run.steps))
 
 
 def _cluster(node: Container, prefix: str, run: _Run) -> Iterator[str]:
@@ -234,7 +234,7 @@ def _missing(name: str, prefix: str) -> str:
     """Return the node of a target that there is not."""
     return (
         f'  {_id(f"{prefix}{name}")} [shape=box, style="rounded,dashed", color="{_FAILURE}", '
-        f'fontcolor="{_FAILURE}", label=<{escape(name)}?<br/><font point-size="9">there is none'
+        f'fontcolor="{_FAILURE}", label=<{escape(name)}?<br/><font point-size="9">not found'
         "</font>>];"
     )
 
@@ -281,7 +281,14 @@ def _arrows(chart: Chart, prefix: str, run: _Run) -> Iterator[_Arrow]:
         is_forward = not is_failure and order.get(target, len(order)) > order[source]
         path = f"{prefix}{source}"
         taken = sorted(number for e in events for number in run.steps.get((path, e), ()))
-        yield _Arrow(source, target, is_failure, is_forward, tuple(events), tuple(taken))
+        yield _Arrow(
+            source,
+            target,
+            is_failure=is_failure,
+            is_forward=is_forward,
+            events=tuple(events),
+            steps=tuple(taken),
+        )
 
 
 def _edge(arrow: _Arrow, chart: Chart, source: AnyNode, prefix: str, has_path: bool) -> str:

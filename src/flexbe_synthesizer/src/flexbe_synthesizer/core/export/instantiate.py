@@ -76,7 +76,9 @@ def with_presets_written(root: Container, writer: StateClass) -> Container:
         use = StateUse(writer, writer.name, (Pair("data", value),))
         exit_ = Exit("done", children[0].label)
         children.insert(0, Child(label, use, (exit_,), (("data", key),)))
-    return Container(root.kind, root.outcomes, root.input_keys, root.output_keys, tuple(children))
+    return Container(
+        root.kind, root.outcomes, root.input_keys, root.output_keys, children=tuple(children)
+    )
 
 
 def instantiate(root: Container, layout: Layout) -> tuple[Instantiation, ...]:

@@ -1,10 +1,10 @@
 """Write a chart as W3C SCXML (https://www.w3.org/TR/scxml/), for other statechart tools.
 
-A state waits for the events `ID.EVENT` of its own path, sent by whoever executes it; the blanks of
-names become `_`. An outcome of the chart is a final state of its name. Attempts are counted in the
-data model (`ecmascript`), by a state `ID._attempts` before the state itself; no name of the
-chart begins with `_`. A timeout sends the event `ID.timed_out` after its time. Routes by
-error code look at `_event.data.error_code`. A container is a compound state whose final states
+A state waits for the events `ID.EVENT` of its own path, which the executing program sends; the
+blanks of names become `_`. An outcome of the chart is a final state of its name. Attempts are
+counted in the data model (`ecmascript`), by a state `ID._attempts` before the state itself; no name
+of the chart begins with `_`. A timeout sends the event `ID.timed_out` after its time. Routes by
+error code evaluate `_event.data.error_code`. A container is a compound state whose final states
 raise `ID.OUTCOME`; a concurrency container is a parallel state, left as soon as the final states of
 its regions fulfil a condition. The flow of data is FlexBE's and is left out.
 """
@@ -44,7 +44,7 @@ def chart_to_scxml(chart: Chart, error_names: ErrorNames = MappingProxyType({}))
         error_names: error codes by the names of codes and of classes of codes.
 
     Raises:
-        ScxmlError: if two of its names cannot be told apart there.
+        ScxmlError: if two of its names are the same name there.
     """
     root = etree.Element(
         f"{{{NAMESPACE}}}scxml",
@@ -120,13 +120,13 @@ def _add_sequence(
         node_id = _id(prefix, node.id)
         if node.attempts is not None:
             _add_counter(parent, node_id, node.attempts, targets.pop(EXHAUSTED))
-        element = _add_node(parent, node, node_id, targets, error_names)
+        element = _add_node(parent, node, node_id, targets, error_names=error_names)
         routed = codes_of_routes(node.on_error, error_names)
         for route, codes in zip(node.on_error, routed, strict=True):
             target, condition = _entry(chart, prefix, route.target), _has_code(codes)
             _add(element, "transition", event=f"{node_id}.{FAILED}", cond=condition, target=target)
         for event, target in targets.items():
-            _add_exit(element, node, node_id, event, target)
+            _add_exit(element, node, node_id, event, target=target)
 
 
 def _add_counter(parent: etree._Element, node_id: str, attempts: int, exhausted: str) -> None:
@@ -154,7 +154,7 @@ def _add_node(
             whens = (when for condition in node.body.conditions for when in condition.all_of)
             events = [scxml_name(when.event) for when in whens if when.state == region.id]
             region_id = _id(f"{node_id}.", region.id)
-            _add_region(element, region, region_id, events, error_names)
+            _add_region(element, region, region_id, events, error_names=error_names)
     else:
         inside = f"{node_id}."
         initial = _entry(node.body, inside, node.body.initial)
@@ -181,7 +181,7 @@ def _add_region(
 ) -> None:
     """Append a node of a concurrency container: the node, and a final state for each event."""
     region = _add(parent, "state", id=f"{node_id}._region", initial=node_id)
-    element = _add_node(region, node, node_id, events, error_names)
+    element = _add_node(region, node, node_id, events, error_names=error_names)
     for event in events:
         _add(element, "transition", event=f"{node_id}.{event}", target=f"{node_id}._ended.{event}")
         _add(region, "final", id=f"{node_id}._ended.{event}")

@@ -25,9 +25,6 @@ from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.core.library.resolve import (
     ResolvedChart,
     ResolvedNode,
-    Support,
-    Use,
-    arguments,
     included_path,
     scopes,
 )
@@ -41,7 +38,7 @@ from flexbe_synthesizer.core.library.signature import (
     behavior_signature,
     state_signature,
 )
-from flexbe_synthesizer.core.library.written import outcome_effects
+from flexbe_synthesizer.core.library.use import Support, Use, arguments
 
 _Found = TypeVar("_Found", StateClass, BehaviorClass)
 
@@ -101,7 +98,16 @@ class _Lookup:
                         support[wanted] = found
         is_inner = chart is not self._chart
         error_names = self._library.error_names
-        return ResolvedChart(chart, nodes, runs, support, by_id, error_names, is_inner, is_repeated)
+        return ResolvedChart(
+            chart,
+            by_id,
+            runs=runs,
+            nodes=nodes,
+            support=support,
+            error_names=error_names,
+            is_inner=is_inner,
+            is_repeated=is_repeated,
+        )
 
     def _node(self, node: AnyNode, is_repeated: bool) -> ResolvedNode:
         if isinstance(node, Container):
@@ -150,7 +156,7 @@ class _Lookup:
         return ResolvedNode(node, _use(node, behavior, signature, is_timed=is_timed))
 
     def _find_support(self, wanted: Support, node: AnyNode) -> StateClass | None:
-        """Return the state class that an extension is expanded with; report once if missing."""
+        """Return the state class that an extension is lowered to; report once if missing."""
         if wanted in self._support:
             return self._support[wanted]
         found = self._library.find_states(f"{wanted.package}/{wanted.class_name}")
@@ -181,10 +187,10 @@ def _body_signature(node: Container, body: ResolvedChart) -> Signature:
     return Signature(
         f"container '{node.id}'",
         tuple(dict.fromkeys(o.name for o in node.body.outcomes if o.name and o.name != PREEMPTED)),
-        tuple(Port(port.name, port.type) for port in node.body.inputs if port.name),
-        tuple(Port(port.name, port.type) for port in node.body.outputs if port.name),
-        (),
-        outcome_effects(body),
+        inputs=tuple(Port(port.name, port.type) for port in node.body.inputs if port.name),
+        outputs=tuple(Port(port.name, port.type) for port in node.body.outputs if port.name),
+        parameters=(),
+        effects=body.effects,
     )
 
 
@@ -215,7 +221,15 @@ def _use(
 ) -> Use:
     added = (TIMED_OUT,) * is_timed + (EXHAUSTED,) * (node.attempts is not None)
     inputs, outputs = _typed(signature.inputs, node.inputs), _typed(signature.outputs, node.outputs)
-    return Use(declaration, signature, is_qualified, is_timed, added, inputs, outputs)
+    return Use(
+        declaration,
+        signature,
+        is_qualified=is_qualified,
+        is_timed=is_timed,
+        added_events=added,
+        inputs=inputs,
+        outputs=outputs,
+    )
 
 
 def _typed(offered: tuple[Port, ...], declared: Sequence[Input | Output]) -> Mapping[str, Port]:

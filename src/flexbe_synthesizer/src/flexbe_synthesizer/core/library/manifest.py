@@ -22,7 +22,7 @@ class ManifestParameter:
 
 @dataclass(frozen=True)
 class Manifest:
-    """What a package tells about one of its behaviors.
+    """What the manifest of a behavior states.
 
     Attributes:
         name: display name, the key of the behavior everywhere.

@@ -23,7 +23,7 @@ _SYNONYMS = (
 
 
 def is_type(text: str) -> bool:
-    """Tell whether the text is a data type of the language: a basic one or `package/Message`."""
+    """Return whether the text is a data type of the language: a basic one or `package/Message`."""
     return text in TYPES or bool(_MESSAGE.match(text))
 
 
@@ -37,7 +37,7 @@ def documented_type(text: str) -> str | None:
 
 
 def fits(given: str | None, wanted: str | None) -> bool:
-    """Tell whether a value of one type can be used as another; what is no type fits all."""
+    """Return whether a value of one type fits another; what is no type fits all."""
     if not is_type(given or "") or not is_type(wanted or ""):
         return True
     return given == wanted or (given, wanted) == ("int", "float")
@@ -63,7 +63,7 @@ class Parameter:
 
     @property
     def takes_source(self) -> bool:
-        """Tell whether the value would have to be Python source."""
+        """Return whether the value would have to be Python source."""
         return self.type in _SOURCE
 
 
@@ -112,7 +112,7 @@ class StateClass:
 
     @property
     def depends_on_values(self) -> bool:
-        """Tell whether its outcomes or keys come from the values of its parameters."""
+        """Return whether its outcomes or keys come from the values of its parameters."""
         return bool(self.deciding_parameters)
 
 
@@ -186,10 +186,10 @@ def state_signature(state: StateClass, values: Mapping[str, Literal]) -> Signatu
     return Signature(
         f"state class {state.name}",
         None if outcomes is None else tuple(o for o in outcomes if o != PREEMPTED),
-        ports(state.inputs),
-        ports(state.outputs),
-        state.parameters,
-        state.effects,
+        inputs=ports(state.inputs),
+        outputs=ports(state.outputs),
+        parameters=state.parameters,
+        effects=state.effects,
     )
 
 
@@ -198,10 +198,10 @@ def behavior_signature(behavior: BehaviorClass, effects: tuple[Effect, ...] = ()
     return Signature(
         f"behavior '{behavior.name}'",
         tuple(o for o in behavior.outcomes if o != PREEMPTED),
-        behavior.inputs,
-        behavior.outputs,
-        behavior.parameters,
-        effects,
+        inputs=behavior.inputs,
+        outputs=behavior.outputs,
+        parameters=behavior.parameters,
+        effects=effects,
     )
 
 

@@ -114,7 +114,7 @@ def _effects(
 
 
 def _leaves_goals(found: ast.ClassDef) -> bool:
-    """Tell whether a class calls `send_goal` and none of the calls that take a goal back."""
+    """Return whether a class calls `send_goal` and none of the calls that cancel a goal."""
     called = {
         node.func.attr
         for node in ast.walk(found)

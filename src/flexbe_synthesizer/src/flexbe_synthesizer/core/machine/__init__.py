@@ -1,1 +1,1 @@
-"""Plain FlexBE behaviors as values: expanded from charts, read from files, and folded back."""
+"""Plain FlexBE behaviors as values: lowered from charts, read from files, and lifted to charts."""

@@ -1,4 +1,4 @@
-"""Labels of the states that `expand` adds, and the steps of a run as steps of the chart."""
+"""Labels of the states that `lower` adds, and the steps of a run as steps of the chart."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def chooser_label(node_id: str) -> str:
 
 
 def added_labels(entry: ResolvedNode) -> Iterator[str]:
-    """Yield the labels that the expansion of a node takes from the chart's ids.
+    """Yield the labels that the states added for a node take from the chart's ids.
 
     The FlexBE App joins the parts of a path with `_`, so what lies inside a container takes one.
     """
@@ -61,7 +61,7 @@ def chart_steps(chart: Chart, taken: Iterable[tuple[str, str]]) -> tuple[tuple[s
 
 
 class _StepNames:
-    """What the states of an expanded chart are in the chart, by path."""
+    """What the states of a lowered chart are in the chart, by path."""
 
     def __init__(self, chart: Chart) -> None:
         self.nodes: dict[str, str] = {}

@@ -1,4 +1,4 @@
-"""A FlexBE behavior as values: what a checked chart is expanded to, and all output is made from."""
+"""A FlexBE behavior as values: what a checked chart is lowered to, and all output is made from."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Read a behavior's file back as the machine that it was rendered from; nothing is imported.
 
 The file is laid out as `render_python` or the FlexBE App writes it. What a machine cannot hold,
-such as code of somebody's own, is told, all at once, each with its line.
+such as custom code, is reported, all at once, each with its line.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def read_machine(text: str, file: str, library: Library, *, is_outline: bool = F
     Args:
         text: of the file.
         file: what to call it in messages.
-        library: where its states and behaviors are looked up.
+        library: has its states and behaviors.
         is_outline: leave out what does not change which states there are, where they lead and what
             they read and write: parameters of the behavior, methods, values that are no literals.
 
@@ -63,10 +63,10 @@ def read_machine(text: str, file: str, library: Library, *, is_outline: bool = F
         machine = reader.machine(tree)
     except SyntaxError as error:
         raise InexpressibleError(
-            (f"{file}:{error.lineno or 1}: no Python: {error.msg}",)
+            (f"{file}:{error.lineno or 1}: not Python: {error.msg}",)
         ) from error
     except ValueError as error:
-        raise InexpressibleError((f"{file}:1: no Python: {error}",)) from error
+        raise InexpressibleError((f"{file}:1: not Python: {error}",)) from error
     except (RecursionError, MemoryError) as error:
         raise InexpressibleError(
             (f"{file}:1: code that is nested too deeply to be read",)
@@ -104,23 +104,23 @@ class _Reader:
         line = getattr(node, "lineno", 1)
         if not is_detail:
             self.breaks.append(f"{self._file}:{line}: {reason}")
-        if line not in self._manual_lines:  # which are told as a section
+        if line not in self._manual_lines:  # which are reported as a section
             self.reasons.append(f"{self._file}:{line}: {reason}")
 
     def _refuse_statement(self, node: ast.AST, *, is_detail: bool = False) -> None:
-        reason = f"a statement of its own: {ast.unparse(node).splitlines()[0]}"
+        reason = f"a custom statement: {ast.unparse(node).splitlines()[0]}"
         self._refuse(node, reason, is_detail=is_detail)
 
     def refuse_manual_sections(self, text: str) -> None:
         try:
             sections = read_manual_sections(text)
         except ManualSectionError:
-            return  # written by hand altogether; what matters is told elsewhere
+            return  # written by hand altogether; the manual sections do not matter then
         for name, content in sections.items():
             if content.strip():
                 line = text[: text.index(f"# [MANUAL_{name}]")].count("\n") + 1
                 self._manual_lines |= set(range(line, line + content.count("\n") + 1))
-                reason = f"code of its own in MANUAL_{name}, which a chart cannot carry"
+                reason = f"custom code in MANUAL_{name}, which a chart cannot carry"
                 self.reasons.append(f"{self._file}:{line}: {reason}")
 
     def machine(self, tree: ast.Module) -> Machine | None:
@@ -133,7 +133,7 @@ class _Reader:
                 self._refuse_statement(node, is_detail=True)
         for method in methods.values():
             if method.name not in ("__init__", "create"):
-                self._refuse(method, f"a method of its own: {method.name}", is_detail=True)
+                self._refuse(method, f"a custom method: {method.name}", is_detail=True)
         if found is None or not {"__init__", "create"} <= methods.keys():
             self._refuse(tree, "no class (Behavior) with __init__ and create")
             return None
@@ -187,7 +187,7 @@ class _Reader:
         return root, tuple(userdata)
 
     def _is_value(self, node: ast.stmt) -> bool:
-        """Tell whether a statement of create only gives a value a name of its own."""
+        """Return whether a statement of create only assigns a value to a name."""
         return isinstance(node, ast.Assign) and all(
             isinstance(target, ast.Name) and target.id not in self._containers
             for target in node.targets
@@ -244,16 +244,16 @@ class _Reader:
         return Container(
             _KINDS[ast.unparse(call.func)],
             self._names(given.get("outcomes"), "outcomes"),
-            self._names(given.get("input_keys"), "input_keys"),
-            self._names(given.get("output_keys"), "output_keys"),
-            children,
-            userdata,
-            tuple(self._conditions(given.get("conditions"))),
+            input_keys=self._names(given.get("input_keys"), "input_keys"),
+            output_keys=self._names(given.get("output_keys"), "output_keys"),
+            children=children,
+            userdata=userdata,
+            conditions=tuple(self._conditions(given.get("conditions"))),
         )
 
     def _child(self, add: ast.Call) -> Child | None:
         if ast.unparse(add.func) != "OperatableStateMachine.add" or len(add.args) < 2:
-            self._refuse(add, f"a call of its own: {ast.unparse(add).splitlines()[0]}")
+            self._refuse(add, f"a custom call: {ast.unparse(add).splitlines()[0]}")
             return None
         given: dict[str | None, ast.expr] = dict(zip(_ADDED_WITH, add.args[2:], strict=False))
         given |= {k.arg: k.value for k in add.keywords}
@@ -315,7 +315,7 @@ class _Reader:
 
 
 def _is_text(node: ast.AST) -> bool:
-    """Tell whether a statement is a docstring, or nothing at all."""
+    """Return whether a statement is a docstring or `pass`."""
     is_text = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
     return is_text or isinstance(node, ast.Pass)
 

@@ -29,8 +29,8 @@ def read_manual_sections(text: str) -> Mapping[str, str]:
         content, mark, after = rest.partition(end)
         if not mark or begin in after or end in before or end in after:
             raise ManualSectionError(
-                f"'{begin}' and '{end}' do not stand once each, in this order; mend the tags, or "
-                "move the file away"
+                f"'{begin}' and '{end}' do not appear once each, in this order; correct the tags, "
+                "or move the file away"
             )
         found[section] = content
     if not found:

@@ -36,7 +36,9 @@ def rewrite_chart(text: str, chart: Chart) -> str:
     """
     base, _problems = read_chart(text, chart.file)
     if base is None or base.source is None:
-        raise RewriteError("the text is not well-formed XML with a <statemachine>; mend it first")
+        raise RewriteError(
+            "the text is not well-formed XML with a <statemachine>; correct it first"
+        )
     wanted = chart_part(chart)
     try:
         rewriting = _Rewriting(XmlLayout(text.encode()), base.source[1])

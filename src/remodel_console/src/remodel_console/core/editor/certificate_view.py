@@ -9,7 +9,7 @@ from flexbe_synthesizer.core.export.certificate import Certificate, ErrorEnd
 from flexbe_synthesizer.core.library.signature import Effect
 
 _UNBOUNDED = "unbounded"
-_NO_LIMIT = "Nothing limits the time of a run: some state that it can visit has no time limit."
+_NO_LIMIT = "The time of a run has no bound: it can visit a state without a time limit."
 
 
 def certificate_html(certificate: Certificate) -> str:

@@ -1,6 +1,6 @@
-"""Changes that a person makes to what is in a chart or container; values in, values out.
+"""Changes that an operator makes to the contents of a chart or container, as pure functions.
 
-They may leave mistakes, as a person does half-way; the checks tell them, and nothing is saved.
+A change may leave errors, as an unfinished edit does; the checks report them and prevent saving.
 """
 
 from __future__ import annotations
@@ -183,7 +183,7 @@ def routed(scope: Chart, node_id: str, text: str) -> Chart:
     try:
         routes = parse_routes(text) if text else ()
     except ValueError as error:
-        raise CommandError(f"'{text}' leads nowhere; it is written {ROUTES_RULE}") from error
+        raise CommandError(f"'{text}' is no error route; write {ROUTES_RULE}") from error
     return _changed(scope, node_id, lambda node: replace(node, on_error=routes))
 
 

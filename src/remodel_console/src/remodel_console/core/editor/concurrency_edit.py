@@ -9,9 +9,9 @@ from remodel_console.core.editor.chart_edit import node_at
 from remodel_console.core.editor.editing import Path
 
 KIND_WORDS = {
-    ContainerKind.SEQUENCE: "one after another",
-    ContainerKind.CONCURRENCY: "all at once",
-    ContainerKind.PRIORITY: "one after another, and nothing beside it",
+    ContainerKind.SEQUENCE: "sequential",
+    ContainerKind.CONCURRENCY: "concurrent",
+    ContainerKind.PRIORITY: "sequential, with priority over everything else",
 }
 
 

@@ -65,7 +65,7 @@ def drawn_path(engine_path: str, drawn: frozenset[str]) -> str:
     goes as the box around it.
 
     Args:
-        engine_path: as the engine tells it, `/Place/Insert_attempts`.
+        engine_path: as the engine publishes it, `/Place/Insert_attempts`.
         drawn: paths in the drawing, `Place/Insert`.
     """
     found: list[str] = []

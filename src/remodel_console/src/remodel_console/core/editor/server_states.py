@@ -11,7 +11,7 @@ from flexbe_synthesizer.core.chart.model import Autonomy, Chart
 from flexbe_synthesizer.core.export.instantiate import WRITER, Instantiation
 from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.core.library.signature import BehaviorClass, StateClass
-from flexbe_synthesizer.core.machine.fold import fold
+from flexbe_synthesizer.core.machine.lift import lift
 from flexbe_synthesizer.core.machine.machine import (
     BehaviorUse,
     Child,
@@ -52,7 +52,7 @@ def chart_from_states(states: Iterable[Instantiation], name: str, library: Libra
         raise CommandError("the synthesis server returned no container '/'")
     try:
         root = _container(by_path, "/", library)
-        return fold(Machine(name, "", "", _without_presets(root)), f"container {name}")
+        return lift(Machine(name, "", "", _without_presets(root)), f"container {name}")
     except ValueError as error:
         text = f"what the synthesis server returned cannot be used: {error}"
         raise CommandError(text) from error
@@ -74,7 +74,7 @@ def _container(by_path: dict[str, Instantiation], path: str, library: Library) -
         entry.outcomes,
         entry.input_keys,
         entry.output_keys,
-        tuple(inside),
+        children=tuple(inside),
         conditions=tuple(Condition(outcome, pairs) for outcome, pairs in conditions),
     )
 
@@ -97,7 +97,9 @@ def _child(by_path: dict[str, Instantiation], path: str, library: Library) -> Ch
         return Child(label, BehaviorUse(behavior[0], pairs, ()), exits, homes)
     state = library.find_states(entry.state_class)
     if len(state) != 1 or not isinstance(state[0], StateClass):
-        raise ValueError(f"'{label}' is a '{entry.state_class}', which is not installed once here")
+        raise ValueError(
+            f"'{label}' is a '{entry.state_class}', which is not installed in exactly one package"
+        )
     return Child(label, StateUse(state[0], entry.state_class, pairs), exits, homes)
 
 
@@ -108,7 +110,7 @@ def _exits(entry: Instantiation) -> Iterator[Exit]:
 
 
 def _value(text: str) -> Value:
-    """Return a value spelled in Python; a function stays text, which `fold` takes if it is ours."""
+    """Return a value spelled in Python; a function stays text, which `lift` takes if it is ours."""
     try:
         node = ast.parse(text, mode="eval").body
         return Expression(ast.unparse(node)) if isinstance(node, ast.Lambda) else _literal(node)

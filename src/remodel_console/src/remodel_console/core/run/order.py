@@ -18,7 +18,7 @@ class Start:
     Attributes:
         name: display name, for the record.
         behavior_id: checksum of `package.module`.
-        source_checksum: checksum of its source, so that the engine runs what was looked at.
+        source_checksum: checksum of its source, so that the engine runs the version shown.
         level: autonomy level.
         parameters: (key, literal) pairs.
         inputs: (key, literal) pairs of userdata.
@@ -60,7 +60,7 @@ class Switch:
 
 @dataclass(frozen=True)
 class Attach:
-    """Watch over the behavior that runs, at an autonomy level."""
+    """Supervise the running behavior at an autonomy level."""
 
     level: int
 
@@ -88,7 +88,7 @@ class TakeOutcome:
         path: path of the state.
         index: place of the outcome among those of the state, from 0.
         outcome: its name, for the record.
-        is_forced: nobody had asked for it.
+        is_forced: the engine had not asked for it.
     """
 
     path: str
@@ -161,7 +161,7 @@ class Preempt:
 
 @dataclass(frozen=True)
 class ShowStructure:
-    """Tell which states there are, and their outcomes."""
+    """Publish the states and their outcomes."""
 
     def __str__(self) -> str:
         """Return the words for the record."""

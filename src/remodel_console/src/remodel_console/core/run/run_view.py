@@ -1,4 +1,4 @@
-"""What the console knows about the behavior that runs: a fold over what the engine tells.
+"""What the console knows about the running behavior, computed from the engine's messages.
 
     AWAY --a heartbeat--> IDLE <--READY, FINISHED, FAILED, ERROR-- RUNNING
       ^                    +------------STARTED------------------>   |
@@ -46,7 +46,7 @@ class EngineSeen:
 
 
 @dataclass(frozen=True)
-class Told:
+class EngineStatus:
     """A status of the engine."""
 
     code: int
@@ -79,7 +79,7 @@ class Acknowledged:
 
 @dataclass(frozen=True)
 class Left:
-    """A state was left with an outcome; told of supervised runs only."""
+    """A state was left with an outcome; the engine publishes this for supervised runs only."""
 
     path: str
     outcome: str
@@ -87,13 +87,15 @@ class Left:
 
 @dataclass(frozen=True)
 class Ordered:
-    """This console has ordered a start or a level; it counts once the engine tells so."""
+    """This console has ordered a start or a level; it counts once the engine confirms it."""
 
     level: int | None
     source_checksum: int | None = None
 
 
-Event: TypeAlias = EngineSeen | Told | Entered | Left | Asked | Acknowledged | Structure | Ordered
+Event: TypeAlias = (
+    EngineSeen | EngineStatus | Entered | Left | Asked | Acknowledged | Structure | Ordered
+)
 
 
 @dataclass(frozen=True)
@@ -106,16 +108,16 @@ class RunView:
         visited: paths that this run has entered.
         entries: how many states it has entered.
         asked: the request that waits for the operator.
-        level: the autonomy level that this console set; None if somebody else started the run.
+        level: the autonomy level that this console set; None if another client started the run.
         attached_name: name that the engine gave when it was attached to.
         held: path that is locked; None if nothing is.
-        structure: its containers and states, once the engine has told them.
-        is_sure: the engine itself has told the active state. A mirror works it out, and may be
+        structure: its containers and states, once the engine has published them.
+        is_sure: the engine itself has published the active state. A mirror infers it, and may be
             wrong if it joins while states change, since topics have no order among each other.
         ending: how the last run ended, in words.
         is_ending_bad: and it did not end by itself or on command.
-        left: what was left last; its structure may be told later.
-        announced: path of a state that was told before the start of its run; topics have no order.
+        left: what was left last; its structure may arrive later.
+        announced: path of a state published before the start of its run; topics have no order.
         ordered: what this console ordered last about starting and levels.
     """
 
@@ -139,7 +141,7 @@ class RunView:
 
     @property
     def is_supervised(self) -> bool:
-        """Tell whether this console watches over the run."""
+        """Return whether this console supervises the run."""
         return self.phase is Phase.RUNNING and self.level not in (None, UNATTENDED)
 
     def outcomes(self, path: str) -> tuple[str, ...]:
@@ -151,7 +153,7 @@ class RunView:
 
     @property
     def has_structure(self) -> bool:
-        """Tell whether the structure is that of what runs."""
+        """Return whether the structure is that of the running behavior."""
         return self.structure is not None and self.structure.behavior_id == self.behavior_id
 
     def holdable(self) -> tuple[str, ...]:
@@ -164,7 +166,7 @@ def step(view: RunView, event: Event) -> RunView:
     """Return the view after an event."""
     if isinstance(event, EngineSeen):
         return _on_engine(view, event)
-    if isinstance(event, Told):
+    if isinstance(event, EngineStatus):
         return _on_status(view, event)
     if isinstance(event, Entered):
         return _on_entered(view, event)
@@ -182,12 +184,12 @@ def step(view: RunView, event: Event) -> RunView:
 
 def _on_engine(view: RunView, event: EngineSeen) -> RunView:
     if not event.is_there:
-        ending = "was cut off, as the engine went away" if view.phase is Phase.RUNNING else ""
+        ending = "was cut off when the engine ended" if view.phase is Phase.RUNNING else ""
         return RunView(ending=ending or view.ending, is_ending_bad=bool(ending))
     return replace(view, phase=Phase.IDLE) if view.phase is Phase.AWAY else view
 
 
-def _on_status(view: RunView, event: Told) -> RunView:
+def _on_status(view: RunView, event: EngineStatus) -> RunView:
     if event.code == Status.STARTED:
         is_ours = view.ordered.source_checksum == event.behavior_id
         return RunView(
@@ -204,7 +206,9 @@ def _on_status(view: RunView, event: Told) -> RunView:
         return view
     words, is_bad = _ending(event)
     if event.code == Status.ERROR and view.phase is Phase.RUNNING:
-        words = "goes on in its own version, since the switch was refused; the log says why"
+        words = (
+            "continues in its own version, because the engine refused the switch; the log says why"
+        )
         return replace(view, ending=words, is_ending_bad=True)
     if event.code == Status.READY:
         words, is_bad = view.ending, view.is_ending_bad
@@ -219,7 +223,7 @@ def _on_status(view: RunView, event: Told) -> RunView:
     )
 
 
-def _ending(event: Told) -> tuple[str, bool]:
+def _ending(event: EngineStatus) -> tuple[str, bool]:
     """Return how a run ended in words, and whether badly."""
     if event.code == Status.FINISHED:
         outcome = event.args[0] if event.args else ""
@@ -245,7 +249,7 @@ def _on_left(view: RunView, event: Left) -> RunView:
 
 
 def _after_left(view: RunView, event: Left) -> RunView:
-    """Return the view with what follows a state that was left, if that can be told."""
+    """Return the view with the state that follows the one left, if it is known."""
     if not view.has_structure or view.structure is None:
         return view
     following = view.structure.following(event.path, event.outcome)

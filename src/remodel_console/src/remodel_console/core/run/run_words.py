@@ -6,18 +6,18 @@ from remodel_console.core.run.run_view import Phase, RunView
 
 
 def state_words(view: RunView) -> str:
-    """Return what the run does."""
+    """Return the state of the run."""
     if view.phase is Phase.AWAY:
         return "no engine"
     if view.phase is Phase.IDLE:
         return "idle"
     if view.asked is not None:
-        return "waits for you"
+        return "waiting for you"
     if view.is_paused:
         return "paused"
     if view.held is not None:
         return "locked"
-    return "runs" if view.is_supervised else "runs unattended"
+    return "running" if view.is_supervised else "running unattended"
 
 
 def count_words(view: RunView) -> str:

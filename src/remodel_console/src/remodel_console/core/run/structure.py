@@ -1,4 +1,4 @@
-"""The states of a running behavior as the engine tells them, and which one follows an outcome."""
+"""The states of a running behavior as the engine publishes them, and what follows an outcome."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Structure:
     def following(self, path: str, outcome: str) -> str | None:
         """Return the state that is active after one was left; empty at the end of the behavior.
 
-        None if it cannot be told, as in a container whose children run at the same time.
+        None if it is not known, as in a container whose children run at the same time.
         """
         while path:
             level = self.by_path.get(path)

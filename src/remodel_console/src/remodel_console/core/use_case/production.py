@@ -10,7 +10,7 @@ from remodel_console.core.use_case.use_case import TaskPhase, UseCase, fault_wor
 
 @dataclass(frozen=True)
 class Figures:
-    """What the charts show; tasks count once they are done or set aside, in the run's order.
+    """What the charts show; tasks count once they are done or skipped, in the run's order.
 
     Attributes:
         tasks: names of the tasks that count.

@@ -11,7 +11,7 @@ from itertools import accumulate
 
 
 class Kind(Enum):
-    """What an entry tells; the values are those of remodel_msgs/RunEntry."""
+    """The kind of an entry; the values are those of remodel_msgs/RunEntry."""
 
     RUN = "run"
     TASK = "task"
@@ -78,7 +78,7 @@ class Moment:
         behavior: that ran last in the task; empty if none did.
         state_path: its state that was active, or has failed; empty if none was.
         passed: states that the task's behavior had entered by then, the active one too.
-        feedback: what an ability had told last in this state; None if nothing.
+        feedback: the last feedback of an ability in this state; None without one.
         picture: position of the last picture; 0 if there was none.
         reasons: failures, decisions and answers up to then, the latest first.
     """
@@ -166,7 +166,16 @@ class Record:
             picture = entry.position if entry.has_picture else picture
         reasons = tuple(e for e in reversed(self.entries[: index + 1]) if e.kind in REASONS)
         now = self.entries[index]
-        return Moment(now, task, behavior, path, tuple(passed), feedback, picture, reasons)
+        return Moment(
+            now,
+            task,
+            behavior=behavior,
+            state_path=path,
+            passed=tuple(passed),
+            feedback=feedback,
+            picture=picture,
+            reasons=reasons,
+        )
 
     def next_reason(self, index: int, step: int) -> int:
         """Return the index of the next failure, decision or answer, or of the one before.

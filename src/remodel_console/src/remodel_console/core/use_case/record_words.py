@@ -19,7 +19,7 @@ KIND_WORDS = {
 
 
 def entry_words(entry: Entry) -> str:
-    """Return what an entry tells, for a person."""
+    """Return an entry as an operator reads it."""
     if entry.kind is Kind.STATE:
         return entry.state_path or "the behavior has ended"
     if entry.kind is Kind.FAILURE:

@@ -30,13 +30,13 @@ class Phase(Enum):
 _PHASE_WORDS = {
     Phase.IDLE: "idle",
     Phase.STARTING: "starting",
-    Phase.PLANNING: "plans",
-    Phase.RUNNING: "runs",
-    Phase.SETTLING: "inspects what an interrupted task has left",
+    Phase.PLANNING: "planning",
+    Phase.RUNNING: "running",
+    Phase.SETTLING: "inspecting the interrupted task",
     Phase.PAUSING: "pausing…",
     Phase.PAUSED: "paused",
     Phase.PROTECTIVE_STOP: "protective stop",
-    Phase.ASKING: "waits for you",
+    Phase.ASKING: "waiting for you",
     Phase.ENDED: "ended",
 }
 
@@ -62,7 +62,7 @@ class Choice(Enum):
 
     @property
     def words(self) -> str:
-        """Return what stands on its button."""
+        """Return the label of its button."""
         return _CHOICE_WORDS[self][0]
 
     @property
@@ -72,11 +72,11 @@ class Choice(Enum):
 
 
 _CHOICE_WORDS = {
-    Choice.RETRY: ("Try again", "What is left of the task is done again."),
-    Choice.FIXED: ("I have fixed it", "The cell looks, then goes on with what is left."),
-    Choice.MARK_DONE: ("The task is done", "You vouch for it: the cell does not look."),
-    Choice.SKIP: ("Skip the task", "It is left undone, and the others go on."),
-    Choice.REPLAN: ("Do it later", "The rest of the order is planned anew."),
+    Choice.RETRY: ("Try again", "The cell repeats what is left of the task."),
+    Choice.FIXED: ("I have fixed it", "The cell checks, then continues with what is left."),
+    Choice.MARK_DONE: ("The task is done", "You confirm it: the cell does not check."),
+    Choice.SKIP: ("Skip the task", "The task stays undone; the run continues with the others."),
+    Choice.REPLAN: ("Do it later", "The cell replans the rest of the order."),
     Choice.STOP: ("Stop the run", "The run ends safely."),
 }
 
@@ -153,7 +153,7 @@ class UseCase:
     """
 
     phase: Phase
-    told_s: float = 0.0
+    stamp_s: float = 0.0
     message: str = ""
     cell: str = ""
     run: int = 0
@@ -174,7 +174,7 @@ class UseCase:
 
     @property
     def is_under_way(self) -> bool:
-        """Tell whether a run goes on, or waits."""
+        """Return whether a run is in progress, or held."""
         return self.phase not in (Phase.IDLE, Phase.STARTING, Phase.ENDED)
 
     @property
@@ -219,20 +219,20 @@ _LEVEL_WORDS = {
 
 
 def level_rows(use_case: UseCase) -> Iterator[tuple[str, Level | None]]:
-    """Yield the four levels, what an operator calls them and what they do; None: nothing."""
-    told = {level.level: level for level in use_case.levels}
+    """Yield the four levels, what an operator calls them and what they do; None: idle."""
+    known = {level.level: level for level in use_case.levels}
     for level, word in _LEVEL_WORDS.items():
-        yield word, told.get(level)
+        yield word, known.get(level)
 
 
 _DECISION_WORDS = {
     "retry": "tries again",
     "retry_with": "tries again with changed parameters",
     "look_again": "looks again from another view",
-    "other_method": "takes another method",
-    "new_part": "begins anew with a new part",
-    "replan": "plans the rest anew; the task comes later",
-    "set_aside": "sets the task aside and goes on",
+    "other_method": "uses another method",
+    "new_part": "starts again with a new part",
+    "replan": "replans the rest; the task comes later",
+    "set_aside": "skips the task and continues",
     "ask_operator": "asks you",
     "stop": "stops safely",
 }

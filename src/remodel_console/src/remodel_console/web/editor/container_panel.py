@@ -49,9 +49,7 @@ class ContainerPanel:
                 async def synthesize() -> None:
                     text = (initial.value or "").strip()
                     if not goal.value:
-                        ui.notify(
-                            "Choose the chart that the container is made from.", type="warning"
-                        )
+                        ui.notify("Choose the chart to fill the container with.", type="warning")
                         return
                     await self._page.synthesize(path, text, str(goal.value))
 
@@ -66,12 +64,12 @@ class ContainerPanel:
     def _kind(self, node: Container, path: Path) -> None:
         async def put(kind: ContainerKind) -> None:
             change = partial(with_kind, node_id=node.id, kind=kind)
-            await self._page.change(f"{node.id}: runs {KIND_WORDS[kind]}", path[:-1], change)
+            await self._page.change(f"{node.id}: execution {KIND_WORDS[kind]}", path[:-1], change)
 
         choice = ui.select(
             dict(KIND_WORDS),
             value=node.runs,
-            label="Runs what is in it",
+            label="Execution",
             on_change=lambda event: put(event.value),
         )
         choice.props("outlined dense").classes("wide").set_enabled(self._page.is_operator)
@@ -87,7 +85,7 @@ class ContainerPanel:
         for condition in body.conditions:
             pairs += [(w.state, w.event) for w in condition.all_of]
         pairs = list(dict.fromkeys(pairs))
-        ui.label("It ends when all of these have happened").classes("heading")
+        ui.label("It ends when all events of a condition have happened").classes("heading")
         for place in range(len(body.conditions) + 1):
             self._condition(body, path, place, pairs)
 

@@ -9,8 +9,8 @@ from functools import partial
 from nicegui import background_tasks, run, ui
 
 from remodel_console.core.editor import chart_edit
+from remodel_console.core.editor.collapse import collapsed
 from remodel_console.core.editor.editing import Path, node_paths
-from remodel_console.core.editor.folding import folded
 from remodel_console.core.world import World
 from remodel_console.edge.inspect_chart import inspect_text
 from remodel_console.edge.picture import picture
@@ -36,9 +36,9 @@ class EditorPage(EditingPage):
     KEYS = (
         ("Ctrl+S", "save"),
         ("Ctrl+Z", "undo"),
-        ("B  N", "select the state before, the next one"),
-        ("Del", "delete what is selected"),
-        ("Esc", "select nothing"),
+        ("B  N", "select the previous or the next state"),
+        ("Del", "delete the selected state"),
+        ("Esc", "clear the selection"),
     )
 
     def build(self) -> None:
@@ -50,8 +50,8 @@ class EditorPage(EditingPage):
             self._tools = EditorTools(self)
             self._library = LibraryPanel(self)
             with ui.element("section").classes("stage"):
-                self._canvas = Canvas("State machine that is edited", self._pick)
-                self._empty = ui.label("Open a behavior, or make a new one.").classes("empty")
+                self._canvas = Canvas("Edited state machine", self._pick)
+                self._empty = ui.label("Open a behavior, or create a new one.").classes("empty")
             with ui.element("aside").classes("panel side"):
                 with ui.tabs().props("no-caps dense align=left").classes("wide") as tabs:
                     ui.tab("Properties")
@@ -68,7 +68,7 @@ class EditorPage(EditingPage):
                 self._problems = ProblemList(self._reveal)
 
     def show(self, world: World) -> None:
-        """Show the chart if it has changed, whoever has changed it."""
+        """Show the chart if it has changed, also by another page."""
         session = self.console.session
         chart = session.chart
         self._tools.show_saved(chart, is_saved=session.is_saved)
@@ -106,7 +106,7 @@ class EditorPage(EditingPage):
         """Select a node, or nothing."""
         self.selected = path
         is_open = self._open_path[: len(self.scope_path)] == self.scope_path
-        if self.chart is not None and not is_open and folded(self.chart, ()) is not self.chart:
+        if self.chart is not None and not is_open and collapsed(self.chart, ()) is not self.chart:
             background_tasks.create(self._draw(True))
         self._canvas.select("/".join(path))
         self._properties.show()
@@ -139,7 +139,7 @@ class EditorPage(EditingPage):
             return
         self._open_path = self.scope_path
         try:
-            svg = await run.io_bound(picture, folded(chart, self._open_path), _ROOM)
+            svg = await run.io_bound(picture, collapsed(chart, self._open_path), _ROOM)
         except CommandError as error:
             ui.notify(str(error), type="negative")
             return

@@ -50,7 +50,7 @@ class EditorTools:
         background_tasks.create(self._list())
 
     async def save(self) -> None:
-        """Save the chart, or tell why it cannot be."""
+        """Save the chart, or show why it cannot be saved."""
         session = self._page.console.session
         command = Command("save", Verb.SAVE)
         answer = await self._page.give("save", lambda: session.carry_out(command))
@@ -74,7 +74,7 @@ class EditorTools:
         try:
             return behaviors | set(console.workspace.names())
         except CommandError:
-            _LOG.exception("the charts cannot be listed")
+            _LOG.exception("cannot list the charts")
             return behaviors
 
     async def _load(self, name: str | None) -> None:
@@ -98,16 +98,16 @@ class EditorTools:
         """Ask how a new behavior is called, and where it goes."""
         folders = [str(folder) for folder in self._page.console.workspace.chart_folders]
         with self._page.dialog() as dialog:
-            ui.label("A new behavior").classes("title")
+            ui.label("New behavior").classes("title")
             name = ui.input("Name").props("outlined dense autofocus").classes("wide")
-            folder = ui.select(folders, value=folders[0], label="Folder of its chart")
+            folder = ui.select(folders, value=folders[0], label="Chart folder")
             folder.props("outlined dense").classes("wide")
 
             async def make() -> None:
                 if await self._make(name.value or "", str(folder.value)):
                     dialog.close()
 
-            self._page.button("Make", make)
+            self._page.button("Create", make)
 
     async def _make(self, name: str, folder: str) -> bool:
         if not (is_name(name) and is_behavior_name(name)):
@@ -119,7 +119,7 @@ class EditorTools:
             return False
         file = FilePath(folder) / f"{behavior_file(name)}.xml"
         if file.exists():
-            ui.notify(f"{file} is there already.", type="warning")
+            ui.notify(f"{file} exists already.", type="warning")
             return False
         chart = chart_edit.new_chart(name, str(file))
         session = self._page.console.session

@@ -32,11 +32,11 @@ class InterfacePanel:
         self._path = path
         self._change = change
         self._is_operator = is_operator
-        has_defaults = not path  # nobody else could give the chart a value
-        ui.label("Takes").classes("heading")
+        has_defaults = not path  # only a start gives the chart a value
+        ui.label("Inputs").classes("heading")
         for place, port in enumerate((*scope.inputs, None)):
             self._row(f"Input {place + 1}", port, partial(self._put_input, place), has_defaults)
-        ui.label("Gives").classes("heading")
+        ui.label("Outputs").classes("heading")
         for place, port in enumerate((*scope.outputs, None)):
             self._row(f"Output {place + 1}", port, partial(self._put_output, place), False)
 
@@ -58,7 +58,7 @@ class InterfacePanel:
         if has_default:
             default = port.default if isinstance(port, Input) else None
             values.append("" if default is None else format_literal(default, values[1]))
-            hints.append("must be given")
+            hints.append("required")
         with ui.element("div").classes("ports") as row:
             fields = [ui.input(value=v, placeholder=h) for v, h in zip(values, hints, strict=True)]
         taken = list(values)

@@ -15,7 +15,7 @@ from remodel_console.web.editor.editing_page import EditingPage
 
 
 class LibraryPanel:
-    """Lists what is installed; a click tells what it does and offers to add it."""
+    """Lists what is installed; a click shows what it does and offers to add it."""
 
     def __init__(self, page: EditingPage) -> None:
         """Build the panel."""
@@ -57,13 +57,13 @@ class LibraryPanel:
         self._entries.append((f"{name} {inside}", ui.label(name).classes("group")))
 
     def _filter(self) -> None:
-        """Show what fits the search; nothing is built anew, so that no click is lost."""
+        """Show what fits the search; no element is rebuilt, so that no click is lost."""
         word = (self._search.value or "").lower()
         for words, entry in self._entries:
             entry.set_visibility(word in words.lower())
 
     def _show_state(self, state: StateClass) -> None:
-        """Tell what a state does, and offer to add it."""
+        """Show what a state does, and offer to add it."""
         with self._page.dialog() as dialog:
             ui.label(state.name).classes("title")
             ui.label(f"of {state.package}").classes("soft")

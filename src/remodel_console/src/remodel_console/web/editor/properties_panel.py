@@ -16,8 +16,8 @@ from remodel_console.web.editor.container_panel import ContainerPanel
 from remodel_console.web.editor.editing_page import EditingPage
 from remodel_console.web.editor.interface_panel import InterfacePanel
 
-_BY_NAME = "by its name"  # an input without a connection gets the value of its name
-_NOWHERE = "nowhere yet"
+_BY_NAME = "by name"  # an input without a connection gets the value of its name
+_NOWHERE = "not connected"
 
 
 class PropertiesPanel:
@@ -34,7 +34,7 @@ class PropertiesPanel:
         """Show the properties of what is selected now, once the checks know it."""
         page = self._page
         if page.inspected is not page.chart:
-            return  # not twice, so that nothing moves under somebody's hand
+            return  # not twice, so that no element moves before a click
         settings = page.console.settings.now
         synthesis = (settings.is_synthesis_enabled, settings.synthesis_topic)
         shown = (page.chart, page.selected, page.inspection, synthesis)
@@ -58,7 +58,7 @@ class PropertiesPanel:
         self._outcomes_entry(chart, ())
         self._interface(chart, ())
         ui.label(
-            "Click a state in the drawing to set it; choose one on the left to add it."
+            "Click a state in the drawing to edit it; choose one on the left to add it."
         ).classes("soft")
 
     def _show_node(self, node: AnyNode, path: Path) -> None:
@@ -67,7 +67,7 @@ class PropertiesPanel:
             ui.label(" / ".join(path[:-1])).classes("soft")
         self._name_entry(node, path)
         if isinstance(node, Container):
-            ui.label("a container").classes("soft")
+            ui.label("container").classes("soft")
             self._outcomes_entry(node.body, path)
             self._container.show(node, path)
             self._interface(node.body, path)
@@ -77,7 +77,9 @@ class PropertiesPanel:
         self._limits(node, path)
         is_beside = self._is_in_concurrency(path)
         if is_beside:
-            ui.label("What its outcomes mean stands in the container around it.").classes("soft")
+            ui.label("The conditions of its container define what its outcomes mean.").classes(
+                "soft"
+            )
         else:
             self._transitions(node, scope, path)
         self._inputs(node, scope, path)
@@ -114,7 +116,7 @@ class PropertiesPanel:
         ui.label("Parameters").classes("heading")
         given = {param.name: param.text for param in node.params}
         for parameter in parameters:
-            hint = f"{parameter.type or 'any'}{', needed' if parameter.required else ''}"
+            hint = f"{parameter.type or 'any'}{', required' if parameter.required else ''}"
             name = parameter.name
 
             async def put(text: str, name: str = name) -> None:
@@ -140,7 +142,7 @@ class PropertiesPanel:
             )
 
         with ui.element("div").classes("pair"):
-            self._entry("Attempts at most", attempts, lambda text: put(text, timeout), "no limit")
+            self._entry("Maximum attempts", attempts, lambda text: put(text, timeout), "no limit")
             self._entry("Timeout [s]", timeout, lambda text: put(attempts, text), "no limit")
 
     def _is_in_concurrency(self, path: Path) -> bool:
@@ -164,7 +166,7 @@ class PropertiesPanel:
         events = self._page.inspection.events("/".join(path), node)
         if not events:
             return
-        ui.label("Outcomes lead to").classes("heading")
+        ui.label("Transitions").classes("heading")
         led = {transition.event: transition.target for transition in node.transitions}
         choices = {"": _NOWHERE} | {name: name for name in chart_edit.targets(scope)}
         for event in events:
@@ -183,7 +185,7 @@ class PropertiesPanel:
         entry = self._page.inspection.uses.get("/".join(path))
         if entry is None or not entry.inputs:
             return
-        ui.label("Inputs are fed").classes("heading")
+        ui.label("Input connections").classes("heading")
         prefix = "".join(f"{part}/" for part in path[:-1])
         sources = list(self._page.inspection.sources(scope, prefix))
         names = {index: _source_words(scope, source) for index, source in enumerate(sources)}
@@ -231,4 +233,4 @@ class PropertiesPanel:
 
 def _source_words(scope: Chart, source: tuple[str, str]) -> str:
     where, name = source
-    return f"from outside: {name}" if where == scope.name else f"{where}: {name}"
+    return f"input: {name}" if where == scope.name else f"{where}: {name}"

@@ -22,7 +22,7 @@ class XmlPane:
     """
 
     def __init__(self, take: Callable[[str], Awaitable[None]], *, is_dark: bool) -> None:
-        """Build an empty pane; `take` gets the text once somebody has typed."""
+        """Build an empty pane; `take` gets the text after it was typed."""
         self.text = ""
         self.is_typing = False
         self._take = take

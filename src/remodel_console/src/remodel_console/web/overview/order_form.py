@@ -28,16 +28,16 @@ class OrderForm:
         self._start_order = start
         with ui.element("div").classes("ending") as self._ending:
             self._words = ui.label()
-            self._link = ui.link("Replay it")
+            self._link = ui.link("Replay this run")
         self._order = ui.select(
             [], label="Order", with_input=True, new_value_mode="add-unique", clearable=True
         )
         self._order.props("outlined dense").classes("wide").set_enabled(page.is_operator)
         self._order.on("focus", self._list)
-        self._tasks = ui.number("Number of tasks", min=1, step=1, placeholder="all of them")
+        self._tasks = ui.number("Number of tasks", min=1, step=1, placeholder="all")
         self._tasks.props("outlined dense stack-label").classes("wide")
         self._tasks.set_enabled(page.is_operator)
-        self._again = ui.checkbox("The panel is empty: do again what is done")
+        self._again = ui.checkbox("The panel is empty: repeat finished tasks")
         self._again.props("dense").set_enabled(page.is_operator)
         page.button("Start the order", self._start, icon="play_arrow")
 

@@ -9,8 +9,7 @@ from nicegui import background_tasks, ui
 
 from remodel_console.console import Supervisor
 from remodel_console.core.answer import DONE
-from remodel_console.core.plot import bar_plot, count_plot, line_plot
-from remodel_console.core.use_case.production import Figures, figures
+from remodel_console.core.use_case.production import figures
 from remodel_console.core.use_case.use_case import (
     Choice,
     Phase,
@@ -23,31 +22,30 @@ from remodel_console.core.use_case.use_case import (
 )
 from remodel_console.core.world import Notice, World, supervisor_notice
 from remodel_console.web.camera_view import CameraView
+from remodel_console.web.overview.figure_cards import FigureCards
 from remodel_console.web.overview.order_form import OrderForm
 from remodel_console.web.overview.run_head import PAUSING, RunHead
 from remodel_console.web.overview.task_table import TaskTable
 from remodel_console.web.page import Page
 
 _CAMERAS = (
-    ("overhead", "From above", "no picture yet; one comes when the cell looks"),
-    ("wrist", "From the hand", "no picture yet; one comes when the cell looks"),
+    ("overhead", "From above", "no picture yet; the cell's next observation sends one"),
+    ("wrist", "From the hand", "no picture yet; the cell's next observation sends one"),
     ("scene", "The cell", "no picture yet"),
 )
 _SHOWN_FAILURES = 20  # the latest; the record has all
-_PLOTTED_TASKS = 100  # the latest; the figures are of all
 
 
 class OverviewPage(Page):
     """The page of the order that the cell works on (Deliverable 5.1, T3.2)."""
 
-    KEYS = (("P", "pause the run, or resume it"),)
+    KEYS = (("P", "pause or resume the run"),)
 
     def build(self) -> None:
         """Build the order on the left, the cameras in the middle, what happens on the right."""
         self._use_case: UseCase | None = None
         self._pending: list[str] = []
         self._time_left: ui.label | None = None
-        self._shown_figures: Figures | None = None
         self._head: RunHead | OrderForm | None = None
         pictures = self.console.pictures
         pictures.add_viewer(1)
@@ -60,16 +58,16 @@ class OverviewPage(Page):
             with ui.element("section").classes("watch"):
                 with ui.element("div").classes("cameras"):
                     self._cameras = {name: CameraView(*words) for name, *words in _CAMERAS}
-                self._figures = ui.element("div").classes("figures")
+                self._figures = FigureCards()
             with ui.element("aside").classes("panel"):
                 self._question = ui.element("div").classes("wide")
-                ui.label("What each level does").classes("heading")
+                ui.label("Activity of each level").classes("heading")
                 self._levels = ui.element("div").classes("levels")
                 ui.label("Failures").classes("heading")
                 self._failures = ui.element("div").classes("failures wide")
 
     def more_notices(self, world: World) -> Iterable[Notice]:
-        """Return whether the supervisor is away."""
+        """Return the notice of a supervisor that is not running."""
         return supervisor_notice(world)
 
     def show(self, world: World) -> None:
@@ -90,7 +88,7 @@ class OverviewPage(Page):
         if before is None or before.failures != now.failures:
             self._show_failures(now)
         if before is None or before.tasks != now.tasks or before.failures != now.failures:
-            self._show_figures(figures(now))
+            self._figures.show(figures(now))
 
     def press(self, key: str, *, ctrl: bool) -> None:
         """Pause the run, or resume it."""
@@ -129,7 +127,7 @@ class OverviewPage(Page):
         if question is None:
             return
         with self._question, ui.element("div").classes("request").props('role="alert"'):
-            ui.label(f"{question.task}: the cell needs you").classes("question")
+            ui.label(f"{question.task}: the cell needs your answer").classes("question")
             ui.label(question.text)
             if question.timeout_s:
                 self._time_left = ui.label().classes("soft")
@@ -140,7 +138,7 @@ class OverviewPage(Page):
                     ui.label(choice.meaning).classes("meaning")
 
     def _show_time_left(self, now: UseCase) -> None:
-        left_s = now.question.left_s(now.told_s) if now.question else None
+        left_s = now.question.left_s(now.stamp_s) if now.question else None
         if self._time_left is not None and left_s is not None:
             self._time_left.text = (
                 f"{duration_words(left_s)} left to answer; after that the question escalates, and "
@@ -155,11 +153,11 @@ class OverviewPage(Page):
                 with ui.element("div").classes("level"):
                     ui.label(f"{word}: {level.name}" if level and level.name else word)
                     if level is None or not (level.name or level.doing):
-                        ui.label("nothing").classes("soft")
+                        ui.label("idle").classes("soft")
                         continue
                     ui.label(level.doing).classes("soft")
                     if level.since_s:
-                        time_s = now.told_s - level.since_s
+                        time_s = now.stamp_s - level.since_s
                         ui.label(f"for {duration_words(time_s)}").classes("soft")
 
     def _show_failures(self, now: UseCase) -> None:
@@ -177,42 +175,15 @@ class OverviewPage(Page):
                         "soft"
                     )
 
-    def _show_figures(self, found: Figures) -> None:
-        if found == self._shown_figures:
-            return
-        self._shown_figures = found
-        self._figures.clear()
-        if found.first_pass_yield is None or found.mean_cycle_s is None:
-            return
-        names = found.tasks[-_PLOTTED_TASKS:]
-        with self._figures:
-            _plot(
-                "First-pass yield",
-                f"{found.first_pass_yield:.0%}",
-                line_plot(
-                    "First-pass yield over tasks", names, found.yields[-_PLOTTED_TASKS:], 1.0
-                ),
-            )
-            _plot(
-                "Cycle time",
-                f"{duration_words(found.mean_cycle_s)} on average",
-                bar_plot("Time of each task", names, found.cycles_s[-_PLOTTED_TASKS:], "s"),
-            )
-            _plot(
-                "Recoveries by cause",
-                str(sum(count for _, count in found.recoveries)),
-                count_plot("Recoveries by cause", found.recoveries),
-            )
-
-    # Deeds
+    # Commands
 
     async def start(self, order: str, tasks: int, *, again: bool) -> bool:
-        """Start an order; tell whether the supervisor took it.
+        """Start an order; return whether the supervisor accepted it.
 
         Args:
             order: its name.
             tasks: how many of its tasks, from the first; 0 for all.
-            again: those that are done too, on an empty panel.
+            again: repeat finished tasks, on an empty panel.
         """
         what = f"run order '{order}'" + (f", its first {tasks} tasks" if tasks else "")
         what += ", on an empty panel" if again else ""
@@ -268,7 +239,7 @@ class OverviewPage(Page):
                 "stop the run", lambda supervisor, by: supervisor.stop(by), "stopping the run"
             )
 
-        self.ask("Stop the run safely? What is done stays done.", "Stop the run", stop)
+        self.ask("Stop the run safely? Finished tasks stay done.", "Stop the run", stop)
 
     async def _do_task(self, word: str, task: str) -> None:
         def deed(supervisor: Supervisor, by: str) -> str:
@@ -284,11 +255,3 @@ class OverviewPage(Page):
             f"answer question {number} about {question.task}: {choice.words}",
             lambda supervisor, by: supervisor.answer(number, choice, by),
         )
-
-
-def _plot(title: str, figure: str, svg: str) -> None:
-    with ui.element("div").classes("card plot-card"):
-        with ui.row().classes("plot-head"):
-            ui.label(title).classes("soft")
-            ui.label(figure).classes("figure")
-        ui.html(svg, sanitize=False).classes("wide")

@@ -12,7 +12,7 @@ from remodel_console.core.use_case.use_case import Phase, UseCase, duration_word
 PAUSING = "pausing"
 
 _HOW_TO_RESUME = (
-    "No motion begins. Release the stop where it was requested; Resume then goes on with the run."
+    "No motion begins. Release the stop where it was requested; then Resume continues the run."
 )
 
 Button = Callable[..., ui.button]
@@ -95,14 +95,14 @@ def _progress_words(now: UseCase) -> str:
     if not now.run:
         return ""
     words = f"{now.done} of {now.total} tasks done"
-    words += f", {now.set_aside} set aside" if now.set_aside else ""
-    words += f"; {duration_words(now.told_s - now.started_s)} so far"
+    words += f", {now.set_aside} skipped" if now.set_aside else ""
+    words += f"; {duration_words(now.stamp_s - now.started_s)} so far"
     return words + (f", about {duration_words(now.left_s)} left" if now.left_s else "")
 
 
 def _interruption_words(count: int) -> str:
     what = "an interruption" if count == 1 else f"{count} interruptions"
-    return f"It went on after {what}."
+    return f"Resumed after {what}."
 
 
 def _percent(part: int, total: int) -> str:

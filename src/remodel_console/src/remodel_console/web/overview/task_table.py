@@ -11,9 +11,9 @@ from remodel_console.core.use_case.use_case import Task, TaskPhase, duration_wor
 
 _WORDS = {
     TaskPhase.WAITING: "waiting",
-    TaskPhase.RUNNING: "runs",
+    TaskPhase.RUNNING: "running",
     TaskPhase.DONE: "done",
-    TaskPhase.SET_ASIDE: "set aside",
+    TaskPhase.SET_ASIDE: "skipped",
 }
 _OPEN = (TaskPhase.WAITING, TaskPhase.RUNNING)
 
@@ -21,7 +21,7 @@ Deed = Callable[[str], object]
 
 
 class TaskTable:
-    """Shows tasks with state, tries and time; offers to skip those that are open, and so on."""
+    """Shows tasks with state, attempts and time; offers to skip open and retry skipped ones."""
 
     def __init__(self, skip: Deed, retry: Deed, *, is_operator: bool) -> None:
         """Build an empty table; `skip` and `retry` get the name of a task."""
@@ -32,7 +32,7 @@ class TaskTable:
             ui.element("table").classes("plain") as self._table,
             ui.element("tr"),
         ):
-            for head in ("Task", "State", "Tries", "Time", ""):
+            for head in ("Task", "State", "Attempts", "Time", ""):
                 with ui.element("th"):
                     ui.label(head)
         self._more = ui.label().classes("soft")
@@ -75,10 +75,14 @@ class _Row:
             with ui.element("td").classes("name"):
                 ui.label(name)
                 self._description = ui.label().classes("description")
-            self._phase, self._tries, self._time = _cell("phase"), _cell("tries"), _cell("time")
+            self._phase, self._attempts, self._time = (
+                _cell("phase"),
+                _cell("attempts"),
+                _cell("time"),
+            )
             with ui.element("td").classes("deeds"):
-                self._skip = _button("Skip", "skip_next", name, deeds, is_operator)
-                self._retry = _button("Retry", "replay", name, deeds, is_operator)
+                self._skip = _button("Skip", "skip_next", name, deeds, is_operator=is_operator)
+                self._retry = _button("Retry", "replay", name, deeds, is_operator=is_operator)
 
     def show(self, task: Task, *, is_under_way: bool) -> None:
         """Show what may have changed."""
@@ -88,7 +92,7 @@ class _Row:
         self._description.text = task.description
         self.element.classes(replace=f"task {task.phase.value}")
         self._phase.text = _WORDS[task.phase]
-        self._tries.text = str(task.attempts or "")
+        self._attempts.text = str(task.attempts or "")
         self._time.text = _time_words(task)
         self._skip.set_visibility(is_under_way and task.phase in _OPEN)
         self._retry.set_visibility(is_under_way and task.phase is TaskPhase.SET_ASIDE)

@@ -26,9 +26,9 @@ class ReplayPage(Page):
     """The page of a run that was recorded."""
 
     KEYS = (
-        ("P", "play, or hold"),
-        (",  .", "the moment before, the next one"),
-        ("B  N", "the failure, decision or answer before, the next one"),
+        ("P", "play or pause"),
+        (",  .", "previous or next entry"),
+        ("B  N", "previous or next failure, decision or answer"),
     )
 
     def build(self) -> None:
@@ -44,7 +44,7 @@ class ReplayPage(Page):
                     self._where = ui.label().classes("where")
                 self._drawing = BehaviorDrawing(
                     self.console,
-                    "State machine of the behavior that ran",
+                    "State machine of the behavior",
                     "No behavior of this task has run yet.",
                     _ROOM,
                 )
@@ -52,19 +52,19 @@ class ReplayPage(Page):
             with ui.element("aside").classes("panel"):
                 self._now = ui.element("div").classes("wide")
                 self._picture = CameraView(
-                    "What a camera saw last", "no picture was kept until here"
+                    "Last camera picture", "no picture was stored up to this time"
                 )
-                ui.label("Why").classes("heading")
+                ui.label("Failures and decisions").classes("heading")
                 self._reasons = ui.element("div").classes("failures wide")
                 self._values = ValuePlots()
         self._has_supervisor = False
 
     def more_notices(self, world: World) -> Iterable[Notice]:
-        """Return whether the supervisor, who has the records, is away."""
+        """Return the notice of a supervisor, which has the records, that is not running."""
         return supervisor_notice(world)
 
     def show(self, world: World) -> None:
-        """List the runs as soon as somebody can tell them; a record does not change."""
+        """List the runs as soon as a supervisor is running; a record does not change."""
         if world.has_supervisor and not self._has_supervisor:
             background_tasks.create(self._list())
         self._has_supervisor = world.has_supervisor
@@ -127,16 +127,16 @@ class ReplayPage(Page):
         self._now.clear()
         with self._now:
             ui.label(f"Task {moment.task}" if moment.task else "Between tasks").classes("title")
-            entry, told = moment.entry, moment.feedback
+            entry, feedback = moment.entry, moment.feedback
             ui.label(f"{KIND_WORDS[entry.kind]}: {entry_words(entry)}").classes("entry-words")
-            if told is not None and told is not entry:
-                ui.label(f"{KIND_WORDS[told.kind]}: {entry_words(told)}").classes("soft")
+            if feedback is not None and feedback is not entry:
+                ui.label(f"{KIND_WORDS[feedback.kind]}: {entry_words(feedback)}").classes("soft")
 
     def _show_reasons(self, reasons: tuple[Entry, ...]) -> None:
         self._reasons.clear()
         with self._reasons:
             if not reasons:
-                ui.label("Until here nothing had to be decided.").classes("soft")
+                ui.label("None up to this time.").classes("soft")
             for entry in reasons[:_SHOWN_REASONS]:
                 with ui.element("div").classes(f"failure {entry.kind.value}"):
                     when = f"{self._record.offset_s(entry):.1f} s"

@@ -27,16 +27,16 @@ class RunList:
             with ui.row().classes("runs-head"):
                 ui.label("Runs").classes("title")
                 again = ui.button(icon="refresh", on_click=self.list, color=None)
-                again.props('flat dense round title="Look again" aria-label="Look again"')
+                again.props('flat dense round title="Reload" aria-label="Reload"')
             self._area = ui.element("div").classes("wide")
 
     async def list(self) -> tuple[Summary, ...]:
-        """Ask for the runs, show them, and return them; none if nobody can tell them."""
+        """Request the runs, show and return them; none if no supervisor is running."""
         recorder = self._console.recorder
         self._area.clear()
         try:
             if recorder is None:
-                raise CommandError("ROS is away; records cannot be asked for.")
+                raise CommandError("ROS is not running; records cannot be requested.")
             runs = await run.io_bound(recorder.runs)
         except CommandError as error:
             with self._area:
@@ -65,5 +65,5 @@ class RunList:
             ui.label(f"{begun}, {duration_words(summary.taken_s)}, {summary.cell}").classes("soft")
             words = f"{summary.done} of {summary.tasks} done"
             if not summary.has_ended:
-                words += ", not ended"
+                words += ", not finished"
             ui.label(words).classes("good" if summary.is_success else "soft")

@@ -24,10 +24,10 @@ class Scrubber:
         self._index = 0
         with ui.element("section").classes("scrub"):
             with ui.row().classes("controls scrub-row"):
-                _small("skip_previous", "Reason before (B)", partial(self.step_reason, -1))
-                _small("chevron_left", "Moment before (,)", partial(self.step, -1))
+                _small("skip_previous", "Previous reason (B)", partial(self.step_reason, -1))
+                _small("chevron_left", "Previous entry (,)", partial(self.step, -1))
                 self._play = _small("play_arrow", "Play (P)", self.toggle)
-                _small("chevron_right", "Next moment (.)", partial(self.step, 1))
+                _small("chevron_right", "Next entry (.)", partial(self.step, 1))
                 _small("skip_next", "Next reason (N)", partial(self.step_reason, 1))
                 self._speed = ui.select(_SPEEDS, value=5).props('dense outlined aria-label="Speed"')
                 self._clock = ui.label().classes("clock")
@@ -48,7 +48,7 @@ class Scrubber:
         if record.entries:
             self._go(0)
         else:
-            self._clock.text = "Nothing was recorded of this run."
+            self._clock.text = "This run has no recorded entries."
 
     def step(self, step: int) -> None:
         """Go to the next entry, or the one before."""
@@ -59,7 +59,7 @@ class Scrubber:
         self._go(self._record.next_reason(self._index, step))
 
     def toggle(self) -> None:
-        """Play, or hold."""
+        """Play or pause."""
         if self._player.active:
             self._hold()
         elif self._record.entries:
@@ -81,15 +81,15 @@ class Scrubber:
         """Show the moment of a time in the run [s]."""
         index = self._record.at(offset_s)
         if index != self._index:
-            self._tell(index)
+            self._select(index)
 
     def _go(self, index: int) -> None:
         if self._record.entries:
             index = min(max(0, index), len(self._record.entries) - 1)
             self._slider.value = self._record.offset_s(self._record.entries[index])
-            self._tell(index)
+            self._select(index)
 
-    def _tell(self, index: int) -> None:
+    def _select(self, index: int) -> None:
         self._index, record = index, self._record
         self._clock.text = (
             f"{record.offsets_s[index]:.1f} s of {record.length_s:.1f} s, "

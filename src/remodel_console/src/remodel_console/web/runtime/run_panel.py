@@ -1,4 +1,4 @@
-"""The panel beside the drawing: what can be done about the behavior that runs, or to start one."""
+"""The panel beside the drawing: commands for the running behavior, or the form that starts one."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ _FIRST_LEVEL = 1  # low, as in the FlexBE App
 
 
 class RunPanel:
-    """Shows what the engine asks, and orders it.
+    """Shows the engine's requests, and sends it orders.
 
-    What depends on the run is built anew when that changes; the button that stops it never is, so
-    that no click on it is lost.
+    What depends on the run is rebuilt when that changes; the Stop button never is, so that no click
+    on it is lost.
     """
 
     def __init__(self, page: Page, order: Callable[[Order], Awaitable[object]]) -> None:
@@ -105,7 +105,7 @@ class RunPanel:
         """Show what the engine asks, with the button that answers it."""
         confirmation = confirmation_of(view)
         with ui.element("div").classes("request").props('role="alert"'):
-            ui.label("The engine asks you").classes("soft")
+            ui.label("The engine asks for confirmation").classes("soft")
             label = view.asked.path.rpartition("/")[2] if view.asked else ""
             if confirmation is None:
                 ui.label(f"Leave '{label}'? Its outcomes are not known here; attach first.")
@@ -123,15 +123,19 @@ class RunPanel:
             return
         with ui.element("div").classes("card attach"):
             ui.label(f"Another version of '{newer.name}' is saved.").classes("question")
-            ui.label("The active state goes on in it, locked until you unlock it.").classes("soft")
-            self._control("Switch to it", newer, "swap_horiz")
+            ui.label("The active state continues in it, locked until you unlock it.").classes(
+                "soft"
+            )
+            self._control("Switch", newer, "swap_horiz")
 
     def _show_attach(self, running: str, loaded: str) -> None:
         """Show how to attach, or what to load first."""
-        name = f"'{running}'" if running else "A behavior of another version than installed here"
+        name = (
+            f"'{running}'" if running else "A behavior that is not installed here in this version"
+        )
         with ui.element("div").classes("card attach"):
             ui.label(f"{name} runs unattended.").classes("question")
-            ui.label("Attach to confirm its steps, and to lock, pause or lead it.").classes("soft")
+            ui.label("Attach to confirm, lock, pause and force its states.").classes("soft")
             if running and running != loaded:
                 ui.label(f"Load '{running}' first: {_loaded_words(loaded)}.")
                 self._page.button(
@@ -152,13 +156,13 @@ class RunPanel:
         level = ui.select(
             _ATTACHED_LEVELS,
             value=view.level,
-            label="Autonomy: what is done unasked",
+            label="Autonomy: what needs no confirmation",
             on_change=lambda event: self._order(SetAutonomy(int(event.value))),
         )
         level.props("outlined dense").classes("wide").set_enabled(self._page.is_operator)
         with ui.row().classes("controls"):
             if view.is_paused:
-                self._control("Go on", Resume(), "play_arrow")
+                self._control("Continue", Resume(), "play_arrow")
             else:
                 self._control("Pause", Pause(), "pause")
             self._control("Repeat", Repeat(), "replay")
@@ -212,14 +216,14 @@ class RunPanel:
                         ui.label(str(error)).classes("ending bad")
                     return
                 with rows:
-                    table(("Key", "Value", "Where"), ((k, v, w) for w, k, _, v in found))
+                    table(("Key", "Value", "State"), ((k, v, w) for w, k, _, v in found))
 
             ui.button("Read", on_click=look, icon="refresh").props("flat dense no-caps")
         return userdata
 
     def _ask_stop(self) -> None:
         self._page.ask(
-            "Stop the behavior? Its goals are cancelled.",
+            "Stop the behavior and cancel its goals?",
             "Stop",
             partial(self._order, Preempt()),
         )
@@ -245,4 +249,4 @@ def _without_path(view: RunView) -> tuple[object, ...]:
 
 
 def _loaded_words(loaded: str) -> str:
-    return f"'{loaded}' is loaded now" if loaded else "nothing is loaded yet"
+    return f"'{loaded}' is loaded" if loaded else "no behavior is loaded"

@@ -22,10 +22,10 @@ class RuntimePage(Page):
     """The page of the behavior that runs."""
 
     KEYS = (
-        ("C", "confirm what the engine asks"),
-        ("P", "pause, or go on"),
+        ("C", "confirm the engine's request"),
+        ("P", "pause or continue"),
         ("R", "repeat the active state"),
-        ("L", "lock the active state, or let it go"),
+        ("L", "lock or unlock the active state"),
     )
 
     def build(self) -> None:
@@ -44,7 +44,7 @@ class RuntimePage(Page):
                 self._drawing = BehaviorDrawing(
                     self.console,
                     "State machine of the behavior",
-                    "Choose a behavior on the right; its state machine is drawn here.",
+                    "Choose a behavior on the right to draw its state machine here.",
                     _ROOM,
                 )
             self._panel = RunPanel(self, self.order)
@@ -67,19 +67,19 @@ class RuntimePage(Page):
         self._state.classes(replace=f"state {view.phase.value}")
         self._draw(name)
         self._light(view)
-        self._look_for_newer_version(view)
+        self._check_for_newer_version(view)
         self._panel.show(view, running, loaded, self._newer)
 
     def _draw(self, name: str) -> None:
-        """Draw a behavior, if it is not drawn already, or has been saved anew."""
+        """Draw a behavior, unless this version of it is drawn already."""
         session = self.console.session
-        is_saved_anew = session.is_saved and session.chart is not self._drawn_chart
-        if name != self._drawing.name or is_saved_anew:
+        has_new_version = session.is_saved and session.chart is not self._drawn_chart
+        if name != self._drawing.name or has_new_version:
             self._drawing.name, self._drawn_chart = name, session.chart
             background_tasks.create(self._drawing.draw(name))
 
-    def _look_for_newer_version(self, view: RunView) -> None:
-        """Look whether what runs has been saved anew; only when that can have changed."""
+    def _check_for_newer_version(self, view: RunView) -> None:
+        """Check whether the running behavior was saved again, only when that can have changed."""
         session = self.console.session
         cause = (view.behavior_id, view.is_supervised, session.chart, session.is_saved)
         if cause != self._newer_for:

@@ -40,20 +40,22 @@ class StartForm:
         self._level = ui.select(
             {level: word.capitalize() for level, word in LEVELS.items()},
             value=UNATTENDED,
-            label="Autonomy: what is done unasked",
+            label="Autonomy: what needs no confirmation",
         )
         self._level.props("outlined dense").classes("wide")
         chart = self._page.console.session.chart
         usual = {port.name: port.default for port in chart.inputs} if chart else {}
-        self._parameters = {p.name: _entry(p.name, "as it is set") for p in behavior.parameters}
+        self._parameters = {
+            p.name: _entry(p.name, "default of the behavior") for p in behavior.parameters
+        }
         self._inputs = {
             port.name: _entry(port.name, _usually(usual.get(port.name), port.type))
             for port in behavior.inputs
         }
         if not self._page.console.session.is_saved:
-            ui.label("The version that is saved runs, without the changes in the editor.").classes(
-                "held"
-            )
+            ui.label(
+                "Start runs the saved version, without the unsaved changes in the editor."
+            ).classes("held")
         self._page.button("Start", self._start, icon="play_arrow")
         self._installed = installed
 
@@ -78,7 +80,7 @@ def _entry(name: str, hint: str) -> ui.input:
 
 def _usually(default: Literal, kind: str | None) -> str:
     """Return what an input is if it is left empty, or what it takes."""
-    return f"{format_literal(default)}, if left empty" if default is not None else kind or "any"
+    return f"default: {format_literal(default)}" if default is not None else kind or "any"
 
 
 def _given(entries: dict[str, ui.input]) -> Pairs:

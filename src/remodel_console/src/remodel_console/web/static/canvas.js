@@ -10,8 +10,8 @@ export default {
            @pointerup="up" @pointercancel="up"></div>
       <div ref="map" class="canvas-map" @pointerdown="jump"></div>
       <div class="canvas-tools">
-        <button type="button" title="Closer (+)" aria-label="Closer" @click="zoom(1.25)">+</button>
-        <button type="button" title="Farther (−)" aria-label="Farther" @click="zoom(0.8)">−</button>
+        <button type="button" title="Zoom in (+)" aria-label="Zoom in" @click="zoom(1.25)">+</button>
+        <button type="button" title="Zoom out (−)" aria-label="Zoom out" @click="zoom(0.8)">−</button>
         <button type="button" title="Show all (0)" aria-label="Show all" @click="fit">⤢</button>
       </div>
     </div>`,
@@ -68,7 +68,7 @@ export default {
       this.lightUp(this.active, [...this.passed], true, this.asked);
       if (this.active) this.reveal(this.active);
     },
-    centre() { // Graphviz has guessed how wide texts are
+    centre() { // Graphviz only estimates the width of texts
       for (const node of this.svg.querySelectorAll("g.node")) {
         const shape = node.querySelector("path, polygon, ellipse");
         const { x, width } = shape.getBBox();
@@ -232,7 +232,7 @@ export default {
       }
       return { x: box.x + x, y: box.y + y, width: box.width, height: box.height };
     },
-    reveal(path) { // not so often that nobody could follow; the last one always
+    reveal(path) { // not so often that an operator cannot follow; the last one always
       clearTimeout(this.later);
       const now = performance.now();
       if (now < this.restsUntil) {

@@ -12,7 +12,7 @@ _CLOSED_PIPE = 128 + 13
 
 
 def run(main: Callable[[], int]) -> NoReturn:
-    """Run a command, and exit with its code; when the reader of its output has gone, quietly."""
+    """Run a command, and exit with its code; quietly if the reader of its output has closed it."""
     try:
         try:
             code = main()

@@ -1,4 +1,4 @@
-"""Signals that ask a search to stop and show what it has."""
+"""Signals that stop a search with its best result so far."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from types import FrameType
 
 @contextmanager
 def stop_on_signals() -> Iterator[Callable[[], bool]]:
-    """Give a function that tells whether SIGINT or SIGTERM has come."""
+    """Give a function that returns whether SIGINT or SIGTERM has been received."""
     stopped = threading.Event()
 
     def stop(_signal: int, _frame: FrameType | None) -> None:

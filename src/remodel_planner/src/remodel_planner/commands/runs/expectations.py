@@ -1,10 +1,11 @@
-"""`planner expectations USE_CASE`: say what runs have taught about abilities."""
+"""`planner expectations USE_CASE`: print what was learned from runs about abilities."""
 
 from __future__ import annotations
 
 import argparse
 import sys
 from collections import Counter
+from contextlib import closing
 
 from remodel_planner.commands.options.database_option import add_database_option
 from remodel_planning.core.use_case.bounds import frozen_setting
@@ -21,34 +22,31 @@ def main(arguments: list[str] | None = None) -> int:
     """Print a line for each ability and section, and return the exit code."""
     parser = argparse.ArgumentParser(
         prog="planner expectations",
-        description="Say how long abilities are expected to take and how often to succeed, as the "
-        "use case states it and as recorded runs have taught, and with which parameters; with 90 % "
-        "of the belief.",
-        epilog="Exit code: 0 told, 1 no such use case or database, 2 wrong usage.",
+        description="Print how long abilities are expected to take and how often to succeed, as "
+        "the use case states it and as learned from recorded runs, and with which parameters; with "
+        "the 90 % interval of the belief.",
+        epilog="Exit code: 0 printed, 1 no such use case or database, 2 wrong usage.",
     )
     parser.add_argument("use_case", metavar="USE_CASE", help="such as switchgear")
     add_database_option(parser)
     options = parser.parse_args(arguments)
     try:
         use_case = find_use_case(options.use_case)
-        database = ProductionDatabase(options.database)
-        try:
+        with closing(ProductionDatabase(options.database)) as database:
             calls = ability_calls(database)
-        finally:
-            database.close()
     except PlannerError as error:
         print(f"expectations: {error}", file=sys.stderr)
         return 1
-    _tell(use_case, calls)
+    _print_expectations(use_case, calls)
     for ability in use_case.learned:
-        _tell_settings(use_case, ability, calls)
+        _print_settings(use_case, ability, calls)
     return 0
 
 
-def _tell(use_case: UseCase, calls: tuple[Call, ...]) -> None:
+def _print_expectations(use_case: UseCase, calls: tuple[Call, ...]) -> None:
     learned = LearnedExpectations(use_case.expectations, calls)
-    telling = [call for call in calls if call.tells]
-    counts = Counter((call.ability, call.features["section_mm2"]) for call in telling)
+    informative = [call for call in calls if call.tells]
+    counts = Counter((call.ability, call.features["section_mm2"]) for call in informative)
     print(f"{'ability':<24}{'mm2':>5}{'calls':>7}   {'stated':<16}learned")
     for ability in use_case.expectations.stated:
         sections = sorted(section for name, section in counts if name == ability)
@@ -64,7 +62,7 @@ def _tell(use_case: UseCase, calls: tuple[Call, ...]) -> None:
             )
 
 
-def _tell_settings(use_case: UseCase, ability: str, calls: tuple[Call, ...]) -> None:
+def _print_settings(use_case: UseCase, ability: str, calls: tuple[Call, ...]) -> None:
     """Print what is believed about the settings that were tried of an ability's parameters."""
     bounds = use_case.learned[ability]
     tried = Counter(setting_of(bounds, call) for call in calls if call.ability == ability)

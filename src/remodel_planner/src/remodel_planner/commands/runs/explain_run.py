@@ -1,4 +1,4 @@
-"""`planner explain RUN`: print the report of a recorded run."""
+"""`planner explain RUN`: explain a recorded run."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ import argparse
 import sys
 
 from remodel_planner.commands.options.database_option import add_database_option
-from remodel_planner.core.reports.run_story import tell
+from remodel_planner.core.reports.run_explanation import explain_run
 from remodel_planning.edge.fault_file import read_faults
 from remodel_production.errors import PlannerError
 from remodel_supervision.edge.run_log import kept_run
 
 
 def main(arguments: list[str]) -> int:
-    """Print the run's story, and return the exit code."""
+    """Print the explanation of the run, and return the exit code."""
     parser = argparse.ArgumentParser(
         prog="planner explain",
-        description="Tell a recorded run: what was done, what failed, what was decided and why.",
-        epilog="Exit code: 0 told, 2 wrong usage, 3 no such run or database.",
+        description="Print what was done in a recorded run, what failed, what was decided and why.",
+        epilog="Exit code: 0 printed, 2 wrong usage, 3 no such run or database.",
     )
     parser.add_argument("run", type=int, metavar="RUN", help="number of the run")
     add_database_option(parser)
@@ -28,5 +28,5 @@ def main(arguments: list[str]) -> int:
         print(f"explain: {error}", file=sys.stderr)
         return 3
     events = [each.event for each in kept]
-    print("\n".join(tell(options.run, kept[0].at, events, read_faults())))
+    print("\n".join(explain_run(options.run, kept[0].at, events, read_faults())))
     return 0

@@ -28,7 +28,7 @@ def main(arguments: list[str] | None = None) -> int:
         "such run or database.",
     )
     parser.add_argument("run", type=int, metavar="RUN", help="number of the run")
-    parser.add_argument("--quiet", action="store_true", help="tell the differences only")
+    parser.add_argument("--quiet", action="store_true", help="print the differences only")
     add_database_option(parser)
     options = parser.parse_args(arguments)
     try:

@@ -38,7 +38,7 @@ _RESPONSES = {
     Do.OTHER_METHOD: "trying another method",
     Do.NEW_PART: "feeding a new wire",
     Do.REPLAN: "its turn comes later",
-    Do.SET_ASIDE: "set aside",
+    Do.SET_ASIDE: "skipped",
     Do.ASK_OPERATOR: "asking the operator",
     Do.STOP: "stopping",
 }
@@ -74,7 +74,7 @@ class RunFollower:
         rospy.Subscriber(STATE, UseCaseState, self._on_state)
 
     def run(self, again: bool) -> RunState:
-        """Have the order done, and return how it ended.
+        """Run the order, and return how it ended.
 
         Raises:
             CellError: if the supervisor refuses, or dies and does not respawn.
@@ -127,7 +127,7 @@ class RunFollower:
             )
 
     def _news(self) -> tuple[RunState, list[str]]:
-        """Return the run's state, and lines about what has ended since the last call."""
+        """Return the run's state, and lines about what has happened since the last call."""
         kept = tuple(self._log.events(self.number, first=self._events))
         self._events += len(kept)
         events = [each.event for each in kept]
@@ -155,7 +155,7 @@ class RunFollower:
 
 
 def _hold_line(state: UseCaseState) -> str:
-    """Return what a run waits for that a person has to do; empty if it waits for nobody."""
+    """Return what a run waits for an operator to do; empty if it waits for none."""
     if state.phase == UseCaseState.PROTECTIVE_STOP:
         return (
             f"protective stop by {state.stopped_by}; release it, then "

@@ -1,4 +1,4 @@
-"""`planner run_order ORDER`: have an order's wires placed, and report."""
+"""`planner run_order ORDER`: place an order's wires, and report."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import rospy
 
 from flexbe_core.ros.master import START_LIMIT_S, NoMasterError, join_interruptibly, require_master
 from remodel_planner.commands.options.database_option import add_database_option
+from remodel_planner.commands.runs.attempt_reporter import AttemptReporter
 from remodel_planner.commands.runs.run_follower import RunFollower
-from remodel_planner.commands.runs.storyteller import Storyteller
 from remodel_planner.core.reports.run_report import Report
 from remodel_planner.edge.report_files import write_report
 from remodel_production.core.panel.panel_layout import PanelRules, lay_out
@@ -28,12 +28,13 @@ from remodel_supervision.edge.run_log import RunLog
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Have the wires placed, print one line an attempt, write the report, return the exit code."""
+    """Place the wires, print one line per attempt, write the report, return the exit code."""
     parser = argparse.ArgumentParser(
         prog="planner run_order",
-        description="Have the wires of an order placed by the use case supervisor, and report.",
+        description="Let the use case supervisor place the wires of an order, and report.",
         epilog="Exit code: 0 all wires placed, 1 not all, 2 wrong usage or no such order, 3 ROS "
-        "master, cell, engine, synthesizer or supervisor is not there or refuses, 130 interrupted.",
+        "master, cell, engine, synthesizer or supervisor is not running or refuses, 130 "
+        "interrupted.",
     )
     parser.add_argument("order", help="name of the order in the production database")
     parser.add_argument("--wires", type=int, default=6, help="how many, from the first (default 6)")
@@ -81,18 +82,18 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"run_order: {error}", file=sys.stderr)
         return 3
     except KeyboardInterrupt:
-        print("run_order: interrupted; the supervisor goes on with the order", file=sys.stderr)
+        print("run_order: interrupted; the supervisor continues the order", file=sys.stderr)
         return 130
     finally:
         database.close()
     wall_s = time.monotonic() - started
     lengths = {cut.wire.name: cut.length for cut in layout.wires}
     pictures = options.output / "runs" / str(follower.number)
-    report = _report(order, lengths, follower.attempts, state, pictures, wall_s)
+    report = _report(order, lengths, follower.attempts, state, pictures=pictures, wall_s=wall_s)
     page = write_report(report, options.output)
-    _sum_up(report, page)
+    _print_summary(report, page)
     print(
-        "story: rosrun remodel_planner planner explain "
+        "explanation: rosrun remodel_planner planner explain "
         f"{follower.number} --database {options.database}"
     )
     if report.stopped:
@@ -109,23 +110,25 @@ def _report(
     pictures: Path,
     wall_s: float,
 ) -> Report:
-    teller = Storyteller(pictures)
-    told = [attempt for attempt in attempts if attempt.part is not Part.CLEAR]
+    reporter = AttemptReporter(pictures)
+    reported = [attempt for attempt in attempts if attempt.part is not Part.CLEAR]
     wires = {wire.name: wire for wire in order.wires}
-    stories = tuple(
-        teller.story(attempt, wires[attempt.execution.wire], lengths[attempt.execution.wire])
-        for attempt in told
+    reports = tuple(
+        reporter.report(attempt, wires[attempt.execution.wire], lengths[attempt.execution.wire])
+        for attempt in reported
     )
-    overview = teller.overview(attempts[-1]) if attempts else ()
+    overview = reporter.overview(attempts[-1]) if attempts else ()
     is_stopped = state.ended is not None and state.ended.ending is Ending.STOPPED
     stopped = state.ended.because if is_stopped and state.ended else ""
     here = {attempt.execution.wire for attempt in attempts}
     done = [name for name, task in state.tasks.items() if task.stage is Stage.DONE]
     before = sum(name not in here for name in done)
-    return Report(order, len(order.wires), wall_s, stories, overview, stopped, before)
+    return Report(
+        order, len(order.wires), wall_s, reports, overview=overview, stopped=stopped, before=before
+    )
 
 
-def _sum_up(report: Report, page: Path) -> None:
+def _print_summary(report: Report, page: Path) -> None:
     before = f" ({report.before} of them before)" if report.before else ""
     print(
         f"{report.placed} of {report.planned} wires placed{before}, {report.first_pass} without a "

@@ -1,4 +1,4 @@
-"""`planner use_case_supervisor`: carry out orders, and lose nothing."""
+"""`planner use_case_supervisor`: carry out orders, across restarts."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def main(arguments: list[str] | None = None) -> int:
         help=f"by which orders are done (default {USE_CASE}: that of the simulated cell)",
     )
     parser.add_argument(
-        "--unattended", action="store_true", help="nobody is there who could answer a question"
+        "--unattended", action="store_true", help="no operator is present to answer questions"
     )
     parser.add_argument(
         "--reconnect-timeout",
@@ -69,7 +69,7 @@ def main(arguments: list[str] | None = None) -> int:
         type=float,
         default=30.0,
         metavar="S",
-        help="after which silence other cells take this one's task over (default 30)",
+        help="after which silence other cells may take over this one's task (default 30)",
     )
     parser.add_argument(
         "--search", type=float, default=0.3, metavar="S", help="for the best order (default 0.3)"
@@ -85,7 +85,7 @@ def main(arguments: list[str] | None = None) -> int:
         default="",
         metavar="HOOK",
         help="who is notified of questions: 'command:/path/to/program' gets JSON on its standard"
-        " input, 'https://...' as a POST (default nobody)",
+        " input, 'https://...' as a POST (default: no notification)",
     )
     add_database_option(parser)
     options = parser.parse_args(rospy.myargv()[1:] if arguments is None else arguments)
@@ -111,12 +111,12 @@ def main(arguments: list[str] | None = None) -> int:
         faults,
         options.cell,
         options.use_case,
-        not options.unattended,
-        options.reconnect_timeout,
-        options.lease,
-        options.search,
-        options.explore,
-        hook,
+        attended=not options.unattended,
+        reconnect_s=options.reconnect_timeout,
+        lease_s=options.lease,
+        search_s=options.search,
+        explore=options.explore,
+        escalation=hook,
     )
     loop = RosEventLoop()
     cell = Cell(loop.background)
@@ -125,13 +125,13 @@ def main(arguments: list[str] | None = None) -> int:
         BehaviorSynthesizer(loop, output / "charts"),
         EngineLink(loop),
         AbilityWatch(),
-        Inspection(loop),
-        CellPictures(cell, output / "runs"),
+        inspection=Inspection(loop),
+        pictures=CellPictures(cell, output / "runs"),
     )
-    ownership = CellOwnership(database, options.cell, _station(), _holder(), options.lease)
+    ownership = CellOwnership(database, options.cell, _station(), _holder(), lease_s=options.lease)
     servers = (
         RecordServer(database, output / "runs"),
-        RunServer(RunLog(database), maker, peers, ownership, loop),
+        RunServer(RunLog(database), maker, peers, ownership, loop=loop),
     )
     exit_code = spin()
     del servers

@@ -1,1 +1,1 @@
-"""What runs tell: a report of one as a page and in words, and the record of a product."""
+"""Reports: of a run, as a page and as text, and of a product."""

@@ -88,7 +88,7 @@ def product_entries(
             case OperationEnded() | StopReported():
                 behavior = begun.get(event.task)
                 wire = wires.get(event.task)
-                yield _of_operation(who, event.task, behavior, wire, event.operation)
+                yield _of_operation(who, event.task, behavior, wire, operation=event.operation)
             case Asked():
                 asked = event
             case Answered() if asked is not None:

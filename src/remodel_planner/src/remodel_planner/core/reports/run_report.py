@@ -51,8 +51,8 @@ class Drawing:
 
 
 @dataclass(frozen=True)
-class WireStory:
-    """All that the report tells of one attempt at a wire."""
+class AttemptReport:
+    """What the report contains about one attempt at a wire."""
 
     wire: Wire
     length_m: float
@@ -63,8 +63,8 @@ class WireStory:
     @property
     def label(self) -> str:
         """The wire's name, and the attempt if it is not the first."""
-        attempt = self.execution.attempt
-        return self.wire.name if attempt == 1 else f"{self.wire.name}, attempt {attempt}"
+        number = self.execution.attempt
+        return self.wire.name if number == 1 else f"{self.wire.name}, attempt {number}"
 
     @property
     def anchor(self) -> str:
@@ -74,7 +74,7 @@ class WireStory:
 
 @dataclass(frozen=True)
 class Report:
-    """A run, told to a person.
+    """What the report contains about a run.
 
     Attributes:
         planned: number of wires that were to be placed.
@@ -87,7 +87,7 @@ class Report:
     order: Order
     planned: int
     wall_s: float
-    stories: tuple[WireStory, ...]
+    attempts: tuple[AttemptReport, ...]
     overview: tuple[Picture, ...]
     stopped: str = ""
     before: int = 0
@@ -95,18 +95,18 @@ class Report:
     @property
     def placed(self) -> int:
         """The number of wires placed; this run's by the cell's ground truth."""
-        return self.before + sum(story.execution.placed for story in self.stories)
+        return self.before + sum(attempt.execution.placed for attempt in self.attempts)
 
     @property
     def first_pass(self) -> int:
         """The number of wires placed at the first attempt without one failed operation."""
-        first = (story.execution for story in self.stories if story.execution.attempt == 1)
+        first = (attempt.execution for attempt in self.attempts if attempt.execution.attempt == 1)
         return sum(execution.placed and not execution.failures for execution in first)
 
     @property
     def failures(self) -> int:
         """The number of operations that failed, recovered from or not."""
-        return sum(len(story.execution.failures) for story in self.stories)
+        return sum(len(attempt.execution.failures) for attempt in self.attempts)
 
     @property
     def complete(self) -> bool:
@@ -116,7 +116,7 @@ class Report:
     @property
     def cell_s(self) -> float:
         """[s] ROS time that the executions took together."""
-        return sum(story.execution.cell_s for story in self.stories)
+        return sum(attempt.execution.cell_s for attempt in self.attempts)
 
 
 @dataclass(frozen=True)
@@ -131,23 +131,24 @@ class Bar:
 
 
 def timeline(
-    stories: tuple[WireStory, ...], colours: Mapping[str, str]
+    attempts: tuple[AttemptReport, ...], colours: Mapping[str, str]
 ) -> dict[str, tuple[Bar, ...]]:
-    """Return for each story's label its operations as bars over the longest one's duration."""
-    longest = max((story.execution.cell_s for story in stories), default=0.0)
+    """Return for each attempt's label its operations as bars over the longest one's duration."""
+    longest = max((attempt.execution.cell_s for attempt in attempts), default=0.0)
     scale = 100 / longest if longest else 0.0
     rows = {}
-    for story in stories:
-        start = story.execution.started_s
-        rows[story.label] = tuple(
+    for attempt in attempts:
+        start = attempt.execution.started_s
+        rows[attempt.label] = tuple(
             Bar(
                 round((operation.ended_s - operation.elapsed_s - start) * scale, 3),
                 round(max(operation.elapsed_s * scale, 0.2), 3),
                 colours.get(operation.ability, _OTHER_COLOUR),
                 operation.error_code != 0,
-                f"{operation.ability}: {operation.outcome or 'left'}, {operation.elapsed_s:.1f} s",
+                title=f"{operation.ability}: {operation.outcome or 'left'}, "
+                f"{operation.elapsed_s:.1f} s",
             )
-            for operation in story.execution.operations
+            for operation in attempt.execution.operations
         )
     return rows
 
@@ -157,13 +158,13 @@ def render_html(template: str, report: Report, colours: Mapping[str, str]) -> st
 
     Args:
         template: text of templates/report.html.j2.
-        report: what to tell.
+        report: the contents.
         colours: ability -> its colour in the timeline, where a failed operation is outlined in red.
     """
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
     return environment.from_string(template).render(
         report=report,
-        bars=timeline(report.stories, colours),
+        bars=timeline(report.attempts, colours),
         ability_colours=colours,
         wire_colours=WIRE_COLOURS,
     )
@@ -182,21 +183,21 @@ def report_data(report: Report) -> Mapping[str, object]:
         "stopped": report.stopped,
         "wall_s": round(report.wall_s, 1),
         "cell_s": round(report.cell_s, 1),
-        "wires": [_story_data(story) for story in report.stories],
+        "wires": [_attempt_data(attempt) for attempt in report.attempts],
         "notes": list(report.order.notes),
     }
 
 
-def _story_data(story: WireStory) -> Mapping[str, object]:
-    execution = story.execution
+def _attempt_data(attempt: AttemptReport) -> Mapping[str, object]:
+    execution = attempt.execution
     return {
-        "wire": story.wire.name,
-        "a": str(story.wire.a),
-        "b": str(story.wire.b),
-        "colour": story.wire.colour,
-        "section_mm2": story.wire.section_mm2,
-        "length_m": story.length_m,
-        "source": story.wire.source,
+        "wire": attempt.wire.name,
+        "a": str(attempt.wire.a),
+        "b": str(attempt.wire.b),
+        "colour": attempt.wire.colour,
+        "section_mm2": attempt.wire.section_mm2,
+        "length_m": attempt.length_m,
+        "source": attempt.wire.source,
         "behavior": execution.behavior,
         "attempt": execution.attempt,
         "outcome": execution.outcome,

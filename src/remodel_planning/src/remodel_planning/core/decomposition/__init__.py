@@ -5,5 +5,5 @@ decomposition  a task into macro operations and actions, by methods, on what is 
 requirements   what requirements forbid to decompositions
 wiring_problem the decomposed tasks as a problem
 preparation    an order made ready for planning
-outline        a decomposition in words
+outline        a decomposition as text
 """

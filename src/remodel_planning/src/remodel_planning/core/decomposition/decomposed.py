@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from remodel_planning.core.condition import Features
-from remodel_planning.core.orders.work_order import Access, Clip, Task, Way
+from remodel_planning.core.orders.work_order import Access, Clip, Route, Task
 from remodel_planning.core.problem.problem import End
 from remodel_planning.core.use_case.expectation import Expectation
 from remodel_planning.core.use_case.model import Action, Macro
@@ -28,15 +28,15 @@ class Limits:
     methods: dict[tuple[str, str], str] = field(default_factory=dict)
 
     def __bool__(self) -> bool:
-        """Tell whether anything is forbidden."""
+        """Return whether anything is forbidden."""
         return bool(self.force_n or self.segments or self.methods)
 
     def objection(self, decomposition: Decomposition) -> str:
-        """Return the name of a requirement that a decomposition breaks; empty if it keeps all."""
+        """Return the name of a requirement that a decomposition violates; empty if none."""
         limit, name = self.force_n.get(decomposition.task.name, (decomposition.force_n, ""))
         if decomposition.force_n > limit:
             return name
-        barred = (s for s in decomposition.way.segments if s in self.segments)
+        barred = (s for s in decomposition.route.segments if s in self.segments)
         return next((self.segments[segment] for segment in barred), "")
 
     def and_those(self, other: Limits) -> Limits:
@@ -55,7 +55,7 @@ class Step:
     Attributes:
         end: that it is about, if one.
         clip: that it is about, if one.
-        way: the part of the task's way on which it is done.
+        route: the part of the task's route on which it is done.
         methods: the chosen method of each task above it, from the macro operation down.
         expected: of all its attempts.
         access: to the terminal that it is about.
@@ -66,7 +66,7 @@ class Step:
     action: Action
     end: End | None
     clip: Clip | None
-    way: Way
+    route: Route
     methods: tuple[tuple[str, str], ...]
     expected: Expectation
     access: Access
@@ -103,7 +103,7 @@ class Decomposition:
     """
 
     task: Task
-    way: Way
+    route: Route
     first: End
     steps: tuple[Step, ...]
     cost_s: float

@@ -1,11 +1,11 @@
 """Decompose a task into macro operations and actions, by the methods of its use case.
 
 As in SHOP, the tasks of a method are done in their order, on a state that is carried along; as in
-TLPlan, rules prune what must not be. The state holds what is known: an action that needs a fact
-which nobody has looked at yet, or which an earlier action has made untrue, has the looking action
-put before it. The methods of a task stand in the order in which they are preferred: the first that
-holds and can be carried out is taken, or one after it that says `if_cheaper` and is expected to
-cost less, failures included.
+TLPlan, rules prune what must not be. The state holds what is known: if an action needs a fact that
+is unknown, or that an earlier action has invalidated, the action that observes it is inserted
+before. The methods of a task stand in the order in which they are preferred: the first that holds
+and can be carried out is taken, or one after it that says `if_cheaper` and is expected to cost
+less, failures included.
 
     cost of a decomposition = sum over its actions of: expected time of up to `attempts` calls
                               + failure_s x the probability that all of these fail
@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 
 from remodel_planning.core.condition import Features, Value
 from remodel_planning.core.decomposition.decomposed import Decomposition, Limits, Rejected, Step
-from remodel_planning.core.orders.work_order import Access, Clip, Task, Way
+from remodel_planning.core.orders.work_order import Access, Clip, Route, Task
 from remodel_planning.core.problem.problem import End
 from remodel_planning.core.use_case.expectation import NOTHING, Expectation, Expectations
 from remodel_planning.core.use_case.model import Action, Macro, Method, Scope, Subtask, UseCase
@@ -33,7 +33,7 @@ class _Pending:
     macro: Macro
     subtask: Subtask
     end: End | None
-    way: Way
+    route: Route
     methods: tuple[tuple[str, str], ...] = ()
     clip: Clip | None = None
 
@@ -97,12 +97,12 @@ class Decomposer:
         run = _Run(self, task, first, limits or Limits())
         return run.best(hands_over=hands_over)
 
-    def features(self, task: Task, way: Way, end: End | None) -> Features:
-        """Return what conditions can ask about a task, on one of its ways, at one of its ends."""
+    def features(self, task: Task, route: Route, end: End | None) -> Features:
+        """Return what conditions can ask about a task, on one of its routes, at one of its ends."""
         use_case = self._use_case
         stated = {c.name: c.default for c in use_case.task_characteristics.values()}
         features: dict[str, Value] = {**stated, **task.characteristics}
-        features |= {"length_m": way.length_m, "clips": len(way.clips)}
+        features |= {"length_m": route.length_m, "clips": len(route.clips)}
         if end is not None:
             component = self._components[self._component_of[task.terminals[end]]]
             for characteristic in use_case.component_characteristics.values():
@@ -157,48 +157,50 @@ class _Run:
         self._expected: dict[tuple[str, float, int, End | None], Expectation] = {}
 
     def best(self, *, hands_over: bool) -> Decomposition:
-        ended: list[tuple[Way, _State]] = []
-        for number, way in enumerate(self._task.ways, 1):
-            barred = [s for s in way.segments if s in self._limits.segments]
+        ended: list[tuple[Route, _State]] = []
+        for number, route in enumerate(self._task.routes, 1):
+            barred = [s for s in route.segments if s in self._limits.segments]
             if barred:
                 name = self._limits.segments[barred[0]]
-                self._reject("way", str(number), f"goes through {barred[0]} (`{name}`)")
+                self._reject("route", str(number), f"goes through {barred[0]} (`{name}`)")
             else:
-                states = self._all(self._sequence(way, hands_over=hands_over), [_State()])
-                ended += [(way, state) for state in states]
+                states = self._all(self._sequence(route, hands_over=hands_over), [_State()])
+                ended += [(route, state) for state in states]
         if not ended:
             reasons = "; ".join(f"{t} {m}: {why}" for (t, m), why in self._rejected.items())
             raise InstanceError(
                 f"task {self._task.name}: no method of use case {self._d.use_case.name} does it: "
                 f"{reasons}"
             )
-        way, state = min(ended, key=lambda pair: pair[1].rank)
-        for number, other in enumerate(self._task.ways, 1):
-            ranks = [found.rank for ended_way, found in ended if ended_way is other]
-            if other is not way and ranks:
-                self._reject("way", str(number), _behind(min(ranks), state.rank))
+        route, state = min(ended, key=lambda pair: pair[1].rank)
+        for number, other in enumerate(self._task.routes, 1):
+            ranks = [found.rank for ended_route, found in ended if ended_route is other]
+            if other is not route and ranks:
+                self._reject("route", str(number), _behind(min(ranks), state.rank))
         taken = {pair for step in state.steps for pair in step.methods}
         rejected = tuple(
             Rejected(*pair, why) for pair, why in self._rejected.items() if pair not in taken
         )
-        return Decomposition(self._task, way, self._first, state.steps, state.cost_s, rejected)
+        return Decomposition(
+            self._task, route, self._first, state.steps, cost_s=state.cost_s, rejected=rejected
+        )
 
-    def _sequence(self, way: Way, *, hands_over: bool) -> list[_Pending]:
+    def _sequence(self, route: Route, *, hands_over: bool) -> list[_Pending]:
         """Return the macro operations of the task."""
         first, second = self._first, self._first.other
-        way = way if first is End.A else way.reversed
-        parts = [way]
+        route = route if first is End.A else route.reversed
+        parts = [route]
         if hands_over and self._task.meeting_mm is not None:
-            parts = list(way.split(self._task.meeting_mm))
+            parts = list(route.split(self._task.meeting_mm))
         ends = {Macro.INSERT: [first, second]}
-        ways = {Macro.ROUTE: parts}
+        routes = {Macro.ROUTE: parts}
         middle = [Macro.ROUTE, Macro.HAND_OVER, Macro.ROUTE] if len(parts) > 1 else [Macro.ROUTE]
         return [
             _Pending(
                 macro,
                 Subtask(macro.value),
                 ends[macro].pop(0) if macro in ends else None,
-                ways[macro].pop(0) if macro in ways else way,
+                routes[macro].pop(0) if macro in routes else route,
             )
             for macro in (Macro.PICK, Macro.INSERT, *middle, Macro.INSERT, Macro.FIX)
         ]
@@ -212,8 +214,8 @@ class _Run:
     def _do(self, head: _Pending, states: list[_State]) -> list[_State]:
         if head.subtask.for_each_clip:
             once = replace(head, subtask=Subtask(head.subtask.name))
-            legs = zip(head.way.clips, head.way.legs(), strict=False)
-            return self._all([replace(once, clip=clip, way=leg) for clip, leg in legs], states)
+            legs = zip(head.route.clips, head.route.legs(), strict=False)
+            return self._all([replace(once, clip=clip, route=leg) for clip, leg in legs], states)
         if head.subtask.name in self._d.use_case.actions:
             return _cheapest(after for s in states for after in self._act(head, s))
         return self._choose(head, states)
@@ -233,7 +235,7 @@ class _Run:
                 continue
             path = (*head.methods, (task, method.name))
             inner = [
-                replace(head, subtask=sub, methods=path, way=self._part(head.way, method, sub))
+                replace(head, subtask=sub, methods=path, route=self._part(head.route, method, sub))
                 for sub in method.subtasks
             ]
             passed_over += not (method.if_cheaper and after)
@@ -247,21 +249,21 @@ class _Run:
                 self._reject(task, name, _behind(rank, min(ranks.values())))
         return _cheapest(state for found in after.values() for state in found)
 
-    def _part(self, way: Way, method: Method, subtask: Subtask) -> Way:
-        """Return the part of a way that a subtask is about: beside clips, what they leave."""
+    def _part(self, route: Route, method: Method, subtask: Subtask) -> Route:
+        """Return the part of a route that a subtask is about: beside clips, what they leave."""
         if subtask.for_each_clip or not any(sub.for_each_clip for sub in method.subtasks):
-            return way
-        return way.legs()[-1]
+            return route
+        return route.legs()[-1]
 
     def _act(self, head: _Pending, state: _State) -> list[_State]:
-        """Return the state after an action, looked before as far as it needs to; or none."""
+        """Return the state after an action and the observations that it needs, or none."""
         action = self._d.use_case.actions[head.subtask.name]
         for fact, _ in action.needs:
             if (fact, self._d.subject(self._task, fact, head.end)) not in state.known:
                 look = Subtask(self._d.use_case.facts[fact].look)
-                macro = self._looking(head, self._d.use_case.facts[fact].of)
-                looked = self._act(replace(head, subtask=look, macro=macro), state)
-                return [after for s in looked for after in self._act(head, s)]
+                macro = self._observing(head, self._d.use_case.facts[fact].of)
+                observed = self._act(replace(head, subtask=look, macro=macro), state)
+                return [after for s in observed for after in self._act(head, s)]
         features = self._features_of(head)
         expected = self._expected_of(action, head)
         access = self._d.access(self._task, head.end)
@@ -270,11 +272,11 @@ class _Run:
             action,
             head.end,
             head.clip,
-            head.way,
-            head.methods,
-            expected,
-            access,
-            features,
+            route=head.route,
+            methods=head.methods,
+            expected=expected,
+            access=access,
+            features=features,
         )
         why = self._forbidden(step, features, state)
         if why:
@@ -287,22 +289,22 @@ class _Run:
         cost_s = state.cost_s + expected.duration_s + failure_s
         tool = state.tool or action.tool
         steps = (*state.steps, step)
-        return [_State(steps, frozenset(known), tool, state.passed_over, cost_s)]
+        return [_State(steps, frozenset(known), tool, state.passed_over, cost_s=cost_s)]
 
     def _features_of(self, head: _Pending) -> Features:
-        key = (head.way.length_m, len(head.way.clips), head.end)
+        key = (head.route.length_m, len(head.route.clips), head.end)
         if key not in self._features:
-            self._features[key] = self._d.features(self._task, head.way, head.end)
+            self._features[key] = self._d.features(self._task, head.route, head.end)
         return self._features[key]
 
     def _expected_of(self, action: Action, head: _Pending) -> Expectation:
-        key = (action.name, head.way.length_m, len(head.way.clips), head.end)
+        key = (action.name, head.route.length_m, len(head.route.clips), head.end)
         if key not in self._expected:
             self._expected[key] = self._d.expected(action, self._features_of(head))
         return self._expected[key]
 
-    def _looking(self, head: _Pending, scope: Scope) -> Macro:
-        """Return the macro operation whose time it is that is spent on looking before an action.
+    def _observing(self, head: _Pending, scope: Scope) -> Macro:
+        """Return the macro operation to which the time of an observation counts.
 
         An insertion lasts as long whichever end comes first.
         """
@@ -345,7 +347,7 @@ def _cheapest(states: Iterable[_State]) -> list[_State]:
 
 
 def _behind(rank: tuple[int, float], best: tuple[int, float]) -> str:
-    """Say why what has one rank was not taken, and what has a better one was."""
+    """Return why what has one rank was not taken, and what has a better one was."""
     if rank[0] > best[0]:
         return "comes after one that can be taken"
     return f"is expected to cost {rank[1] - best[1]:.1f} s more"

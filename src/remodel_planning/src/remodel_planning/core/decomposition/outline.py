@@ -1,4 +1,4 @@
-"""Tell in words how tasks decompose, and what was rejected."""
+"""Describe how tasks decompose, and what was rejected."""
 
 from __future__ import annotations
 

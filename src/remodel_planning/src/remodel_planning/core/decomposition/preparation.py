@@ -112,4 +112,4 @@ def prepare(
         with blamed(name):
             preferred = apply_preferences(preferred, document, situations)
             require_sound(preferred.problem)
-    return Prepared(order, use_case, limits, expectations, plans, preferred)
+    return Prepared(order, use_case, limits, expectations, plans=plans, preferred=preferred)

@@ -1,4 +1,4 @@
-"""What requirements forbid while tasks are decomposed, before there is a plan to break them."""
+"""What requirements forbid while tasks are decomposed, before there is a plan to violate them."""
 
 from __future__ import annotations
 

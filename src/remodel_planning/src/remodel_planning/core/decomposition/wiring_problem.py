@@ -29,7 +29,7 @@ from remodel_production.errors import InstanceError
 
 _TICKS_PER_S = 10
 _ZONES = 4
-_NO_WEIGHTS = Weights(0, 0, 0, 0, 0, 0)
+_NO_WEIGHTS = Weights(0, 0, 0, 0, heavy=0, arm=0)
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ def decomposer_of(
                 raise InstanceError(
                     f"task {task.name}, end {end.letter}: no terminal {task.terminals[end]}"
                 )
-    return Decomposer(use_case, order.components, component_of, expectations, order.access)
+    return Decomposer(use_case, order.components, component_of, expectations, access=order.access)
 
 
 def wiring_problem(order: WorkOrder, use_case: UseCase, plans: Sequence[TaskPlan]) -> Problem:
@@ -112,8 +112,8 @@ def wiring_problem(order: WorkOrder, use_case: UseCase, plans: Sequence[TaskPlan
         terminals=order.terminals,
         wires=tuple(_wire(plan, order, use_case, zones[plan.alone.task.name]) for plan in plans),
         unders=order.unders,
-        wishes=order.wishes,
-        located=frozenset(order.components) - _looked_at(order, plans),
+        soft_constraints=order.soft_constraints,
+        located=frozenset(order.components) - _to_locate(order, plans),
     )
 
 
@@ -124,7 +124,7 @@ def problem_left(problem: Problem, order: WorkOrder, plans: Sequence[TaskPlan]) 
         locate=_longest(plans, Macro.LOCATE),
         hand_over=_longest(plans, Macro.HAND_OVER),
     )
-    located = frozenset(order.components) - _looked_at(order, plans)
+    located = frozenset(order.components) - _to_locate(order, plans)
     return replace(problem, durations=durations, located=located)
 
 
@@ -143,8 +143,8 @@ def _zones(order: WorkOrder) -> dict[str, int]:
     }
 
 
-def _looked_at(order: WorkOrder, plans: Sequence[TaskPlan]) -> frozenset[str]:
-    """Return the components that some task must look at."""
+def _to_locate(order: WorkOrder, plans: Sequence[TaskPlan]) -> frozenset[str]:
+    """Return the components that some task must locate."""
     component = {terminal.name: terminal.component for terminal in order.terminals}
     return frozenset(
         component[plan.alone.task.terminals[step.end]]
@@ -183,7 +183,7 @@ def _wire(plan: TaskPlan, order: WorkOrder, use_case: UseCase, zone: int) -> Wir
         heavy=bool(use_case.heavy.tests) and use_case.heavy.holds(characteristics),
         zone=zone,
         slot_mm=task.slot_mm,
-        segments=alone.way.segments,
+        segments=alone.route.segments,
         route_ticks=_ticks(alone.expected_s(Macro.ROUTE)),
         insert_ticks=max(inserts),
         handover=handover,

@@ -10,7 +10,7 @@ from __future__ import annotations
 from remodel_planning.core.condition import Value
 from remodel_planning.core.orders.branch_order import branch_order
 from remodel_planning.core.orders.surroundings import Surroundings, in_mm
-from remodel_planning.core.orders.work_order import Access, Clip, Task, Way, WorkOrder
+from remodel_planning.core.orders.work_order import Access, Clip, Route, Task, WorkOrder
 from remodel_planning.core.problem.problem import Terminal
 from remodel_planning.core.use_case.designs import DesignKind, DesignTasks
 from remodel_planning.core.use_case.model import UseCase, declared
@@ -23,7 +23,7 @@ from remodel_production.errors import OrderError
 
 
 def kind_of(board: Board) -> DesignKind:
-    """Tell what a board is for: a harness has segments of its own, or connectors alone."""
+    """Return what a board is for: a harness has segments of its own, or connectors alone."""
     has_devices = any(device.component.role is Role.DEVICE for device in board.devices)
     return DesignKind.CABINET if board.is_cabinet and has_devices else DesignKind.HARNESS
 
@@ -45,25 +45,25 @@ def board_order(board: Board, use_case: UseCase, arms: int) -> WorkOrder:
             f"use case {use_case.name} takes no imported designs: it says nothing under `designs` "
             "(docs/use-cases.md); choose another one by --use-case"
         )
-    if not board.ways:
+    if not board.routes:
         raise OrderError(
             f"order {name} has no wire with both ends on the plate: all {len(board.order.wires)} "
-            "lead away, and there is nothing to plan"
+            "leave the cabinet, and there is nothing to plan"
         )
     if designs.tasks is DesignTasks.BRANCHES:
         return branch_order(board, use_case, designs, arms)
-    points = (in_mm(point) for way in board.ways.values() for point in way)
+    points = (in_mm(point) for route in board.routes.values() for point in route)
     return _Wiring(board, use_case, Surroundings(points, designs, arms)).order()
 
 
 class _Wiring:
-    """One pass over the wires of one board."""
+    """Makes the order of the wires of one board."""
 
     def __init__(self, board: Board, use_case: UseCase, surroundings: Surroundings) -> None:
         self._board = board
         self._use_case = use_case
         self._around = surroundings
-        self._wires = [wire for wire in board.order.wires if wire.name in board.ways]
+        self._wires = [wire for wire in board.order.wires if wire.name in board.routes]
         self._names = self._terminal_names()
         taken: set[str] = set()
         self._task_names = {wire.name: take_name(wire.name, taken) for wire in self._wires}
@@ -78,7 +78,7 @@ class _Wiring:
             arms=self._around.arms,
             components={component.name: self._said(component) for component in components},
             terminals=tuple(
-                Terminal(name, ref.component, in_mm(self._board.mouths[ref]))
+                Terminal(name, ref.component, in_mm(self._board.openings[ref]))
                 for ref, name in self._names.items()
             ),
             tasks=tuple(self._task(wire, slots[wire.name]) for wire in self._wires),
@@ -108,7 +108,7 @@ class _Wiring:
         return {name: round(left + (i + 0.5) * pitch) for i, name in enumerate(ranked)}
 
     def _ends_x(self, wire: Wire) -> tuple[int, int]:
-        a, b = (in_mm(self._board.mouths[ref])[0] for ref in (wire.a, wire.b))
+        a, b = (in_mm(self._board.openings[ref])[0] for ref in (wire.a, wire.b))
         return a, b
 
     def _task(self, wire: Wire, slot_x: int) -> Task:
@@ -117,7 +117,7 @@ class _Wiring:
         # A wire that no arm can place alone is handed over; either one may pick it.
         low = min((reach[0] for reach in able), default=arms[-1].reach_mm[0])
         high = max((reach[1] for reach in able), default=arms[0].reach_mm[1])
-        path = tuple(map(in_mm, self._board.ways[wire.name]))
+        path = tuple(map(in_mm, self._board.routes[wire.name]))
         clips = order.clips_of(wire) if wire.route else ()
         nearer = self._around.nearer(*ends)
         return Task(
@@ -125,8 +125,8 @@ class _Wiring:
             terminals=(self._names[wire.a], self._names[wire.b]),
             slot_mm=(min(high, max(low, slot_x)), self._around.slot_y),
             characteristics=self._stated(wire),
-            ways=(
-                Way(
+            routes=(
+                Route(
                     path,
                     tuple(Clip(clip.name, in_mm(self._board.clips[clip.name])) for clip in clips),
                     tuple(sorted(set(wire.route))),

@@ -14,7 +14,7 @@ from itertools import pairwise
 
 from remodel_planning.core.condition import Value
 from remodel_planning.core.orders.surroundings import Surroundings, in_mm
-from remodel_planning.core.orders.work_order import Clip, Task, Way, WorkOrder
+from remodel_planning.core.orders.work_order import Clip, Route, Task, WorkOrder
 from remodel_planning.core.problem.problem import End, Point, Terminal, Under
 from remodel_planning.core.use_case.designs import Designs
 from remodel_planning.core.use_case.model import UseCase, declared
@@ -73,7 +73,7 @@ class _Branch:
 
 
 class _Mounting:
-    """One pass over one harness."""
+    """Makes the order of the branches of one harness."""
 
     def __init__(self, board: Board, use_case: UseCase, surroundings: Surroundings) -> None:
         self._board = board
@@ -138,8 +138,8 @@ class _Mounting:
     def _task(self, branch: _Branch) -> Task:
         begin = self._end(branch, branch.first, branch.nodes[0], "begin")
         end = self._end(branch, branch.last, branch.nodes[-1], "end")
-        ways = [self._segment[pair] for pair in pairwise(branch.nodes)]
-        clips = self._board.order.clips_along(ways)
+        routes = [self._segment[pair] for pair in pairwise(branch.nodes)]
+        clips = self._board.order.clips_along(routes)
         if branch.parent:
             # What holds the harness at a fork is the parent's.
             clips = tuple(clip for clip in clips if clip.node != branch.nodes[0])
@@ -154,11 +154,11 @@ class _Mounting:
             terminals=(begin.name, end.name),
             slot_mm=(x, y if branch.parent else self._around.slot_y),
             characteristics=declared(said, self._use_case.task_characteristics),
-            ways=(
-                Way(
+            routes=(
+                Route(
                     path,
                     tuple(Clip(clip.name, in_mm(self._board.clips[clip.name])) for clip in clips),
-                    tuple(sorted({segment.name for segment, _ in ways})),
+                    tuple(sorted({segment.name for segment, _ in routes})),
                 ),
             ),
             first=End.A,

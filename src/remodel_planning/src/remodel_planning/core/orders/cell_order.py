@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from remodel_planning.core.orders.work_order import Access, Task, Way, WorkOrder
+from remodel_planning.core.orders.work_order import Access, Route, Task, WorkOrder
 from remodel_planning.core.problem.problem import Arm, End, Point, Terminal
 from remodel_production.core.panel.panel_layout import (
     CutWire,
@@ -21,11 +21,11 @@ USE_CASE = "switchgear"
 # and low enough for the wire to stay in its channel.
 CARRY_HEIGHT_M = 0.040
 
-# [m] by which the tool goes past b's terminal, so that the wire comes back to it in a bend.
+# [m] by which the tool goes past b's terminal, so that the wire bends back to it.
 BEYOND_M = 0.030
 
-# [m] height of the tool centre over the plate where a wire that is given up is let go: it may fall
-# across whatever lies there.
+# [m] height of the tool centre over the plate where a wire that is given up is released: it may
+# fall across what lies there.
 LAY_DOWN_HEIGHT_M = 0.028
 
 # Of the cell (remodel_sim): the one arm stands before the panel, and changes no tools.
@@ -37,7 +37,7 @@ _REACH_MM = (-600, 600)
 
 def cell_order(layout: PanelLayout) -> WorkOrder:
     """Return the order that places all wires of a layout, in the panel's frame."""
-    mouths = {
+    openings = {
         TerminalRef(placed.component.name, terminal.name): (
             round(1e3 * (placed.x + terminal.x)),
             round(1e3 * (placed.y + terminal.y)),
@@ -49,10 +49,10 @@ def cell_order(layout: PanelLayout) -> WorkOrder:
     return WorkOrder(
         name=layout.name,
         use_case=USE_CASE,
-        arms=(Arm(_ARM, _HOME_MM, _REACH_MM, _HOME_MM, _TOOL, None),),
+        arms=(Arm(_ARM, _HOME_MM, _REACH_MM, _HOME_MM, tool=_TOOL, holding=None),),
         components={placed.component.name: {} for placed in layout.components},
         terminals=tuple(
-            Terminal(str(ref), ref.component, position) for ref, position in mouths.items()
+            Terminal(str(ref), ref.component, position) for ref, position in openings.items()
         ),
         access={
             str(TerminalRef(placed.component.name, terminal.name)): _access(placed, terminal)
@@ -60,7 +60,7 @@ def cell_order(layout: PanelLayout) -> WorkOrder:
             for terminal in placed.terminals
         },
         tasks=tuple(
-            _task(cut, mouths[cut.first], mouths[cut.second], channels[cut.channel])
+            _task(cut, openings[cut.first], openings[cut.second], channels[cut.channel])
             for cut in layout.wires
         ),
     )
@@ -80,7 +80,7 @@ def _task(cut: CutWire, first: Point, second: Point, channel: PlacedChannel) -> 
             "channel": cut.channel,
             "left_end_mm": round(-1e3 * max(cut.first_y, cut.second_y)),
         },
-        ways=(Way(path, segments=(cut.channel,)),),
+        routes=(Route(path, segments=(cut.channel,)),),
         first=End.A,
         values=(
             ("carry_path", (_past_second(cut, channel, CARRY_HEIGHT_M),)),

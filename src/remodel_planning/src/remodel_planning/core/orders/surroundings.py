@@ -35,7 +35,14 @@ class Surroundings:
                 (right, right + beside, (right - reach, right + beyond)),
             ]
         return tuple(
-            Arm(name, (station, self.slot_y), reach, (home, self._home_y), designs.tool, None)
+            Arm(
+                name,
+                (station, self.slot_y),
+                reach,
+                (home, self._home_y),
+                tool=designs.tool,
+                holding=None,
+            )
             for name, (home, station, reach) in zip(designs.arms, sides, strict=False)
         )
 
@@ -52,7 +59,7 @@ class Surroundings:
         return self.arms[2 * sum(xs) >= len(xs) * (self.left + self.right)]
 
     def meeting(self, path: tuple[Point, ...]) -> Point:
-        """Return where a way between both outer parts of the board first crosses its middle."""
+        """Return where a route between both outer parts of the board first crosses its middle."""
         middle = (self.left + self.right) / 2
         p, q = next(
             (p, q) for p, q in pairwise(path) if min(p[0], q[0]) <= middle <= max(p[0], q[0])

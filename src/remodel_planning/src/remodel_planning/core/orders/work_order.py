@@ -1,6 +1,6 @@
 """What is to be done: the tasks of an order with what they say about themselves, no durations.
 
-The form is told in docs/use-cases.md. Lengths are integers in mm, as in core.
+docs/use-cases.md describes the form. Lengths are integers in mm, as in core.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from itertools import pairwise
 from remodel_planning.core.condition import Features, Value, is_number
 from remodel_planning.core.problem.fields import Fields
 from remodel_planning.core.problem.instance import arm_from, characteristics_of, terminal_from
-from remodel_planning.core.problem.problem import Arm, End, Point, Terminal, Under, Wish
+from remodel_planning.core.problem.problem import Arm, End, Point, SoftConstraint, Terminal, Under
 from remodel_planning.core.use_case.context import terminal_features
 
 FORMAT = "remodel-order-1"
@@ -31,8 +31,8 @@ class Clip:
 
 
 @dataclass(frozen=True)
-class Way:
-    """A way on which something may be routed, from end a to end b.
+class Route:
+    """A course along which something may be routed, from end a to end b.
 
     Attributes:
         segments: names of the duct segments, which no two arms use at the same time.
@@ -48,11 +48,11 @@ class Way:
         return sum(math.dist(a, b) for a, b in pairwise(self.path_mm)) / 1e3
 
     @property
-    def reversed(self) -> Way:
-        """The same way from its end to its beginning."""
-        return Way(self.path_mm[::-1], self.clips[::-1], self.segments)
+    def reversed(self) -> Route:
+        """The same route from its end to its beginning."""
+        return Route(self.path_mm[::-1], self.clips[::-1], self.segments)
 
-    def legs(self) -> tuple[Way, ...]:
+    def legs(self) -> tuple[Route, ...]:
         """Return the parts from clip to clip, and the rest after the last clip."""
         legs, rest = [], replace(self, clips=())
         for clip in self.clips:
@@ -60,14 +60,14 @@ class Way:
             legs.append(leg)
         return (*legs, rest)
 
-    def split(self, point: Point) -> tuple[Way, Way]:
-        """Return the parts before and after the place of the way that is nearest to a point."""
+    def split(self, point: Point) -> tuple[Route, Route]:
+        """Return the parts before and after the place of the route that is nearest to a point."""
         leg, place = min(
             ((i, _nearest(a, b, point)) for i, (a, b) in enumerate(pairwise(self.path_mm))),
             key=lambda found: math.dist(found[1], point),
         )
-        before = Way((*self.path_mm[: leg + 1], place), (), self.segments)
-        after = Way((place, *self.path_mm[leg + 1 :]), (), self.segments)
+        before = Route((*self.path_mm[: leg + 1], place), (), self.segments)
+        after = Route((place, *self.path_mm[leg + 1 :]), (), self.segments)
         nearer = [
             before.distance(c.position_mm) <= after.distance(c.position_mm) for c in self.clips
         ]
@@ -78,7 +78,7 @@ class Way:
         )
 
     def distance(self, point: Point) -> float:
-        """Return how far [mm] a point is from the way."""
+        """Return how far [mm] a point is from the route."""
         return min(math.dist(_nearest(a, b, point), point) for a, b in pairwise(self.path_mm))
 
 
@@ -97,7 +97,7 @@ class Task:
     Attributes:
         terminals: names, of end a and of end b.
         slot_mm: where it is picked.
-        ways: at least one.
+        routes: at least one.
         meeting_mm: where one arm may hand it to the other; None: nowhere.
         first: the end to be inserted first; None: the planner chooses.
         values: for the inputs and parameters of states, such as poses.
@@ -107,7 +107,7 @@ class Task:
     terminals: tuple[str, str]
     slot_mm: Point
     characteristics: dict[str, Value]
-    ways: tuple[Way, ...]
+    routes: tuple[Route, ...]
     meeting_mm: Point | None = None
     preferred_arm: str | None = None
     first: End | None = None
@@ -116,11 +116,11 @@ class Task:
 
 @dataclass(frozen=True)
 class Access:
-    """How an end goes into a terminal; what nobody says is None.
+    """How an end goes into a terminal; what is not known is None.
 
     Attributes:
         force_limit_n: [N] that an insertion must not exceed.
-        clearance_m: [m] around the mouth that belongs to it.
+        clearance_m: [m] around the opening, for the gripper.
         approach: unit vector along which an end goes in, in the component's frame.
         kind: of the terminal, such as the article of its contact; empty if it is not known.
     """
@@ -152,12 +152,12 @@ class WorkOrder:
     terminals: tuple[Terminal, ...]
     tasks: tuple[Task, ...]
     unders: tuple[Under, ...] = ()
-    wishes: tuple[Wish, ...] = ()
+    soft_constraints: tuple[SoftConstraint, ...] = ()
     access: dict[str, Access] = field(default_factory=dict)
 
 
 def is_order(data: object) -> bool:
-    """Tell whether a parsed document means to be an order."""
+    """Return whether a parsed document is meant as an order."""
     return isinstance(data, dict) and data.get("format") == FORMAT
 
 
@@ -178,17 +178,17 @@ def order_from(data: object) -> WorkOrder:
         fields.text("use_case"),
         tuple(arm_from(item, item) for item in fields.objects("arms")),
         _components(fields),
-        tuple(terminal_from(item) for item in fields.objects("terminals")),
-        tuple(_task(item) for item in fields.objects("tasks")),
-        tuple(
+        terminals=tuple(terminal_from(item) for item in fields.objects("terminals")),
+        tasks=tuple(_task(item) for item in fields.objects("tasks")),
+        unders=tuple(
             Under(item.text("before"), item.text("after"))
             for item in (fields.objects("under") if fields.has("under") else ())
         ),
-        tuple(
-            Wish(item.text("before"), item.text("after"), item.number("weight"))
+        soft_constraints=tuple(
+            SoftConstraint(item.text("before"), item.text("after"), item.number("weight"))
             for item in (fields.objects("soft_before") if fields.has("soft_before") else ())
         ),
-        {item.text("id"): _access(item) for item in fields.objects("terminals")},
+        access={item.text("id"): _access(item) for item in fields.objects("terminals")},
     )
 
 
@@ -234,27 +234,27 @@ def _task(item: Fields) -> Task:
         *("id", "a", "b", "slot", "characteristics", "ways", "meeting", "prefer_arm", "first"),
         "values",
     )
-    ways = tuple(_way(way) for way in item.objects("ways"))
-    if not ways:
-        raise item.fail("ways", "at least one way")
+    routes = tuple(_route(route) for route in item.objects("ways"))
+    if not routes:
+        raise item.fail("ways", "at least one route")
     values = item.inner("values") if item.has("values") else None
     return Task(
         item.text("id"),
         (item.text("a"), item.text("b")),
         item.pair("slot"),
         dict(characteristics_of(item)),
-        ways,
-        item.pair("meeting") if item.has("meeting") else None,
-        item.text("prefer_arm") if item.has("prefer_arm") else None,
-        End("ab".index(item.choice("first", ("a", "b")))) if item.has("first") else None,
-        tuple((key, values.value(key)) for key in values.keys()) if values else (),  # noqa: SIM118 - not a dict
+        routes=routes,
+        meeting_mm=item.pair("meeting") if item.has("meeting") else None,
+        preferred_arm=item.text("prefer_arm") if item.has("prefer_arm") else None,
+        first=End("ab".index(item.choice("first", ("a", "b")))) if item.has("first") else None,
+        values=tuple((key, values.value(key)) for key in values.keys()) if values else (),  # noqa: SIM118 - not a dict
     )
 
 
-def _way(item: Fields) -> Way:
+def _route(item: Fields) -> Route:
     item.only("path", "clips", "segments")
     clips = item.objects("clips") if item.has("clips") else []
-    return Way(
+    return Route(
         item.pairs("path"),
         tuple(Clip(clip.text("id"), clip.pair("at")) for clip in clips),
         item.texts("segments") if item.has("segments") else (),

@@ -1,6 +1,6 @@
-"""The judge of plans: goes through the actions one by one and asks what the problem asks.
+"""Check a plan: simulate its actions one by one, and test what the problem requires.
 
-It knows the problem and the plan, and nothing of how plans are made; it shares no code with the
+This knows the problem and the plan, and nothing of how plans are made; it shares no code with the
 search. Every rule of docs/planning.md is one check here.
 """
 
@@ -30,11 +30,13 @@ class Verdict:
 
     Attributes:
         violations: empty for a valid plan; each names the action by its place in the plan.
+        durations: [ticks] of the actions; 0 of one that is impossible.
         makespan: [ticks] from the problem's start to the end of the last action.
-        penalties: by the name of their weight, `soft` for broken wishes.
+        penalties: by the name of their weight, `soft` for violated soft constraints.
     """
 
     violations: tuple[str, ...]
+    durations: tuple[int, ...]
     makespan: int
     penalties: dict[str, int]
 
@@ -51,13 +53,18 @@ class Verdict:
 
 def check(problem: Problem, plan: Plan) -> Verdict:
     """Return the verdict on a plan for a sound problem."""
-    judge = _Judge(problem)
+    simulation = _Simulation(problem)
     for index, action in enumerate(sorted(plan.actions, key=lambda a: a.start_ticks)):
-        judge.hear(index, action)
-    violations = [*judge.violations, *_overlaps(judge.uses), *_unfinished(judge)]
+        simulation.check(index, action)
+    violations = [*simulation.violations, *_overlaps(simulation.uses), *_unfinished(simulation)]
     if plan.problem != problem.name:
         violations.insert(0, f"the plan is for {plan.problem}, the problem is {problem.name}")
-    return Verdict(tuple(violations), judge.end - problem.start_ticks, _penalties(problem, judge))
+    return Verdict(
+        tuple(violations),
+        tuple(simulation.durations),
+        simulation.end - problem.start_ticks,
+        _penalties(problem, simulation),
+    )
 
 
 @dataclass
@@ -89,10 +96,10 @@ class _Use:
 
 
 class _RefusedError(Exception):
-    """An action that means nothing here; it is reported, and has no effect."""
+    """An action that is impossible here; it is reported, and has no effect."""
 
 
-class _Judge:
+class _Simulation:
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
         start = problem.start_ticks
@@ -108,6 +115,7 @@ class _Judge:
         self.end = start
         self.violations: list[str] = []
         self._index = 0
+        self.durations: list[int] = []
         self._unders: dict[str, list[str]] = {}
         for under in problem.unders:
             self._unders.setdefault(under.after, []).append(under.before)
@@ -117,29 +125,30 @@ class _Judge:
                 (pin.before, pin.before_end)
             )
 
-    def hear(self, index: int, action: Action) -> None:
-        """Judge one action, and let it happen."""
+    def check(self, index: int, action: Action) -> None:
+        """Check one action, and apply its effects."""
         self._index = index
+        self.durations.append(0)
         try:
             if action.arm not in self.arms:
                 raise _RefusedError(f"no arm {action.arm}")
-            _JUDGES[action.kind](self, action, self.arms[action.arm])
+            _CHECKS[action.kind](self, action, self.arms[action.arm])
         except _RefusedError as refusal:
-            self._blame(str(refusal))
+            self._report(str(refusal))
 
-    def _blame(self, text: str) -> None:
+    def _report(self, text: str) -> None:
         self.violations.append(f"action {self._index}: {text}")
 
     def _require(self, condition: bool, text: str) -> None:
         if not condition:
-            self._blame(text)
+            self._report(text)
 
     def _after(self, action: Action, time: int | None, what: str) -> None:
         """Require that something has happened, and before the action starts."""
         if time is None:
-            self._blame(f"{what} has not happened")
+            self._report(f"{what} has not happened")
         elif action.start_ticks < time:
-            self._blame(f"starts at {action.start_ticks}, but {what} only at {time}")
+            self._report(f"starts at {action.start_ticks}, but {what} only at {time}")
 
     def _move(self, action: Action, arm: str, to: Point) -> None:
         """Require that an arm can be at a position when the action starts."""
@@ -147,23 +156,34 @@ class _Judge:
         dx, dy = abs(state.position[0] - to[0]), abs(state.position[1] - to[1])
         arrival = state.free_at - (-max(dx, dy) // self.problem.speed_mm)
         if action.start_ticks < arrival:
-            self._blame(f"starts at {action.start_ticks}, but arm {arm} is there only at {arrival}")
+            self._report(
+                f"starts at {action.start_ticks}, but arm {arm} is there only at {arrival}"
+            )
 
-    def _work(self, action: Action, ticks: int, at: Point, to: Point, *taken: str) -> int:
-        """Bring the arm to the place of work, and let the work take its time."""
+    def _work(
+        self, action: Action, ticks: int, at: Point, *taken: str, to: Point | None = None
+    ) -> int:
+        """Bring the arm to the place of work, and let the work take its time and end `to` or there.
+
+        Returns:
+            When it ends.
+        """
         arm: Arm = self.arm[action.arm]
-        for point in (at, to):
+        for point in (at, to or at):
             self._require(arm.reaches(point), f"x = {point[0]} is out of reach of arm {arm.name}")
-        return self._spend(action, ticks, at, to, *taken)
+        return self._spend(action, ticks, at, *taken, to=to)
 
-    def _spend(self, action: Action, ticks: int, at: Point, to: Point, *taken: str) -> int:
+    def _spend(
+        self, action: Action, ticks: int, at: Point, *taken: str, to: Point | None = None
+    ) -> int:
         self._move(action, action.arm, at)
         end = action.start_ticks + ticks
+        self.durations[-1] = ticks
         state = self.arms[action.arm]
-        state.position, state.free_at = to, end
+        state.position, state.free_at = to or at, end
         self.end = max(self.end, end)
         for what in taken:
-            self.uses.append(_Use(what, action.start_ticks, end, action.arm, self._index))
+            self.uses.append(_Use(what, action.start_ticks, end, action.arm, index=self._index))
         return end
 
     def _wire(self, action: Action) -> tuple[Wire, _WireState]:
@@ -181,7 +201,7 @@ class _Judge:
             raise _RefusedError(f"no tool {action.target}")
         self._require(arm.holding is None, f"arm {action.arm} holds a wire while its tool changes")
         station = self.arm[action.arm].station_mm
-        self._spend(action, self.problem.durations.change_tool, station, station)
+        self._spend(action, self.problem.durations.change_tool, station)
         arm.tool = action.target
         self.tool_changes += 1
 
@@ -191,7 +211,7 @@ class _Judge:
         self._require(state.stage is Stage.STORED, f"wire {wire.name} is not in the magazine")
         self._require(arm.tool == wire.tool, f"wire {wire.name} needs tool {wire.tool}")
         ticks = self.problem.pick_ticks(wire)
-        self._work(action, ticks, wire.slot_mm, wire.slot_mm, "the magazine")
+        self._work(action, ticks, wire.slot_mm, "the magazine")
         arm.holding, state.stage = wire.name, Stage.HELD
         self.picks.append((action.arm, wire.name))
 
@@ -201,7 +221,7 @@ class _Judge:
             raise _RefusedError(f"no terminal {action.target}")
         at = terminal.position_mm
         taken = ("the camera", f"component {terminal.component}")
-        end = self._work(action, self.problem.durations.locate, at, at, *taken)
+        end = self._work(action, self.problem.durations.locate, at, *taken)
         earlier = self.located_at.get(terminal.component, end)
         self.located_at[terminal.component] = min(earlier, end)
 
@@ -223,7 +243,7 @@ class _Judge:
             self._after(action, time, f"inserting end {other.letter} of wire {name}")
         at = terminal.position_mm
         done = self._work(
-            action, self.problem.insert_ticks(wire, end), at, at, f"component {component}"
+            action, self.problem.insert_ticks(wire, end), at, f"component {component}"
         )
         state.inserted_at[end] = done
         if state.stage is Stage.HELD:
@@ -241,17 +261,17 @@ class _Judge:
         first = self.problem.end_terminal(wire, state.first).position_mm
         second = self.problem.end_terminal(wire, state.first.other).position_mm
         if state.stage is Stage.FIRST_IN and action.end is not None:
-            state.routed_at = self._work(action, wire.route_ticks, first, second, *ducts)
+            state.routed_at = self._work(action, wire.route_ticks, first, *ducts, to=second)
             state.stage = Stage.ROUTED
         elif state.stage is Stage.FIRST_IN and wire.handover is not None:
             meeting = wire.handover.position_mm
             ticks = wire.handover.route_ticks[state.first]
-            self._work(action, ticks, first, meeting, *ducts)
+            self._work(action, ticks, first, *ducts, to=meeting)
             state.stage = Stage.HALF
         elif state.stage is Stage.GIVEN and wire.handover and action.end is not None:
             meeting = wire.handover.position_mm
             ticks = wire.handover.route_ticks[action.end]
-            state.routed_at = self._work(action, ticks, meeting, second, *ducts)
+            state.routed_at = self._work(action, ticks, meeting, *ducts, to=second)
             state.stage = Stage.ROUTED
         else:
             raise _RefusedError(f"wire {wire.name} is {state.stage.name}, and cannot be routed so")
@@ -270,7 +290,7 @@ class _Judge:
             receiving.reaches(meeting), f"the handover is out of reach of arm {receiving.name}"
         )
         self._move(action, receiving.name, meeting)
-        end = self._work(action, self.problem.durations.hand_over, meeting, meeting)
+        end = self._work(action, self.problem.durations.hand_over, meeting)
         receiver.position, receiver.free_at, receiver.holding = meeting, end, wire.name
         arm.holding, state.stage = None, Stage.GIVEN
 
@@ -280,7 +300,7 @@ class _Judge:
             raise _RefusedError(f"wire {wire.name} is {state.stage.name}, and cannot be fixed")
         terminal = self.problem.end_terminal(wire, state.first.other)
         ticks, at = self.problem.fix_ticks(wire), terminal.position_mm
-        self._work(action, ticks, at, at, f"component {terminal.component}")
+        self._work(action, ticks, at, f"component {terminal.component}")
         arm.holding, state.stage = None, Stage.FIXED
 
     def _extract(self, action: Action, arm: _ArmState) -> None:
@@ -289,19 +309,19 @@ class _Judge:
             raise _RefusedError(f"that end of wire {wire.name} is not jammed")
         terminal = self.problem.end_terminal(wire, action.end)
         ticks, at = self.problem.durations.extract, terminal.position_mm
-        self._work(action, ticks, at, at, f"component {terminal.component}")
+        self._work(action, ticks, at, f"component {terminal.component}")
         state.jammed = None
 
 
-_JUDGES: dict[ActionKind, Callable[[_Judge, Action, _ArmState], None]] = {
-    ActionKind.CHANGE_TOOL: _Judge._change_tool,
-    ActionKind.PICK: _Judge._pick,
-    ActionKind.LOCATE: _Judge._locate,
-    ActionKind.INSERT: _Judge._insert,
-    ActionKind.ROUTE: _Judge._route,
-    ActionKind.HAND_OVER: _Judge._hand_over,
-    ActionKind.FIX: _Judge._fix,
-    ActionKind.EXTRACT: _Judge._extract,
+_CHECKS: dict[ActionKind, Callable[[_Simulation, Action, _ArmState], None]] = {
+    ActionKind.CHANGE_TOOL: _Simulation._change_tool,
+    ActionKind.PICK: _Simulation._pick,
+    ActionKind.LOCATE: _Simulation._locate,
+    ActionKind.INSERT: _Simulation._insert,
+    ActionKind.ROUTE: _Simulation._route,
+    ActionKind.HAND_OVER: _Simulation._hand_over,
+    ActionKind.FIX: _Simulation._fix,
+    ActionKind.EXTRACT: _Simulation._extract,
 }
 
 
@@ -317,7 +337,7 @@ def _initial(wire: Wire, start: int) -> _WireState:
 
 
 def _overlaps(uses: list[_Use]) -> Iterator[str]:
-    """Find what two arms have at the same time."""
+    """Find what two arms use at the same time."""
     by_name: dict[str, list[_Use]] = {}
     for use in uses:
         by_name.setdefault(use.what, []).append(use)
@@ -336,20 +356,20 @@ def _overlaps(uses: list[_Use]) -> Iterator[str]:
                 latest[use.arm] = use
 
 
-def _unfinished(judge: _Judge) -> Iterator[str]:
-    for name, state in judge.wires.items():
+def _unfinished(simulation: _Simulation) -> Iterator[str]:
+    for name, state in simulation.wires.items():
         if state.stage is not Stage.FIXED:
             yield f"end: wire {name} is {state.stage.name}, not FIXED"
 
 
-def _penalties(problem: Problem, judge: _Judge) -> dict[str, int]:
+def _penalties(problem: Problem, simulation: _Simulation) -> dict[str, int]:
     """Return what the picks and tool changes of a plan cost; earlier picks are paid for."""
     weights = problem.weights
     cost = dict.fromkeys(("colour", "zone", "start", "heavy", "arm", "soft"), 0)
-    cost["tool"] = weights.tool * judge.tool_changes
+    cost["tool"] = weights.tool * simulation.tool_changes
     last = {arm: problem.wire[wire] for wire, arm in problem.history}
     light = any(not problem.wire[wire].heavy for wire, _ in problem.history)
-    for arm, name in judge.picks:
+    for arm, name in simulation.picks:
         wire = problem.wire[name]
         if arm in last:
             cost["colour"] += weights.colour if last[arm].colour != wire.colour else 0
@@ -363,12 +383,12 @@ def _penalties(problem: Problem, judge: _Judge) -> dict[str, int]:
         last[arm] = wire
     place = {wire: i for i, (wire, _) in enumerate(problem.history)}
     earlier = len(problem.history)
-    place.update({wire: i + len(problem.history) for i, (_, wire) in enumerate(judge.picks)})
-    for wish in problem.wishes:
-        if place.get(wish.after, -1) < earlier:
+    place.update({wire: i + len(problem.history) for i, (_, wire) in enumerate(simulation.picks)})
+    for soft in problem.soft_constraints:
+        if place.get(soft.after, -1) < earlier:
             continue
-        if wish.before not in place or place[wish.before] > place[wish.after]:
-            cost["soft"] += wish.weight
+        if soft.before not in place or place[soft.before] > place[soft.after]:
+            cost["soft"] += soft.weight
     for ranking in problem.rankings:
         cost["soft"] += ranking.weight * _against_ranks(ranking, place, earlier)
     return cost
@@ -381,7 +401,7 @@ def _against_ranks(ranking: Ranking, place: dict[str, int], earlier: int) -> int
         ranking: of the wires.
         place: of each wire among the picks.
         earlier: picks from that place on are the plan's; pairs whose second wire was picked before
-            are settled.
+            do not change.
     """
     never = len(place)
     pairs = 0

@@ -1,4 +1,4 @@
-"""The list of wires behind a plan, and lists that differ from it in one wish."""
+"""The list of wires behind a plan, and lists that differ from it in one place."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Listing:
     modes: dict[str, Mode]
 
     def with_mode(self, wire: str, mode: Mode) -> Listing:
-        """Return the list with a wire done in another way."""
+        """Return the list with a wire done in another mode."""
         return Listing(self.wires, {**self.modes, wire: mode})
 
     def with_first_before(self, problem: Problem, first: str, second: str) -> Listing:

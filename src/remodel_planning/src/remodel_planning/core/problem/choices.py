@@ -1,4 +1,4 @@
-"""Which wires an entry of a preferences document speaks of.
+"""The wires that an entry of a preferences document selects.
 
 WIRES: all, a wire's name, a list of names, or {NAME: TEST, ...}: the wires that pass all tests
 NAME:  colour, tool, component, heavy, zone, or a characteristic that the order's wires have

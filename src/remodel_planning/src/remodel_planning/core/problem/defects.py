@@ -38,7 +38,7 @@ def require_sound(problem: Problem) -> None:
     opening_of(problem)
 
 
-def find_doubles(problem: Problem) -> Iterator[str]:
+def find_duplicates(problem: Problem) -> Iterator[str]:
     """Find names that stand for two things, and a count of arms that is not planned for."""
     if not 1 <= len(problem.arms) <= _MOST_ARMS:
         yield f"arms: {len(problem.arms)} found; this planner plans for one or two"
@@ -89,7 +89,7 @@ def _unknown_wires(problem: Problem) -> Iterator[str]:
     relations = (
         *(("constraint under", under.before, under.after) for under in problem.unders),
         *(("constraint pin", pin.before, pin.after) for pin in problem.pins),
-        *(("wish", wish.before, wish.after) for wish in problem.wishes),
+        *(("soft constraint", soft.before, soft.after) for soft in problem.soft_constraints),
     )
     for what, *pair in relations:
         for name in pair:
@@ -147,15 +147,15 @@ def find_cycles(problem: Problem) -> Iterator[str]:
     if cycle:
         yield "cyclic precedence: " + " before ".join(cycle)
     own = {(pin.after, pin.after_end) for pin in problem.pins if pin.before == pin.after}
-    both_ways = Counter(wire for wire, _ in own)
-    for name, count in both_ways.items():
+    pinned_first = Counter(wire for wire, _ in own)
+    for name, count in pinned_first.items():
         if count > 1:
             yield f"cyclic precedence: the pins of wire {name} put each of its ends first"
 
 
 def find_overweight(problem: Problem) -> Iterator[str]:
-    """Find wishes whose weights together are more than the search can count."""
-    total = sum(wish.weight for wish in problem.wishes)
+    """Find soft constraints whose weights together are more than the search can count."""
+    total = sum(soft.weight for soft in problem.soft_constraints)
     total += sum(ranking.weight * ranking.pairs for ranking in problem.rankings)
     if total > _MOST_WEIGHT:
         heaviest = max(problem.rankings, key=lambda r: r.weight * r.pairs, default=None)
@@ -164,7 +164,10 @@ def find_overweight(problem: Problem) -> Iterator[str]:
             if heaviest
             else ""
         )
-        yield f"wishes: all broken, they would cost {total}, over {_MOST_WEIGHT}{what}: lower them"
+        yield (
+            f"soft constraints: violating all would cost {total}, over {_MOST_WEIGHT}{what}: lower "
+            "their weights"
+        )
 
 
 def find_unreachable(problem: Problem) -> Iterator[str]:
@@ -196,7 +199,7 @@ def _listed(names: Iterable[str]) -> str:
 
 
 _PASSES: tuple[Callable[[Problem], Iterator[str]], ...] = (
-    find_doubles,
+    find_duplicates,
     find_unknown_names,
     find_shared_terminals,
     find_impossible_states,

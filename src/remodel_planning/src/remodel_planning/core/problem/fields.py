@@ -1,4 +1,4 @@
-"""Read the fields of a parsed JSON document, and say exactly which one is not as it must be."""
+"""Read the fields of a parsed JSON document, and name exactly the one that is not as required."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ class Fields:
         return Fields(self.value(key), self.place(key))
 
     def has(self, key: str) -> bool:
-        """Tell whether a field is there and not null."""
+        """Return whether a field is there and not null."""
         return self._data.get(key) is not None
 
     def only(self, *keys: str) -> None:

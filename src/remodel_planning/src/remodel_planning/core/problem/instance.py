@@ -17,12 +17,12 @@ from remodel_planning.core.problem.problem import (
     Pin,
     Problem,
     Ranking,
+    SoftConstraint,
     Stage,
     Terminal,
     Under,
     Weights,
     Wire,
-    Wish,
 )
 
 Json = dict[str, Any]
@@ -83,8 +83,8 @@ def problem_from(data: object) -> Problem:
             if kind == "under"
         ),
         pins=tuple(_pin(item) for item, kind in precedence if kind == "pin"),
-        wishes=tuple(
-            Wish(item.text("before"), item.text("after"), item.number("weight"))
+        soft_constraints=tuple(
+            SoftConstraint(item.text("before"), item.text("after"), item.number("weight"))
             for item in fields.objects("soft_before")
         ),
         rankings=tuple(
@@ -110,14 +110,14 @@ def _wire_states(states: Fields) -> dict[str, Fields]:
 
 
 def arm_from(item: Fields, state: Fields) -> Arm:
-    """Return the arm of an entry, and of one that tells what it is doing."""
+    """Return the arm of an entry, and of the one with its state."""
     return Arm(
         item.text("id"),
         item.pair("station"),
         item.pair("reach"),
         state.pair("pos"),
-        state.text("tool"),
-        state.text("holding") if state.has("holding") else None,
+        tool=state.text("tool"),
+        holding=state.text("holding") if state.has("holding") else None,
     )
 
 
@@ -140,21 +140,21 @@ def _wire(item: Fields, states: dict[str, Fields]) -> Wire:
         (item.text("a"), item.text("b")),
         item.text("colour"),
         item.text("tool"),
-        item.flag("heavy"),
-        item.number("zone"),
-        item.pair("slot"),
-        item.texts("segments"),
-        item.number("route"),
-        item.number("insert"),
-        _handover(item.inner("handover")) if item.has("handover") else None,
-        item.text("prefer_arm") if item.has("prefer_arm") else None,
-        stage,
-        first,
-        jammed,
-        _handling(item.inner("handling")) if item.has("handling") else None,
-        tuple(map(_detour, item.objects("detours"))) if item.has("detours") else (),
-        item.number("insert_force_n") if item.has("insert_force_n") else None,
-        characteristics_of(item),
+        heavy=item.flag("heavy"),
+        zone=item.number("zone"),
+        slot_mm=item.pair("slot"),
+        segments=item.texts("segments"),
+        route_ticks=item.number("route"),
+        insert_ticks=item.number("insert"),
+        handover=_handover(item.inner("handover")) if item.has("handover") else None,
+        preferred_arm=item.text("prefer_arm") if item.has("prefer_arm") else None,
+        stage=stage,
+        first=first,
+        jammed=jammed,
+        handling=_handling(item.inner("handling")) if item.has("handling") else None,
+        detours=tuple(map(_detour, item.objects("detours"))) if item.has("detours") else (),
+        insert_force_n=item.number("insert_force_n") if item.has("insert_force_n") else None,
+        characteristics=characteristics_of(item),
     )
 
 
@@ -202,7 +202,7 @@ def _picks(init: Fields) -> list[tuple[str, str]]:
 
 
 def problem_data(problem: Problem) -> Json:
-    """Return the document of a problem; reasons of order constraints and wishes are not told."""
+    """Return the document of a problem; it does not hold the reasons of constraints."""
     times, weights = problem.durations, problem.weights
     return {
         "format": FORMAT,
@@ -230,8 +230,8 @@ def problem_data(problem: Problem) -> Json:
             *map(_pin_data, problem.pins),
         ],
         "soft_before": [
-            {"before": wish.before, "after": wish.after, "weight": wish.weight}
-            for wish in problem.wishes
+            {"before": soft.before, "after": soft.after, "weight": soft.weight}
+            for soft in problem.soft_constraints
         ],
         "soft_order": [
             {"groups": [list(group) for group in ranking.groups], "weight": ranking.weight}

@@ -1,4 +1,4 @@
-"""The ways of doing a wire: which arm starts, with which end, and whether it hands over."""
+"""The modes of a wire: which arm starts, with which end, and whether it hands over."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from remodel_planning.core.problem.problem import Arm, End, Problem, Stage, Wire
 
 @dataclass(frozen=True)
 class Mode:
-    """One way of doing a wire.
+    """How a wire is placed.
 
     Attributes:
         arm: index of the arm that picks the wire, or that holds it at the start.
@@ -70,7 +70,7 @@ def _modes(problem: Problem, wire: Wire, barred: set[End]) -> Iterator[Mode]:
 
 
 def _starts(arm: Arm, wire: Wire) -> bool:
-    """Tell whether an arm can be the one that picks the wire, or holds it already."""
+    """Return whether an arm can pick the wire, or holds it already."""
     if wire.stage is Stage.STORED:
         return arm.reaches(wire.slot_mm)
     return arm.holding == wire.name

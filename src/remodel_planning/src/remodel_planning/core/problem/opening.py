@@ -2,7 +2,7 @@
 
 An arm that holds a wire can do no other before it. A wire that the held one has to wait for must
 then be done by the other arm, without a handover. So held wires, and the unfinished wires that they
-wait for, open the plan in a fixed order; or the arms wait for each other for ever.
+wait for, open the plan in a fixed order; or the arms deadlock.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def _arms(mode: Mode) -> tuple[int, ...]:
 
 
 def deadlock(problem: Problem) -> str:
-    """Return what to say when the arms would wait for each other for ever."""
+    """Return the message for a problem in which the arms would deadlock."""
     held = ", ".join(f"{arm.name} {arm.holding}" for arm in problem.arms if arm.holding)
     return (
         f"{problem.name}: no plan, since the arms would wait for each other with the wires that "

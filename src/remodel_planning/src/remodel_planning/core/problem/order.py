@@ -10,8 +10,8 @@ from remodel_planning.core.problem.problem import End, Problem, Stage, Wire
 def wire_order(problem: Problem) -> Iterator[tuple[str, str]]:
     """Yield the pairs of unfinished wires of which the first must be done before the second.
 
-    Constraints speak of routes and ends. A list of whole wires that obeys these pairs lets the arms
-    obey the constraints, whatever they do at the same time.
+    Constraints speak of routes and ends. With a list of whole wires that satisfies these pairs, the
+    arms satisfy the constraints, whatever they do at the same time.
     """
     for under in problem.unders:
         before, after = problem.wire[under.before], problem.wire[under.after]
@@ -27,7 +27,7 @@ def wire_order(problem: Problem) -> Iterator[tuple[str, str]]:
 
 
 def is_inserted(wire: Wire, end: End) -> bool:
-    """Tell whether an end is in its terminal when planning begins."""
+    """Return whether an end is in its terminal when planning begins."""
     if wire.stage >= Stage.SECOND_IN:
         return True
     return wire.stage >= Stage.FIRST_IN and wire.first is end

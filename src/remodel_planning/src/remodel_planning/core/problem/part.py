@@ -1,4 +1,4 @@
-"""A part of a problem: the wires that are left of it, and wires that are put off to its end."""
+"""A part of a problem: the wires that are left of it, and wires that are deferred to its end."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from dataclasses import replace
 from remodel_planning.core.problem.order import wire_order
 from remodel_planning.core.problem.problem import Problem, Ranking, Under
 
-# The reason of the order constraints that put wires off.
-PUT_OFF = "put off"
+# The reason of the order constraints that defer wires.
+_DEFERRED = "deferred"
 
 
 def part_of(problem: Problem, names: Collection[str]) -> Problem:
@@ -27,12 +27,14 @@ def part_of(problem: Problem, names: Collection[str]) -> Problem:
         wires=tuple(wire for wire in problem.wires if wire.name in left),
         unders=tuple(_unders(problem, left)),
         pins=tuple(p for p in problem.pins if p.before in left and p.after in left),
-        wishes=tuple(w for w in problem.wishes if w.before in left and w.after in left),
+        soft_constraints=tuple(
+            w for w in problem.soft_constraints if w.before in left and w.after in left
+        ),
         rankings=tuple(_rankings(problem, left)),
     )
 
 
-def put_off(problem: Problem, names: Collection[str]) -> Problem:
+def defer(problem: Problem, names: Collection[str]) -> Problem:
     """Return a problem in whose plans some wires come after all others.
 
     Wires that must come after them by another constraint still do.
@@ -40,7 +42,7 @@ def put_off(problem: Problem, names: Collection[str]) -> Problem:
     last = tuple(dict.fromkeys(name for name in names if name in problem.wire))
     late = _with_successors(problem, last)
     unders = (
-        Under(wire.name, name, PUT_OFF)
+        Under(wire.name, name, _DEFERRED)
         for name in last
         for wire in problem.wires
         if wire.name not in late
@@ -61,7 +63,7 @@ def _unders(problem: Problem, left: set[str]) -> Iterator[Under]:
 
 
 def _reached(start: str, after: dict[str, list[str]], left: set[str]) -> list[str]:
-    """Return the first wires that are left on all ways on from one that is not."""
+    """Return the first wires that are left on all paths on from one that is not."""
     seen, frontier = {start}, [start]
     while frontier:
         fresh = [name for name in after.get(frontier.pop(), ()) if name not in seen]

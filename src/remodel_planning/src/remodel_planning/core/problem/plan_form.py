@@ -59,6 +59,6 @@ def _action(fields: Fields) -> Action:
         fields.text("arm"),
         fields.number("t", greatest=GREATEST_TIME),
         fields.text("wire") if kind in _WITH_WIRE else None,
-        end,
-        fields.text(_TARGET_KEYS[kind]) if kind in _TARGET_KEYS else None,
+        end=end,
+        target=fields.text(_TARGET_KEYS[kind]) if kind in _TARGET_KEYS else None,
     )

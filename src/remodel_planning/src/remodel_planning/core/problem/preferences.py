@@ -5,11 +5,11 @@ The grammar, in YAML (docs/planning.md has an example):
     format: remodel-preferences-1
     zones: {ZONE: [LEAST, GREATEST], ...}       # parts of the panel, in x [mm]
     weights: {NAME: TICKS, ...}                 # of Weights; those not named stay
-    prefer:                                     # soft: a plan may break it, and pays
+    prefer:                                     # soft: a plan may violate it, and pays
       - {name: TEXT, pick: WIRES, before: WIRES, weight: TICKS}
       - {name: TEXT, pick: WIRES, in_order_of: NAME, from: least|greatest, weight: TICKS}
       - {name: TEXT, pick: WIRES, with_arm: ARM}             # weight: weights.arm, for each wire
-    require:                                    # hard: no plan breaks it
+    require:                                    # hard: no plan violates it
       - {name: TEXT, route: WIRES, before: WIRES}
       - {name: TEXT, route: WIRES, in_order_of: NAME, from: least|greatest}
       - {name: TEXT, arm: ARM, x_mm: [LEAST, GREATEST], while: SITUATION}
@@ -20,7 +20,7 @@ The grammar, in YAML (docs/planning.md has an example):
 
 A preference holds between all wires of the one choice and all of the other, without the pairs of a
 wire with itself; one of an order, between all wires whose values differ: a soft one becomes a
-Ranking, whose pairs nobody lists, a hard one binds each value's wires to those of the next value.
+Ranking, whose pairs are not listed, a hard one binds each value's wires to those of the next value.
 What has a `while` counts in that situation only; without it, always. A choice that no wire meets is
 refused, unless the entry says `if_any: true`.
 """
@@ -33,7 +33,7 @@ from dataclasses import dataclass, field, replace
 
 from remodel_planning.core.problem.choices import choose, feature, features_of
 from remodel_planning.core.problem.fields import Fields
-from remodel_planning.core.problem.problem import Arm, Problem, Ranking, Under, Wire, Wish
+from remodel_planning.core.problem.problem import Arm, Problem, Ranking, SoftConstraint, Under, Wire
 from remodel_production.errors import InstanceError
 
 FORMAT = "remodel-preferences-1"
@@ -48,7 +48,8 @@ class Preferred:
 
     Attributes:
         arm_reasons: the names of the preferences for an arm, by wire.
-        detours: names of the requirements for which wires are done in another way, by wire.
+        detours: names of the requirements for which wires are done by another method or route, by
+            wire.
         situations: in which some requirement counts.
     """
 
@@ -64,7 +65,7 @@ def apply_preferences(
     """Return the problem with the preferences of a parsed document, in the present situations.
 
     Raises:
-        InstanceError: naming the first entry that is malformed, speaks of what is not there, or
+        InstanceError: naming the first entry that is malformed, refers to what is not there, or
             cannot be kept by any plan.
     """
     fields = document_fields(data)
@@ -97,7 +98,7 @@ def document_fields(data: object) -> Fields:
 
 
 def requirements(fields: Fields) -> list[Fields]:
-    """Return the entries of a document that no plan breaks."""
+    """Return the entries of a document that no plan may violate."""
     return fields.objects("require") if fields.has("require") else []
 
 
@@ -125,8 +126,9 @@ def _prefer(preferred: Preferred, item: Fields) -> Preferred:
     item.only("name", "if_any", "pick", "before", "weight")
     pairs = _between(choose(problem, item, "pick"), choose(problem, item, "before"))
     weight = item.number("weight", least=1)
-    wishes = tuple(Wish(before, after, weight, name) for before, after in pairs)
-    return replace(preferred, problem=replace(problem, wishes=problem.wishes + wishes))
+    added = tuple(SoftConstraint(before, after, weight, name) for before, after in pairs)
+    constraints = problem.soft_constraints + added
+    return replace(preferred, problem=replace(problem, soft_constraints=constraints))
 
 
 def _require(preferred: Preferred, item: Fields, zones: Fields) -> Preferred:
@@ -160,13 +162,13 @@ def _limit_force(problem: Problem, item: Fields, name: str) -> None:
     for wire in choose(problem, item, "insert"):
         if wire.insert_force_n is None:
             raise InstanceError(
-                f"requirement `{name}`: nobody tells with which force wire {wire.name} is pushed "
-                "in: give its insert_force_n, or drop the requirement"
+                f"requirement `{name}`: the insertion force of wire {wire.name} is not "
+                "known: give its insert_force_n, or drop the requirement"
             )
         if wire.insert_force_n > limit:
             raise InstanceError(
                 f"requirement `{name}`: wire {wire.name} is pushed in with "
-                f"{wire.insert_force_n:g} N, over {limit} N: offer a gentler way, or drop the "
+                f"{wire.insert_force_n:g} N, over {limit} N: offer a gentler method, or drop the "
                 "requirement"
             )
 
@@ -216,18 +218,18 @@ def _avoid(preferred: Preferred, segment: str, name: str) -> Preferred:
 
 
 def _detoured(wire: Wire, segment: str) -> Wire | None:
-    """Return the wire on the first of its ways that avoids a segment; None if there is none."""
-    free = tuple(way for way in wire.detours if segment not in way.segments)
+    """Return the wire on the first of its routes that avoids a segment; None if there is none."""
+    free = tuple(detour for detour in wire.detours if segment not in detour.segments)
     if segment not in wire.segments:
         return replace(wire, detours=free)
     if not free:
         return None
-    way = free[0]
+    detour = free[0]
     return replace(
         wire,
-        segments=way.segments,
-        route_ticks=way.route_ticks,
-        handover=way.handover,
+        segments=detour.segments,
+        route_ticks=detour.route_ticks,
+        handover=detour.handover,
         detours=free[1:],
     )
 

@@ -2,8 +2,8 @@
 
 Lengths are integers in mm, times integers in ticks of 0.1 s, so that costs are exact and equal on
 every machine. A wire is picked from its slot in the magazine, one end is inserted, the wire is
-routed through ducts to the other terminal, that end is inserted and fixed. What must be known and
-free for each action is told in docs/planning.md.
+routed through ducts to the other terminal, that end is inserted and fixed. docs/planning.md lists
+what each action needs.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class Arm:
     holding: str | None
 
     def reaches(self, point: Point) -> bool:
-        """Tell whether the arm can work at a position."""
+        """Return whether the arm can work at a position."""
         return self.reach_mm[0] <= point[0] <= self.reach_mm[1]
 
 
@@ -101,7 +101,7 @@ class Handling:
 
 @dataclass(frozen=True)
 class Detour:
-    """Another way for a wire's routing, by which it may go where its own way is forbidden."""
+    """Another route for a wire, for where its own one is forbidden."""
 
     segments: tuple[str, ...]
     route_ticks: int
@@ -117,11 +117,11 @@ class Wire:
         heavy: its gauge is laid before light ones.
         zone: 0 (left) to 3 (right); work proceeds to the right.
         insert_ticks: of each end.
-        first: the end inserted first, once that is settled.
+        first: the end inserted first, once that is decided.
         jammed: the end whose insertion failed; it must be extracted.
         handling: its own durations, where they are not those of all wires.
-        detours: other ways, the best one first.
-        insert_force_n: [N] with which an end is pushed in, the greater of both; None: not told.
+        detours: other routes, the best one first.
+        insert_force_n: [N] with which an end is pushed in, the greater of both; None: unknown.
         characteristics: names and values by which preferences can choose it.
     """
 
@@ -161,7 +161,7 @@ class Under:
 
 @dataclass(frozen=True)
 class Pin:
-    """An end that would bar the way to another one, and is inserted after it."""
+    """An end that would bar the access to another one, and is inserted after it."""
 
     before: str
     before_end: End
@@ -170,7 +170,7 @@ class Pin:
 
 
 @dataclass(frozen=True)
-class Wish:
+class SoftConstraint:
     """Wire `before` should be picked before wire `after`; else the plan costs the weight.
 
     Attributes:
@@ -187,8 +187,8 @@ class Wish:
 class Ranking:
     """Wires that should be picked group by group: each pair picked otherwise costs the weight.
 
-    It says what a wish for each pair of wires of different groups would say, which is too many of
-    them with hundreds of wires. Nobody lists the pairs: those that an order breaks are counted.
+    It stands for a soft constraint for each pair of wires of different groups, too many of them to
+    be listed with hundreds of wires: the pairs that an order violates are counted.
 
     Attributes:
         groups: names of wires; those of the first group should come first.
@@ -210,11 +210,11 @@ class Ranking:
         sizes = [len(group) for group in self.groups]
         return (sum(sizes) ** 2 - sum(size**2 for size in sizes)) // 2
 
-    def wishes(self) -> Iterator[Wish]:
-        """Yield the wishes for which it stands."""
+    def constraints(self) -> Iterator[SoftConstraint]:
+        """Yield the soft constraints for which it stands."""
         for first, second in combinations(self.groups, 2):
             for before, after in product(first, second):
-                yield Wish(before, after, self.weight, self.reason)
+                yield SoftConstraint(before, after, self.weight, self.reason)
 
 
 @dataclass(frozen=True)
@@ -236,7 +236,7 @@ class Weights:
     Attributes:
         colour: for each pick of another colour than the same arm's last one.
         zone: for each zone that an arm goes back to the left.
-        start: for each zone that the first arm's first wire is away from the left.
+        start: for each zone between the left and the first arm's first wire.
         tool: for each change of tool.
         heavy: for each heavy wire picked after a light one.
         arm: for each wire picked by another arm than its preferred one.
@@ -272,7 +272,7 @@ class Problem:
     wires: tuple[Wire, ...]
     unders: tuple[Under, ...] = ()
     pins: tuple[Pin, ...] = ()
-    wishes: tuple[Wish, ...] = ()
+    soft_constraints: tuple[SoftConstraint, ...] = ()
     rankings: tuple[Ranking, ...] = ()
     start_ticks: int = 0
     located: frozenset[str] = frozenset()

@@ -63,8 +63,8 @@ class Planned:
         if kind is ActionKind.HAND_OVER:
             return Action(kind, arm, start, wire.name, target=problem.arms[detail].name)
         if kind in (ActionKind.INSERT, ActionKind.EXTRACT):
-            return Action(kind, arm, start, wire.name, End(detail))
+            return Action(kind, arm, start, wire.name, end=End(detail))
         if kind is ActionKind.ROUTE:
             end = None if detail == _HANDOVER_POINT else End(detail)
-            return Action(kind, arm, start, wire.name, end)
+            return Action(kind, arm, start, wire.name, end=end)
         return Action(kind, arm, start, wire.name)

@@ -25,7 +25,7 @@ class Tables:
         scalars: single values by the kernel's names.
         arrays: arrays by the kernel's names.
         modes: those possible, by the wire's name.
-        lost_penalty: what every plan pays for wishes that cannot come true any more.
+        lost_penalty: what every plan pays for soft constraints that are already violated.
     """
 
     problem: Problem
@@ -43,10 +43,10 @@ def tables_of(problem: Problem) -> Tables:
     number = {wire.name: i for i, wire in enumerate(wires)}
     picked = {wire for wire, _ in problem.history}
     stored = {wire.name for wire in problem.wires if wire.stage is Stage.STORED} - picked
-    wishes, lost_by_wish = _open_wishes(problem, number, picked, stored)
+    constraints, lost_by_pair = _open_constraints(problem, number, picked, stored)
     ranks, lost_by_rank = _open_ranks(problem, number, picked, stored)
     relations = _relations(problem, number)
-    relations["soft"] = _array(wishes, 3)
+    relations["soft"] = _array(constraints, 3)
     arrays = {**_wire_arrays(problem, wires, opening), **_arm_arrays(problem), **relations}
     arrays["rank"] = _array(ranks)
     arrays["rank_weight"] = _array(ranking.weight for ranking in problem.rankings)
@@ -61,7 +61,7 @@ def tables_of(problem: Problem) -> Tables:
         "arms": len(problem.arms),
         "unders": len(arrays["under"]),
         "pins": len(arrays["pin"]),
-        "softs": len(wishes),
+        "softs": len(constraints),
         "rankings": len(problem.rankings),
         "openings": len(opening.wires),
         "speed": problem.speed_mm,
@@ -73,7 +73,12 @@ def tables_of(problem: Problem) -> Tables:
         "light_started": int(light),
     }
     return Tables(
-        problem, tuple(number), scalars, arrays, opening.modes, lost_by_wish + lost_by_rank
+        problem,
+        tuple(number),
+        scalars,
+        arrays,
+        modes=opening.modes,
+        lost_penalty=lost_by_pair + lost_by_rank,
     )
 
 
@@ -134,7 +139,7 @@ def _arm_arrays(problem: Problem) -> dict[str, Integers]:
 
 
 def _relations(problem: Problem, number: dict[str, int]) -> dict[str, Integers]:
-    """Return the order constraints that are still to be obeyed."""
+    """Return the order constraints that are still to be satisfied."""
     ordered = set(wire_order(problem))
     unders = [
         (number[u.before], number[u.after])
@@ -149,27 +154,27 @@ def _relations(problem: Problem, number: dict[str, int]) -> dict[str, Integers]:
     return {"under": _array(unders, 2), "pin": _array(pins, 4)}
 
 
-def _open_wishes(
+def _open_constraints(
     problem: Problem, number: dict[str, int], picked: set[str], stored: set[str]
 ) -> tuple[list[tuple[int, ...]], int]:
-    """Return the wishes that the plan decides, and the weight of those broken whatever it does.
+    """Return the soft constraints that are open, and the weight of those already violated.
 
     Args:
-        problem: with its wishes.
+        problem: with its soft constraints.
         number: of the unfinished wires.
         picked: wires picked before the plan.
         stored: those that the plan picks.
     """
-    wishes: list[tuple[int, ...]] = []
+    constraints: list[tuple[int, ...]] = []
     lost = 0
-    for wish in problem.wishes:
-        if wish.after not in stored or wish.before in picked:
+    for soft in problem.soft_constraints:
+        if soft.after not in stored or soft.before in picked:
             continue
-        if wish.before in stored:
-            wishes.append((number[wish.before], number[wish.after], wish.weight))
+        if soft.before in stored:
+            constraints.append((number[soft.before], number[soft.after], soft.weight))
         else:
-            lost += wish.weight
-    return wishes, lost
+            lost += soft.weight
+    return constraints, lost
 
 
 def _open_ranks(
@@ -177,7 +182,7 @@ def _open_ranks(
 ) -> tuple[list[list[int]], int]:
     """Return the same of rankings: of each, the ranks by wire.
 
-    -1 stands for wires that the plan does not pick: their place among the picks is settled.
+    -1 stands for wires that the plan does not pick: their place among the picks is fixed.
     """
     ranks = []
     lost = 0

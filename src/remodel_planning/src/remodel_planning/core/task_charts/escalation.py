@@ -1,4 +1,4 @@
-"""Have behaviors leave to their supervisor what it is to handle first."""
+"""Leave to the supervisor the faults that it is to handle first."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ def escalating(chart: Chart) -> Chart:
 
     Such failures lead to where the state is given up: to where a goal leads that is refused. Where
     a failure is undone before the state is tried again, such as an insertion by an extraction, it
-    is undone before the state is given up as well: nobody carries away a wire that is jammed in its
-    terminal. What is serious is left as it is: the arm may be blocked, or its server not to be
-    trusted.
+    is undone before the state is given up as well: a wire that is jammed in its terminal cannot be
+    carried away. What is serious is left as it is: the arm may be blocked, or its server
+    unreliable.
     """
     nodes = {node.id: node for node in chart.nodes}
     leaving: list[AnyNode] = []
@@ -73,7 +73,7 @@ def _at_last(undoing: State) -> State:
 
 
 def _leaving(node: AnyNode, undo: str) -> AnyNode:
-    """Return a node that is left with such codes; by way of the node `undo` if there is one."""
+    """Return a node that is left with such codes; through the node `undo` if there is one."""
     if not isinstance(node, State) or node.on_error:
         return node
     targets = _targets(node)

@@ -79,7 +79,7 @@ class PlannedTask:
     def left(self, connected: Collection[str]) -> tuple[Step, ...]:
         """Return the steps that are left when the ends with these letters are connected.
 
-        What earlier steps have revealed, and those that are left need, is looked at again.
+        What earlier steps have revealed, and the remaining ones need, is observed again.
         """
         steps = self.decomposition.steps
         done = [
@@ -88,7 +88,7 @@ class PlannedTask:
             if step.macro is Macro.INSERT and step.end is not None and step.end.letter in connected
         ]
         begin = max(done, default=0)
-        return (*_looks(steps[:begin], steps[begin:]), *steps[begin:])
+        return (*_observations(steps[:begin], steps[begin:]), *steps[begin:])
 
     def _alone(self, action: Action, suffix: str) -> Chart:
         """Return the chart of one action that is about no end and no clip."""
@@ -97,7 +97,7 @@ class PlannedTask:
 
     def _part(self, steps: tuple[Step, ...], suffix: str) -> Chart:
         done = replace(self.decomposition, steps=steps)
-        return task_chart(self.use_case, done, self.component_of, self.arms, suffix)
+        return task_chart(self.use_case, done, self.component_of, self.arms, suffix=suffix)
 
 
 def planned_tasks(prepared: Prepared, plan: Plan) -> Iterator[PlannedTask]:
@@ -131,7 +131,9 @@ def planned_task(
     return PlannedTask(prepared.use_case, decomposition, prepared.component_of, tuple(arms))
 
 
-def done_otherwise(prepared: Prepared, planned: PlannedTask, state_path: str) -> PlannedTask | None:
+def with_other_method(
+    prepared: Prepared, planned: PlannedTask, state_path: str
+) -> PlannedTask | None:
     """Return a task with another method for the step that failed; None if there is none.
 
     Args:
@@ -156,14 +158,14 @@ def done_otherwise(prepared: Prepared, planned: PlannedTask, state_path: str) ->
     return replace(planned, decomposition=other)
 
 
-def _looks(before: Sequence[Step], left: Sequence[Step]) -> tuple[Step, ...]:
+def _observations(before: Sequence[Step], left: Sequence[Step]) -> tuple[Step, ...]:
     """Return the steps before whose findings are needed, once each."""
     known: set[str] = set()
-    looks: dict[str, Step] = {}
+    observations: dict[str, Step] = {}
     for step in left:
         for fact, _ in step.action.needs:
             revealing = [s for s in before if fact in (name for name, _ in s.action.reveals)]
             if fact not in known and revealing:
-                looks[fact] = revealing[-1]
+                observations[fact] = revealing[-1]
         known |= {fact for fact, _ in step.action.reveals}
-    return tuple(dict.fromkeys(looks.values()))
+    return tuple(dict.fromkeys(observations.values()))

@@ -1,4 +1,4 @@
-"""What the path of a state in a behavior tells."""
+"""Paths of states in the behaviors of tasks."""
 
 from __future__ import annotations
 

@@ -3,8 +3,8 @@
 Each step becomes a state, or a behavior that exists, and goes on to the next one. What fails is
 tried again as often as its action says, or sends the task back to the action that it names. What
 is given up ends in the use case's `give_up` action, so that the hand is empty when the task failed.
-What the task says about itself stands in the chart's inputs; what looking reveals flows from the
-state that has looked last to those that need it.
+What the task says about itself stands in the chart's inputs; what observations reveal flows from
+the latest observing state to those that need it.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def task_chart(
     Raises:
         UseCaseError: if an action refers to a value that the task does not have, or there is none.
     """
-    return marked(_Charting(use_case, decomposition, component_of, arms, suffix).chart())
+    return marked(_Charting(use_case, decomposition, component_of, arms, suffix=suffix).chart())
 
 
 def marked(chart: Chart) -> Chart:
@@ -260,7 +260,7 @@ class _Charting:
 
 
 def _place(steps: tuple[Step, ...], arms: tuple[str, ...]) -> Iterator[_Placed]:
-    """Yield the steps with ids of their own; who takes over at a handover does the rest."""
+    """Yield the steps with their own ids; the arm that receives at a handover does the rest."""
     arm = arms[0]
     for step, node in zip(steps, node_ids(steps), strict=True):
         if step.macro is Macro.HAND_OVER and step.action.grasps:

@@ -33,7 +33,7 @@ class TaskValues:
             "task": self.task.name,
             "arm": arm,
             "slot_pose": poses([self.task.slot_mm], self.height_m)[0],
-            "path": poses(step.way.path_mm, self.height_m),
+            "path": poses(step.route.path_mm, self.height_m),
             **self._of_end("first_", self.first),
             **self._of_end("second_", self.first.other),
         }
@@ -59,7 +59,7 @@ class TaskValues:
 
 
 def poses(path_mm: Sequence[Point], height_m: float) -> tuple[tuple[float, ...], ...]:
-    """Return tool poses [x, y, z, yaw] in the panel frame [m, rad], looking on along a path."""
+    """Return tool poses [x, y, z, yaw] in the panel frame [m, rad], facing along a path."""
     placed: list[tuple[float, ...]] = []
     for i, (x, y) in enumerate(path_mm):
         if i + 1 < len(path_mm):

@@ -10,7 +10,7 @@ from itertools import product
 # name -> value, sorted by name; hashable.
 Setting = tuple[tuple[str, float], ...]
 
-# [settings] More cannot be told apart in the trials of an order.
+# [settings] The trials of an order cannot compare more.
 _MOST_SETTINGS = 30
 
 
@@ -58,7 +58,7 @@ def frozen_setting(bounds: Mapping[str, Bounds]) -> Setting:
 
 
 def nearer_settings(bounds: Mapping[str, Bounds]) -> dict[Setting, Setting]:
-    """Return, of each setting but the frozen one, its neighbour on the way to the frozen one.
+    """Return, of each setting but the frozen one, its neighbour towards the frozen one.
 
     The parameter that is the most steps away goes one step back.
     """
@@ -95,7 +95,7 @@ def settings(bounds: Mapping[str, Bounds]) -> tuple[Setting, ...]:
     )
     if len(found) > _MOST_SETTINGS:
         raise ValueError(
-            f"{len(found)} settings of {', '.join(names)}; at most {_MOST_SETTINGS} can be told "
-            "apart: learn fewer parameters, or fewer values of each"
+            f"{len(found)} settings of {', '.join(names)}; at most {_MOST_SETTINGS} can be "
+            "compared: learn fewer parameters, or fewer values of each"
         )
     return found

@@ -39,7 +39,7 @@ NOTHING = Expectation(0.0, 1.0)
 
 
 class Expectations(Protocol):
-    """Whoever knows what to expect of abilities."""
+    """Knows what to expect of abilities."""
 
     def expect(self, ability: str, features: Features) -> Expectation:
         """Return what is expected of a call of the ability for a task with these features."""
@@ -61,7 +61,7 @@ class Frozen:
 
 @dataclass(frozen=True)
 class FrozenExpectations:
-    """What a use case states, until runs have taught better: the first that applies counts."""
+    """What a use case states, before there is experience: the first that applies counts."""
 
     stated: dict[str, tuple[Frozen, ...]]
 

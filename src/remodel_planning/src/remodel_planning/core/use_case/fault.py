@@ -1,4 +1,4 @@
-"""Kinds of faults, as data: remodel_msgs/config/faults.yaml tells what each field means."""
+"""Kinds of faults, as data: remodel_msgs/config/faults.yaml describes each field."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Do(Enum):
 
 @dataclass(frozen=True)
 class Change:
-    """How a parameter changes with each try.
+    """How a parameter changes with each attempt.
 
     Attributes:
         by: what is added to it, > 0.
@@ -60,11 +60,11 @@ class Fault:
 
     Attributes:
         name: stable name.
-        codes: error codes (remodel_msgs/ErrorCode) that tell of it.
+        codes: error codes (remodel_msgs/ErrorCode) that report it.
         after: how often in a row one of its codes must have come in one task.
-        symptoms: what is seen, felt or heard of it, a sentence.
+        symptoms: what can be seen, felt or heard, a sentence.
         responses: tried in this order; the last is lasting.
-        stops_unattended: whether nothing may move after it until a person has been there.
+        stops_unattended: whether nothing may move after it until a person has inspected the cell.
     """
 
     name: str
@@ -92,7 +92,7 @@ class FaultTable:
         return tuple(self._faults)
 
     def of(self, code: int) -> Fault:
-        """Return the fault that an error code tells of by itself.
+        """Return the fault that an error code reports by itself.
 
         Raises:
             KeyError: if none does.
@@ -103,7 +103,7 @@ class FaultTable:
         return fault
 
     def diagnose(self, codes: Sequence[int]) -> Fault | None:
-        """Return the fault that a task's error codes tell of; None if no fault has the last one.
+        """Return the fault that a task's error codes report; None if no fault has the last one.
 
         Of the faults with the last code, the one that needs the longest row of its codes wins.
 

@@ -1,6 +1,6 @@
 """A use case: how its tasks decompose into actions, and what its users want.
 
-The grammar of the YAML is told in docs/use-cases.md; config/use_case.schema.json is its form.
+docs/use-cases.md explains the YAML; config/use_case.schema.json is its form.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ FORCE = "force_n"
 class Macro(Enum):
     """The macro operations of which every task is made.
 
-    LOCATE is the looking at a component, which is done once for all tasks.
+    LOCATE observes a component, once for all tasks.
     """
 
     PICK = "pick"
@@ -62,7 +62,7 @@ class Characteristic:
 def declared(
     said: Mapping[str, Value], characteristics: Mapping[str, Characteristic]
 ) -> dict[str, Value]:
-    """Return what characteristics there are for, of what a design says; empty texts say nothing."""
+    """Return those values of a design that are declared as characteristics, without empty texts."""
     return {name: value for name, value in said.items() if name in characteristics and value != ""}
 
 
@@ -75,7 +75,7 @@ class Scope(Enum):
 
 @dataclass(frozen=True)
 class Fact:
-    """What nobody knows until an action has looked: where the ends of a wire lie, for example."""
+    """A condition that is unknown until the action `look` reveals it, such as where ends lie."""
 
     name: str
     of: Scope
@@ -94,7 +94,7 @@ class Action:
         tool: that the arm must have; empty: any.
         force_n: [N] with which it pushes at most; 0: it does not push.
         needs: facts that must be known, and the input that takes each one; empty: none does.
-        reveals: facts known afterwards, and the output that tells each one; empty: none does.
+        reveals: facts known afterwards, and the output that carries each one; empty: none does.
         forgets: facts that no longer hold afterwards.
         grasps: whether the hand may hold something afterwards.
         inputs: of the state, as references to the task's values.
@@ -124,13 +124,13 @@ class Action:
 
     @property
     def yields(self) -> bool:
-        """Whether it pushes with less where the terminal bears less: it is told so."""
+        """Whether it takes the force limit as a parameter, and so can push less hard."""
         return f"${FORCE}" in dict(self.params).values()
 
 
 @dataclass(frozen=True)
 class Subtask:
-    """A part of a method: an action or a task, once or for each clip of the way."""
+    """A part of a method: an action or a task, once or for each clip of the route."""
 
     name: str
     for_each_clip: bool = False
@@ -138,7 +138,7 @@ class Subtask:
 
 @dataclass(frozen=True)
 class Method:
-    """One way of doing a task, for those that meet its condition.
+    """One decomposition of a task, for those that meet its condition.
 
     Attributes:
         if_cheaper: whether it may be taken in place of the method before it, if it costs less.

@@ -25,7 +25,7 @@ def plain_name(name: str) -> str:
 def take_name(name: str, taken: set[str]) -> str:
     """Return the name, with a number if it is taken, and take it.
 
-    Names that differ in capitals alone are one: the files of behaviors do not tell them apart.
+    Names that differ in capitals alone are one: the files of behaviors have names in lower case.
     """
     found, number = name, 1
     while found.lower() in taken:

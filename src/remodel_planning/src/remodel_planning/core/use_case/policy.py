@@ -1,4 +1,4 @@
-"""A use case's responses to faults, and its limits: nothing is tried for ever."""
+"""A use case's responses to faults, and its limits: nothing is tried forever."""
 
 from __future__ import annotations
 

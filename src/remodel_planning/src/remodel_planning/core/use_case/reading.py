@@ -1,7 +1,7 @@
 """Read a use case from its parsed document.
 
-The form has been checked against config/use_case.schema.json before; here the names are: whatever
-is referred to must be there, and looking and decomposing must come to an end.
+Its form has been checked against config/use_case.schema.json. Here the names are checked: each
+reference has a target, and neither decomposition nor observation is circular.
 """
 
 from __future__ import annotations
@@ -71,14 +71,14 @@ def use_case_from(data: Json) -> UseCase:
         recovery=policy_from(data.get("recovery", {})),
         designs=designs_from(data.get("designs")),
     )
-    findings = list(_unknown_names(use_case)) or [*_untold_facts(use_case), *_circles(use_case)]
+    findings = list(_unknown_names(use_case)) or [*_hidden_facts(use_case), *_circles(use_case)]
     if findings:
         raise UseCaseError("\n  ".join(findings))
     return use_case
 
 
 def _bounds(ability: str, stated: Json) -> dict[str, Bounds]:
-    """Return the bounds of an ability's parameters; UseCaseError if they make no sense."""
+    """Return the bounds of an ability's parameters; UseCaseError if they are invalid."""
     try:
         bounds = {
             name: Bounds(item["frozen"], item["at_least"], item["at_most"], item["values"])
@@ -97,7 +97,7 @@ def _characteristics(stated: Json) -> dict[str, Characteristic]:
             item["default"],
             tuple(item.get("one_of", ())),
             item.get("at_least", float("-inf")),
-            item.get("at_most", float("inf")),
+            most=item.get("at_most", float("inf")),
         )
         for name, item in stated.items()
     }
@@ -219,20 +219,20 @@ def _missing(where: str, names: Iterable[str], known: Iterable[str], what: str) 
             yield f"{where}: no {what} {name}; there are {', '.join(there) or 'none'}"
 
 
-def _untold_facts(use_case: UseCase) -> Iterator[str]:
-    """Find actions that take what was seen from actions that do not tell it."""
+def _hidden_facts(use_case: UseCase) -> Iterator[str]:
+    """Find actions that take a value from actions that name no output for it."""
     for action in use_case.actions.values():
         for fact in [fact for fact, key in action.needs if key]:
-            for teller in use_case.actions.values():
-                if (fact, "") in teller.reveals:
+            for source in use_case.actions.values():
+                if (fact, "") in source.reveals:
                     yield (
-                        f"actions.{teller.name}.reveals: name the output that tells {fact}, which "
-                        f"{action.name} takes"
+                        f"actions.{source.name}.reveals: name the output that carries {fact}, "
+                        f"which {action.name} takes"
                     )
 
 
 def _circles(use_case: UseCase) -> Iterator[str]:
-    """Find tasks that are parts of themselves, and looking that has no end."""
+    """Find tasks that are parts of themselves, and observations that undo each other."""
     looks = {name: use_case.actions[fact.look] for name, fact in use_case.facts.items()}
     parts = {
         task: {sub.name for method in methods for sub in method.subtasks}
@@ -249,11 +249,11 @@ def _circles(use_case: UseCase) -> Iterator[str]:
         undoes = {f: _forgotten(looks[f], looks).intersection(needs) for f in needs}
         cycle = cycle_in(undoes)
         if cycle:
-            yield f"{action.name} is never ready: looking at {' undoes '.join(cycle)}"
+            yield f"{action.name} is never ready: observing {' undoes '.join(cycle)}"
 
 
 def _forgotten(action: Action, looks: dict[str, Action]) -> set[str]:
-    """Return the facts that an action, and the looking that it needs, make untrue."""
+    """Return the facts that an action, and the observations that it needs, invalidate."""
     forgotten = set(action.forgets)
     for fact, _ in action.needs:
         forgotten |= _forgotten(looks[fact], looks)

@@ -34,35 +34,35 @@ class Board:
 
     Attributes:
         order: with all places and routes.
-        mouths: of the terminals.
+        openings: of the terminals.
         lines: ends of the segments, by name.
         clips: places of the clips, by name.
-        ways: of the wires on the board, by name, from end a to end b.
+        routes: of the wires on the board, by name, from end a to end b.
         is_cabinet: whether the segments are ducts.
     """
 
     order: Order
     devices: tuple[PlacedDevice, ...]
-    mouths: Mapping[TerminalRef, Point]
+    openings: Mapping[TerminalRef, Point]
     lines: Mapping[str, tuple[Point, Point]]
     clips: Mapping[str, Point]
-    ways: Mapping[str, tuple[Point, ...]]
+    routes: Mapping[str, tuple[Point, ...]]
     is_cabinet: bool
 
     def length_of(self, wire: Wire) -> float:
-        """Return the length [m] of a wire, or that of its way if the design does not say."""
-        return way_length(self.ways[wire.name]) if wire.length_m is None else wire.length_m
+        """Return the length [m] of a wire, or that of its route if the design does not say."""
+        return route_length(self.routes[wire.name]) if wire.length_m is None else wire.length_m
 
 
-def way_length(way: tuple[Point, ...]) -> float:
+def route_length(route: tuple[Point, ...]) -> float:
     """Return the length [m] of a polyline."""
-    return sum(math.dist(p, q) for p, q in pairwise(way))
+    return sum(math.dist(p, q) for p, q in pairwise(route))
 
 
 def board_of(order: Order) -> Board:
     """Return the board of an order: a plate with ducts, or a formboard for a harness.
 
-    Wires that lead away are not on it.
+    Wires that leave the board are not on it.
     """
     order = laid_out(order)
     has_ducts = is_cabinet(order)
@@ -72,7 +72,7 @@ def board_of(order: Order) -> Board:
 def _plate(order: Order) -> Board:
     inside = order.in_cabinet()
     nodes = {n.name: n.position[:2] for n in order.nodes if n.position is not None}
-    devices, mouths = [], {}
+    devices, openings = [], {}
     for component in inside.components:
         if component.pose is None or not on_plate(component):
             continue
@@ -80,28 +80,28 @@ def _plate(order: Order) -> Board:
         spots = [t.pose.position for t in component.terminals if t.pose is not None]
         for terminal in component.terminals:
             dx, dy, _ = terminal.pose.position if terminal.pose else (0.0, 0.0, 0.0)
-            mouths[TerminalRef(component.name, terminal.name)] = (x + dx, y + dy)
+            openings[TerminalRef(component.name, terminal.name)] = (x + dx, y + dy)
         half = max((abs(spot[0]) for spot in spots), default=0.0) + _LEAST_SIZE_M / 2
         height = 2 * max((abs(spot[1]) for spot in spots), default=_LEAST_SIZE_M)
         devices.append(PlacedDevice(component, (x, y), (2 * half, height)))
     lines = {s.name: (nodes[s.start], nodes[s.end]) for s in order.segments}
-    ways = {w.name: _through_ducts(order, w, mouths, lines) for w in inside.wires}
-    return Board(order, tuple(devices), mouths, lines, {}, ways, True)
+    routes = {w.name: _through_ducts(order, w, openings, lines) for w in inside.wires}
+    return Board(order, tuple(devices), openings, lines, clips={}, routes=routes, is_cabinet=True)
 
 
 def _through_ducts(
     order: Order,
     wire: Wire,
-    mouths: Mapping[TerminalRef, Point],
+    openings: Mapping[TerminalRef, Point],
     lines: Mapping[str, tuple[Point, Point]],
 ) -> tuple[Point, ...]:
-    """Return a wire's way: up or down into a duct, from node to node, and out of a duct."""
-    a, b = mouths[wire.a], mouths[wire.b]
+    """Return a wire's route: up or down into a duct, from node to node, and out of a duct."""
+    a, b = openings[wire.a], openings[wire.b]
     if not wire.route:
         return a, b
     into, out = lines[wire.route[0]][0][1], lines[wire.route[-1]][0][1]
-    way = order.way_of(wire)
-    nodes = [lines[segment.name][1 if is_forward else 0] for segment, is_forward in way[:-1]]
+    route = order.directed_route(wire)
+    nodes = [lines[segment.name][1 if is_forward else 0] for segment, is_forward in route[:-1]]
     return _straightened((a, (a[0], into), *nodes, (b[0], out), b))
 
 
@@ -109,7 +109,7 @@ def _formboard(order: Order) -> Board:
     nodes = flattened([node.name for node in order.nodes], order.segments)
     left = min(x for x, _ in nodes.values())
     low = min(y for _, y in nodes.values())
-    devices, mouths = [], {}
+    devices, openings = [], {}
     loose_x = left
     at_node: Counter[str] = Counter()
     for component in order.components:
@@ -128,26 +128,28 @@ def _formboard(order: Order) -> Board:
         for index, terminal in enumerate(component.terminals):
             x = centre[0] + (index - (len(component.terminals) - 1) / 2) * _CAVITY_PITCH_M
             up = 1 if terminal.side is Side.TOP else -1
-            mouth = (x, centre[1] + up * _CONNECTOR_DEPTH_M / 2)
-            mouths[TerminalRef(component.name, terminal.name)] = mouth
+            opening = (x, centre[1] + up * _CONNECTOR_DEPTH_M / 2)
+            openings[TerminalRef(component.name, terminal.name)] = opening
     lines = {s.name: (nodes[s.start], nodes[s.end]) for s in order.segments}
     clips = {
         clip.name: nodes[clip.node] if clip.node else _along(lines[clip.segment], clip.along)
         for clip in order.clips
     }
-    ways = {wire.name: _along_bundles(order, wire, mouths, nodes) for wire in order.wires}
-    return Board(order, tuple(devices), mouths, lines, clips, ways, False)
+    routes = {wire.name: _along_bundles(order, wire, openings, nodes) for wire in order.wires}
+    return Board(
+        order, tuple(devices), openings, lines, clips=clips, routes=routes, is_cabinet=False
+    )
 
 
 def _along_bundles(
-    order: Order, wire: Wire, mouths: Mapping[TerminalRef, Point], nodes: Mapping[str, Point]
+    order: Order, wire: Wire, openings: Mapping[TerminalRef, Point], nodes: Mapping[str, Point]
 ) -> tuple[Point, ...]:
-    way: list[tuple[Segment, bool]] = order.way_of(wire) if wire.route else []
+    route: list[tuple[Segment, bool]] = order.directed_route(wire) if wire.route else []
     passed = []
-    for index, (segment, is_forward) in enumerate(way):
+    for index, (segment, is_forward) in enumerate(route):
         first, last = (segment.start, segment.end)[:: 1 if is_forward else -1]
         passed += [nodes[first], nodes[last]] if not index else [nodes[last]]
-    return (mouths[wire.a], *passed, mouths[wire.b])
+    return (openings[wire.a], *passed, openings[wire.b])
 
 
 def _along(line: tuple[Point, Point], along: float) -> Point:

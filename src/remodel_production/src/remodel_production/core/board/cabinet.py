@@ -2,7 +2,7 @@
 
     ─── D0 ───┬  Ducts lie above each row and below the last one, and up both sides. Each is cut
     │ Q1  Q2  │  into segments between nodes. A wire leaves its terminal up or down into the duct
-    ├── D1 ───┤  there, takes the shortest way through the ducts' graph, and leaves it in the same
+    ├── D1 ───┤  there, takes the shortest route through the ducts' graph, and leaves it in the same
     │ X1  K1  │  manner.
     └── D2 ───┘
 
@@ -55,8 +55,8 @@ class CabinetRules:
 def laid_out(order: Order, rules: CabinetRules | None = None) -> Order:
     """Return the order with the places, ducts, routes and lengths that its design leaves open.
 
-    A design with segments of its own, such as a harness, comes back as it is. Wires that lead away
-    get no route, and components outside no place.
+    A design with segments of its own, such as a harness, is returned unchanged. Wires that leave
+    the cabinet get no route, and components outside it no place.
     """
     inside = order.in_cabinet()
     if order.segments or not inside.wires:
@@ -73,13 +73,13 @@ class _Row:
 
 
 class _Cabinet:
-    """One pass over one order; every method fills what the next one needs."""
+    """Lays out one order; every method fills what the next one needs."""
 
     def __init__(self, order: Order, inside: Order, rules: CabinetRules) -> None:
         self._order = order
         self._rules = rules
         used = {component.name for component in inside.components}
-        # With all their terminals, also those of wires that lead away.
+        # With all their terminals, also those of wires that leave the cabinet.
         self._members = [c for c in order.components if c.name in used]
         self._wires = inside.wires
         posed = all(component.pose is not None for component in self._members)
@@ -93,7 +93,7 @@ class _Cabinet:
     def order(self) -> Order:
         places: dict[str, Component] = {}
         taps: dict[TerminalRef, tuple[float, int]] = {}
-        mouths: dict[TerminalRef, tuple[float, float]] = {}
+        openings: dict[TerminalRef, tuple[float, float]] = {}
         for index, row in enumerate(self._rows):
             for component, x in row.places:
                 placed = self._placed(component, x, row.y)
@@ -101,7 +101,7 @@ class _Cabinet:
                 for terminal in placed.terminals:
                     ref = TerminalRef(component.name, terminal.name)
                     dx, dy, _ = _position(terminal.pose)
-                    mouths[ref] = (x + dx, row.y + dy)
+                    openings[ref] = (x + dx, row.y + dy)
                     taps[ref] = (x + dx, index + (terminal.side is Side.BOTTOM))
         nodes, segments = self._graph()
         graph = DuctGraph(nodes, segments)
@@ -113,8 +113,8 @@ class _Cabinet:
                 continue
             (ax, a_duct), (bx, b_duct) = taps[wire.a], taps[wire.b]
             ay, by = self._ducts[a_duct], self._ducts[b_duct]
-            route, length = graph.way((ax, ay), (bx, by))
-            down = abs(mouths[wire.a][1] - ay) + abs(mouths[wire.b][1] - by)
+            route, length = graph.shortest_route((ax, ay), (bx, by))
+            down = abs(openings[wire.a][1] - ay) + abs(openings[wire.b][1] - by)
             total = round(length + down + 2 * self._rules.tail, 3)
             wires.append(replace(wire, route=route, length_m=wire.length_m or total))
         return replace(
@@ -178,8 +178,8 @@ class _Cabinet:
     def _line(self) -> list[Component]:
         """Return the components in a line, those that are wired to each other near each other.
 
-        Each is drawn towards the mean of those that it is wired to; of all lines seen, the one with
-        the least way between wired ones is taken. The first one is that of the design.
+        Each is drawn towards the mean of those that it is wired to; of all lines tried, the one
+        with the least distance between wired ones is taken. The first one is that of the design.
         """
         partners: dict[str, list[str]] = defaultdict(list)
         for wire in self._wires:
@@ -191,11 +191,11 @@ class _Cabinet:
         best, least = line, math.inf
         for _ in range(self._rules.passes):
             place = self._centres(line)
-            way = sum(
+            distance = sum(
                 abs(place[wire.a.component] - place[wire.b.component]) for wire in self._wires
             )
-            if way < least - 1e-9:
-                best, least = line, way
+            if distance < least - 1e-9:
+                best, least = line, distance
             pull = {
                 name: sum(place[other] for other in others) / len(others)
                 for name, others in partners.items()
@@ -220,10 +220,10 @@ class _Cabinet:
             up = 1 if side is Side.TOP else -1
             for index, terminal in enumerate(members):
                 dx = (index - (len(members) - 1) / 2) * self._rules.terminal_pitch
-                mouth = Pose((round(dx, 6), up * self._rules.height / 2, 0.0))
+                opening = Pose((round(dx, 6), up * self._rules.height / 2, 0.0))
                 terminals[terminal.name] = replace(
                     terminal,
-                    pose=terminal.pose or mouth,
+                    pose=terminal.pose or opening,
                     approach=terminal.approach or (0.0, -float(up), 0.0),
                 )
         return replace(
@@ -250,22 +250,22 @@ class _Cabinet:
             for j in range(pieces):
                 piece = round(width / pieces, 6)
                 start, end = f"D{k}/{j}", f"D{k}/{j + 1}"
-                segments.append(Segment(f"D{k}.{j}", start, end, piece, SegmentKind.DUCT))
+                segments.append(Segment(f"D{k}.{j}", start, end, piece, kind=SegmentKind.DUCT))
         for k, (above, below) in enumerate(pairwise(self._ducts)):
             for name, j in (("L", 0), ("R", pieces)):
                 start, end = f"D{k}/{j}", f"D{k + 1}/{j}"
                 length = round(above - below, 6)
-                segments.append(Segment(f"{name}{k}", start, end, length, SegmentKind.DUCT))
+                segments.append(Segment(f"{name}{k}", start, end, length, kind=SegmentKind.DUCT))
         return tuple(nodes), tuple(segments)
 
 
 def is_cabinet(order: Order) -> bool:
-    """Tell whether an order has ducts, as `laid_out` makes them."""
+    """Return whether an order has ducts, as `laid_out` makes them."""
     return any(segment.kind is SegmentKind.DUCT for segment in order.segments)
 
 
 def on_plate(component: Component) -> bool:
-    """Tell whether a component has a place on the plate."""
+    """Return whether a component has a place on the plate."""
     return component.mount is Mount.PLATE and component.pose is not None
 
 

@@ -15,7 +15,7 @@ _WIDTH = 1600
 _MARGIN = 40
 
 _BUNDLE = 8
-_MOUTH = 5
+_OPENING = 5
 
 # [m]: wires in one duct are drawn side by side, in this many lanes.
 _DUCT_M = 0.060
@@ -49,7 +49,7 @@ class _View:
 def draw_board(board: Board) -> str:
     """Return the SVG of a board."""
     points = [point for line in board.lines.values() for point in line]
-    points += board.mouths.values()
+    points += board.openings.values()
     points += [device.centre for device in board.devices]
     xs, ys = zip(*(points or [(0.0, 0.0)]), strict=True)
     left, right = min(xs) - _DUCT_M, max(xs) + _DUCT_M
@@ -106,15 +106,15 @@ def _devices(board: Board, view: _View) -> Iterator[str]:
     for device in board.devices:
         width, height = device.size
         x, y = view.place((device.centre[0] - width / 2, device.centre[1] + height / 2))
-        told = " ".join(filter(None, (device.component.name, device.component.kind)))
+        title = " ".join(filter(None, (device.component.name, device.component.kind)))
         yield (
             f'<rect x="{x:.1f}" y="{y:.1f}" width="{width * view.scale:.1f}" '
             f'height="{height * view.scale:.1f}" rx="2" fill="#f7f7f4" stroke="#8a8a80" '
-            f'stroke-width="0.8"><title>{escape(told)}</title></rect>'
+            f'stroke-width="0.8"><title>{escape(title)}</title></rect>'
         )
-    size = min(_MOUTH, 0.003 * view.scale)
-    for ref, mouth in board.mouths.items():
-        x, y = view.place(mouth)
+    size = min(_OPENING, 0.003 * view.scale)
+    for ref, opening in board.openings.items():
+        x, y = view.place(opening)
         yield (
             f'<rect x="{x - size / 2:.1f}" y="{y - size / 2:.1f}" width="{size:.1f}" '
             f'height="{size:.1f}" fill="#8a8a80"><title>{escape(str(ref))}</title></rect>'
@@ -123,18 +123,18 @@ def _devices(board: Board, view: _View) -> Iterator[str]:
 
 def _wires(board: Board, view: _View) -> Iterator[str]:
     wires = {wire.name: wire for wire in board.order.wires}
-    for index, (name, way) in enumerate(board.ways.items()):
+    for index, (name, route) in enumerate(board.routes.items()):
         wire = wires[name]
         offset = (index % _LANES - (_LANES - 1) / 2) * _LANE_M
-        points = _beside(way, offset) if board.is_cabinet else way
+        points = _beside(route, offset) if board.is_cabinet else route
         drawn = " ".join(f"{x:.1f},{y:.1f}" for x, y in map(view.place, points))
-        told = f"{name}: {wire.a} to {wire.b}, {wire.colour} {wire.section_mm2:g} mm2"
-        told += f", {board.length_of(wire):.2f} m"
+        title = f"{name}: {wire.a} to {wire.b}, {wire.colour} {wire.section_mm2:g} mm2"
+        title += f", {board.length_of(wire):.2f} m"
         thick = 0.8 + 0.25 * wire.section_mm2**0.5
         # White and yellow need an edge to be seen; a second colour is dashed over the first.
         yield (
             f'<g fill="none" stroke-linejoin="round" stroke-width="{thick:.2f}">'
-            f"<title>{escape(told)}</title>"
+            f"<title>{escape(title)}</title>"
             f'<polyline points="{drawn}" stroke={quoteattr(_stroke(wire, 0))}/>'
         )
         if len(wire.colour) > 2:
@@ -145,15 +145,15 @@ def _wires(board: Board, view: _View) -> Iterator[str]:
         yield "</g>"
 
 
-def _beside(way: tuple[Point, ...], offset: float) -> list[Point]:
-    """Return a way through ducts moved aside in them, its ends unmoved."""
-    if len(way) < 4:
-        return list(way)
-    moved = [way[0]]
-    for index, (x, y) in enumerate(way[1:-1], start=1):
-        is_first, is_last = index == 1, index == len(way) - 2
+def _beside(route: tuple[Point, ...], offset: float) -> list[Point]:
+    """Return a route through ducts, shifted within them; its ends stay."""
+    if len(route) < 4:
+        return list(route)
+    moved = [route[0]]
+    for index, (x, y) in enumerate(route[1:-1], start=1):
+        is_first, is_last = index == 1, index == len(route) - 2
         moved.append((x if is_first or is_last else x + offset, y + offset))
-    return [*moved, way[-1]]
+    return [*moved, route[-1]]
 
 
 def _stroke(wire: Wire, start: int) -> str:

@@ -1,8 +1,8 @@
-"""The shortest ways through ducts, between points on them.
+"""The shortest routes through ducts, between points on them.
 
-A point on a duct lies on a segment between two nodes. Ways between nodes are found by Dijkstra's
+A point on a duct lies on a segment between two nodes. Routes between nodes are found by Dijkstra's
 algorithm (Numerische Mathematik 1, 1959), once for each node that is asked for; of equally short
-ways the one over nodes that were given first is taken.
+routes the one over nodes that were given first is taken.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ class DuctGraph:
             start, end = self._at[segment.start], self._at[segment.end]
             if start[1] == end[1]:
                 self._level[start[1]].append(segment)
-        self._ways: dict[str, dict[str, tuple[float, tuple[str, ...]]]] = {}
+        self._routes: dict[str, dict[str, tuple[float, tuple[str, ...]]]] = {}
 
-    def way(self, a: _Point, b: _Point) -> tuple[tuple[str, ...], float]:
+    def shortest_route(self, a: _Point, b: _Point) -> tuple[tuple[str, ...], float]:
         """Return the segments from one point to another, and the length [m] between them.
 
         Args:
@@ -51,7 +51,7 @@ class DuctGraph:
                 if end not in self._from(start):
                     continue
                 length, route = self._from(start)[end]
-                # A way over the far node of its own segment would pass it twice.
+                # A route over the far node of its own segment would pass it twice.
                 if first.name in route or last.name in route:
                     continue
                 total = math.dist(a, self._at[start]) + length + math.dist(self._at[end], b)
@@ -70,8 +70,8 @@ class DuctGraph:
         raise ValueError(f"no duct at {point}")
 
     def _from(self, start: str) -> dict[str, tuple[float, tuple[str, ...]]]:
-        """Return the length and the segments of the shortest way to each node."""
-        if start not in self._ways:
+        """Return the length and the segments of the shortest route to each node."""
+        if start not in self._routes:
             found: dict[str, tuple[float, tuple[str, ...]]] = {}
             queue: list[tuple[float, int, str, tuple[str, ...]]] = [(0.0, 0, start, ())]
             while queue:
@@ -84,5 +84,5 @@ class DuctGraph:
                         total = round(length + segment.length_m, 9)
                         step = (total, self._rank[other], other, (*route, segment.name))
                         heapq.heappush(queue, step)
-            self._ways[start] = found
-        return self._ways[start]
+            self._routes[start] = found
+        return self._routes[start]

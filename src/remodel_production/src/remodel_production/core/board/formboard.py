@@ -1,6 +1,6 @@
 """Lay out a harness on a formboard: its nodes in a plane, with the true lengths of its segments.
 
-Of each connected part of the harness, the longest way through it is the trunk, which lies along x.
+Of each connected part of the harness, the longest path through it is the trunk, which lies along x.
 Every branch leaves its node at a right angle, up and down in turn; where it forks, its longer part
 goes straight on. A segment that closes a ring of segments is not stretched out, but drawn straight
 between its nodes.
@@ -70,22 +70,22 @@ def limbs(nodes: Sequence[str], segments: Sequence[Segment]) -> tuple[Limb, ...]
                 for other, _ in tree[node]:
                     if other in taken:
                         continue
-                    way = _straight_on(tree, node, other, depth)
-                    taken.update(way)
-                    found.append(Limb((node, *way), parent.level + 1, number))
+                    path = _straight_on(tree, node, other, depth)
+                    taken.update(path)
+                    found.append(Limb((node, *path), parent.level + 1, number))
             number += 1
     return tuple(found)
 
 
 def _straight_on(tree: _Tree, before: str, node: str, depth: dict[str, float]) -> list[str]:
     """Return the nodes of a branch from its first one on, along the part that reaches farthest."""
-    way = [node]
+    path = [node]
     while True:
-        following = [other for other, _ in tree[way[-1]] if other != before]
+        following = [other for other, _ in tree[path[-1]] if other != before]
         if not following:
-            return way
-        before = way[-1]
-        way.append(max(following, key=lambda name: depth[name]))
+            return path
+        before = path[-1]
+        path.append(max(following, key=lambda name: depth[name]))
 
 
 def _trees(nodes: Sequence[str], segments: Sequence[Segment]) -> list[_Tree]:
@@ -140,23 +140,23 @@ def _spread(tree: _Tree) -> dict[str, Point]:
 
 
 def _trunk(tree: _Tree) -> list[str]:
-    """Return the longest way through a tree."""
+    """Return the longest path through a tree."""
     return _farthest(tree, _farthest(tree, next(iter(tree)))[-1])
 
 
 def _farthest(tree: _Tree, start: str) -> list[str]:
-    """Return the longest way from a node."""
-    way: dict[str, tuple[float, str]] = {start: (0.0, "")}
+    """Return the longest path from a node."""
+    path: dict[str, tuple[float, str]] = {start: (0.0, "")}
     queue = [start]
     for node in queue:
         for other, length in tree[node]:
-            if other not in way:
-                way[other] = (way[node][0] + length, node)
+            if other not in path:
+                path[other] = (path[node][0] + length, node)
                 queue.append(other)
-    node = max(queue, key=lambda name: way[name][0])
+    node = max(queue, key=lambda name: path[name][0])
     nodes = [node]
     while node != start:
-        node = way[node][1]
+        node = path[node][1]
         nodes.append(node)
     return nodes[::-1]
 

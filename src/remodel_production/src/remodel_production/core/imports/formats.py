@@ -71,24 +71,18 @@ def import_design(
     Raises:
         DesignError: if it is refused, with the place, what was found, and what is needed.
     """
-    return with_access(_read(data, form, name, source, catalogue, mappings), catalogue)
+    if form is DesignFormat.WIRE_LIST:
+        imported = import_wire_list(data, name, source, catalogue, mappings=mappings)
+    else:
+        imported = _IMPORTERS[form](data, name, source, catalogue)
+    return with_access(imported, catalogue)
 
 
-def _read(
-    data: bytes,
-    form: DesignFormat,
-    name: str,
-    source: str,
-    catalogue: Catalogue,
-    mappings: Sequence[WireListMapping],
-) -> Imported:
-    if form is DesignFormat.QET:
-        return import_qet(data, name, source, catalogue)
-    if form is DesignFormat.KBL:
-        return import_kbl(data, name, source, catalogue)
-    if form is DesignFormat.WIREVIZ:
-        return import_wireviz(data, name, source, catalogue)
-    return import_wire_list(data, name, source, catalogue, mappings)
+_IMPORTERS = {
+    DesignFormat.QET: import_qet,
+    DesignFormat.KBL: import_kbl,
+    DesignFormat.WIREVIZ: import_wireviz,
+}
 
 
 def _format_of_xml(data: bytes) -> DesignFormat:

@@ -2,7 +2,7 @@
 
 A connection of a KBL names a wire or a core of a special wire, and the contact points of connectors
 at which it ends; a contact point contacts a cavity with a terminal. The routing of a connection
-names segments of the topology, which become an ordered way from the connection's first end to its
+names segments of the topology, which become an ordered route from the connection's first end to its
 second one; fixings on them are clips. All references are followed by id.
 
 The structure is that of the recommendation's model (ecad-wiki.prostep.org, specifications/kbl).
@@ -26,7 +26,7 @@ from remodel_production.core.imports.shared.assembly import (
     assemble,
     unique_name,
 )
-from remodel_production.core.imports.shared.guesses import Guesses
+from remodel_production.core.imports.shared.assumptions import Assumptions
 from remodel_production.core.imports.shared.units import number
 from remodel_production.core.imports.shared.xml_tree import line_of, local_name
 from remodel_production.core.production import Cable, Order, Pose, Role, Segment, TerminalRef
@@ -56,15 +56,15 @@ def import_kbl(text: bytes, name: str, source: str, catalogue: Catalogue) -> Imp
 
 
 class _Reader:
-    """One pass over one container."""
+    """Reads one container."""
 
     def __init__(self, tree: KblTree, catalogue: Catalogue) -> None:
         self._tree = tree
-        self._guesses = Guesses(catalogue)
+        self._assumptions = Assumptions(catalogue)
         self._left_out: list[LeftOut] = []
         self._ignored: list[LeftOut] = []
         self._note_version()
-        self._topology = Topology(tree, self._guesses)
+        self._topology = Topology(tree, self._assumptions)
         self._nodes = self._topology.nodes_of()
         self._names: dict[etree._Element, str] = {}
         self._kinds: dict[str, dict[str, str]] = {}
@@ -86,33 +86,33 @@ class _Reader:
         account = Account(
             "connections",
             len(found),
-            (*self._guesses.lines, *assembly.guesses),
+            (*self._assumptions.lines, *assembly.assumptions),
             tuple(self._left_out),
-            tuple(self._ignored),
-            self._joined,
-            self._wires_joined,
+            ignored=tuple(self._ignored),
+            joined=self._joined,
+            wires_joined=self._wires_joined,
         )
         order = Order(
             name,
             self._title(),
             source,
             assembly.components,
-            assembly.wires,
-            account.notes,
-            tuple(self._cables(connections)),
-            self._topology.nodes,
-            self._topology.segments,
-            self._topology.clips,
+            wires=assembly.wires,
+            notes=account.notes,
+            cables=tuple(self._cables(connections)),
+            nodes=self._topology.nodes,
+            segments=self._topology.segments,
+            clips=self._topology.clips,
         )
         return Imported(order, account)
 
     def _note_version(self) -> None:
         version = self._tree.root.get("version_id", "")
         if not version.startswith(_VERSIONS):
-            self._guesses.add(f"line 1: KBL version {version or 'not given'}, read as 2.5")
+            self._assumptions.add(f"line 1: KBL version {version or 'not given'}, read as 2.5")
         modules = len(self._tree.all("Module"))
         if modules > 1:
-            self._guesses.add(f"the parts of all {modules} modules are read, as of one harness")
+            self._assumptions.add(f"the parts of all {modules} modules are read, as of one harness")
 
     def _title(self) -> str:
         for harness in self._tree.all("Harness"):
@@ -131,7 +131,7 @@ class _Reader:
             base = text_of(owner, "Id") or owner.get("id") or line_of(owner)
             name = unique_name(base, taken)
             if name != base:
-                self._guesses.add(f"{line_of(owner)}: name {base} occurs before; named {name}")
+                self._assumptions.add(f"{line_of(owner)}: name {base} occurs before; named {name}")
             taken.add(name)
             self._names[owner] = name
 
@@ -183,11 +183,13 @@ class _Reader:
         if len(ends) > 2:
             self._joined += 1
             self._wires_joined += len(ends) - 1
-            self._guesses.add(f"{source}: it has {len(ends)} ends; they are joined in their order")
+            self._assumptions.add(
+                f"{source}: it has {len(ends)} ends; they are joined in their order"
+            )
         length = self._length(wires[0], route, source)
         for a, b in pairwise(refs):
             yield self._connection(
-                wires[0], a, b, source, length if len(refs) == 2 else None, route
+                wires[0], a, b, source, length=length if len(refs) == 2 else None, route=route
             )
 
     def _ends(self, element: etree._Element) -> list[etree._Element]:
@@ -243,18 +245,18 @@ class _Reader:
         if not segments:
             return ()
         a, b = (self._nodes_of(contact) for contact in ends)
-        way = ordered_route(segments, a, b)
-        if isinstance(way, str):
-            self._ignored.append(LeftOut(f"{source}, its route", way))
+        route = ordered_route(segments, a, b)
+        if isinstance(route, str):
+            self._ignored.append(LeftOut(f"{source}, its route", route))
             return ()
-        found = set(ends_of(way))
+        found = set(ends_of(route))
         if any(nodes and not found & set(nodes) for nodes in (a, b)):
             where = " and ".join(" or ".join(nodes) or "no node" for nodes in (a, b))
-            self._guesses.add(
-                f"{source}: its route leads from {' to '.join(ends_of(way))}, and its connectors "
+            self._assumptions.add(
+                f"{source}: its route leads from {' to '.join(ends_of(route))}, and its connectors "
                 f"sit at {where}; the route is taken"
             )
-        return way
+        return route
 
     def _nodes_of(self, contact: etree._Element) -> list[str]:
         """Return the nodes of a contact point: of its cavity, of its parts, of its connector."""
@@ -291,16 +293,16 @@ class _Reader:
         return Connection(
             a,
             b,
-            self._guesses.colour(colour, source),
-            self._guesses.section(section, source),
-            source,
-            _wire_name(occurrence)
+            self._assumptions.colour(colour, source),
+            self._assumptions.section(section, source),
+            source=source,
+            name=_wire_name(occurrence)
             if cable is None
             else f"{_cable_name(cable)}.{_wire_name(occurrence)}",
-            length,
-            "" if cable is None else _cable_name(cable),
-            "" if cable is None else _wire_name(occurrence),
-            tuple(segment.name for segment in route),
+            length_m=length,
+            cable="" if cable is None else _cable_name(cable),
+            core="" if cable is None else _wire_name(occurrence),
+            route=tuple(segment.name for segment in route),
         )
 
     def _length(
@@ -319,7 +321,7 @@ class _Reader:
             if kind in lengths:
                 return lengths[kind]
         if route:
-            self._guesses.add(f"{source}: length not given, that of its route taken")
+            self._assumptions.add(f"{source}: length not given, that of its route taken")
             return round(sum(segment.length_m for segment in route), 9)
         return None
 
@@ -342,7 +344,7 @@ class _Reader:
                 designator = "" if part is None else text_of(part, "Cable_designator")
                 shielded = "shield" in designator.lower()
                 length = self._length(occurrence, (), "")
-                yield Cable(name, kind, length, shielded, line_of(occurrence))
+                yield Cable(name, kind, length, shielded, source=line_of(occurrence))
 
     def _devices(self) -> Iterator[Device]:
         for owner, name in self._names.items():

@@ -1,4 +1,4 @@
-"""The topology of a KBL harness: nodes, segments, clips, and the ways of wires through them."""
+"""The topology of a KBL harness: nodes, segments, clips, and the routes of wires through them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from lxml import etree
 from remodel_production.core.imports.kbl_pose import placed_pose
 from remodel_production.core.imports.kbl_tree import KblTree, children, shown, text_of
 from remodel_production.core.imports.shared.assembly import unique_name
-from remodel_production.core.imports.shared.guesses import Guesses
+from remodel_production.core.imports.shared.assumptions import Assumptions
 from remodel_production.core.imports.shared.units import number
 from remodel_production.core.imports.shared.xml_tree import line_of, local_name
 from remodel_production.core.production import Clip, Node, Segment
@@ -20,14 +20,14 @@ from remodel_production.errors import DesignError
 class Topology:
     """Nodes, segments and clips; each has the name that the file calls it by."""
 
-    def __init__(self, tree: KblTree, guesses: Guesses) -> None:
+    def __init__(self, tree: KblTree, assumptions: Assumptions) -> None:
         """Read a container's topology.
 
         Raises:
             DesignError: if a segment has not two nodes.
         """
         self._tree = tree
-        self._guesses = guesses
+        self._assumptions = assumptions
         self._node_names = _names(tree.all("Node"))
         self._segment_names = _names(tree.all("Segment"))
         self.nodes = tuple(
@@ -77,7 +77,7 @@ class Topology:
                 return length
         p, q = self._position[start], self._position[end]
         length = math.dist(p, q) if p is not None and q is not None else 0.0
-        self._guesses.add(
+        self._assumptions.add(
             f"{line_of(element)}: length of segment {name} not given, {length:.3f} m taken"
         )
         return length
@@ -127,11 +127,11 @@ class Topology:
 def ordered_route(
     segments: Sequence[Segment], a: Collection[str], b: Collection[str]
 ) -> tuple[Segment, ...] | str:
-    """Return the segments as a way from a node of a to a node of b, or why they are no way.
+    """Return the segments as a route from a node of a to a node of b, or why they are none.
 
     Args:
         segments: in any order.
-        a: nodes of the first end; if the way ends at none of them, it begins as the file has it.
+        a: nodes of the first end; if the route ends at none of them, it begins as the file has it.
         b: nodes of the second end.
     """
     names = [segment.name for segment in segments]
@@ -147,28 +147,28 @@ def ordered_route(
         return f"{len(at[crossing])} of its segments meet at node {crossing}, so it branches"
     ends = [node for node, there in at.items() if len(there) == 1]
     if len(ends) != 2:
-        kind = "they form a cycle" if not ends else f"they form {len(ends) // 2} separate ways"
-        return f"its segments {', '.join(names[:8])} are no way: {kind}"
+        kind = "they form a cycle" if not ends else f"they form {len(ends) // 2} separate routes"
+        return f"its segments {', '.join(names[:8])} are no route: {kind}"
     # The first segment's end is found first: of equal directions, that of the file is taken.
     start = max(ends, key=lambda end: (end in a) + (ends[1 - ends.index(end)] in b))
-    way: list[Segment] = []
+    route: list[Segment] = []
     node = start
-    while len(way) < len(segments):
-        following = next((s for s in at[node] if not way or s is not way[-1]), None)
+    while len(route) < len(segments):
+        following = next((s for s in at[node] if not route or s is not route[-1]), None)
         if following is None:
             return f"its segments {', '.join(names[:8])} do not hang together"
-        way.append(following)
+        route.append(following)
         node = following.end if following.start == node else following.start
-    return tuple(way)
+    return tuple(route)
 
 
-def ends_of(way: Sequence[Segment]) -> tuple[str, str]:
-    """Return the nodes at which a way begins and ends."""
-    if len(way) == 1:
-        return way[0].start, way[0].end
-    first, last = way[0], way[-1]
-    begins = first.end if first.start in (way[1].start, way[1].end) else first.start
-    ends = last.end if last.start in (way[-2].start, way[-2].end) else last.start
+def ends_of(route: Sequence[Segment]) -> tuple[str, str]:
+    """Return the nodes at which a route begins and ends."""
+    if len(route) == 1:
+        return route[0].start, route[0].end
+    first, last = route[0], route[-1]
+    begins = first.end if first.start in (route[1].start, route[1].end) else first.start
+    ends = last.end if last.start in (route[-2].start, route[-2].end) else last.start
     return begins, ends
 
 

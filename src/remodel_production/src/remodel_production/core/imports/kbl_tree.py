@@ -114,7 +114,7 @@ def children(element: etree._Element, name: str) -> Iterator[etree._Element]:
 
 
 def text_of(element: etree._Element, name: str) -> str:
-    """Return a child's text; empty if there is none, or it says so in the format's way."""
+    """Return a child's text; empty if there is none or it is the format's null."""
     for child in children(element, name):
         text = " ".join((child.text or "").split())
         return "" if text in ("/NULL", "-") else text

@@ -46,7 +46,7 @@ from remodel_production.core.imports.shared.assembly import (
     assemble,
     unique_name,
 )
-from remodel_production.core.imports.shared.guesses import Guesses
+from remodel_production.core.imports.shared.assumptions import Assumptions
 from remodel_production.core.imports.shared.xml_tree import line_of, parse_xml
 from remodel_production.core.production import Mount, Order, Side, TerminalRef
 from remodel_production.errors import DesignError
@@ -94,12 +94,12 @@ def import_qet(text: bytes, name: str, source: str, catalogue: Catalogue) -> Imp
 
 
 class _Reader:
-    """One pass over one project; every method fills what the next one needs."""
+    """Reads one project; every method fills what the next one needs."""
 
     def __init__(self, project: etree._Element, catalogue: Catalogue) -> None:
         self._project = project
         self._catalogue = catalogue
-        self._guesses = Guesses(catalogue)
+        self._assumptions = Assumptions(catalogue)
         self._left_out: list[LeftOut] = []
         self._note_version()
         self._definitions = definitions_of(project)
@@ -129,21 +129,23 @@ class _Reader:
         account = Account(
             "conductors",
             count,
-            (*self._guesses.lines, *assembly.guesses),
+            (*self._assumptions.lines, *assembly.assumptions),
             tuple(self._left_out),
-            self._unwired({end.element for wire in wires for end in wire.ends}),
-            joined,
-            wires_joined,
+            ignored=self._unwired({end.element for wire in wires for end in wire.ends}),
+            joined=joined,
+            wires_joined=wires_joined,
         )
         title = self._project.get("title", "")
-        order = Order(name, title, source, assembly.components, assembly.wires, account.notes)
+        order = Order(
+            name, title, source, assembly.components, wires=assembly.wires, notes=account.notes
+        )
         return Imported(order, account)
 
     def _note_version(self) -> None:
         version = self._project.get("version", "")
         match = re.match(r"\d+\.\d+", version)
         if match is None or float(match[0]) > _NEWEST_FORMAT or version.startswith("0.100"):
-            self._guesses.add(
+            self._assumptions.add(
                 f"line {self._project.sourceline}: format {version or 'not given'}; read as 0.90"
             )
 
@@ -316,7 +318,7 @@ class _Reader:
             name = unique_name(base, taken)
             taken.add(name)
             if name != label:
-                self._guesses.add(f"the element at {line_of(element)} is named {name}")
+                self._assumptions.add(f"the element at {line_of(element)} is named {name}")
             devices[uuid] = Device(
                 name,
                 kind_of(element),
@@ -330,9 +332,9 @@ class _Reader:
         a, b = (
             TerminalRef(devices[self._masters[end.element]].name, end.name) for end in wire.ends
         )
-        colour = self._guesses.colour(wire.colour, wire.source)
-        section = self._guesses.section(wire.section, wire.source)
-        return Connection(a, b, colour, section, wire.source)
+        colour = self._assumptions.colour(wire.colour, wire.source)
+        section = self._assumptions.section(wire.section, wire.source)
+        return Connection(a, b, colour, section, source=wire.source)
 
     def _unwired(self, wired: set[str]) -> tuple[LeftOut, ...]:
         """Return the devices with terminals to which no wire goes."""

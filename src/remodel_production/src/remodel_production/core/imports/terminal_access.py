@@ -1,8 +1,8 @@
 """Fill in how wire ends go into terminals, where the design does not say it, by the catalogue.
 
 Of all formats, lists alone have columns for the force with which an end may be pushed in; none says
-how much room is around a terminal, or from where an end goes in. What is filled in is told as
-guessed.
+how much room is around a terminal, or from where an end goes in. Each value
+filled in is reported as an assumption.
 """
 
 from __future__ import annotations
@@ -27,17 +27,17 @@ def with_access(imported: Imported, catalogue: Catalogue) -> Imported:
     components = []
     for component in imported.order.components:
         rule = catalogue.terminal_rule(component.role, component.part_number)
-        lacking.update(_told(component, rule))
+        lacking.update(_assumed(component, rule))
         terminals = tuple(_filled(terminal, rule) for terminal in component.terminals)
         components.append(replace(component, terminals=terminals))
-    guesses = tuple(f"{what} (of {count} terminals)" for what, count in lacking.items())
+    assumptions = tuple(f"{what} (of {count} terminals)" for what, count in lacking.items())
     return Imported(
         replace(
             imported.order,
             components=tuple(components),
-            notes=(*imported.order.notes, *guesses),
+            notes=(*imported.order.notes, *assumptions),
         ),
-        replace(imported.account, guesses=(*imported.account.guesses, *guesses)),
+        replace(imported.account, assumptions=(*imported.account.assumptions, *assumptions)),
     )
 
 
@@ -51,8 +51,8 @@ def _filled(terminal: Terminal, rule: TerminalRule) -> Terminal:
     )
 
 
-def _told(component: Component, rule: TerminalRule) -> Counter[str]:
-    """Return a line for each value that is guessed, and for how many terminals."""
+def _assumed(component: Component, rule: TerminalRule) -> Counter[str]:
+    """Return a line for each assumed value, and for how many terminals."""
     kind = f"{component.role.value}s"
     terminals = component.terminals
     found = {

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.imports.shared.account import Account, Imported, LeftOut
 from remodel_production.core.imports.shared.assembly import Connection, Device, assemble
-from remodel_production.core.imports.shared.guesses import Guesses
+from remodel_production.core.imports.shared.assumptions import Assumptions
 from remodel_production.core.imports.shared.text_encoding import decode
 from remodel_production.core.imports.shared.units import length_m, number
 from remodel_production.core.imports.wire_list_mapping import Field, WireListMapping
@@ -18,7 +18,7 @@ from remodel_production.core.production import Cable, Order, Pose, TerminalRef
 from remodel_production.errors import DesignError
 
 _SEPARATORS = (";", "\t", ",", "|")
-# Reports begin with titles; below that many lines, no headings are looked for.
+# Reports begin with titles; below that many lines, no headings are searched.
 _HEADINGS_WITHIN = 30
 _MOST_ROWS = 50_000
 _MOST_LENGTH = 50_000  # characters of a cell
@@ -65,16 +65,16 @@ def import_wire_list(
     Raises:
         DesignError: if no mapping fits, or a line cannot be read.
     """
-    table, guessed_encoding = _table(data, mappings)
+    table, assumed_encoding = _table(data, mappings)
     names = {**catalogue.colour_names, **(table.mapping.colours or {})}
     reader = _Reader(table, replace(catalogue, colour_names=names))
-    if guessed_encoding:
-        reader.guesses.add(f"the file is no UTF-8: read as {guessed_encoding}")
+    if assumed_encoding:
+        reader.assumptions.add(f"the file is no UTF-8: read as {assumed_encoding}")
     return reader.read(name, source)
 
 
 def fits(data: bytes, mappings: Sequence[WireListMapping]) -> bool:
-    """Tell whether the data is a list that one of the mappings fits."""
+    """Return whether the data is a list that one of the mappings fits."""
     try:
         _table(data, mappings)
     except DesignError:
@@ -83,17 +83,17 @@ def fits(data: bytes, mappings: Sequence[WireListMapping]) -> bool:
 
 
 def _table(data: bytes, mappings: Sequence[WireListMapping]) -> tuple[_Table, str]:
-    """Return the list by the mapping that fits best, and the encoding if it was guessed."""
+    """Return the list by the mapping that fits best, and the encoding if it was assumed."""
     best: tuple[int, _Table, str] | None = None
     headings = ""
     for mapping in mappings:
-        text, guessed = decode(data, mapping.encoding)
+        text, assumed = decode(data, mapping.encoding)
         headings = headings or next((line for line in text.splitlines() if line.strip()), "")
         separators = (mapping.separator,) if mapping.separator else _SEPARATORS
         for separator in separators:
             table = _table_of(text, mapping, separator)
             if table is not None and (best is None or len(table.columns) > best[0]):
-                best = len(table.columns), table, guessed
+                best = len(table.columns), table, assumed
     if best is None:
         wanted = "; ".join(
             f"{mapping.name}: "
@@ -139,11 +139,11 @@ def _rows(text: str, separator: str, lines_before: int) -> Iterator[_Row]:
 
 
 class _Reader:
-    """One pass over one list."""
+    """Reads one list."""
 
     def __init__(self, table: _Table, catalogue: Catalogue) -> None:
         self._table = table
-        self.guesses = Guesses(catalogue)
+        self.assumptions = Assumptions(catalogue)
         self._left_out: list[LeftOut] = []
         self._devices: dict[str, Device] = {}
         self._placed_at: dict[str, int] = {}
@@ -161,7 +161,7 @@ class _Reader:
         account = Account(
             "lines",
             len(self._table.rows),
-            (*self.guesses.lines, *assembly.guesses),
+            (*self.assumptions.lines, *assembly.assumptions),
             tuple(self._left_out),
         )
         order = Order(
@@ -169,9 +169,9 @@ class _Reader:
             self._table.mapping.name,
             source,
             assembly.components,
-            assembly.wires,
-            account.notes,
-            tuple(self._cables.values()),
+            wires=assembly.wires,
+            notes=account.notes,
+            cables=tuple(self._cables.values()),
         )
         return Imported(order, account)
 
@@ -205,13 +205,13 @@ class _Reader:
         return Connection(
             a,
             b,
-            self.guesses.colour(self._cell(row, Field.COLOUR), source),
+            self.assumptions.colour(self._cell(row, Field.COLOUR), source),
             self._section(row, source),
-            source,
-            name,
-            self._length(row, source),
-            self._cable(row, source),
-            self._cell(row, Field.CORE),
+            source=source,
+            name=name,
+            length_m=self._length(row, source),
+            cable=self._cable(row, source),
+            core=self._cell(row, Field.CORE),
         )
 
     def _cell(self, row: _Row, field: Field) -> str:
@@ -231,7 +231,7 @@ class _Reader:
             return None
         if not clamp:
             clamp = "1"
-            self.guesses.add(f"line {row.line}: no terminal of {name} is given, 1 taken")
+            self.assumptions.add(f"line {row.line}: no terminal of {name} is given, 1 taken")
         return TerminalRef(name, clamp)
 
     def _device(self, end: TerminalRef, row: _Row, x: Field, y: Field) -> None:
@@ -278,19 +278,19 @@ class _Reader:
 
     def _section(self, row: _Row, source: str) -> float:
         text = self._cell(row, Field.SECTION)
-        return self.guesses.section(text, source, self._table.mapping.section_unit)
+        return self.assumptions.section(text, source, self._table.mapping.section_unit)
 
     def _length(self, row: _Row, source: str) -> float | None:
         text = self._cell(row, Field.LENGTH)
         length = length_m(text, self._table.mapping.length_unit) if text else None
         if text and length is None and number(text) != 0.0:
-            self.guesses.add(f"{source}: length {text!r} not understood, none taken")
+            self.assumptions.add(f"{source}: length {text!r} not understood, none taken")
         return length
 
     def _cable(self, row: _Row, source: str) -> str:
         name = self._cell(row, Field.CABLE)
         if name:
-            self._cables.setdefault(name, Cable(name, "", None, False, source))
+            self._cables.setdefault(name, Cable(name, "", None, False, source=source))
         return name
 
 

@@ -119,11 +119,11 @@ def mapping_from(text: str) -> WireListMapping:
         _columns(root["columns"]),
         _unit(units, "section", "mm2"),
         _unit(units, "length", "mm"),
-        _unit(units, "position", "mm"),
-        _text(root, "terminal_separator", ":"),
-        _text(root, "separator", "").replace("tab", "\t"),
-        _text(root, "encoding", ""),
-        {name.lower(): code.text.upper() for name, code in colours.items()},
+        position_unit=_unit(units, "position", "mm"),
+        terminal_separator=_text(root, "terminal_separator", ":"),
+        separator=_text(root, "separator", "").replace("tab", "\t"),
+        encoding=_text(root, "encoding", ""),
+        colours={name.lower(): code.text.upper() for name, code in colours.items()},
     )
 
 

@@ -24,7 +24,7 @@ from difflib import get_close_matches
 from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.imports.shared.account import Account, Imported, LeftOut
 from remodel_production.core.imports.shared.assembly import Connection, Device, assemble
-from remodel_production.core.imports.shared.guesses import Guesses
+from remodel_production.core.imports.shared.assumptions import Assumptions
 from remodel_production.core.imports.shared.text_encoding import decode
 from remodel_production.core.imports.shared.yaml_tree import Value, parse_yaml
 from remodel_production.core.imports.wireviz_parts import (
@@ -73,7 +73,7 @@ def import_wireviz(data: bytes, name: str, source: str, catalogue: Catalogue) ->
     Raises:
         DesignError: if the file is no WireViz harness, or refers to what is not there.
     """
-    text, guessed_encoding = decode(data)
+    text, assumed_encoding = decode(data)
     root = parse_yaml(text).mapping("the file")
     if "connections" not in root:
         found = ", ".join(list(root)[:10]) or "nothing"
@@ -81,17 +81,17 @@ def import_wireviz(data: bytes, name: str, source: str, catalogue: Catalogue) ->
             f"line 1: found {found}; a WireViz harness has `connectors`, `cables` and `connections`"
         )
     reader = _Reader(root, catalogue)
-    if guessed_encoding:
-        reader.guesses.add(f"the file is no UTF-8: read as {guessed_encoding}")
+    if assumed_encoding:
+        reader.assumptions.add(f"the file is no UTF-8: read as {assumed_encoding}")
     return reader.read(name, source)
 
 
 class _Reader:
-    """One pass over one harness."""
+    """Reads one harness."""
 
     def __init__(self, root: dict[str, Value], catalogue: Catalogue) -> None:
         self._root = root
-        self.guesses = Guesses(catalogue)
+        self.assumptions = Assumptions(catalogue)
         self._ignored: list[LeftOut] = []
         self._left_out: list[LeftOut] = []
         sections = {key: root[key].mapping(key) for key in ("connectors", "cables") if key in root}
@@ -131,18 +131,18 @@ class _Reader:
         account = Account(
             "connections",
             len(connections) + len(self._left_out),
-            (*self.guesses.lines, *assembly.guesses),
+            (*self.assumptions.lines, *assembly.assumptions),
             tuple(self._left_out),
-            tuple(self._ignored),
+            ignored=tuple(self._ignored),
         )
         order = Order(
             name,
             title.text if title is not None and title.is_scalar else "",
             source,
             assembly.components,
-            assembly.wires,
-            account.notes,
-            cables,
+            wires=assembly.wires,
+            notes=account.notes,
+            cables=cables,
         )
         return Imported(order, account)
 
@@ -167,7 +167,7 @@ class _Reader:
         self._note_arrows(items)
 
     def _mated(self, items: list[Value], index: int) -> bool:
-        """Tell whether an item mates a neighbour as a whole, so that its pins do not matter."""
+        """Return whether an item mates a neighbour as a whole, so that its pins do not matter."""
         beside = items[max(0, index - 1) : index] + items[index + 1 : index + 2]
         return any(_is_arrow(item) for item in beside)
 
@@ -306,7 +306,9 @@ class _Reader:
                     self._left_out.append(LeftOut(where, reason))
                 else:
                     connections.append(
-                        self._connection(designator, key, cable, core.left, core.right, where)
+                        self._connection(
+                            designator, key, cable, core.left, right=core.right, where=where
+                        )
                     )
         return connections
 
@@ -323,13 +325,13 @@ class _Reader:
         return Connection(
             left,
             right,
-            "" if key == SHIELD else self.guesses.colour(colour, where),
-            self.guesses.section(cable.gauge, where),
-            where,
-            f"{designator}.{key}",
-            cable.length_m,
-            "" if cable.is_bundle else designator,
-            key,
+            "" if key == SHIELD else self.assumptions.colour(colour, where),
+            self.assumptions.section(cable.gauge, where),
+            source=where,
+            name=f"{designator}.{key}",
+            length_m=cable.length_m,
+            cable="" if cable.is_bundle else designator,
+            core=key,
         )
 
     def _devices(self) -> list[Device]:
@@ -356,10 +358,14 @@ class _Reader:
             part = self._cables.get(template)
             if part is not None and not part.is_bundle:
                 if part.length and part.length_m is None:
-                    self.guesses.add(f"line {part.line}: length {part.length!r} not understood")
+                    self.assumptions.add(f"line {part.line}: length {part.length!r} not understood")
                 cables.append(
                     Cable(
-                        designator, part.kind, part.length_m, part.is_shielded, f"line {part.line}"
+                        designator,
+                        part.kind,
+                        part.length_m,
+                        part.is_shielded,
+                        source=f"line {part.line}",
                     )
                 )
         return cables

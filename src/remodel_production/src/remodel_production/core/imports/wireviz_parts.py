@@ -142,8 +142,8 @@ def connector_part(name: str, value: Value) -> ConnectorPart:
         " ".join(filter(None, (_text(attributes, "type"), _text(attributes, "subtype")))),
         _text(attributes, "mpn") or _text(attributes, "pn"),
         is_simple,
-        len(attributes["loops"].items("loops")) if "loops" in attributes else 0,
-        value.line,
+        loops=len(attributes["loops"].items("loops")) if "loops" in attributes else 0,
+        line=value.line,
     )
 
 
@@ -176,16 +176,16 @@ def cable_part(name: str, value: Value) -> CablePart:
             "core",
             tuple(str(n) for n in range(1, count + 1)),
             tuple(_texts(attributes, "wirelabels", what)),
-            tuple(colours),
-            (SHIELD,) if is_shielded else (),
+            colours=tuple(colours),
+            extra=(SHIELD,) if is_shielded else (),
         ),
         _text(attributes, "type") or _text(attributes, "mpn") or _text(attributes, "pn"),
         _text(attributes, "gauge"),
         length_m(length) if length else None,
-        length,
-        is_shielded,
-        _text(attributes, "category") == "bundle",
-        value.line,
+        length=length,
+        is_shielded=is_shielded,
+        is_bundle=_text(attributes, "category") == "bundle",
+        line=value.line,
     )
 
 

@@ -1,7 +1,7 @@
 """Place an order's components on a panel, and cut its wires to length.
 
 Components stand in rows along y, with a channel between two rows (panel_rows.py). Along y they
-stand such that every wire has some way to go along its channel: rows stand to the left and to the
+stand such that every wire runs some distance along its channel: rows stand to the left and to the
 right in turn, and the places are the least solution of the constraints on their differences.
 Up is +x, away from the robot. All of it is deterministic.
 
@@ -39,27 +39,27 @@ class PanelRules:
     terminal_pitch: float = 0.016
     component_margin: float = 0.010
     component_gap: float = 0.004
-    mouth_height: float = 0.022
-    mouth_y: float = 0.29
+    opening_height: float = 0.022
+    opening_y: float = 0.29
     marker_size: float = 0.022
     label_margin: float = 0.004
     bore_clearance: float = 0.0008
     bore_beyond_ferrule: float = 0.002
     chamfer: float = 0.0015
     retention_force: float = 40.0  # [N]
-    # A wire is longer than the way along its channel by `wire_slack`. Its loose end is in reach
-    # only up to `reach_y` along the channel. The way is long enough for a wire that bends easily;
-    # where there is no room for that, each shorter one is tried in turn.
+    # A wire is longer than its distance along its channel by `wire_slack`. Its loose end is in
+    # reach only up to `reach_y` along the channel. The distance is long enough for a wire that
+    # bends easily; where there is no room for that, each shorter one is tried in turn.
     wire_slack: float = 0.30
     shortest_wire: float = 0.40
     longest_wire: float = 0.75
     reach_y: float = 0.52
-    ways_min: tuple[float, ...] = (0.16, 0.12, 0.08, 0.04, 0.0)
+    distances_min: tuple[float, ...] = (0.16, 0.12, 0.08, 0.04, 0.0)
 
 
 @dataclass(frozen=True)
 class PlacedTerminal:
-    """A terminal in its component's frame: mouth [m], direction of insertion [rad], bore [m]."""
+    """A terminal in its component's frame: opening [m], direction of insertion [rad], width [m]."""
 
     name: str
     x: float
@@ -105,7 +105,7 @@ class CutWire:
         second: the other.
         length: [m] from tip to tip.
         channel: in which it lies.
-        first_y: [m] of the first terminal's mouth, panel frame.
+        first_y: [m] of the first terminal's opening, panel frame.
         second_y: [m] of the second's.
     """
 
@@ -154,10 +154,10 @@ def lay_out(order: Order, catalogue: Catalogue, rules: PanelRules) -> PanelLayou
             marker_id,
             _row_x(row, len(rows), rules),
             y[component.name],
-            rules.component_depth,
-            _width(component, rules),
-            rules.component_height,
-            terminals[component.name],
+            depth=rules.component_depth,
+            width=_width(component, rules),
+            height=rules.component_height,
+            terminals=terminals[component.name],
         )
         for marker_id, (row, component) in enumerate(
             (row, component) for row, members in enumerate(rows) for component in members
@@ -169,13 +169,15 @@ def lay_out(order: Order, catalogue: Catalogue, rules: PanelRules) -> PanelLayou
             _row_x(row, len(rows), rules) - rules.row_pitch / 2,
             rules.row_pitch - rules.component_depth,
             -rules.plate_width / 2,
-            rules.plate_width / 2,
+            y_max=rules.plate_width / 2,
         )
         for row in range(max(1, len(rows) - 1))
     )
-    wires = tuple(_cut(wire, components, channels, catalogue, rules) for wire in order.wires)
+    wires = tuple(_cut(wire, components, channels, catalogue, rules=rules) for wire in order.wires)
     depth = (max(1, len(rows) - 1)) * rules.row_pitch + 2 * rules.component_depth
-    return PanelLayout(order.name, depth, rules.plate_width, components, channels, wires)
+    return PanelLayout(
+        order.name, depth, rules.plate_width, components, channels=channels, wires=wires
+    )
 
 
 def _row_x(row: int, count: int, rules: PanelRules) -> float:
@@ -202,10 +204,10 @@ def _terminals(
                     terminal.name,
                     (1 if side is Side.TOP else -1) * rules.component_depth / 2,
                     ((len(terminals) - 1) / 2 - index) * rules.terminal_pitch,
-                    rules.mouth_height,
-                    math.pi if side is Side.TOP else 0.0,
-                    round(wire_type.diameter_m + rules.bore_clearance, 6),
-                    round(wire_type.ferrule_m + rules.bore_beyond_ferrule, 6),
+                    rules.opening_height,
+                    insertion_yaw=math.pi if side is Side.TOP else 0.0,
+                    bore=round(wire_type.diameter_m + rules.bore_clearance, 6),
+                    depth=round(wire_type.ferrule_m + rules.bore_beyond_ferrule, 6),
                 )
             )
     return tuple(placed)
@@ -229,18 +231,18 @@ def _along_rows(
     for component in (component for row in rows for component in row):
         offsets = [terminal.y for terminal in terminals[component.name]]
         edge = (rules.row_width - _width(component, rules)) / 2
-        least[component.name] = max(-edge, -rules.mouth_y - min(offsets))
-        most[component.name] = min(edge, rules.mouth_y - max(offsets))
+        least[component.name] = max(-edge, -rules.opening_y - min(offsets))
+        most[component.name] = min(edge, rules.opening_y - max(offsets))
     in_rows = [*_beside_each_other(rows, rules)]
-    for way_min in rules.ways_min:
-        ways = _ways(order, rows, terminals, way_min, rules)
-        y = least_solution(least, [*in_rows, *ways])
+    for distance_min in rules.distances_min:
+        distances = _distances(order, rows, terminals, distance_min, rules=rules)
+        y = least_solution(least, [*in_rows, *distances])
         if y is not None and all(y[name] <= most[name] + 1e-9 for name in y):
             to_the_middle = min(most[name] - y[name] for name in y) / 2
             return {name: value + to_the_middle for name, value in y.items()}
     raise LayoutError(
-        f"order {order.name}: no places in rows of {rules.row_width:.2f} m leave every wire a way "
-        f"of at most {rules.longest_wire - rules.wire_slack:.2f} m: choose fewer wires"
+        f"order {order.name}: no places in rows of {rules.row_width:.2f} m leave every wire a "
+        f"distance of at most {rules.longest_wire - rules.wire_slack:.2f} m: choose fewer wires"
     )
 
 
@@ -251,14 +253,14 @@ def _beside_each_other(rows: Iterable[Row], rules: PanelRules) -> Iterator[AtLea
             yield AtLeast(left.name, right.name, pitch)
 
 
-def _ways(
+def _distances(
     order: Order,
     rows: tuple[Row, ...],
     terminals: dict[str, tuple[PlacedTerminal, ...]],
-    way_min: float,
+    distance_min: float,
     rules: PanelRules,
 ) -> Iterator[AtLeast]:
-    """Say that each wire's left end is left of its right one, neither too little nor too much."""
+    """Yield the least and the greatest distance of each wire's ends along its channel."""
     rank = {
         component.name: (not is_left(index), place)
         for index, row in enumerate(rows)
@@ -269,12 +271,12 @@ def _ways(
         for name, placed in terminals.items()
         for terminal in placed
     }
-    way_max = rules.longest_wire - rules.wire_slack
+    distance_max = rules.longest_wire - rules.wire_slack
     for wire in order.wires:
         left, right = sorted((wire.a, wire.b), key=lambda end: rank[end.component])
         already = offset[left] - offset[right]
-        yield AtLeast(left.component, right.component, way_min - already)
-        yield AtLeast(right.component, left.component, already - way_max)
+        yield AtLeast(left.component, right.component, distance_min - already)
+        yield AtLeast(right.component, left.component, already - distance_max)
 
 
 def _cut(
@@ -284,7 +286,7 @@ def _cut(
     catalogue: Catalogue,
     rules: PanelRules,
 ) -> CutWire:
-    (ax, ay), (bx, by) = (_mouth(end, components) for end in (wire.a, wire.b))
+    (ax, ay), (bx, by) = (_opening(end, components) for end in (wire.a, wire.b))
     channel = min(channels, key=lambda channel: abs(channel.x - ax) + abs(channel.x - bx))
     length = max(rules.shortest_wire, abs(ay - by) + rules.wire_slack)
     length = math.ceil(length * 100) / 100
@@ -298,7 +300,16 @@ def _cut(
             f"reach beyond {rules.reach_y:.2f} m from the panel's middle: choose fewer wires"
         )
     wire_type = catalogue.wire_type(wire.section_mm2)
-    return CutWire(wire, wire_type, first, second, length, channel.name, first_y, second_y)
+    return CutWire(
+        wire,
+        wire_type,
+        first,
+        second,
+        length=length,
+        channel=channel.name,
+        first_y=first_y,
+        second_y=second_y,
+    )
 
 
 def _loose_end(first_y: float, second_y: float, length: float) -> float:
@@ -306,8 +317,8 @@ def _loose_end(first_y: float, second_y: float, length: float) -> float:
     return length + first_y * (1 if second_y >= first_y else -1)
 
 
-def _mouth(end: TerminalRef, components: tuple[PlacedComponent, ...]) -> tuple[float, float]:
-    """Return the mouth's x, y [m] in the panel frame."""
+def _opening(end: TerminalRef, components: tuple[PlacedComponent, ...]) -> tuple[float, float]:
+    """Return the opening's x, y [m] in the panel frame."""
     for placed in components:
         if placed.component.name == end.component:
             for terminal in placed.terminals:

@@ -48,7 +48,7 @@ def ordered_rows(order: Order, most: int) -> tuple[Row, ...]:
 def is_left(row: int) -> bool:
     """Return whether a row stands to the left of its neighbours, or else to the right.
 
-    So every wire between two rows has a way to go along their channel: a short wire between two
+    So every wire between two rows runs along their channel: a short wire between two
     terminals face to face is a stiff loop, which springs back from the hand.
     """
     return row % 2 == 0

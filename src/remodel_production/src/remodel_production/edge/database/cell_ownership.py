@@ -1,8 +1,8 @@
 """Which supervisor owns a cell: one at a time, for as long as it renews its lease.
 
-Each acquisition gets the next token. Whoever acts for the cell carries its token: the run log, the
-task leases, the cell's services and its ability servers refuse an older one. Times are those of the
-database's clock.
+Each acquisition gets the next token. A program that acts for the cell carries its token: the run
+log, the task leases, the cell's services and its ability servers refuse an older one. Times are
+those of the database's clock.
 """
 
 from __future__ import annotations
@@ -160,11 +160,11 @@ def require_owner(connection: Connection, cell: str, token: int, *, lock: bool =
         connection: with a transaction.
         cell: name of the cell.
         token: of the ownership.
-        lock: nobody else acquires the cell before the transaction has ended.
+        lock: no other supervisor acquires the cell before the transaction has ended.
     """
     row = connection.execute(_LOCKED_CELL if lock else _CELL, {"cell": cell}).first()
     if row is None:
-        raise OwnerError(f"nobody owns cell {cell}: acquire it first")
+        raise OwnerError(f"no supervisor owns cell {cell}: acquire it first")
     if row.token != token:
         raise OwnerError(
             f"cell {cell} is owned by another supervisor now: {row.holder} (token {row.token}; "

@@ -94,20 +94,15 @@ def _require_replaceable(url: str, *, replace: bool) -> None:
 
 
 def _live_owners(url: str) -> tuple[LiveOwner, ...]:
-    """Return who owns cells of a database; nobody if it is too damaged to report it."""
+    """Return the owners of a database's cells; none if it is too damaged to be read."""
     target = make_url(url)
     if target.get_backend_name() == "sqlite" and not _file_of(target).stat().st_size:
         return ()  # opened, it would become a new database, which a waiting supervisor takes
     try:
-        database = ProductionDatabase(url)
+        with contextlib.closing(ProductionDatabase(url)) as database:
+            return live_owners(database)
     except PlannerError:
         return ()
-    try:
-        return live_owners(database)
-    except PlannerError:
-        return ()
-    finally:
-        database.close()
 
 
 def _file_of(url: URL) -> Path:
@@ -179,7 +174,7 @@ def _restore_sqlite(file: Path, database: Path) -> None:
 
 
 def _without_owners(cells: str) -> tuple[str, ...]:
-    """Return statements after which nobody owns a cell, and all tokens to come are new.
+    """Return statements after which no cell has an owner, and all tokens to come are new.
 
     Args:
         cells: name of the table.
@@ -212,7 +207,7 @@ def _verify_dump(file: Path) -> None:
 def _restore_dump(file: Path, target: URL) -> None:
     drop = f"DROP TABLE IF EXISTS {', '.join(f'public.{table}' for table in _TABLES)} CASCADE"
     owners = "; ".join(_without_owners("public.cells"))
-    # Of a version without owners there is nobody to be removed.
+    # A version without owners has none to remove.
     guarded = (
         f"DO $$ BEGIN IF to_regclass('public.cells') IS NOT NULL THEN {owners}; END IF; END $$"
     )
@@ -231,7 +226,12 @@ def _run(program: str, url: URL, arguments: list[str]) -> str:
     if shutil.which(program) is None:
         raise BackupError(f"{program} is not installed: install PostgreSQL's client programs")
     bare = URL.create(
-        "postgresql", url.username, None, url.host, url.port, url.database, url.query
+        "postgresql",
+        username=url.username,
+        host=url.host,
+        port=url.port,
+        database=url.database,
+        query=url.query,
     ).render_as_string()
     password = {"PGPASSWORD": url.password} if url.password else {}
     done = subprocess.run(

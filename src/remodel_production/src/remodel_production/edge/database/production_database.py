@@ -1,7 +1,7 @@
 """The production knowledge database: orders, what they are made of, and what was done.
 
 SQLite by default, PostgreSQL by URL. Every change is one transaction, so that nothing is stored by
-half. docs/production-database.md tells and draws the tables.
+half. docs/production-database.md describes and draws the tables.
 """
 
 from __future__ import annotations

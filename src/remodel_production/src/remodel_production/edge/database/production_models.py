@@ -1,7 +1,7 @@
 """The tables of the production knowledge database; docs/production-database.md draws them.
 
-Every table and column has a comment, which PostgreSQL keeps. A change here needs a migration in
-edge/database/migrations/versions, and `tools/draw_database.py`.
+New databases are created from them. Every table and column has a comment, which PostgreSQL keeps. A
+change here needs a migration in edge/database/migrations/versions, and `tools/draw_database.py`.
 """
 
 from __future__ import annotations
@@ -66,7 +66,9 @@ class ProductRow(Base):
     """A design."""
 
     __tablename__ = "products"
-    __table_args__ = _table("what is built: a cabinet or a harness, as one design file tells it")
+    __table_args__ = _table(
+        "what is built: a cabinet or a harness, as one design file describes it"
+    )
     id = _key()
     title = _text("of the design; empty if it has none")
     source = _text("name of the design file")
@@ -76,7 +78,7 @@ class NoteRow(Base):
     """A line of the import's account."""
 
     __tablename__ = "notes"
-    __table_args__ = _table("what the import of a product guessed and left out")
+    __table_args__ = _table("what the import of a product assumed and left out")
     id = _key()
     product_id = _of("products.id", "that was imported")
     text = _text("one line, with its place in the design file")
@@ -100,7 +102,7 @@ class SegmentRow(Base):
 
     __tablename__ = "segments"
     __table_args__ = _table(
-        "pieces of the ways of wires, between two nodes",
+        "pieces of the routes of wires, between two nodes",
         UniqueConstraint("product_id", "name"),
         CheckConstraint("length_m >= 0", name="length"),
     )
@@ -175,9 +177,9 @@ class TerminalRow(Base):
     side = _text("top or bottom, on which it opens as drawn")
     point = _text("of the drawing that it shares with other terminals; empty if with none")
     kind = _text("its type, such as the article of the contact; empty if it is not known")
-    x_m = _number("[m] place of its mouth in the component's frame")
-    y_m = _number("[m] place of its mouth in the component's frame")
-    z_m = _number("[m] place of its mouth in the component's frame")
+    x_m = _number("[m] place of its opening in the component's frame")
+    y_m = _number("[m] place of its opening in the component's frame")
+    z_m = _number("[m] place of its opening in the component's frame")
     qx = _number("unit quaternion of its frame in the component's")
     qy = _number("unit quaternion of its frame in the component's")
     qz = _number("unit quaternion of its frame in the component's")
@@ -185,7 +187,7 @@ class TerminalRow(Base):
     approach_x = _number("unit vector by which an end goes in, component's frame")
     approach_y = _number("unit vector by which an end goes in, component's frame")
     approach_z = _number("unit vector by which an end goes in, component's frame")
-    clearance_m = _number("[m] that a gripper needs around the mouth")
+    clearance_m = _number("[m] that a gripper needs around the opening")
     insertion_force_limit_n = _number("[N] that an insertion must not exceed")
 
 
@@ -298,7 +300,7 @@ class TaskRow(Base):
     id = _key()
     order_id = _of("orders.id", "that it is part of")
     wire_id = _of("wires.id", "that is to be placed")
-    state = _text("open, begun, done or set aside")
+    state = _text("open, begun, done or `set aside`")
     cell = _text("name of the cell that has begun it; empty if none has")
     lease_until = _number(
         "[s] since 1970 by the database's clock, until which the cell has it for itself"
@@ -322,7 +324,9 @@ class AbilityParameterRow(Base):
     """A parameter of an ability."""
 
     __tablename__ = "ability_parameters"
-    __table_args__ = _table("what a goal tells an ability", UniqueConstraint("ability_id", "name"))
+    __table_args__ = _table(
+        "the parameters of an ability's goal", UniqueConstraint("ability_id", "name")
+    )
     id = _key()
     ability_id = _of("abilities.id", "that takes it")
     position = Column(Integer, nullable=False, comment="in the goal, from 0")
@@ -346,7 +350,7 @@ class CellRow(Base):
         Float,
         nullable=True,
         comment="[s] since 1970 by the database's clock, until which no other station may own it; "
-        "null if nobody owns it",
+        "null if it has no owner",
     )
 
 
@@ -430,7 +434,7 @@ class AbilityRecordRow(Base):
     """A record of an ability."""
 
     __tablename__ = "ability_records"
-    __table_args__ = _table("executions of abilities, as remodel_msgs/AbilityRecord tells them")
+    __table_args__ = _table("executions of abilities, as remodel_msgs/AbilityRecord reports them")
     id = _key()
     execution_id = _of("executions.id", "that it was part of")
     state_path = _text("of the state in the behavior")

@@ -137,42 +137,44 @@ def order_of_row(connection: Connection, row: Row) -> Order:
         product.title,
         product.source,
         tuple(_component(c, of_component[c.id], nodes) for c in components.values()),
-        tuple(
+        wires=tuple(
             Wire(
                 wire.name,
                 refs[wire.a_terminal_id],
                 refs[wire.b_terminal_id],
                 wire.colour,
-                wire.section_mm2,
-                wire.source,
-                wire.length_m,
-                "" if wire.cable_id is None else cables[wire.cable_id].name,
-                wire.core,
-                tuple(routes[wire.id]),
+                section_mm2=wire.section_mm2,
+                source=wire.source,
+                length_m=wire.length_m,
+                cable="" if wire.cable_id is None else cables[wire.cable_id].name,
+                core=wire.core,
+                route=tuple(routes[wire.id]),
             )
             for wire in rows(WireRow)
         ),
-        tuple(note.text for note in rows(NoteRow)),
-        tuple(Cable(c.name, c.kind, c.length_m, c.shielded, c.source) for c in cables.values()),
-        tuple(Node(node.name, _position(node)) for node in rows(NodeRow)),
-        tuple(
+        notes=tuple(note.text for note in rows(NoteRow)),
+        cables=tuple(
+            Cable(c.name, c.kind, c.length_m, c.shielded, source=c.source) for c in cables.values()
+        ),
+        nodes=tuple(Node(node.name, _position(node)) for node in rows(NodeRow)),
+        segments=tuple(
             Segment(
                 s.name,
                 nodes[s.start_node_id],
                 nodes[s.end_node_id],
                 s.length_m,
-                SegmentKind(s.kind),
+                kind=SegmentKind(s.kind),
             )
             for s in segments.values()
         ),
-        tuple(
+        clips=tuple(
             Clip(
                 clip.name,
                 clip.kind,
                 "" if clip.segment_id is None else segments[clip.segment_id].name,
                 clip.along,
-                nodes.get(clip.node_id, ""),
-                _position(clip),
+                node=nodes.get(clip.node_id, ""),
+                position=_position(clip),
             )
             for clip in rows(ClipRow)
         ),
@@ -296,10 +298,10 @@ def _component(row: Row, terminals: list[Terminal], nodes: Mapping[int, str]) ->
         row.kind,
         tuple(terminals),
         Mount(row.mount),
-        Role(row.role),
-        row.part_number,
-        _pose(row),
-        nodes.get(row.node_id, ""),
+        role=Role(row.role),
+        part_number=row.part_number,
+        pose=_pose(row),
+        node=nodes.get(row.node_id, ""),
     )
 
 
@@ -310,10 +312,10 @@ def _terminal(row: Row) -> Terminal:
         Side(row.side),
         row.point,
         row.kind,
-        _pose(row),
-        None if row.approach_x is None else approach,
-        row.clearance_m,
-        row.insertion_force_limit_n,
+        pose=_pose(row),
+        approach=None if row.approach_x is None else approach,
+        clearance_m=row.clearance_m,
+        insertion_force_limit_n=row.insertion_force_limit_n,
     )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.wire_colours import GREEN_AND_YELLOW, PLATE_RGB, WIRE_RGB, Rgb
+from remodel_sim.core.workpiece.wire_colours import GREEN_AND_YELLOW, PLATE_RGB, WIRE_RGB, Rgb
 
 Mask = npt.NDArray[np.uint8]
 

@@ -16,7 +16,7 @@ from remodel_sim.core.vision.colour import ferrule_mask
 
 # A uniform bar of length l has the variance l^2 / 12 along its axis.
 BAR = np.sqrt(12.0)
-# How far behind the ferrule the wire is looked for, in ferrule widths.
+# How far behind the ferrule the wire is searched for, in ferrule widths.
 BEHIND_WIDTHS = (0.8, 2.0)
 
 
@@ -49,7 +49,7 @@ def find_ferrules(
     Args:
         rgb: (height, width, 3).
         likelihood: (height, width) of the wire's colour.
-        min_length_px: shorter blobs are no whole ferrule: most of it hides in a bore.
+        min_length_px: shorter blobs are no whole ferrule: most of it hides in an opening.
     """
     mask = ferrule_mask(rgb)
     count, labels, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
@@ -71,12 +71,21 @@ def _fit(pixels: Array, likelihood: npt.NDArray[np.float32]) -> Ferrule:
     values, vectors = np.linalg.eigh(np.cov(pixels.T, bias=True) + np.eye(2) / 12)
     width, length = BAR * np.sqrt(values)
     axis = vectors[:, 1]
-    behind = {sign: _strip(centre, -sign * axis, length, width, likelihood) for sign in (-1, 1)}
+    behind = {
+        sign: _strip(centre, -sign * axis, length, width, likelihood=likelihood) for sign in (-1, 1)
+    }
     sign = max(behind, key=lambda s: behind[s])
     height, columns = likelihood.shape
     low, high = pixels.min(axis=0), pixels.max(axis=0)
     truncated = bool(low.min() <= 1 or high[0] >= columns - 2 or high[1] >= height - 2)
-    return Ferrule(centre, sign * axis, float(length), float(width), behind[sign], truncated)
+    return Ferrule(
+        centre=centre,
+        out=sign * axis,
+        length=float(length),
+        width=float(width),
+        wire_likelihood=behind[sign],
+        truncated=truncated,
+    )
 
 
 def _strip(

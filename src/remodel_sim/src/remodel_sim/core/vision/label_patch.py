@@ -8,10 +8,10 @@ import cv2
 import numpy as np
 
 from remodel_sim.core.camera import Picture
-from remodel_sim.core.component_shape import LABEL_CELLS, LABEL_MARGIN_CELLS, marker_cells
 from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.panel import Component
 from remodel_sim.core.vision.pixels import Pixels
+from remodel_sim.core.workpiece.component_shape import LABEL_CELLS, LABEL_MARGIN_CELLS, marker_cells
+from remodel_sim.core.workpiece.panel import Component
 
 # Samples of the drawing per cell, and white cells around its black square.
 FINE = 16
@@ -34,7 +34,7 @@ class LabelPatch:
     """
 
     def __init__(self, component: Component, picture: Picture, corners: Array) -> None:
-        """Cut out the label that was seen at corners (4, 2) [px]."""
+        """Cut out the label located at corners (4, 2) [px]."""
         self._size = component.marker_size
         self.scale = component.marker_size / (LABEL_CELLS * FINE)
         self._drawing = _drawing(component.marker_id)

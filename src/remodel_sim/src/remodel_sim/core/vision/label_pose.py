@@ -7,7 +7,7 @@ part, not four corners only, and all pictures that are given.
 
 A component that stands upright on the plate has three degrees of freedom, one that does not has
 six. The six are taken only where they explain the pictures clearly better, and only of two pictures
-from different places: one hardly tells how a label is tilted.
+from different places: one hardly shows how a label is tilted.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ import numpy as np
 import numpy.typing as npt
 
 from remodel_sim.core.camera import Picture
-from remodel_sim.core.component_shape import label_corners
 from remodel_sim.core.geometry import Array, Pose, multiply_quaternions
-from remodel_sim.core.panel import Component
 from remodel_sim.core.vision.label_patch import LabelPatch
+from remodel_sim.core.workpiece.component_shape import label_corners
+from remodel_sim.core.workpiece.panel import Component
 
 # Blurs of the lens that are tried: standard deviations [px]; the first fit takes the one before.
 BLURS_PX = (0.5, 0.8, 1.2, 1.7, 2.4, 3.4)
@@ -36,7 +36,7 @@ STEPS = np.array([2e-5, 2e-5, 2e-5, 1e-3, 1e-3, 1e-3])
 MAX_ROUNDS = 12
 # Rounds end with motions that are this small, in steps of the derivatives.
 STILL = 0.05
-# Keeps the normal equations solvable when a picture does not tell all motions.
+# Keeps the normal equations solvable when a picture does not determine all motions.
 DAMPING = 1e-9
 # Tukey's biweight: differences count less and less up to this share of the contrast.
 TUKEY = 0.6
@@ -52,7 +52,7 @@ LEAST_SHOWN, MOST_RESIDUAL_M = 0.7, 0.0005
 
 
 @dataclass(frozen=True, eq=False)
-class Look:
+class LabelView:
     """A picture that shows a label, and roughly where: its corners (4, 2) [px]."""
 
     picture: Picture
@@ -60,11 +60,11 @@ class Look:
 
 
 @dataclass(frozen=True, eq=False)
-class ComponentSighting:
+class ComponentObservation:
     """A component as seen.
 
     Attributes:
-        world_from_component: upright on the plate, unless two looks or more tell otherwise.
+        world_from_component: upright on the plate, unless two views or more show otherwise.
         upright: whether it is.
         residual: RMS distance of the label's edges, as seen, from those of the pose [m].
         shown: share of the label that looks as it should, 0 to 1.
@@ -83,30 +83,36 @@ class ComponentSighting:
         return self.shown >= LEAST_SHOWN and self.residual <= MOST_RESIDUAL_M
 
 
-def locate_component(component: Component, looks: Sequence[Look]) -> ComponentSighting:
+def locate_component(component: Component, views: Sequence[LabelView]) -> ComponentObservation:
     """Return the pose of a component at which its label looks as it does in all pictures."""
-    patches = [LabelPatch(component, look.picture, look.corners) for look in looks]
-    upright = _fit(patches, FIRST_BLUR_PX, _upright_start(component, looks[-1]), UPRIGHT)
+    patches = [
+        LabelPatch(component, label_view.picture, label_view.corners) for label_view in views
+    ]
+    upright = _fit(patches, FIRST_BLUR_PX, _upright_start(component, views[-1]), UPRIGHT)
     every = np.ones(len(upright.rest), bool)
     blur = min(BLURS_PX, key=lambda px: _compare(patches, px, upright.world_from_label).cost(every))
     best = upright = _fit(patches, blur, upright.world_from_label, UPRIGHT)
-    if len(looks) > 1:
+    if len(views) > 1:
         free = _fit(patches, blur, upright.world_from_label, FREE)
         if free.cost(free.explained) < CLEARLY_BETTER * upright.cost(free.explained):
             best = free
     height = float(label_corners(component)[0, 2])
     pose = best.world_from_label @ Pose.level(0.0, 0.0, -height)
-    corners = looks[-1].picture.view.project(pose.apply(label_corners(component)))
-    return ComponentSighting(
-        pose, best is upright, best.residual, float(best.explained.mean()), corners
+    corners = views[-1].picture.view.project(pose.apply(label_corners(component)))
+    return ComponentObservation(
+        world_from_component=pose,
+        upright=best is upright,
+        residual=best.residual,
+        shown=float(best.explained.mean()),
+        corners=corners,
     )
 
 
-def _upright_start(component: Component, look: Look) -> Pose:
+def _upright_start(component: Component, label_view: LabelView) -> Pose:
     """Return the label's upright frame nearest to its corners (Procrustes)."""
     model = label_corners(component)
     height = float(model[0, 2])
-    seen = look.picture.view.on_plane(look.corners, height)[:, :2]
+    seen = label_view.picture.view.on_plane(label_view.corners, height)[:, :2]
     middle = seen.mean(axis=0)
     a, b = model[:, :2], seen - middle
     cross = float(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]))
@@ -176,15 +182,21 @@ def _compare(
             step = patch.places(_moved(pose, (axis,), np.ones(1))) - places
             change[:, k] = np.sum(slope * step, axis=1)
         change *= ((level[1] + patch.even @ level[2:]) / contrast)[:, None]
-        # What other light would explain as well tells no motion.
+        # What other light would explain as well shows no motion.
         change -= light @ _fitted(light, change, weight)
-        # A difference is a distance times a slope; the steeper, the better it tells the distance.
+        # A difference is a distance times a slope; the steeper, the better it shows the distance.
         steep = np.sum(np.square(slope), axis=1)
         edges += [weight @ (steep * np.square(rest * patch.scale)), weight @ np.square(steep)]
         normal += change.T @ (weight[:, None] * change)
         pull += change.T @ (weight * rest)
     residual = math.sqrt(edges[0] / max(edges[1], 1e-12))
-    return _Fit(pose, normal, pull, np.concatenate(rests), residual)
+    return _Fit(
+        world_from_label=pose,
+        normal=normal,
+        pull=pull,
+        rest=np.concatenate(rests),
+        residual=residual,
+    )
 
 
 def _fitted(basis: Array, target: Array, weight: Array) -> Array:

@@ -4,7 +4,7 @@ OpenCV finds dark squares. Which label a square is, if any, is decided among the
 only, by the correlation of the grey levels in its sixteen cells with each label in each of its four
 turns. So neither a blurred cell nor the outline of a housing becomes a label that the panel lacks.
 
-A label that something lies across is no square. Where one is expected, its drawing is looked for.
+A label that something lies across is no square. Where one is expected, its drawing is searched for.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ import numpy as np
 import numpy.typing as npt
 
 from remodel_sim.core.camera import Picture
-from remodel_sim.core.component_shape import LABEL_CELLS, label_corners, marker_cells
 from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.panel import Component
 from remodel_sim.core.vision.pixels import Pixels
+from remodel_sim.core.workpiece.component_shape import LABEL_CELLS, label_corners, marker_cells
+from remodel_sim.core.workpiece.panel import Component
 
-# The detector samples cells of 3 px badly: it looks at a picture this much larger.
+# The detector samples cells of 3 px badly: it gets a picture this much larger.
 ENLARGED = 2
 # Two labels of the dictionary differ in at least 3 of their 16 cells, hence by a correlation of
 # 0.63 or less.
@@ -37,7 +37,7 @@ MIN_CONTRAST = 15.0
 # Around where a label is expected it is searched this far [m], in these turns [rad].
 SEARCH_M = 0.03
 TURNS = np.radians(np.arange(-15.0, 15.1, 3.0))
-# A search looks at cells of so many pixels.
+# A search uses cells of so many pixels.
 SEARCH_CELL_PX = 4.0
 SEARCH_FINE = 4  # samples of the drawing per cell
 # What is found has this correlation with the drawing, and no more cells on the wrong side of the
@@ -80,7 +80,7 @@ def search_label(picture: Picture, component: Component, near: Pose) -> Array | 
 
     Args:
         picture: from above.
-        component: whose label is looked for.
+        component: whose label is searched for.
         near: about where the component stands, world frame.
     """
     grey = cv2.cvtColor(picture.rgb, cv2.COLOR_RGB2GRAY)
@@ -136,7 +136,7 @@ def _squares(grey: Pixels) -> Array:
     """Return the corners (n, 4, 2) [px] of what may be labels, clockwise."""
     parameters = cv2.aruco.DetectorParameters()
     parameters.minMarkerPerimeterRate = 0.02
-    # Else only the outermost of squares within each other is told.
+    # Else only the outermost of squares within each other is reported.
     parameters.minMarkerDistanceRate = 0.0
     dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_250)
     detector = cv2.aruco.ArucoDetector(dictionary, parameters)

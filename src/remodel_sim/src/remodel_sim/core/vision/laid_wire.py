@@ -10,14 +10,14 @@ import numpy.typing as npt
 
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.panel import Wire
+from remodel_sim.core.workpiece.panel import Wire
 
 # Samples are so far apart across the wire [m], and as many, so far apart, are taken along it.
 ACROSS_M = 0.00025
 ALONG_M = np.linspace(-0.0015, 0.0015, 7)
 # Below this likelihood of the wire's colour there is no wire.
 MIN_LIKELIHOOD = 0.3
-# To each side of where it is expected a wire is looked for around a circle [rad].
+# To each side of where it is expected a wire is searched for around a circle [rad].
 TURN_RAD = np.radians(60.0)
 # The camera looks along the wire's height twice: once at the height that is expected.
 LOOKS = 2
@@ -43,10 +43,10 @@ def wire_past(
 
     Args:
         place: where its axis is expected, x along it, world frame.
-        reach: how far to each side it is looked for [m].
+        reach: how far to each side it is searched for [m].
         picture: from above, with depth.
         likelihood: of the wire's colour in the picture.
-        wire: whose diameter and colour are looked for.
+        wire: whose diameter and colour are searched for.
     """
     across = np.arange(-reach, reach + ACROSS_M, ACROSS_M)
     height, aside = float(place.position[2]), 0.0
@@ -75,10 +75,10 @@ def wire_around(
     Args:
         centre: of the circle, (2,) [m], world frame.
         radius: of the circle [m].
-        towards: direction in which it is looked for, up to TURN_RAD to each side [rad].
+        towards: direction in which it is searched for, up to TURN_RAD to each side [rad].
         picture: from above.
         likelihood: of the wire's colour in the picture.
-        wire: whose diameter and colour are looked for.
+        wire: whose diameter and colour are searched for.
 
     Returns:
         The angle from `towards` [rad].

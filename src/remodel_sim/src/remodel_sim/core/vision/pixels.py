@@ -1,4 +1,4 @@
-"""The type of pictures. OpenCV's stubs promise no type of the elements: docstrings tell it."""
+"""The type of pictures. OpenCV's stubs promise no type of the elements: docstrings state it."""
 
 from typing import Any
 

@@ -9,20 +9,20 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from remodel_sim.core.book import TipSighting
+from remodel_sim.core.belief.belief_state import TipObservation
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.panel import End, Wire
-from remodel_sim.core.vision.cables.polyline import arc_lengths
+from remodel_sim.core.vision.cables.curves.polyline import arc_lengths
 from remodel_sim.core.vision.colour import wire_likelihood
 from remodel_sim.core.vision.ferrules import Ferrule, find_ferrules
 from remodel_sim.core.vision.tracing import trace
+from remodel_sim.core.workpiece.panel import End, Wire
 from remodel_states.core.codes import Code
 
-# An end is looked for within this distance of where the cell left it [m].
+# An end is searched for within this distance of where the cell left it [m].
 SEARCH_M = 0.15
-# Two candidates nearer to each other than this cannot be told apart [m].
+# Two candidates nearer to each other than this cannot be distinguished [m].
 AMBIGUOUS_M = 0.020
 # At least this share of a ferrule must be seen.
 MIN_FERRULE_SHARE = 0.55
@@ -37,7 +37,7 @@ LIFTED_M = 0.002
 
 
 @dataclass(frozen=True, eq=False)
-class EndSighting:
+class EndObservation:
     """A loose end in a picture and in the world.
 
     Attributes:
@@ -45,24 +45,24 @@ class EndSighting:
         ferrule: what it is in the picture.
     """
 
-    tip: TipSighting
+    tip: TipObservation
     ferrule: Ferrule
 
-    def ahead(self, length: float) -> EndSighting:
+    def ahead(self, length: float) -> EndObservation:
         """Return the sighting of a tip so far before the mark [m]: a connector's pins."""
         yaw = self.tip.out_yaw
         out = np.array([math.cos(yaw), math.sin(yaw), 0.0])
-        return replace(self, tip=TipSighting(self.tip.tip + length * out, yaw))
+        return replace(self, tip=TipObservation(self.tip.tip + length * out, yaw))
 
 
 def find_ends(
     picture: Picture, wire: Wire, expected: dict[End, Array]
-) -> tuple[dict[End, EndSighting], npt.NDArray[np.float32]]:
+) -> tuple[dict[End, EndObservation], npt.NDArray[np.float32]]:
     """Return the expected ends that are seen, and the likelihood picture of the wire's colour.
 
     Args:
         picture: from above.
-        wire: whose ends are looked for.
+        wire: whose ends are searched for.
         expected: roughly where each loose end lies, (2,) [m], world frame.
 
     Raises:
@@ -72,15 +72,15 @@ def find_ends(
     likelihood = wire_likelihood(picture.rgb, wire.colour)
     scale = picture.view.metres_per_pixel(wire.radius)
     shortest = MIN_FERRULE_SHARE * wire.ferrule_length / scale
-    sightings = [
-        EndSighting(_in_world(f, picture, wire), f)
+    observations = [
+        EndObservation(_in_world(f, picture, wire), f)
         for f in find_ferrules(picture.rgb, likelihood, shortest)
         if f.wire_likelihood >= MIN_COLOUR
     ]
-    found: dict[End, EndSighting] = {}
+    found: dict[End, EndObservation] = {}
     for end, place in expected.items():
         near = sorted(
-            (s for s in sightings if _apart(s, place) <= SEARCH_M),
+            (s for s in observations if _apart(s, place) <= SEARCH_M),
             key=partial(_apart, place=place),
         )
         if not near:
@@ -105,11 +105,11 @@ def find_ends(
     return found, likelihood
 
 
-def _apart(sighting: EndSighting, place: Array) -> float:
-    return float(np.linalg.norm(sighting.tip.tip[:2] - place))
+def _apart(observation: EndObservation, place: Array) -> float:
+    return float(np.linalg.norm(observation.tip.tip[:2] - place))
 
 
-def _in_world(ferrule: Ferrule, picture: Picture, wire: Wire) -> TipSighting:
+def _in_world(ferrule: Ferrule, picture: Picture, wire: Wire) -> TipObservation:
     """Return the tip half a ferrule ahead of the blob's centre.
 
     Its outline blurs, its centre does not.
@@ -130,11 +130,11 @@ def _in_world(ferrule: Ferrule, picture: Picture, wire: Wire) -> TipSighting:
     centre, ahead = view.on_plane(points, z)
     out = (ahead - centre) / np.linalg.norm(ahead - centre)
     yaw = math.atan2(out[1], out[0])
-    return TipSighting(centre + out * wire.ferrule_length / 2, yaw)
+    return TipObservation(centre + out * wire.ferrule_length / 2, yaw)
 
 
 def trace_from(
-    sighting: EndSighting,
+    observation: EndObservation,
     picture: Picture,
     likelihood: npt.NDArray[np.float32],
     wire: Wire,
@@ -143,18 +143,18 @@ def trace_from(
 
     It is no longer than the wire: on a plate of the wire's colour nothing stops the tracer.
     """
-    ferrule = sighting.ferrule
+    ferrule = observation.ferrule
     width = max(2.0, wire.diameter / picture.view.metres_per_pixel(wire.radius))
     tail = ferrule.centre - ferrule.out * (ferrule.length / 2 + 0.5 * width)
     behind = trace(likelihood, tail, -ferrule.out, width)
-    tip = picture.view.project(sighting.tip.tip)
+    tip = picture.view.project(observation.tip.tip)
     line = np.vstack([tip, ferrule.centre[None], behind])
     longest = wire.length / picture.view.metres_per_pixel(wire.radius)
     return line[: int(np.searchsorted(arc_lengths(line), longest, side="right"))]
 
 
 def trace_between(
-    sightings: tuple[EndSighting, EndSighting],
+    observations: tuple[EndObservation, EndObservation],
     picture: Picture,
     likelihood: npt.NDArray[np.float32],
     wire: Wire,
@@ -164,7 +164,9 @@ def trace_between(
     It is traced from both, and joined where the two lines meet and the whole is as long as the
     wire; None where they do not meet.
     """
-    first, last = (trace_from(sighting, picture, likelihood, wire) for sighting in sightings)
+    first, last = (
+        trace_from(observation, picture, likelihood, wire) for observation in observations
+    )
     gaps = np.linalg.norm(first[:, None] - last[None], axis=2)
     longest = wire.length / picture.view.metres_per_pixel(wire.radius)
     lengths = arc_lengths(first)[:, None] + arc_lengths(last)[None] + gaps

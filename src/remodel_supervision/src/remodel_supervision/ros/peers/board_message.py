@@ -31,7 +31,7 @@ def board_message(order: WorkOrder) -> Panel:
             b_terminal=short[b],
             colour=str(task.characteristics.get("colour", "")),
             section=float(task.characteristics.get("section_mm2", 0.0)),
-            length=task.ways[0].length_m,
+            length=task.routes[0].length_m,
         )
         for task in order.tasks
         for a, b in [task.terminals]

@@ -67,7 +67,7 @@ def diagnose(workspace: Path, is_static: bool = False, limit_s: float = 20.0) ->
         tuple(package.name for package in found),
         sum(count(module, Kind.STATE) for module in modules),
         sum(count(module, Kind.BEHAVIOR) for module in modules),
-        constructed,
+        constructed=constructed,
     )
 
 
@@ -80,7 +80,7 @@ def _known(found: Sequence[Package]) -> tuple[Known, list[Finding]]:
         except (OSError, ValueError) as error:
             text = f"not all of package {package.name} can be read: {error}"
             file = str(package.folder / "package.xml")
-            findings.append(Finding(file, 1, "package", Severity.ERROR, text))
+            findings.append(Finding(file, 1, "package", Severity.ERROR, text=text))
             continue
         states += known.states
         behaviors += known.behaviors
@@ -101,7 +101,7 @@ def _examine(file: Path, engine: Engine, known: Known) -> tuple[list[Finding], M
         text = file.read_text()
     except UnicodeDecodeError as error:
         text = f"the file is not UTF-8: {error.reason} at byte {error.start}"
-        return [Finding(str(file), 1, "syntax", Severity.ERROR, text)], None
+        return [Finding(str(file), 1, "syntax", Severity.ERROR, text=text)], None
     return examine(str(file), text, engine, known)
 
 

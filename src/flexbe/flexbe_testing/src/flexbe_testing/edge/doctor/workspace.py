@@ -55,7 +55,7 @@ def _package(name: str, folder: Path) -> Package:
 def _exporting(file: Path) -> str | None:
     """Return the name of a package that exports states or behaviors.
 
-    One whose package.xml is no XML is named after its folder, so that it is not passed over.
+    A package whose package.xml is not XML gets the name of its folder, so that it is examined too.
     """
     try:
         root = ElementTree.parse(file).getroot()

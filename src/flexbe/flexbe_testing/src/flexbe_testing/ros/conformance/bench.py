@@ -23,7 +23,7 @@ UNSUPERVISED = 255
 
 
 class StuckError(Exception):
-    """The engine cannot be brought back to rest; nothing more can be judged."""
+    """The engine does not become idle again; nothing more can be judged."""
 
 
 class Bench:
@@ -32,7 +32,7 @@ class Bench:
     Attributes:
         wire: the connection to the engine.
         limit_s: how long the engine may take for each step [s, wall time].
-        quiet_s: for how long something that must not happen is waited for [s, wall time].
+        quiet_s: how long to wait for what must not happen [s, wall time].
         id: checksum of the source of the behavior that was started last.
     """
 
@@ -68,7 +68,7 @@ class Bench:
         self._has_mirror = bool(self.mirrors())
 
     def recover(self) -> None:
-        """Bring the engine to rest, whatever a scenario left behind.
+        """Make the engine idle again, whatever a scenario left behind.
 
         Raises:
             StuckError: if the behavior does not end.
@@ -83,8 +83,8 @@ class Bench:
             if not tape.wait(lambda: not tape.is_running, self.limit_s):
                 raise StuckError("the running behavior did not end after a preempt")
 
-    def settle(self) -> None:
-        """Wait until nothing arrives any more: what is late belongs to a scenario that failed."""
+    def drain(self) -> None:
+        """Wait until no more messages arrive: late ones belong to a scenario that failed."""
         tape, every = self.wire.tape, (*topics.STRICT, *topics.STRICT_IF_SUPERVISED)
         end = time.monotonic() + self.limit_s
         tape.clear()
@@ -94,7 +94,7 @@ class Bench:
                 break
 
     def finish(self) -> None:
-        """End a scenario: the engine is idle and has published nothing that nobody asked for."""
+        """End a scenario: the engine is idle, and all its messages were expected."""
         strict = topics.STRICT
         if self._level != UNSUPERVISED:
             strict += topics.STRICT_IF_SUPERVISED
@@ -107,7 +107,7 @@ class Bench:
             raise ViolationError("the behavior still runs")
 
     def _left(self, topic: str) -> list[Message]:
-        """Return what nobody has asked for, without what a mirror has caused."""
+        """Return the unexpected messages, without those that a mirror has caused."""
         left = self.wire.tape.left(topic)
         if topic == topics.FEEDBACK and self._has_mirror:
             left = [message for message in left if not self._is_for_mirror(message)]
@@ -238,9 +238,9 @@ class Bench:
         self.expect(topics.CURRENT_STATE, {"data": f"{path} > {outcome}"})
 
     def left_among_others(self, path: str, outcome: str, index: int) -> None:
-        """Expect what is published of the first state of a concurrency container that goes on.
+        """Expect what is published of the first state of a concurrency container that continues.
 
-        To a mirror its outcome is the end of the container. Stock FlexBE publishes it all the same,
+        To a mirror its outcome is the end of the container. Stock FlexBE publishes it nevertheless,
         and corrects the mirror afterwards; an engine may also correct it at once.
         """
         self.expect(topics.CURRENT_STATE, {"data": f"{path} > {outcome}"})
@@ -263,7 +263,7 @@ class Bench:
         return str(found).removeprefix(prefix)
 
     def in_any_order(self, *expected: str) -> None:
-        """Expect these events of the states, in whatever order; others may come between them."""
+        """Expect these events of the states, in any order; others may come between them."""
         missing = set(expected)
         while missing:
             found = self.wire.tape.find(EVENT, missing.__contains__, self.limit_s)
@@ -285,7 +285,7 @@ class Bench:
                 raise ViolationError(f"event {found!r}; expected: {text!r}")
 
     def stays(self, why: str) -> None:
-        """Expect that no state is entered or left for a while, and that the behavior goes on.
+        """Expect that no state is entered or left for a while, and that the behavior continues.
 
         Args:
             why: what keeps the state active, for the text of a violation.

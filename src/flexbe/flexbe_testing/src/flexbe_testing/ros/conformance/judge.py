@@ -70,7 +70,7 @@ class Judge:
         except StuckError as error:
             self._stuck = f"the engine is stuck since {scenario.name}: {error}"
         if verdict is Verdict.FAIL:
-            self.bench.settle()
+            self.bench.drain()
         return Finding(scenario, verdict, reason, time.monotonic() - begun)
 
     def _verdict(self, scenario: Scenario) -> tuple[Verdict, str]:

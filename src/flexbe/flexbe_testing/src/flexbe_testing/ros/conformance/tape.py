@@ -26,14 +26,14 @@ class Tape:
 
     def __init__(self) -> None:
         """Begin empty."""
-        self._news = threading.Condition()
+        self._arrived = threading.Condition()
         self._waiting: dict[str, deque[Message]] = defaultdict(deque)
         self.statuses: list[Message] = []
         self.beats: list[float] = []
 
     def add(self, message: Message, topic: str) -> None:
         """Take a message."""
-        with self._news:
+        with self._arrived:
             if topic == topics.HEARTBEAT:
                 self.beats.append(time.monotonic())
             elif topic == topics.LOG and message.text.startswith(_EVENT_PREFIX):
@@ -42,7 +42,7 @@ class Tape:
                 self._waiting[topic].append(message)
             if topic == topics.STATUS:
                 self.statuses.append(message)
-            self._news.notify_all()
+            self._arrived.notify_all()
 
     def next(self, topic: str, limit_s: float) -> Message | None:
         """Return the next message of a topic; None if none arrives in time."""
@@ -53,29 +53,29 @@ class Tape:
     ) -> Message | None:
         """Return the next message that matches and drop those before it; None if none arrives."""
         end = time.monotonic() + limit_s
-        with self._news:
+        with self._arrived:
             while True:
                 waiting = self._waiting[topic]
                 while waiting:
                     message = waiting.popleft()
                     if matches(message):
                         return message
-                if not self._news.wait(max(0.0, end - time.monotonic())):
+                if not self._arrived.wait(max(0.0, end - time.monotonic())):
                     return None
 
     def wait(self, condition: Callable[[], bool], limit_s: float) -> bool:
         """Wait until a condition on the tape holds; return whether it does."""
-        with self._news:
-            return self._news.wait_for(condition, limit_s)
+        with self._arrived:
+            return self._arrived.wait_for(condition, limit_s)
 
     def left(self, topic: str) -> list[Message]:
-        """Return the messages that nobody has asked for."""
-        with self._news:
+        """Return the messages that have not been taken."""
+        with self._arrived:
             return list(self._waiting[topic])
 
     def clear(self) -> None:
         """Drop all messages."""
-        with self._news:
+        with self._arrived:
             self._waiting.clear()
 
     @property

@@ -104,7 +104,7 @@ class Wire:
         return [node for node in found if node != rospy.get_name()]
 
     def is_subscribed(self, topic: str) -> bool:
-        """Return whether anybody subscribes to a topic of this node's namespace."""
+        """Return whether any node subscribes to a topic of this node's namespace."""
         _, subscribe, _ = self._master.getSystemState()
         return rospy.resolve_name(topic) in dict(subscribe)
 

@@ -49,7 +49,7 @@ class _StubModule(ModuleType):
 
 
 class MessageStubs(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Imports message packages that nobody else finds, and remembers them."""
+    """Imports message packages that no other finder finds, and remembers them."""
 
     def __init__(self) -> None:
         """Begin with none."""

@@ -1,1 +1,1 @@
-"""What the formats of designs share: texts, units, guesses, and the account of an import."""
+"""What the formats of designs share: texts, units, assumptions, and the account of an import."""

@@ -1,4 +1,4 @@
-"""What an import read, guessed and left out, with places in the file."""
+"""What an import read, assumed and left out, with places in the file."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class Account:
-    """What an import read, guessed and left out.
+    """What an import read, assumed and left out.
 
     Attributes:
         unit: what the format calls a connection, in the plural.
@@ -29,14 +29,14 @@ class Account:
             into wires, or was left out.
         joined: number of connections that were joined into wires.
         wires_joined: number of wires that those became.
-        guesses: one line for each thing that the file does not say.
+        assumptions: one line for each thing that the file does not say.
         left_out: the other connections.
         ignored: what is no connection, and is not in the order.
     """
 
     unit: str
     connections: int
-    guesses: tuple[str, ...]
+    assumptions: tuple[str, ...]
     left_out: tuple[LeftOut, ...]
     ignored: tuple[LeftOut, ...] = ()
     joined: int = 0
@@ -44,8 +44,8 @@ class Account:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Guesses and what was left out, a line each."""
-        return (*self.guesses, *map(str, self.left_out), *map(str, self.ignored))
+        """Assumptions and what was left out, a line each."""
+        return (*self.assumptions, *map(str, self.left_out), *map(str, self.ignored))
 
 
 @dataclass(frozen=True)

@@ -74,11 +74,11 @@ class Connection:
 
 @dataclass(frozen=True)
 class Assembly:
-    """What devices and connections make, and what was guessed for it."""
+    """What devices and connections make, and what was assumed for it."""
 
     components: tuple[Component, ...]
     wires: tuple[Wire, ...]
-    guesses: tuple[str, ...]
+    assumptions: tuple[str, ...]
 
 
 def assemble(devices: Iterable[Device], connections: Sequence[Connection]) -> Assembly:
@@ -100,29 +100,29 @@ def assemble(devices: Iterable[Device], connections: Sequence[Connection]) -> As
             clamps.take(connection.a),
             clamps.take(connection.b),
             connection.colour,
-            connection.section_mm2,
-            connection.source,
-            connection.length_m,
-            connection.cable,
-            connection.core,
-            connection.route,
+            section_mm2=connection.section_mm2,
+            source=connection.source,
+            length_m=connection.length_m,
+            cable=connection.cable,
+            core=connection.core,
+            route=connection.route,
         )
         for name, connection in zip(names, connections, strict=True)
     )
     components: list[Component] = []
-    guessed = 0
+    assumed_sides = 0
     for device in devices:
         taken = clamps.of.get(device.name, [])
-        guessed += len({point for point, _ in taken} - set(device.sides))
+        assumed_sides += len({point for point, _ in taken} - set(device.sides))
         if taken or device.stays_bare:
             components.append(_component(device, taken))
-    guesses = [*renamed, *clamps.shared()]
-    if guessed:
-        guesses.append(
-            f"the sides of {guessed} terminals are not given: those with odd numbers open to the "
-            "top, the others to the bottom"
+    assumptions = [*renamed, *clamps.shared()]
+    if assumed_sides:
+        assumptions.append(
+            f"the sides of {assumed_sides} terminals are not given: those with odd numbers open to "
+            "the top, the others to the bottom"
         )
-    return Assembly(tuple(components), wires, tuple(guesses))
+    return Assembly(tuple(components), wires, tuple(assumptions))
 
 
 def unique_name(base: str, taken: Container[str]) -> str:
@@ -169,7 +169,7 @@ class _Clamps:
         return TerminalRef(end.component, name)
 
     def shared(self) -> Iterable[str]:
-        """Say which points got several terminals."""
+        """Return a line for each of the points that got several terminals."""
         for end, count in self._uses.items():
             if count > 1:
                 yield f"{end} is given {count} clamps, one for each of its wires"
@@ -179,7 +179,7 @@ def _component(device: Device, taken: list[tuple[str, str]]) -> Component:
     terminals = (
         Terminal(
             name,
-            device.sides.get(point) or _guessed_side(point),
+            device.sides.get(point) or _usual_side(point),
             point if point != name else "",
             device.kinds.get(point, ""),
             insertion_force_limit_n=device.force_limits_n.get(point),
@@ -191,10 +191,10 @@ def _component(device: Device, taken: list[tuple[str, str]]) -> Component:
         device.kind,
         tuple(sorted(terminals, key=lambda terminal: _natural_key(terminal.name))),
         device.mount,
-        device.role,
-        device.part_number,
-        device.pose,
-        device.node,
+        role=device.role,
+        part_number=device.part_number,
+        pose=device.pose,
+        node=device.node,
     )
 
 
@@ -207,7 +207,7 @@ def _natural_key(name: str) -> tuple[tuple[bool, int, str], ...]:
     )
 
 
-def _guessed_side(point: str) -> Side:
+def _usual_side(point: str) -> Side:
     """Return the side on which a terminal usually opens (1, 3, 5, A1 supply; 2, 4, 6, A2 load)."""
     match = _LAST_NUMBER.search(point)
     return Side.BOTTOM if match and int(match[1]) % 2 == 0 else Side.TOP

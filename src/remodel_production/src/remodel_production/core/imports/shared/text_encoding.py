@@ -16,7 +16,7 @@ _FALLBACK = "cp1252"
 
 
 def decode(data: bytes, encoding: str = "") -> tuple[str, str]:
-    """Return the text, and the encoding that was guessed; none if it was given or marked, or UTF-8.
+    """Return the text, and the assumed encoding; empty if it is given, marked or UTF-8.
 
     Args:
         data: to decode.
@@ -27,7 +27,7 @@ def decode(data: bytes, encoding: str = "") -> tuple[str, str]:
     """
     mark = next((name for bom, name in _MARKS.items() if data.startswith(bom)), "")
     try:
-        text, guessed = data.decode(encoding or mark or "utf-8"), ""
+        text, assumed = data.decode(encoding or mark or "utf-8"), ""
     except UnicodeDecodeError as error:
         line = data[: error.start].count(b"\n") + 1
         if encoding or mark:
@@ -35,10 +35,10 @@ def decode(data: bytes, encoding: str = "") -> tuple[str, str]:
                 f"line {line}: byte {data[error.start]:#04x} is no {error.encoding}: give the "
                 "file's encoding in the mapping"
             ) from error
-        text, guessed = data.decode(_FALLBACK, errors="replace"), _FALLBACK
+        text, assumed = data.decode(_FALLBACK, errors="replace"), _FALLBACK
     except LookupError as error:
         raise DesignError(f"encoding {encoding}: not known; utf-8, utf-16, cp1252 are") from error
     if "\0" in text:
         line = text[: text.index("\0")].count("\n") + 1
         raise DesignError(f"line {line}: a zero byte found; a text is needed, not a binary file")
-    return text, guessed
+    return text, assumed

@@ -77,7 +77,7 @@ def length_m(text: str, unit: str = "m") -> float | None:
 
 
 def is_length_unit(unit: str) -> bool:
-    """Tell whether a length may be given in that unit."""
+    """Return whether a length may be given in that unit."""
     return unit in _LENGTH_UNITS_M
 
 

@@ -1,4 +1,4 @@
-"""Read XML that somebody sent: no entities, no document type, nothing fetched."""
+"""Read untrusted XML: no entities, no document type, nothing fetched."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Read YAML that somebody sent, with the line of every value, and refuse what grows without end."""
+"""Read untrusted YAML with the line of every value; refuse aliases that grow without end."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Value:
 
     @property
     def where(self) -> str:
-        """Say where the value stands."""
+        """The place of the value, for errors."""
         return f"line {self.line}"
 
     def mapping(self, what: str) -> dict[str, Value]:
@@ -58,7 +58,7 @@ class Value:
 
     @property
     def is_scalar(self) -> bool:
-        """Tell whether this is neither a mapping nor a list."""
+        """Return whether this is neither a mapping nor a list."""
         return not isinstance(self.data, dict | list)
 
     @property
@@ -160,7 +160,7 @@ def _value(node: yaml.Node, loader: yaml.CSafeLoader) -> Value:
 
 
 def _mapping(node: yaml.MappingNode, loader: yaml.CSafeLoader) -> dict[str, Value]:
-    """Return the entries; those of merged mappings (<<) give way to the mapping's own."""
+    """Return the entries; the mapping's own replace those of merged mappings (<<)."""
     own: dict[str, Value] = {}
     merged: dict[str, Value] = {}
     for key_node, value_node in node.value:

@@ -1,7 +1,7 @@
 """Cables in any picture: centrelines, tips, widths, crossings with who is on top."""
 
+from remodel_sim.core.vision.cables.curves.spline import Spline
 from remodel_sim.core.vision.cables.detect import detect_cables
 from remodel_sim.core.vision.cables.model import Cable, Crossing, Detection, End, Tip
-from remodel_sim.core.vision.cables.spline import Spline
 
 __all__ = ["Cable", "Crossing", "Detection", "End", "Spline", "Tip", "detect_cables"]

@@ -1,7 +1,7 @@
 """Where centrelines cross, and which strand lies on top.
 
-Each strand looks a certain way before and after the crossing: its colour, and across it its lit
-side, its dark side and its highlight. On the crossing one sees what the upper one looks like.
+Each strand has an appearance before and after the crossing: its colour, and across it its lit side,
+its dark side and its highlight. The crossing shows the appearance of the upper one.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ import cv2
 import numpy as np
 
 from remodel_sim.core.geometry import Array
+from remodel_sim.core.vision.cables.curves.robust_statistics import limited
 from remodel_sim.core.vision.cables.model import Cable, Crossing
-from remodel_sim.core.vision.cables.robust import limited
 from remodel_sim.core.vision.pixels import Pixels
 
 # Every so many points of a centreline are intersected.
@@ -23,7 +23,7 @@ STRIDE = 4
 OWN_WIDTHS = 6.0
 # Samples across a strand, free of its edges [widths].
 ACROSS = np.linspace(-0.34, 0.34, 7)
-# Where a strand shows its usual look: so far from a crossing [mean widths over the sine].
+# Where a strand shows its usual appearance: so far from a crossing [mean widths over the sine].
 AWAY = np.array([-1.8, -1.4, -1.0, 1.0, 1.4, 1.8])
 # Strands are taken to cross at least at this sine.
 LEAST_SINE = 0.25
@@ -72,7 +72,7 @@ def intersections(p: Array, q: Array) -> list[tuple[float, float]]:
 
 
 def _sides(p: Array, q: Array) -> Array:
-    """Return the cross products (n - 1, m) of p's segments with the ways from there to q's points.
+    """Return the cross products (n - 1, m) of p's segments with the vectors to q's points.
 
     Positive on one side of a segment's line, negative on the other.
     """
@@ -106,17 +106,17 @@ def _crossing(
     seen = _colours(rgb, np.vstack(places))
     shown, usual = np.split(seen, [ACROSS.size**2])
     shown = shown.reshape(ACROSS.size, ACROSS.size, 3)
-    looks = usual.reshape(2, AWAY.size, ACROSS.size, 3).mean(axis=1)
-    misfit = _misfit(shown, looks[0][:, None]), _misfit(shown, looks[1][None, :])
+    appearances = usual.reshape(2, AWAY.size, ACROSS.size, 3).mean(axis=1)
+    misfit = _misfit(shown, appearances[0][:, None]), _misfit(shown, appearances[1][None, :])
     evidence = (misfit[1] - misfit[0]) / (misfit[0] + misfit[1] + NOISE)
     upper, lower = (first, second) if evidence >= 0 else (second, first)
     return Crossing(
-        point,
-        upper[0],
-        lower[0],
-        upper[1] / (len(cables[upper[0]].centreline) - 1),
-        lower[1] / (len(cables[lower[0]].centreline) - 1),
-        min(abs(evidence) / SURE, 1.0),
+        point=point,
+        upper=upper[0],
+        lower=lower[0],
+        upper_at=upper[1] / (len(cables[upper[0]].centreline) - 1),
+        lower_at=lower[1] / (len(cables[lower[0]].centreline) - 1),
+        confidence=min(abs(evidence) / SURE, 1.0),
     )
 
 
@@ -130,11 +130,11 @@ def _along(line: Array, indices: Array) -> tuple[Array, Array]:
     return points, ways[:, ::-1] * (-1.0, 1.0)
 
 
-def _misfit(shown: Pixels, look: Pixels) -> float:
-    """Return the mean square of what a look, dimmed or lit a little, leaves of what is shown."""
-    look = np.broadcast_to(look, shown.shape)
-    gain = float(np.vdot(shown, look)) / max(float(np.vdot(look, look)), 1.0)
-    left = shown - min(max(gain, GAIN[0]), GAIN[1]) * look
+def _misfit(shown: Pixels, appearance: Pixels) -> float:
+    """Return the mean square difference to an appearance, dimmed or lit a little."""
+    appearance = np.broadcast_to(appearance, shown.shape)
+    gain = float(np.vdot(shown, appearance)) / max(float(np.vdot(appearance, appearance)), 1.0)
+    left = shown - min(max(gain, GAIN[0]), GAIN[1]) * appearance
     return float(np.vdot(left, left)) * 3 / shown.size
 
 

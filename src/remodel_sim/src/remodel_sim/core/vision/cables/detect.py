@@ -2,7 +2,7 @@
 
 A mask at low resolution says where the table is covered; its skeleton is cut into strands where
 they meet; strands are joined to cables; edges at full resolution give centrelines, widths and tips
-to a fraction of a pixel. What is not sure is said.
+to a fraction of a pixel. What is not certain causes a warning.
 """
 
 from __future__ import annotations
@@ -13,23 +13,23 @@ import cv2
 import numpy as np
 
 from remodel_sim.core.vision.cables.crossings import find_crossings
-from remodel_sim.core.vision.cables.doubts import (
+from remodel_sim.core.vision.cables.curves.polyline import arc_lengths
+from remodel_sim.core.vision.cables.curves.robust_statistics import median_colour
+from remodel_sim.core.vision.cables.curves.spline import fit
+from remodel_sim.core.vision.cables.edges.confidence import Evidence, ramp, weigh
+from remodel_sim.core.vision.cables.edges.refining import Refined, refine
+from remodel_sim.core.vision.cables.ends import AXIS_FROM, find_end
+from remodel_sim.core.vision.cables.model import Cable, Detection, End, Tip
+from remodel_sim.core.vision.cables.strands.foreground import Foreground, find_foreground
+from remodel_sim.core.vision.cables.strands.joining import rough_cables
+from remodel_sim.core.vision.cables.warnings import (
     CLUTTERED,
     NOTHING,
     SURE,
-    cable_doubts,
-    exposure_doubts,
-    rest_doubts,
+    cable_warnings,
+    exposure_warnings,
+    remainder_warnings,
 )
-from remodel_sim.core.vision.cables.ends import AXIS_FROM, find_end
-from remodel_sim.core.vision.cables.evidence import Evidence, ramp, weigh
-from remodel_sim.core.vision.cables.foreground import Foreground, find_foreground
-from remodel_sim.core.vision.cables.joining import rough_cables
-from remodel_sim.core.vision.cables.model import Cable, Detection, End, Tip
-from remodel_sim.core.vision.cables.polyline import arc_lengths
-from remodel_sim.core.vision.cables.refining import Refined, refine
-from remodel_sim.core.vision.cables.robust import median_colour
-from remodel_sim.core.vision.cables.spline import fit
 from remodel_sim.core.vision.pixels import Pixels
 
 # The foreground is found in a picture of about so many columns; in the finer one where cables are
@@ -47,7 +47,7 @@ NO_CABLE = 0.15
 # What is shorter than this share of the longest sure cable is a scrap of the table's grain, unless
 # it is sure and its contrast at least this share of the faintest long cable's.
 SCRAP_LENGTH, SCRAP_CONTRAST = 0.25, 0.5
-# Joinings whose second best way is dearer by this are sure.
+# Joinings whose second best pairing is dearer by this are sure.
 SURE_MARGIN = (0.0, 0.25)
 
 
@@ -87,7 +87,7 @@ def _detect(rgb: Pixels, scale: int, small: Pixels, foreground: Foreground) -> D
     rough = rough_cables(small, foreground)
     if not rough:
         why = CLUTTERED if rough is None else NOTHING
-        return Detection((), (), (*exposure_doubts(small), why))
+        return Detection((), (), (*exposure_warnings(small), why))
     lines = [(r.line + 0.5) * scale - 0.5 for r in rough]
     refined = refine(rgb, lines, [r.width * scale for r in rough])
     candidates = [
@@ -98,12 +98,12 @@ def _detect(rgb: Pixels, scale: int, small: Pixels, foreground: Foreground) -> D
     cables = []
     for found in _without_scraps(candidates):
         cable = _cable(rgb, found.line, found.confidence)
-        cables.append(replace(cable, tips=_not_over(foreground.things, cable, scale)))
+        cables.append(replace(cable, tips=_not_over(foreground.foreign_objects, cable, scale)))
     cables.sort(key=lambda c: -len(c.centreline))
     doubts = (
-        *exposure_doubts(small),
-        *cable_doubts(rgb, cables),
-        *rest_doubts(foreground, cables, scale),
+        *exposure_warnings(small),
+        *cable_warnings(rgb, cables),
+        *remainder_warnings(foreground, cables, scale),
     )
     return Detection(tuple(cables), find_crossings(rgb, cables), doubts)
 
@@ -136,13 +136,15 @@ def _without_scraps(candidates: list[_Candidate]) -> list[_Candidate]:
     ]
 
 
-def _not_over(things: Pixels, cable: Cable, scale: int) -> tuple[Tip, Tip]:
-    """Return a cable's tips; one at the edge of a thing is hidden."""
+def _not_over(foreign_objects: Pixels, cable: Cable, scale: int) -> tuple[Tip, Tip]:
+    """Return a cable's tips; one at the edge of a foreign object is hidden."""
     tips = []
     for tip in cable.tips:
         beyond = (tip.point + (cable.width + scale) * tip.outward + 0.5) / scale - 0.5
-        column, row = np.clip(np.rint(beyond).astype(int), 0, np.array(things.shape[::-1]) - 1)
-        hidden = tip.end is End.TIP and things[row, column]
+        column, row = np.clip(
+            np.rint(beyond).astype(int), 0, np.array(foreign_objects.shape[::-1]) - 1
+        )
+        hidden = tip.end is End.TIP and foreign_objects[row, column]
         tips.append(replace(tip, end=End.HIDDEN) if hidden else tip)
     return tips[0], tips[1]
 
@@ -159,5 +161,12 @@ def _cable(rgb: Pixels, refined: Refined, confidence: float) -> Cable:
     weight = np.concatenate([[TIP_WEIGHT], refined.weight[inner], [TIP_WEIGHT]])
     spline = fit(points, weight, max(KNOTS_WIDTHS * width, KNOTS_PX))
     line = spline.at(np.linspace(0, 1, max(8, int(arc[-1] / 2))))
-    red, green, blue = median_colour(refined.ribs.middle).tolist()
-    return Cable(line, spline, (first, last), width, (red, green, blue), confidence)
+    red, green, blue = median_colour(refined.sections.middle).tolist()
+    return Cable(
+        centreline=line,
+        spline=spline,
+        tips=(first, last),
+        width=width,
+        colour=(red, green, blue),
+        confidence=confidence,
+    )

@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 
 from remodel_sim.core.geometry import Array
+from remodel_sim.core.vision.cables.curves.polyline import arc_lengths, parabola
 from remodel_sim.core.vision.cables.model import End, Tip
-from remodel_sim.core.vision.cables.polyline import arc_lengths, parabola
 from remodel_sim.core.vision.pixels import Pixels
 
 # The axis at an end is fitted to this part of the centreline, counted from the end: nearer to it
@@ -19,7 +19,8 @@ AXIS_FROM, AXIS_TO = 0.9, 4.0
 ALONG = np.linspace(-1.6, 1.4, 61)
 # Samples well within the cable, and well beyond its tip.
 WITHIN, OUTSIDE = slice(0, 20), slice(50, 61)
-# A cable whose colour is so far from all shades of what lies beyond is told by that [grey levels].
+# A cable whose colour is so far from all shades of what lies beyond is recognised by that
+# [grey levels].
 OTHER_HUE = 18.0
 # Lines beside the axis that are averaged [widths].
 LINES = np.linspace(-0.24, 0.24, 5)

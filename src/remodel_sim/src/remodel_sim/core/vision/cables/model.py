@@ -1,4 +1,4 @@
-"""What the detector answers."""
+"""The result of the detector."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.vision.cables.spline import Spline
+from remodel_sim.core.vision.cables.curves.spline import Spline
 
 
 class End(Enum):
@@ -76,10 +76,11 @@ class Crossing:
 class Detection:
     """All cables of a picture.
 
+    `doubts` are warnings: reasons why the result may be wrong. A result without any is reliable.
+
     Attributes:
         cables: the longest first.
         crossings: where they cross.
-        doubts: why the answer may be wrong; an answer without doubts is to be relied on.
     """
 
     cables: tuple[Cable, ...]

@@ -10,11 +10,11 @@ class GoalState(EventState):
     """Send a goal and wait for its result.
 
     -- topic  string  Action topic.
-    -- watch  bool    Look whether the server is still there.
+    -- watch  bool    Check whether the server is still there.
     -- rate   float   How often it is executed [Hz], unless something wakes it.
 
     <= done    The server answered.
-    <= failed  The goal could not be sent, or the server has gone away.
+    <= failed  The goal could not be sent, or the server stopped.
 
     """
 
@@ -37,7 +37,7 @@ class GoalState(EventState):
             self._error = True
 
     def execute(self, userdata):
-        """Look for the result."""
+        """Check for the result."""
         if self._error:
             return "failed"
         if self._client.has_result(self._topic):
@@ -52,5 +52,5 @@ class GoalState(EventState):
         self._client.cancel(self._topic)
 
     def on_stop(self):
-        """Tell the end."""
+        """Log the end."""
         Logger.loginfo("stop of the goal state")

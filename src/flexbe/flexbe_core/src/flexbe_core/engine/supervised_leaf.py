@@ -1,0 +1,117 @@
+"""Supervise a state: apply commands, and carry out what supervision.decision decides."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from flexbe_core.engine.events import NO_OUTCOME, Forced, Requested
+from flexbe_core.engine.supervision.apply_commands import ActiveState, apply_command
+from flexbe_core.engine.supervision.commands import StateCommand
+from flexbe_core.engine.supervision.decision import PENDING, Act, Moment, Pending, decide
+
+if TYPE_CHECKING:
+    from flexbe_core.engine.leaf import Leaf
+
+
+def before(leaf: Leaf) -> tuple[Act, str | None]:
+    """Decide what to do before execution.
+
+    Returns:
+        the act and, if the state is not to be executed but to leave, the outcome to leave with.
+    """
+    engine = leaf.engine
+    _apply_commands(leaf)
+    supervision = engine.supervision
+    act = decide(supervision, _moment(leaf, PENDING, supervision.stored))
+    if act is Act.RELEASE:
+        engine.supervision = replace(supervision, stored=None)
+        return act, supervision.stored
+    if act is Act.FORCE:
+        if engine.recording:
+            engine.events.append(Forced(leaf.path, supervision.forced or "", supervision.requested))
+        return act, supervision.forced
+    if act is Act.WITHDRAW:
+        _withdraw(leaf)
+    return act, None
+
+
+def after(leaf: Leaf, outcome: str | None) -> Act:
+    """Decide whether the state may leave with `outcome`, and ask the operator if necessary."""
+    engine = leaf.engine
+    supervision = engine.supervision
+    act = decide(supervision, _moment(leaf, outcome, outcome))
+    if act is Act.STORE:
+        engine.supervision = replace(supervision, stored=outcome, forced=None)
+    elif act is Act.REPEAT:
+        engine.supervision = replace(supervision, repeat=False)
+    elif act is Act.WITHDRAW:
+        _withdraw(leaf)
+    elif act is Act.REQUEST and outcome is not None:
+        engine.supervision = replace(supervision, requested=outcome)
+        engine.events.append(Requested(leaf.path, leaf.definition._outcomes.index(outcome)))
+    return act
+
+
+def left(leaf: Leaf, outcome: str) -> None:
+    """Note for mirrors that the state was left, and clear what applied only to this visit."""
+    engine = leaf.engine
+    if outcome in leaf.definition._outcomes:
+        engine.leave(leaf, outcome)
+    engine.supervision = engine.supervision.after_visit()
+
+
+def _apply_commands(leaf: Leaf) -> None:
+    """Apply the commands to the active state, up to a forced outcome.
+
+    Commands after a forced outcome are for the next state.
+    """
+    engine = leaf.engine
+    if not engine.commands:
+        return
+    name = leaf.definition._name or ""
+    state = ActiveState(name, leaf.path, leaf.definition._outcomes, leaf.ancestors())
+    while engine.commands and engine.supervision.forced is None:
+        command: StateCommand = engine.commands.popleft()
+        engine.supervision, events = apply_command(engine.supervision, command, state)
+        engine.events.extend(events)
+    engine.claim_while_paused(leaf.path)
+
+
+def _moment(leaf: Leaf, outcome: str | Pending | None, leaving_with: str | None) -> Moment:
+    return Moment(
+        path=leaf.path,
+        supervised=True,
+        outcome=outcome,
+        required_autonomy=-1 if leaving_with is None else _required_autonomy(leaf, leaving_with),
+        leaves_locked=leaving_with is not None and _leaves_locked(leaf, leaving_with),
+    )
+
+
+def _required_autonomy(leaf: Leaf, outcome: str) -> int:
+    if leaf.parent is None:
+        return -1
+    levels: Mapping[str, int] = leaf.parent.definition._autonomy.get(leaf.label, {})
+    return levels.get(outcome, -1)
+
+
+def _leaves_locked(leaf: Leaf, outcome: str) -> bool:
+    """Return whether a locked container around the state would be left with this outcome."""
+    locks = leaf.engine.supervision.locks
+    target: str | None = leaf.targets.get(outcome)
+    container = leaf.parent
+    while locks and container is not None and target is not None:
+        if target in container.definition._labels:
+            return False
+        if container.path in locks:
+            return True
+        target = container.targets.get(target)
+        container = container.parent
+    return False
+
+
+def _withdraw(leaf: Leaf) -> None:
+    engine = leaf.engine
+    engine.supervision = replace(engine.supervision, requested=None)
+    engine.events.append(Requested(leaf.path, NO_OUTCOME))

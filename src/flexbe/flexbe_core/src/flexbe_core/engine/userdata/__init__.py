@@ -1,0 +1,1 @@
+"""Userdata, and the detection of changed inputs."""

@@ -1,0 +1,195 @@
+"""Userdata: a view on a container's data, as one state may see it.
+
+A view has a store of its own on top of a reference (another view, or a dict). Reading tries the
+store first, then the reference through the remapping. Writing an output key writes both.
+
+    own key --remap--> key of the container          (missing in the map: the same name)
+
+An input key that is no output key may be read, never changed: its fingerprint is taken when it is
+lent out and compared when the view is closed. Values are lent by reference and never copied.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+
+from flexbe_core.engine.errors import UserDataError
+from flexbe_core.engine.userdata.fingerprint import Fingerprint, Value, fingerprint, is_unchanged
+
+_set = object.__setattr__
+
+
+class UserData:
+    """The data that a state or container sees.
+
+    Keys are attributes or items. Names that start with an underscore are attributes of the object.
+    """
+
+    # A behavior of thousands of states makes thousands of views; __dict__ is for users.
+    __slots__ = (
+        "__dict__",
+        "_data",
+        "_input_keys",
+        "_lent",
+        "_output_keys",
+        "_reference",
+        "_remap",
+    )
+
+    _data: dict[str, Value]
+    _lent: dict[str, tuple[Value, Fingerprint | None]]
+    _reference: UserData | dict[str, Value]
+    _input_keys: Collection[str] | None
+    _output_keys: Collection[str] | None
+    _remap: Mapping[str, str]
+
+    def __init__(
+        self,
+        reference: UserData | dict[str, Value] | None = None,
+        input_keys: Collection[str] | None = None,
+        output_keys: Collection[str] | None = None,
+        remap: Mapping[str, str] | None = None,
+    ) -> None:
+        """Make a view on `reference` through `remap`.
+
+        Args:
+            reference: where values come from and go to.
+            input_keys: keys that may be read; None means all.
+            output_keys: keys that may be written; None means all, into the own store only.
+            remap: own key -> key in the reference.
+        """
+        _set(self, "_data", {})
+        _set(self, "_lent", {})
+        _set(self, "_reference", {} if reference is None else reference)
+        _set(self, "_input_keys", input_keys)
+        _set(self, "_output_keys", output_keys)
+        _set(self, "_remap", remap or {})
+
+    def __call__(
+        self,
+        reference: UserData | dict[str, Value] | None = None,
+        add_from: UserData | None = None,
+        update_from: UserData | None = None,
+        remove_key: str | None = None,
+    ) -> None:
+        """Change the view itself.
+
+        Args:
+            reference: read from this from now on.
+            add_from: copy the keys of its store that are missing in the own one.
+            update_from: copy all keys of its store.
+            remove_key: remove this key from the own store.
+        """
+        if reference is not None:
+            self._reference = reference
+        if add_from is not None:
+            for key, value in add_from._data.items():
+                self._data.setdefault(key, value)
+        if update_from is not None:
+            self._data.update(update_from._data)
+        if remove_key is not None:
+            self._data.pop(remove_key, None)
+
+    def __contains__(self, key: str) -> bool:
+        """Return whether the key can be read."""
+        if key in self._data:
+            return True
+        if self._input_keys is not None and key not in self._input_keys:
+            return False
+        return self._remap.get(key, key) in self._reference
+
+    def __getitem__(self, key: str) -> Value:
+        """Return a value.
+
+        Raises:
+            UserDataError: if the key is not declared as input, or has not been written.
+        """
+        data = self._data
+        if key in data:
+            return data[key]
+        if key not in self:
+            raise UserDataError(self._why_unreadable(key))
+        value = self._reference[self._remap.get(key, key)]
+        if self._output_keys is not None and key not in self._output_keys:
+            data[key] = value
+            self._lent[key] = (value, fingerprint(value))
+        return value
+
+    def __setitem__(self, key: str, value: Value) -> None:
+        """Write into the own store and, if the key is declared as output, into the reference."""
+        self._data[key] = value
+        if self._output_keys is not None and key in self._output_keys:
+            self._reference[self._remap.get(key, key)] = value
+
+    def __getattr__(self, key: str) -> Value:
+        """Return a value, see __getitem__."""
+        if key.startswith("_"):
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {key!r}")
+        return self[key]
+
+    def __setattr__(self, key: str, value: Value) -> None:
+        """Write a value, see __setitem__.
+
+        Raises:
+            UserDataError: if the key is not declared as output.
+        """
+        if key.startswith("_"):
+            _set(self, key, value)
+            return
+        if self._output_keys is not None and key not in self._output_keys:
+            declared = ", ".join(self._output_keys) or "none"
+            raise UserDataError(f"key {key!r} is not declared as output; declared: {declared}")
+        self[key] = value
+
+    def __enter__(self) -> UserData:
+        """Open the view."""
+        return self
+
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: object) -> None:
+        """Check what was lent, unless another error is on its way."""
+        if kind is None:
+            self._check()
+
+    def __len__(self) -> int:
+        """Return the number of values in the own store and in the reference."""
+        return len(self._data) + len(self._reference)
+
+    def __str__(self) -> str:
+        """Return what is in the own store and in the reference, for a person to read."""
+        own = ", ".join(f"{key}={value!r}" for key, value in self._data.items())
+        return f"UserData({own})" + (f" on {self._reference}" if len(self._reference) else "")
+
+    __repr__ = __str__
+
+    def _close(self) -> None:
+        """Check what was lent and forget the own store, so that the view is as new.
+
+        Raises:
+            UserDataError: if an input was changed in place.
+        """
+        try:
+            if self._lent:
+                self._check()
+        finally:
+            self._forget()
+
+    def _forget(self) -> None:
+        self._data.clear()
+        self._lent.clear()
+
+    def _check(self) -> None:
+        for key, (value, before) in self._lent.items():
+            now = self._data.get(key, value)
+            if now is value and (before is None or is_unchanged(before, fingerprint(value))):
+                continue
+            raise UserDataError(
+                f"input key {key!r} was changed; declare it as output too, or change a copy"
+            )
+
+    def _why_unreadable(self, key: str) -> str:
+        if self._input_keys is not None and key not in self._input_keys:
+            declared = ", ".join(self._input_keys) or "none"
+            return f"key {key!r} is not declared as input; declared: {declared}"
+        source = self._remap.get(key, key)
+        where = f" (it is remapped to {source!r})" if source != key else ""
+        return f"there is no data for key {key!r}{where}; nothing has written it yet"

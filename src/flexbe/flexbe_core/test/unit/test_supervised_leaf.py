@@ -1,0 +1,204 @@
+"""Commands to a running engine, and its answers."""
+
+from flexbe_core.engine.events import (
+    NO_OUTCOME,
+    Answered,
+    Entered,
+    Left,
+    Refused,
+    Requested,
+    Shown,
+    Synced,
+)
+from flexbe_core.engine.supervision.commands import (
+    Attach,
+    ForceOutcome,
+    Lock,
+    Pause,
+    Preempt,
+    Repeat,
+    Resume,
+    SetAutonomy,
+    Sync,
+    Unlock,
+)
+from flexbe_core.testing import ScriptedState
+
+
+def two_states(bench, script=("done",), required=0):
+    """Return a machine a -> b -> finished; leaving `a` needs `required`."""
+    root = bench.machine()
+    with root:
+        state = ScriptedState(script, ["done", "failed"])
+        bench.add("a", state, {"done": "b", "failed": "finished"}, {"done": required, "failed": 0})
+        bench.add("b", ScriptedState([None]), {"done": "finished"}, {"done": 0})
+    return root
+
+
+def started(bench, level=3, **kwargs):
+    root = two_states(bench, **kwargs)
+    root._name = "My Behavior"
+    return root, bench.engine(root, level, supervised=True)
+
+
+def step(bench, engine, *commands):
+    """Give commands, execute once and return what happened, but for entries."""
+    for command in commands:
+        engine.handle(command)
+    outcome = engine.run(bench.now)
+    bench.now += 1.0
+    events = [event for event in engine.take_events() if not isinstance(event, Entered | Shown)]
+    return events if outcome is None else [*events, outcome]
+
+
+def test_a_transition_is_told_to_mirrors(bench):
+    _, engine = started(bench)
+    assert step(bench, engine) == [Left("/a", "done", 0)]
+
+
+def test_a_state_that_is_supervised_by_itself_reports_its_outcome(bench):
+    root = two_states(bench)
+    engine = bench.engine(root, level=3)
+    root["a"]._is_controlled = True
+    assert step(bench, engine) == [Left("/a", "done", 0)]
+
+
+def test_a_transition_that_needs_more_asks_once_and_waits(bench):
+    _, engine = started(bench, level=1, required=1)
+    assert step(bench, engine) == [Requested("/a", 0)]
+    assert step(bench, engine) == []
+    assert step(bench, engine, SetAutonomy(2)) == [Answered("autonomy"), Left("/a", "done", 0)]
+
+
+def test_a_state_that_changes_its_mind_withdraws_its_request(bench):
+    _, engine = started(bench, level=1, required=1, script=["done", None, "done"])
+    assert step(bench, engine) == [Requested("/a", 0)]
+    assert step(bench, engine) == [Requested("/a", NO_OUTCOME)]
+    assert step(bench, engine) == [Requested("/a", 0)]
+
+
+def test_the_operator_forces_an_outcome(bench):
+    root, engine = started(bench, script=[None])
+    step(bench, engine)
+    answer = Answered("transition", ("a", "a"))
+    assert step(bench, engine, ForceOutcome("a", 1)) == [
+        answer,
+        Left("/a", "failed", 1),
+        "finished",
+    ]
+    assert root["a"].log.count(("a", "execute")) == 1
+
+
+def test_a_forced_outcome_for_another_state_is_refused(bench):
+    _, engine = started(bench, script=[None])
+    answer, refusal = step(bench, engine, ForceOutcome("b", 0))
+    assert answer == Answered("transition", ("b", "a"))
+    assert isinstance(refusal, Refused)
+
+
+def test_what_follows_a_forced_outcome_is_for_the_next_state(bench):
+    _, engine = started(bench, script=[None])
+    events = step(bench, engine, ForceOutcome("a", 0), ForceOutcome("b", 0))
+    assert events == [Answered("transition", ("a", "a")), Left("/a", "done", 0)]
+    assert step(bench, engine)[-1] == "finished"
+
+
+def test_a_locked_state_keeps_its_outcome_until_unlocked(bench):
+    root, engine = started(bench)
+    assert step(bench, engine, Lock("")) == [Answered("lock", ("/a", "/a"))]
+    assert step(bench, engine) == []
+    assert root["a"].log.count(("a", "execute")) == 1
+    assert step(bench, engine, Unlock("")) == [
+        Answered("unlock", ("/a", "/a")),
+        Left("/a", "done", 0),
+    ]
+
+
+def test_a_locked_container_is_not_left_but_its_states_are(bench):
+    inner = two_states(bench)
+    root = bench.machine()
+    with root:
+        bench.add("box", inner, {"finished": "finished"}, {})
+    engine = bench.engine(root, supervised=True)
+    assert step(bench, engine, Lock("/box"))[-1] == Left("/box/a", "done", 0)
+    assert step(bench, engine, ForceOutcome("b", 0)) == [Answered("transition", ("b", "b"))]
+    assert step(bench, engine) == []
+    events = step(bench, engine, Unlock("/box"))
+    assert events == [Answered("unlock", ("/box", "/box")), Left("/box/b", "done", 0), "finished"]
+
+
+def test_a_request_is_withdrawn_when_the_state_is_locked(bench):
+    _, engine = started(bench, level=1, required=1)
+    assert step(bench, engine) == [Requested("/a", 0)]
+    step(bench, engine, Lock(""))
+    assert step(bench, engine) == [Requested("/a", NO_OUTCOME)]
+
+
+def test_a_paused_state_is_not_executed_and_told_once(bench):
+    root, engine = started(bench, script=[None])
+    assert step(bench, engine, Pause()) == [Answered("pause")]
+    step(bench, engine)
+    assert root["a"].log == [("a", "pause")]
+    assert step(bench, engine, Resume()) == [Answered("resume")]
+    assert root["a"].log == [("a", "pause"), ("a", "enter"), ("a", "resume"), ("a", "execute")]
+
+
+def test_a_paused_state_can_be_preempted(bench):
+    root, engine = started(bench, script=[None])
+    step(bench, engine)
+    step(bench, engine, Pause())
+    assert step(bench, engine, Preempt()) == [Answered("preempt"), "preempted"]
+    assert root["a"].log[-1] == ("a", "exit")
+
+
+def test_a_repeat_leaves_and_enters_again(bench):
+    root, engine = started(bench, script=[None])
+    step(bench, engine)
+    assert step(bench, engine, Repeat()) == [Answered("repeat")]
+    step(bench, engine)
+    events = [event for _, event in root["a"].log]
+    assert events == ["enter", "execute", "execute", "exit", "enter", "execute"]
+
+
+def test_sync_tells_where_the_run_is(bench):
+    _, engine = started(bench, script=[None])
+    assert step(bench, engine, Sync()) == [Synced("/a"), Answered("sync")]
+
+
+def test_a_mirror_that_asks_is_answered_also_where_nothing_has_changed(bench):
+    _, engine = started(bench, script=[None])
+    step(bench, engine)
+    engine.handle(Sync())
+    engine.run(bench.now)
+    assert engine.take_events() == [Shown("/a"), Synced("/a"), Answered("sync")]
+
+
+def test_attach_sets_the_level_and_names_the_behavior(bench):
+    _, engine = started(bench, level=255, script=[None])
+    assert step(bench, engine, Attach(1)) == [Answered("attach", ("My Behavior",)), Synced("/a")]
+    assert engine.supervision.autonomy_level == 1
+
+
+def test_who_attaches_is_asked_again_what_was_asked_before(bench):
+    _, engine = started(bench, level=1, required=1)
+    assert step(bench, engine) == [Requested("/a", 0)]
+    assert Requested("/a", 0) in step(bench, engine, Attach(1))
+
+
+def test_an_unsupervised_state_ignores_commands_but_preempt(bench):
+    root = two_states(bench, script=[None])
+    engine = bench.engine(root)
+    commands = [ForceOutcome("a", 0), Lock(""), Pause(), Repeat()]
+    warnings = [event.text.split(":")[0] for event in step(bench, engine, *commands)]
+    assert warnings == ["lock has no effect", "pause has no effect"]
+    root._is_controlled = root["a"]._is_controlled = True
+    assert step(bench, engine) == [], "they are not applied later either"
+    assert step(bench, engine, Preempt())[-1] == "preempted"
+
+
+def test_a_breakpoint_asks_for_every_transition(bench):
+    _, engine = started(bench)
+    engine.supervision = engine.supervision.__class__(
+        autonomy_level=255, breakpoints=frozenset({"/a"})
+    )
+    assert step(bench, engine) == [Requested("/a", 0)]

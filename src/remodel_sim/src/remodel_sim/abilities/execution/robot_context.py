@@ -1,0 +1,319 @@
+"""What an ability may use.
+
+The arm, its sensors, the cameras, the clamps' drives, the panel's drawing and the belief state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Mapping
+from dataclasses import dataclass
+from typing import Protocol, TypeVar
+
+from remodel_sim.abilities.execution.observers import Image, Observers
+from remodel_sim.core.belief.belief_state import BeliefState, Feed, Grip
+from remodel_sim.core.camera import Picture, View
+from remodel_sim.core.cell.cell_design import RobotDesign
+from remodel_sim.core.cell.feeding import resting_place
+from remodel_sim.core.cell.scrap_bin import bin_of
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.robot.arm_volume import volume_of
+from remodel_sim.core.robot.traffic import Traffic
+from remodel_sim.core.workpiece.panel import End, Panel, Wire
+from remodel_sim.physics.plant import Plant
+from remodel_sim.physics.robot import TOUCH_GAP, Robot
+from remodel_states.core.codes import Code
+
+# Commands to the arm and checks of its sensors [1/s].
+TICK_HZ = 120.0
+
+# The fingers are slow from so much before what they grip [m].
+TOUCH_BEFORE_M = 0.002
+
+T = TypeVar("T")
+# An ability is a generator: each `yield` lets the cell advance by one tick; what it returns is its
+# result.
+Steps = Generator[None, None, T]
+
+
+class AbilityResult(Protocol):
+    """What an ability returns: what it did, and fields named as in its action's result."""
+
+    message: str
+
+
+@dataclass
+class Progress:
+    """The progress of an ability; its share never decreases.
+
+    Attributes:
+        message: the step being done.
+        share: 0 to 1.
+    """
+
+    message: str = ""
+    share: float = 0.0
+
+
+class RobotContext:
+    """The abilities' only access to the plant, for one robot of the cell.
+
+    Nothing here returns ground truth.
+
+    Attributes:
+        name: of the robot.
+        busy: whether the robot does something.
+        robots: the contexts of all robots of the cell, by name.
+        arm: its kinematics.
+        home: where the empty hand waits, out of the overhead camera's picture.
+        belief: what the cell believes from its own actions and observations.
+        progress: of the ability that runs.
+        tick_s: time between two commands to the arm [s].
+        free_force: what the wrist felt, world frame (3,) [N], when the hand last touched nothing:
+            the hand always points down, so its weight reads the same everywhere.
+    """
+
+    def __init__(
+        self,
+        plant: Plant,
+        design: RobotDesign,
+        belief: BeliefState,
+        robots: Mapping[str, RobotContext],
+        traffic: Traffic,
+        observers: Observers,
+    ) -> None:
+        """Take over a robot of a freshly built plant."""
+        self._plant = plant
+        self._design = design
+        self._camera = design.camera.name
+        self._observers = observers
+        self.name, self.arm, self.home = design.name, design.arm, design.home
+        self.belief = belief
+        self.busy = False
+        self.robots = robots
+        self._traffic = traffic
+        self.progress = Progress()
+        self.steps_per_tick = max(1, round(1.0 / (TICK_HZ * plant.world.time_step)))
+        self.tick_s = self.steps_per_tick * plant.world.time_step
+        self.commanded = self.home
+        self.stand()
+        self.free_force = self.force
+        self.fingers_open_to = self._robot.finger_gap / 2
+
+    @property
+    def _robot(self) -> Robot:
+        """The arm and its sensors; the plant rebuilds them for every wire."""
+        return self._plant.robots[self.name]
+
+    @property
+    def peers(self) -> list[RobotContext]:
+        """The cell's other robots."""
+        return [context for name, context in self.robots.items() if name != self.name]
+
+    def begin(self) -> None:
+        """Note that the robot begins to do something."""
+        self.busy, self.progress = True, Progress()
+
+    def end(self) -> None:
+        """Note that the robot has stopped, and release all space but that of its posture."""
+        self.busy = False
+        self.wait_for(None)
+        self.stand()
+
+    def claim(self, postures: Array) -> RobotContext | None:
+        """Claim the space of a path, (n, 7) [rad]; return the robot in the way, if there is one."""
+        if len(self.robots) == 1:
+            return None
+        other = self._traffic.claim(self.name, volume_of(self.arm, postures))
+        return None if other is None else self.robots[other]
+
+    def has_room(self, tool: ToolPose) -> bool:
+        """Return whether no other robot obstructs the arm at a tool pose."""
+        if len(self.robots) == 1:
+            return True
+        there = volume_of(self.arm, self.arm.joints_for(tool))
+        return self._traffic.in_the_way(self.name, there) is None
+
+    def stand(self) -> None:
+        """Release all claimed space but that of the commanded posture."""
+        here = volume_of(self.arm, self.arm.joints_for(self.commanded))
+        self._traffic.stand(self.name, here)
+
+    def wait_for(self, other: RobotContext | None) -> None:
+        """Note which robot this one waits for."""
+        self._traffic.waits_for.pop(self.name, None)
+        if other is not None:
+            self._traffic.waits_for[self.name] = other.name
+
+    def waits_for(self, other: RobotContext) -> bool:
+        """Return whether the robot waits for another one."""
+        return self._traffic.waits_for.get(self.name) == other.name
+
+    @property
+    def panel(self) -> Panel:
+        """The panel as drawn: components may stand elsewhere."""
+        return self._plant.panel
+
+    @property
+    def wire(self) -> Wire:
+        """The live wire as ordered."""
+        if self.belief.feed is None:
+            raise ValueError("no wire has been fed")
+        return self.panel.wire(self.belief.feed.wire_id)
+
+    def arm_restarted(self) -> None:
+        """Note that the arm stands where it was sent, its fingers open."""
+        self.fingers_open_to = self._robot.finger_gap / 2
+
+    def report(self, message: str, share: float) -> None:
+        """Report what is being done, and its progress from 0 to 1."""
+        self.progress = Progress(message, max(self.progress.share, share))
+
+    def drive(self, tool: ToolPose) -> None:
+        """Command a tool pose near contact; raises UNREACHABLE, or ROBOT_IN_THE_WAY and stops."""
+        if len(self.robots) > 1:
+            here = volume_of(self.arm, self.arm.joints_for(tool))
+            other = self._traffic.in_the_way(self.name, here)
+            if other is not None:
+                raise AbilityError(
+                    Code.ROBOT_IN_THE_WAY,
+                    f"{other} is in the way of {self.name}, which stands at {self.commanded}",
+                )
+        self.follow(tool)
+
+    def follow(self, tool: ToolPose) -> None:
+        """Command a tool pose on a path whose space is claimed; raises UNREACHABLE."""
+        self._robot.drive(self.arm.joints_for(tool))
+        self.commanded = tool
+
+    def drive_joints(self, joints: Array) -> None:
+        """Command the arm's joints, (7,) [rad]; joints 3 and 5 stay at zero."""
+        self._robot.drive(joints)
+        self.commanded = self.arm.tool_of(joints)
+
+    def drive_fingers(self, opening: float) -> None:
+        """Send each finger to a distance from the middle [m]."""
+        self._robot.drive_fingers(opening)
+        self.fingers_open_to = opening
+
+    def close_fingers(self, thickness: float) -> None:
+        """Close the fingers until they stop on what they grip, about so thick [m]."""
+        self._robot.drive_fingers(0.0, max(TOUCH_GAP, thickness + TOUCH_BEFORE_M))
+        self.fingers_open_to = 0.0
+
+    @property
+    def tool(self) -> ToolPose:
+        """The measured tool pose."""
+        return self._robot.tool
+
+    @property
+    def finger_gap(self) -> float:
+        """The measured distance between the pads [m]."""
+        return self._robot.finger_gap
+
+    @property
+    def finger_load(self) -> float:
+        """The measured closing force of the weaker finger [N]."""
+        return self._robot.finger_load
+
+    @property
+    def force(self) -> Array:
+        """The measured force of the hand on the wrist, world frame, (3,) [N].
+
+        Holds the hand's weight.
+        """
+        robot = self._robot
+        return robot.world_from_hand.rotation @ robot.wrist_force
+
+    @property
+    def wrist_view(self) -> View:
+        """Where the wrist camera is, by the arm's own measure."""
+        return self._plant.wrist_view(self.name)
+
+    def take_overhead_picture(self) -> Picture:
+        """Take a colour and depth picture of the whole plate."""
+        return self._observed("overhead", self._plant.take_overhead_picture())
+
+    def take_wrist_picture(self) -> Picture:
+        """Take a colour picture from the hand."""
+        return self._observed(self._camera, self._plant.take_wrist_picture(self.name))
+
+    def _observed(self, camera: str, picture: Picture) -> Picture:
+        if self._observers.on_observation is not None:
+            self._observers.on_observation(camera, picture, None)
+        return picture
+
+    def show(self, camera: str, picture: Picture, drawing: Image) -> None:
+        """Show what was found in a picture of a camera, "overhead" or "wrist": this robot's."""
+        if self._observers.on_observation is not None:
+            name = self._camera if camera == "wrist" else camera
+            self._observers.on_observation(name, picture, drawing)
+
+    def show_frames(self, frames: Mapping[str, Pose]) -> None:
+        """Show poses in the world, by the names of their frames."""
+        if self._observers.on_frames is not None:
+            self._observers.on_frames(frames)
+
+    @property
+    def scrap_bin(self) -> ToolPose:
+        """Where the hand drops wires into the scrap bin; raises UNREACHABLE when there is none."""
+        return bin_of(self._design, self.panel)
+
+    def make_live(self, wire_id: str) -> None:
+        """Make a wire that was parked live again, so that it can be handled; a live one is.
+
+        The world is rebuilt for it, so every other robot must be idle; raises BUSY.
+        """
+        live = self._plant.live
+        if live is not None and live.wire.id == wire_id:
+            return
+        for other in self.peers:
+            if other.busy:
+                raise AbilityError(
+                    Code.BUSY,
+                    f"{other.name} is busy, and {wire_id!r} can be handled again only while it is "
+                    "not; try again",
+                )
+        tools = {name: context.commanded for name, context in self.robots.items()}
+        parked = self._plant.revive(wire_id, tools)
+        wire, overlap = self.panel.wire(wire_id), self._plant.design.feeder.overlap
+        places = {end: resting_place(self.panel, wire, end, overlap) for end in End}
+        channel = self.panel.channel_in_front_of(
+            self.panel.panel_from_socket(*wire.goes_to(End.A)).position
+        )
+        feed = Feed(wire_id, channel.id, places[End.A][1])
+        expected = {End.A: parked.nodes[0, :2], End.B: parked.nodes[-1, :2]}
+        lay_at = {end: Grip.of_tip(end, place) for end, (place, _) in places.items()}
+        for context in self.robots.values():
+            context.arm_restarted()
+            context.belief.resume_wire(feed, expected, parked.fixed, lay_at)
+
+    def discard(self) -> None:
+        """Drop the live wire into the scrap bin: it leaves the world."""
+        wire_id = self.wire.id
+        self._plant.discard()
+        for context in self.robots.values():
+            context.belief.end_wire(wire_id)
+
+    def move_fork(self, x: float, y: float) -> None:
+        """Bring the feeder's fork up around a wire, world frame [m].
+
+        It runs along the middle of a channel.
+        """
+        self._plant.move_fork(x, y)
+
+    def lower_fork(self) -> None:
+        """Draw the feeder's fork in."""
+        self._plant.lower_fork()
+
+    def close_clamp(self, component_id: str, terminal_id: str) -> bool:
+        """Close a terminal's clamp.
+
+        Returns whether its screw stopped on something before the end of its travel.
+        """
+        return self._plant.close_clamp(component_id, terminal_id)
+
+    def open_clamp(self, component_id: str, terminal_id: str) -> None:
+        """Open a terminal's clamp."""
+        self._plant.open_clamp(component_id, terminal_id)

@@ -1,0 +1,1 @@
+"""Motions, observations, grasps and pushes that abilities are composed of."""

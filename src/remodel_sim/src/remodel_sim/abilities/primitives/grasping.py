@@ -1,0 +1,185 @@
+"""Grasp a loose end by friction, as steps of an ability."""
+
+from __future__ import annotations
+
+import math
+
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.motions import (
+    APPROACH_SPEED,
+    CARRY_Z,
+    FREE_SPEED,
+    HAND_OPEN_M,
+    TRAVEL_Z,
+    choose_flip,
+    move_to,
+    rise,
+    wait,
+)
+from remodel_sim.abilities.primitives.observing import GraspObservation, observe_end
+from remodel_sim.core.belief.belief_state import EndState, Grip
+from remodel_sim.core.belief.openings import TerminalKey
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Pose
+from remodel_sim.core.robot.arm import Arm, ToolPose
+from remodel_sim.core.workpiece.layout import GRASP_DISTANCE_M, WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import End, Wire, unit_x
+from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M, PAD_LENGTH_M
+from remodel_states.core.codes import Code
+
+# The pads stop so far above the plate.
+FLOOR_CLEARANCE_M = 0.0003
+CLOSE_TIMEOUT_S = 1.5
+# A gap of less than this share of the wire's or connector's width means that it is not there.
+MISSED_SHARE = 0.45
+# Fingers that hold a wire feel tens of newtons; without one, nothing.
+HELD_LOAD_N = 4.0
+APPROACH_Z = 0.06
+LIFT_SPEED = 0.05  # [m/s]; the heavier a wire is made (README), the more a jerk pulls at the grip
+OPEN_SPEED = 0.015  # [m/s]
+CLEAR_SPEED = 0.05  # [m/s]
+CLEAR_OF_WIRE_M = 0.02
+# Of an end that is fixed; no wider: the pad on the side to which it bends would push it there.
+RELEASE_OPENING_M = 0.0025
+# An open finger reaches so far to the side of the wire.
+FINGER_ROOM_M = HAND_OPEN_M + 0.012
+
+
+def pick_end(
+    context: RobotContext, end: End, distance: float, socket: Pose, shares: tuple[float, float]
+) -> Steps[None]:
+    """Find a loose end, grasp it and lift it a little.
+
+    Args:
+        context: the cell; its hand is empty.
+        end: of the live wire.
+        distance: from the tip to the grasp along the wire [m]; 0: `grasp_distance`.
+        socket: where the end is to go: the hand is turned so that it can insert there.
+        shares: of the ability's progress at the start and at the end.
+    """
+    distance = distance or grasp_distance(context.wire, end)
+    first, last = shares
+    context.report(f"searching for end {end.value} of {context.wire.id}", first)
+    seen = yield from observe_end(context, end, distance)
+    context.report(f"grasping end {end.value}", first + 0.6 * (last - first))
+    _check_room(context, seen)
+    tool, flip = _grasp_pose(context.arm, seen, distance, socket)
+    yield from move_to(context, tool.at(z=context.commanded.z), FREE_SPEED)
+    context.drive_fingers(HAND_OPEN_M)
+    yield from move_to(context, tool.at(z=APPROACH_Z), FREE_SPEED)
+    yield from move_to(context, tool, APPROACH_SPEED)
+    height = float(seen.point[2]) - tool.z
+    context.belief.tips.pop(end, None)
+    yield from close_on_wire(
+        context, Grip(end=end, distance=distance, height=height, flip=flip, tool=tool)
+    )
+    if context.belief.ends[end.other] is not EndState.LOOSE:
+        context.lower_fork()  # it has nothing more to keep, and the wire could hang on it
+    context.report(f"lifting end {end.value}", first + 0.9 * (last - first))
+    yield from move_to(context, context.commanded.at(z=CARRY_Z), LIFT_SPEED)
+    check_grip(context)
+
+
+def grasp_distance(wire: Wire, end: End) -> float:
+    """Return where an end is grasped, from its tip [m]: a connector at its body's rear."""
+    connector = wire.connector_at(end)
+    return GRASP_DISTANCE_M if connector is None else connector.length - PAD_LENGTH_M / 2
+
+
+def _check_room(context: RobotContext, seen: GraspObservation) -> None:
+    """Raise UNREACHABLE when a row leaves no room for a finger beside the wire."""
+    if context.belief.feed is None:
+        return
+    channel = context.panel.channel(context.belief.feed.channel_id)
+    aside = abs(float(seen.point[0] - WORLD_FROM_PANEL.position[0]) - channel.x)
+    room = channel.width / 2 - aside
+    if 0 < room < FINGER_ROOM_M:
+        raise AbilityError(
+            Code.UNREACHABLE,
+            f"the end lies {room * 1e3:.0f} mm from the row beside channel {channel.id!r}; a "
+            "finger "
+            f"needs {FINGER_ROOM_M * 1e3:.0f} mm; feed the wire again",
+        )
+
+
+def _grasp_pose(
+    arm: Arm, seen: GraspObservation, distance: float, socket: Pose
+) -> tuple[ToolPose, float]:
+    x, y, z = (float(v) for v in seen.point)
+    into = unit_x(socket)
+    then = socket.position - into * distance
+    flip = choose_flip(
+        arm, (x, y), seen.tip_yaw, (float(then[0]), float(then[1])), then_tip_yaw=socket.yaw
+    )
+    return ToolPose(x, y, max(z, PAD_BELOW_TOOL_M + FLOOR_CLEARANCE_M), seen.tip_yaw - flip), flip
+
+
+def close_on_wire(context: RobotContext, grip: Grip) -> Steps[None]:
+    """Close the fingers until they press on the wire; raises GRASP_MISSED, the hand open again."""
+    wire = context.wire
+    connector = wire.connector_at(grip.end)
+    thickness = wire.diameter if connector is None else connector.body_width
+    context.close_fingers(thickness)
+    gap = math.inf
+    for _ in range(math.ceil(CLOSE_TIMEOUT_S / context.tick_s)):
+        yield
+        before, gap = gap, context.finger_gap
+        if abs(before - gap) < 1e-5:
+            break
+    if gap < MISSED_SHARE * thickness:
+        context.drive_fingers(HAND_OPEN_M)
+        yield from wait(context, 0.2)
+        yield from rise(context)
+        raise AbilityError(
+            Code.GRASP_MISSED,
+            f"the fingers closed to {gap * 1e3:.1f} mm on {thickness * 1e3:.1f} mm of {wire.id!r}: "
+            "it is not between them; detect it again",
+        )
+    context.belief.grip = grip
+    context.belief.engaged = None
+    context.belief.picked_at[grip.end] = grip
+
+
+def holds(context: RobotContext) -> bool:
+    """Return whether the fingers press on something: they stay where they are when it slips out."""
+    return context.finger_load > HELD_LOAD_N
+
+
+def check_grip(context: RobotContext) -> None:
+    """Raise GRASP_SLIPPED, and note an empty hand, when nothing presses the fingers apart."""
+    if context.belief.grip is not None and not holds(context):
+        end = context.belief.grip.end
+        context.belief.grip = None
+        raise AbilityError(
+            Code.GRASP_SLIPPED,
+            f"end {end.value} of {context.wire.id!r} slipped out of the fingers, which feel "
+            f"{context.finger_load:.1f} N; detect it again",
+        )
+
+
+def release(context: RobotContext, opening: float) -> Steps[None]:
+    """Open the fingers a little, leave the wire where it is, and lift the hand clear of it.
+
+    Slowly: a bent wire leans on a pad, and one that is thrown aside pulls at its fixed end.
+    """
+    start = context.finger_gap / 2
+    context.belief.grip = None
+    context.belief.engaged = None
+    for tick in range(1, math.ceil(opening / OPEN_SPEED / context.tick_s) + 1):
+        context.drive_fingers(start + min(opening, tick * OPEN_SPEED * context.tick_s))
+        yield
+    clear = context.commanded.z + CLEAR_OF_WIRE_M
+    yield from move_to(context, context.commanded.at(z=clear), CLEAR_SPEED)
+
+
+def release_fixed(context: RobotContext, end: End, terminal: TerminalKey) -> Steps[None]:
+    """Note that a terminal holds the end in the hand, release it, and lift the hand off."""
+    belief = context.belief
+    if belief.feed is not None and belief.occupant(terminal) != (belief.feed.wire_id, end):
+        belief.seat(end, terminal)
+    belief.ends[end] = EndState.FIXED
+    context.report("releasing", 0.8)
+    yield from release(context, RELEASE_OPENING_M)
+    yield from move_to(context, context.commanded.at(z=TRAVEL_Z), APPROACH_SPEED * 2)
+    if belief.ends[end.other] is EndState.LOOSE and end.other in belief.expected:
+        belief.tips.pop(end.other, None)

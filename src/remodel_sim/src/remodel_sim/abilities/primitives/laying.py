@@ -1,0 +1,90 @@
+"""Carry a held end over the panel and lay it down, as steps of an ability."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.grasping import check_grip, release
+from remodel_sim.abilities.primitives.motions import (
+    APPROACH_SPEED,
+    CARRY_SPEED,
+    CARRY_Z,
+    FREE_SPEED,
+    HAND_OPEN_M,
+    TRAVEL_Z,
+    move_to,
+    rise,
+)
+from remodel_sim.core.belief.belief_state import EndState, Grip
+from remodel_sim.core.cell.feeding import FORK_BEHIND_GRASP_M
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+
+# Within this distance the wire is carried low, between the rows; further it is lifted over them
+# [m].
+LOW_CARRY_M = 0.04
+# The fork takes a wire that is so near to the middle of its channel [m].
+FORK_TOLERANCE_M = 0.010
+
+
+def lay_down(
+    context: RobotContext, target: ToolPose, shares: tuple[float, float], *, fork: bool = True
+) -> Steps[None]:
+    """Carry the held end to a tool pose, release it, and lift the empty hand.
+
+    `fork`: whether the feeder's fork may come up around it.
+    """
+    first, last = shares
+    context.report("carrying the end to where it is laid down", first)
+    yield from carry_over(context, target)
+    check_grip(context)
+    context.report("laying the end down", first + 0.6 * (last - first))
+    yield from move_to(context, target, APPROACH_SPEED)
+    grip = context.belief.grip
+    if grip is not None:
+        tip = tip_of(target, grip)
+        context.belief.expected[grip.end] = tip
+        context.belief.tips.pop(grip.end, None)
+        if fork:
+            _bring_fork(context, target, grip)
+    yield from release(context, HAND_OPEN_M)
+    yield from rise(context)
+
+
+def _bring_fork(context: RobotContext, tool: ToolPose, grip: Grip) -> None:
+    """Hold an end in the middle of its channel.
+
+    A wire that is fixed at the other end would spring to a side.
+    """
+    belief = context.belief
+    if belief.feed is None or belief.ends[grip.end.other] is EndState.LOOSE:
+        return
+    channel = context.panel.channel(belief.feed.channel_id)
+    middle = WORLD_FROM_PANEL.position[0] + channel.x
+    if abs(tool.x - middle) < FORK_TOLERANCE_M:
+        behind = np.array([tool.x, tool.y]) - tip_of(tool, grip)
+        behind *= FORK_BEHIND_GRASP_M / np.linalg.norm(behind)
+        context.move_fork(middle, tool.y + float(behind[1]))
+
+
+def tip_of(tool: ToolPose, grip: Grip) -> np.ndarray:
+    """Return where the held tip is for a tool pose, (2,) [m]."""
+    yaw = tool.yaw + grip.flip
+    return np.array([tool.x, tool.y]) + grip.distance * np.array([np.cos(yaw), np.sin(yaw)])
+
+
+def carry_over(context: RobotContext, target: ToolPose) -> Steps[None]:
+    """Bring the held end above a tool pose, turned as there.
+
+    Low within a channel, else over the rows.
+    """
+    now = context.commanded
+    if abs(now.x - target.x) > LOW_CARRY_M:
+        yield from move_to(context, now.at(z=TRAVEL_Z), FREE_SPEED / 2)
+        yield from move_to(context, ToolPose(target.x, target.y, TRAVEL_Z, now.yaw), CARRY_SPEED)
+        yield from move_to(context, context.commanded.at(z=CARRY_Z), APPROACH_SPEED)
+    elif now.z > CARRY_Z:
+        yield from move_to(context, ToolPose(target.x, target.y, now.z, now.yaw), CARRY_SPEED)
+        yield from move_to(context, context.commanded.at(z=CARRY_Z), APPROACH_SPEED)
+    yield from move_to(context, target.at(z=CARRY_Z), CARRY_SPEED)

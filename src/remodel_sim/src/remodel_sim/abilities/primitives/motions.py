@@ -1,0 +1,245 @@
+"""Motions of the arm, as steps of an ability."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Array, Pose, wrap_angle
+from remodel_sim.core.robot.arm import Arm, ToolPose
+from remodel_sim.core.robot.motion import PEAK_OVER_MEAN, Line
+from remodel_states.core.codes import Code
+
+FREE_SPEED = 0.60  # [m/s], hand empty and high
+CARRY_SPEED = 0.30  # with a wire in the hand
+APPROACH_SPEED = 0.25  # near things
+JOINT_SPEED = 2.0  # [rad/s]; the Panda's joints 1 to 4 allow 2.17
+# High enough for the fingers to clear components, 45 mm high, with a wire in the grip.
+TRAVEL_Z = 0.10
+# Low enough that a carried wire stays between the rows.
+CARRY_Z = 0.028
+HAND_OPEN_M = 0.012
+# A path through joint space is checked this far apart [rad].
+CHECK_STEP_RAD = 0.1
+# Another robot is waited for so long, and checked so often [s].
+WAIT_LIMIT_S = 60.0
+WAIT_S = 0.1
+TRACKING_TOLERANCE_M = 0.003
+# The servo lags by up to 8 mm at full speed; more means that something is in the way.
+MAX_LAG_M = 0.015
+# A held end is pulled so far out of an opening.
+CLEAR_OF_OPENING_M = 0.008
+
+
+def move_to(context: RobotContext, target: ToolPose, speed: float) -> Steps[None]:
+    """Move the tool in a straight line.
+
+    Raises UNREACHABLE before it starts, MOTION_FAULT when it does not arrive.
+    """
+    line = Line(_canonical(context, context.commanded), _canonical(context, target), speed)
+    postures = line.postures(context.arm)
+    yield from clear_path(context, postures)
+    for tick in range(1, math.ceil(line.duration / context.tick_s) + 1):
+        context.follow(line.at(tick * context.tick_s))
+        yield
+        _check_lag(context)
+    context.follow(line.end)
+    yield
+    context.stand()
+    check_tracking(context)
+
+
+def _check_lag(context: RobotContext) -> None:
+    """Stop the arm and raise MOTION_FAULT when something holds it up."""
+    sent, tool = context.commanded, context.tool
+    lag = float(np.linalg.norm(tool.position - sent.position))
+    if lag > MAX_LAG_M:
+        context.drive(tool)
+        raise AbilityError(
+            Code.MOTION_FAULT,
+            f"the tool is held up at {tool}, {lag * 1e3:.0f} mm behind; check for a collision",
+        )
+
+
+def check_tracking(context: RobotContext) -> None:
+    """Raise MOTION_FAULT when the arm is not where it was sent."""
+    away = float(np.linalg.norm(context.tool.position - context.commanded.position))
+    if away > TRACKING_TOLERANCE_M:
+        raise AbilityError(
+            Code.MOTION_FAULT,
+            f"the tool stands {away * 1e3:.1f} mm from {context.commanded}; check for a collision",
+        )
+
+
+def swing_to(context: RobotContext, target: ToolPose) -> Steps[None]:
+    """Move the empty hand, high up, through joint space; raises UNREACHABLE before it starts."""
+    start, end = context.arm.joints_for(context.commanded), context.arm.joints_for(target)
+    farthest = float(np.abs(end - start).max())
+    parts = math.ceil(farthest / CHECK_STEP_RAD) + 1
+    yield from clear_path(context, np.linspace(start, end, parts + 1))
+    ticks = math.ceil(PEAK_OVER_MEAN * farthest / JOINT_SPEED / context.tick_s)
+    for tick in range(1, ticks + 1):
+        t = tick / ticks
+        context.drive_joints(start + t**3 * (10 - 15 * t + 6 * t * t) * (end - start))
+        yield
+    context.commanded = context.arm.tool_of(end)
+    context.stand()
+
+
+def wait(context: RobotContext, seconds: float) -> Steps[None]:
+    """Wait for a time [s]."""
+    for _ in range(math.ceil(seconds / context.tick_s)):
+        yield
+
+
+def held_tool(context: RobotContext, pose: Pose) -> ToolPose:
+    """Return the tool pose that points the held wire's tip along a pose's x axis."""
+    x, y, z = (float(v) for v in pose.position)
+    flip = context.belief.grip.flip if context.belief.grip is not None else 0.0
+    return ToolPose(x, y, z, pose.yaw - (0.0 if math.isclose(flip, 0.0) else flip))
+
+
+def rise(context: RobotContext, z: float = TRAVEL_Z) -> Steps[None]:
+    """Lift the tool straight up to a height, unless it is higher."""
+    if context.commanded.z < z:
+        yield from move_to(context, context.commanded.at(z=z), FREE_SPEED)
+
+
+def clear_hand(context: RobotContext) -> Steps[None]:
+    """Open the empty hand and lift it: an ability that was stopped may have left it anywhere."""
+    if context.fingers_open_to < HAND_OPEN_M:
+        context.drive_fingers(HAND_OPEN_M)
+        yield from wait(context, 0.2)
+    yield from rise(context)
+
+
+def clear_path(context: RobotContext, postures: Array) -> Steps[None]:
+    """Wait until no other robot is in the way of a path, (n, 7) [rad], and claim its space.
+
+    A robot that does nothing and holds nothing is sent home.
+
+    Raises:
+        AbilityError: ROBOT_IN_THE_WAY when it holds something, or waits for this one, or does not
+            make way in time.
+    """
+    for _ in range(math.ceil(WAIT_LIMIT_S / WAIT_S)):
+        other = context.claim(postures)
+        if other is None:
+            context.wait_for(None)
+            return
+        _check_makes_way(context, other)
+        context.wait_for(other)
+        if other.busy:
+            yield from wait(context, WAIT_S)
+        else:
+            yield from send_home(other)
+    raise AbilityError(
+        Code.ROBOT_IN_THE_WAY,
+        f"{other.name} has been in the way of {context.name} for {WAIT_LIMIT_S:.0f} s: it does "
+        f"{other.progress.message!r}; wait for it or cancel it",
+    )
+
+
+def _check_makes_way(context: RobotContext, other: RobotContext) -> None:
+    if other.waits_for(context):
+        raise AbilityError(
+            Code.ROBOT_IN_THE_WAY,
+            f"{context.name} and {other.name} are in each other's way; {context.name} gives up: "
+            "try again when the other is done",
+        )
+    if not other.busy and (other.belief.grip is not None or other.commanded == other.home):
+        raise AbilityError(
+            Code.ROBOT_IN_THE_WAY,
+            f"{other.name} stands at {other.commanded}, in the way of {context.name}; place what "
+            "it holds, or take another route",
+        )
+
+
+def send_home(other: RobotContext) -> Steps[None]:
+    """Take the empty hand of a robot that does nothing home."""
+    other.begin()
+    other.report("making way", 0.0)
+    try:
+        yield from _go_home(other)
+    finally:
+        other.end()
+
+
+def park(context: RobotContext) -> Steps[None]:
+    """Take the empty hand out of the overhead camera's picture, and idle robots' as well."""
+    for other in context.peers:
+        if not other.busy and other.belief.grip is None and other.commanded != other.home:
+            yield from send_home(other)
+    yield from _go_home(context)
+
+
+def _go_home(context: RobotContext) -> Steps[None]:
+    if context.commanded != context.home:
+        yield from clear_hand(context)
+        yield from swing_to(context, context.home)
+        context.commanded = context.home
+
+
+def disengage(context: RobotContext) -> Steps[None]:
+    """Pull the held end straight out of the opening that it is in or in front of."""
+    socket = context.belief.engaged
+    if socket is None or context.belief.grip is None:
+        return
+    into = socket.rotation[:, 0]
+    grip, at = context.belief.grip, context.commanded
+    ahead = float((at.position - socket.position) @ into) + grip.distance
+    back = max(0.0, ahead + CLEAR_OF_OPENING_M)
+    yield from move_to(context, at.moved(into, -back), APPROACH_SPEED / 2)
+    context.belief.engaged = None
+
+
+def choose_flip(
+    arm: Arm,
+    at: tuple[float, float],
+    tip_yaw: float,
+    then_at: tuple[float, float],
+    then_tip_yaw: float,
+) -> float:
+    """Return how to hold a wire, tip along the hand's x axis (0) or against it (pi).
+
+    The hand grasps at one place and turns the wire to another direction at a second one; joint 7
+    must reach both, and turn the short way between them. Of two possible holds it takes
+    the one further from joint 7's limits.
+
+    Raises:
+        AbilityError: UNREACHABLE.
+    """
+    turn = wrap_angle(then_tip_yaw - tip_yaw)
+    best: tuple[float, float] | None = None
+    for flip in (0.0, math.pi):
+        first = arm.canonical_yaw(*at, tip_yaw - flip)
+        second = arm.canonical_yaw(*then_at, then_tip_yaw - flip)
+        if first is None or second is None or abs(second - first - turn) > 0.5:
+            continue
+        q7 = [arm.last_joint(*at, first), arm.last_joint(*then_at, second)]
+        cost = max(abs(q) for q in q7)
+        if best is None or cost < best[0]:
+            best = cost, flip
+    if best is None:
+        raise AbilityError(
+            Code.UNREACHABLE,
+            f"the hand cannot turn the wire from {math.degrees(tip_yaw):.0f} to "
+            f"{math.degrees(then_tip_yaw):.0f} deg "
+            f"between x {at[0]:.3f}, y {at[1]:.3f} m and x {then_at[0]:.3f}, y {then_at[1]:.3f} m",
+        )
+    return best[1]
+
+
+def nearest_hand_yaw(arm: Arm, x: float, y: float, yaw: float, near: float) -> float:
+    """Return `yaw`, or that turned by pi, whichever joint 7 reaches with less turning."""
+    options = [arm.canonical_yaw(x, y, yaw + turn) for turn in (0.0, math.pi)]
+    reachable = [option for option in options if option is not None]
+    return min(reachable, key=lambda option: abs(option - near), default=yaw)
+
+
+def _canonical(context: RobotContext, tool: ToolPose) -> ToolPose:
+    yaw = context.arm.canonical_yaw(tool.x, tool.y, tool.yaw)
+    return tool if yaw is None else ToolPose(tool.x, tool.y, tool.z, yaw)

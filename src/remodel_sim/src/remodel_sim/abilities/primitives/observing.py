@@ -1,0 +1,224 @@
+"""Observe wire ends from above and from the hand, as steps of an ability."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.motions import (
+    APPROACH_SPEED,
+    CARRY_SPEED,
+    clear_hand,
+    move_to,
+    park,
+    swing_to,
+    wait,
+)
+from remodel_sim.abilities.primitives.viewpoints import views_around
+from remodel_sim.core.belief.belief_state import EndState, TipObservation
+from remodel_sim.core.camera import Picture
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Array
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.vision.drawing import BLUE, ORANGE, Drawing
+from remodel_sim.core.vision.tracing import at_distance
+from remodel_sim.core.vision.wire_ends import EndObservation, find_ends, trace_from
+from remodel_sim.core.workpiece.layout import GRASP_DISTANCE_M
+from remodel_sim.core.workpiece.panel import End
+from remodel_states.core.codes import Code
+
+# The arm rings down before a picture is taken [s].
+STILL_S = 0.10
+# A wire is traced so far behind its tip to find the grasp [m].
+TRACE_M = 0.075
+
+
+@dataclass(frozen=True, eq=False)
+class OverheadObservation:
+    """The live wire from above.
+
+    Attributes:
+        ends: the loose ends that are seen.
+        picture: what the camera saw.
+        likelihood: of the wire's colour, (height, width), 0 to 1.
+    """
+
+    ends: dict[End, EndObservation]
+    picture: Picture
+    likelihood: npt.NDArray[np.float32]
+
+
+def loose_ends(context: RobotContext) -> list[End]:
+    """Return the ends of the live wire that are neither in a terminal nor in a hand."""
+    belief = context.belief
+    held = {grip.end for grip in belief.hands.values()}
+    return [e for e, state in belief.ends.items() if state is EndState.LOOSE and e not in held]
+
+
+def observe_from_above(context: RobotContext) -> Steps[OverheadObservation]:
+    """Observe the plate from above, the empty hand aside, and note the visible loose ends."""
+    if context.belief.grip is None:
+        yield from park(context)
+    picture = context.take_overhead_picture()
+    yield
+    belief = context.belief
+    expected = {end: belief.expected[end] for end in loose_ends(context)}
+    ends, likelihood = find_ends(picture, context.wire, expected)
+    for end, observation in ends.items():
+        belief.tips[end] = observation.tip
+    yield
+    return OverheadObservation(ends, picture, likelihood)
+
+
+@dataclass(frozen=True, eq=False)
+class GraspObservation:
+    """Where to grasp an end, by the wrist camera.
+
+    Attributes:
+        point: on the wire's axis, (3,) [m], world frame.
+        tip_yaw: direction of the wire towards the tip, at that point [rad].
+        tip: the end's apex.
+        line: the wire from the tip on, as far as it is seen, (n, 3) [m], world frame.
+    """
+
+    point: Array
+    tip_yaw: float
+    tip: TipObservation
+    line: Array
+
+
+def observe_end(context: RobotContext, end: End, distance: float) -> Steps[GraspObservation]:
+    """Find where to grasp a loose end: from above if it is not known, then from close by.
+
+    Args:
+        context: the cell.
+        end: a loose end of the live wire.
+        distance: from the tip to the grasp, along the wire [m].
+
+    Raises:
+        AbilityError: TIP_NOT_FOUND and the other codes of find_ends.
+    """
+    remembered = end in context.belief.tips
+    if not remembered:
+        yield from _find_from_above(context, end)
+    try:
+        return (yield from _observe_closely(context, end, distance))
+    except AbilityError as error:
+        if not remembered or error.code is not Code.TIP_NOT_FOUND:
+            raise
+    yield from _find_from_above(context, end)
+    return (yield from _observe_closely(context, end, distance))
+
+
+def _find_from_above(context: RobotContext, end: End) -> Steps[None]:
+    above = yield from observe_from_above(context)
+    wire_id = context.wire.id
+    drawing = Drawing(above.picture.rgb, above.picture.view)
+    for seen, observation in above.ends.items():
+        mark_end(drawing, observation, f"{wire_id} end {seen.value}")
+    drawing.title(f"Searching for end {end.value} of {wire_id}")
+    context.show("overhead", above.picture, drawing.image)
+    if end not in above.ends and (yield from observe_from_aside(context, end)) is None:
+        raise AbilityError(
+            Code.TIP_NOT_FOUND,
+            f"end {end.value} of {wire_id!r} is not seen within 150 mm of where it was left; "
+            "detect it again or feed it again",
+        )
+
+
+def observe_from_aside(
+    context: RobotContext, end: End, view: int = 0
+) -> Steps[GraspObservation | None]:
+    """Search with the wrist camera for a loose end that other wires hide from above, and note it.
+
+    A wire in the air hides different places from each side, and from each view.
+
+    Returns:
+        What is seen of the end; None when it is not seen.
+    """
+    expected = context.belief.expected[end]
+    tools = views_around(context, expected, math.pi / 2, view=view)
+    for tool in tools if view else tools[1:]:
+        seen = yield from _search(context, tool, end, expected, distance=GRASP_DISTANCE_M)
+        if seen is not None:
+            return seen
+    return None
+
+
+def _observe_closely(context: RobotContext, end: End, distance: float) -> Steps[GraspObservation]:
+    """Observe an end from straight above it, or from aside where another wire hides it."""
+    coarse = context.belief.tips[end]
+    out = np.array([math.cos(coarse.out_yaw), math.sin(coarse.out_yaw)])
+    middle = coarse.tip[:2] - out * distance / 2
+    for tool in views_around(context, middle, coarse.out_yaw):
+        seen = yield from _search(context, tool, end, coarse.tip[:2], distance=distance)
+        if seen is not None:
+            return seen
+    del context.belief.tips[end]
+    raise AbilityError(
+        Code.TIP_NOT_FOUND,
+        f"end {end.value} of {context.wire.id!r} is not visible from the hand; detect it again",
+    )
+
+
+def _search(
+    context: RobotContext, tool: ToolPose, end: End, expected: Array, distance: float
+) -> Steps[GraspObservation | None]:
+    """Observe from a tool pose of the empty hand; return where to grasp an end if it is visible."""
+    wire = context.wire
+    picture = yield from go_and_see(context, tool)
+    try:
+        ends, likelihood = find_ends(picture, wire, {end: expected})
+    except AbilityError:
+        context.belief.tips.pop(end, None)
+        raise
+    drawing = Drawing(picture.rgb, picture.view)
+    if end not in ends:
+        drawing.title(f"End {end.value} of {wire.id} not seen")
+        context.show("wrist", picture, drawing.image)
+        return None
+    observation = ends[end]
+    z = float(observation.tip.tip[2])
+    pixels = trace_from(observation, picture, likelihood, wire)
+    line = picture.view.on_plane(pixels, z)
+    point, tangent = at_distance(line[:, :2], distance)
+    drawing.path(pixels[: _count_within(line, TRACE_M)])
+    mark_end(drawing, observation, f"{wire.id} end {end.value}")
+    grasp = np.array([*point, z])
+    drawing.circle(picture.view.project(grasp)[0], 9, ORANGE)
+    drawing.note("grasp", picture.view.project(grasp)[0], ORANGE)
+    drawing.title(f"End {end.value} of {wire.id} from the hand")
+    context.show("wrist", picture, drawing.image)
+    context.belief.tips[end] = observation.tip
+    return GraspObservation(grasp, math.atan2(-tangent[1], -tangent[0]), observation.tip, line)
+
+
+def _count_within(line: Array, length: float) -> int:
+    along = np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))
+    return int(np.searchsorted(along, length)) + 2
+
+
+def mark_end(drawing: Drawing, observation: EndObservation, text: str) -> None:
+    """Draw an arrow along the ferrule, and a note."""
+    ferrule = observation.ferrule
+    reach = ferrule.out * max(ferrule.length, 18.0)
+    drawing.arrow(ferrule.centre - reach * 0.8, ferrule.centre + reach * 1.2, BLUE)
+    drawing.note(text, ferrule.centre + reach, BLUE)
+
+
+def go_and_see(context: RobotContext, tool: ToolPose) -> Steps[Picture]:
+    """Bring the hand to a tool pose high up, and take a picture with the wrist camera."""
+    if context.belief.grip is None:
+        yield from clear_hand(context)
+        yield from swing_to(context, tool)
+    else:
+        yield from move_to(context, context.commanded.at(z=tool.z), APPROACH_SPEED)
+        yield from move_to(context, tool, CARRY_SPEED)
+    yield from wait(context, STILL_S)
+    picture = context.take_wrist_picture()
+    yield
+    return picture

@@ -1,0 +1,55 @@
+"""Test by a pull that an end is held where it was pushed in, as steps of an ability."""
+
+from __future__ import annotations
+
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.motions import wait
+from remodel_sim.abilities.primitives.pushing import axial
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Pose
+from remodel_sim.core.workpiece.panel import unit_x
+from remodel_states.core.codes import Code
+
+PULL_SPEED = 0.015  # [m/s]
+# A straight, firmly held end takes up the pull within this travel: slack, pads and contacts give so
+# much.
+PULL_TRAVEL_M = 0.006
+# The slip is counted from here on [share of the pull].
+TAKEN_UP = 0.4
+MAX_SLIP_M = 0.0015
+
+
+def pull_test(context: RobotContext, socket: Pose, newtons: float, where: str) -> Steps[float]:
+    """Pull the held end outwards until the force is reached; return the slip [m].
+
+    Args:
+        context: the cell; its hand holds the end.
+        socket: the opening's frame, x into the terminal.
+        newtons: the force [N].
+        where: the terminal's name.
+
+    Raises:
+        AbilityError: PULLED_OUT.
+    """
+    out = -unit_x(socket)
+    start = context.commanded
+    travel, taken_up, force = 0.0, None, 0.0
+    while force < newtons and travel < PULL_TRAVEL_M:
+        travel += PULL_SPEED * context.tick_s
+        context.drive(start.moved(out, travel))
+        yield
+        # The push left the end under load; the pull counts from the free hand.
+        force = axial(context.force - context.free_force, out)
+        if taken_up is None and force >= TAKEN_UP * newtons:
+            taken_up = travel
+    slip = travel - (taken_up if taken_up is not None else 0.0)
+    if force < newtons or slip > MAX_SLIP_M:
+        raise AbilityError(
+            Code.PULLED_OUT,
+            f"the end moved {slip * 1e3:.1f} mm in {where} at {force:.1f} of {newtons:.1f} N; "
+            "extract, locate again, insert again",
+            slip=slip,
+        )
+    context.drive(start)
+    yield from wait(context, 0.15)
+    return slip

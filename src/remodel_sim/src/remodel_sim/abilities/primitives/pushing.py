@@ -1,0 +1,186 @@
+"""Push a held end into an opening, and judge by travel and force, as steps of an ability."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.laying import carry_over
+from remodel_sim.abilities.primitives.motions import APPROACH_SPEED, move_to, wait
+from remodel_sim.core.belief.belief_state import Grip
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.robot.push_monitor import PushMonitor
+from remodel_sim.core.workpiece.layout import STANDOFF_M
+from remodel_sim.core.workpiece.panel import Terminal, unit_x
+from remodel_states.core.codes import Code
+
+# The tip goes to the opening faster than into it [m/s]: what stops it there must not hurt it.
+APPROACH_OPENING_SPEED = 0.04
+# The push relaxes by so much once it has been stopped.
+RELAX_M = 0.0004
+# The push goes on so far beyond where the bottom should be.
+OVERTRAVEL_M = 0.008
+SLOW_BEFORE_M = 0.001
+HOME_BEFORE_M = 0.001
+# Resistance so far before or beyond the bottom counts as the bottom. A turn of the hand draws the
+# wire back in the grip by up to 3 mm, so that it meets the bottom late, by the arm's measure; early
+# it does only in front of an obstacle.
+SHORT_OF_BOTTOM_M = 0.003
+BEYOND_BOTTOM_M = 0.006
+# Resistance before this depth is the face's or the funnel's.
+FACE_M = 0.003
+# The arm's own start-up shakes the wrist for so long; nothing is touched yet.
+BLIND_S = 0.12
+STILL_S = 0.15
+
+
+@dataclass(frozen=True)
+class Manner:
+    """How something is pushed; so slowly that the arm stops in time once the force is felt.
+
+    Attributes:
+        inside: speed inside the terminal [m/s].
+        home: speed near the bottom [m/s].
+        buckles: whether it may give way at the bottom.
+    """
+
+    inside: float
+    home: float
+    buckles: bool
+
+    def speed_at(self, ahead: float, bottom: float) -> float:
+        """Return the speed of a tip so far beyond the opening [m/s]."""
+        if ahead > bottom - HOME_BEFORE_M:
+            return self.home
+        return self.inside if ahead > -SLOW_BEFORE_M else APPROACH_OPENING_SPEED
+
+
+# A wire gives; a connector and its header do not, some 200 N a millimetre.
+WIRE = Manner(inside=0.02, home=0.02, buckles=True)
+CONNECTOR = Manner(inside=0.01, home=0.002, buckles=False)
+
+
+@dataclass(frozen=True)
+class Push:
+    """How a push went.
+
+    Attributes:
+        tip: where it brought the tip, by the arm, (3,) [m], world frame.
+        depth: of the tip beyond the opening [m].
+        peak_force: [N].
+        stopped: whether it was stopped by the force limit, or by a wire that gave way at the
+            bottom.
+    """
+
+    tip: Array
+    depth: float
+    peak_force: float
+    stopped: bool
+
+    @property
+    def readings(self) -> dict[str, float]:
+        """What it measured, by the name of the result's field."""
+        return {"depth": self.depth, "peak_force": self.peak_force}
+
+
+def tool_before(socket: Pose, grip: Grip, ahead: float) -> ToolPose:
+    """Return the tool pose that holds the tip on an opening's axis, `ahead` [m] beyond it."""
+    at = socket.position + unit_x(socket) * (ahead - grip.distance)
+    x, y, z = (float(v) for v in at)
+    return ToolPose(x, y, z - grip.height, socket.yaw - grip.flip)
+
+
+def bring_before(context: RobotContext, socket: Pose) -> Steps[None]:
+    """Carry the held end to in front of an opening."""
+    target = tool_before(socket, _grip(context), -STANDOFF_M)
+    yield from carry_over(context, target)
+    yield from move_to(context, target, APPROACH_SPEED)
+    yield from wait(context, STILL_S)
+
+
+def _grip(context: RobotContext) -> Grip:
+    if context.belief.grip is None:
+        raise AbilityError(Code.NOTHING_HELD, "the gripper is empty; pick the wire first")
+    return context.belief.grip
+
+
+def push_in(
+    context: RobotContext, socket: Pose, bottom: float, limit: float, manner: Manner = WIRE
+) -> Steps[Push]:
+    """Push the held end from in front of an opening until a force stops it, or gives way.
+
+    Args:
+        context: the cell; its hand holds the end.
+        socket: the opening's frame, x into the terminal.
+        bottom: how deep the tip should come [m].
+        limit: force at which the push stops [N].
+        manner: how it is pushed.
+    """
+    into, grip = unit_x(socket), _grip(context)
+    context.free_force = context.force
+    monitor = PushMonitor(limit, manner.buckles)
+    ahead, ticks = -STANDOFF_M, 0
+    while ahead < bottom + OVERTRAVEL_M and not monitor.stopped:
+        ticks += 1
+        ahead += manner.speed_at(ahead, bottom) * context.tick_s
+        context.drive(tool_before(socket, grip, ahead))
+        yield
+        force = axial(context.force - context.free_force, into)
+        if ticks * context.tick_s > BLIND_S:
+            monitor = monitor.then(force, near_bottom=ahead >= bottom - SHORT_OF_BOTTOM_M)
+        context.report("pushing", 0.75 + 0.2 * np.clip(ahead / bottom, 0, 1))
+    at = context.tool
+    context.drive(tool_before(socket, grip, ahead - RELAX_M))
+    yield from wait(context, 0.1)
+    tip = at.position + into * grip.distance + np.array([0.0, 0.0, grip.height])
+    return Push(tip, float((tip - socket.position) @ into), monitor.peak, monitor.stopped)
+
+
+def axial(force: Array, into: Array) -> float:
+    """Return how hard the hand pushes along a direction, (3,) [N] and unit vector (3,)."""
+    return float(force @ into)
+
+
+def judge_alignment(push: Push, mouth: Pose, terminal: Terminal, where: str) -> None:
+    """Raise INSERTION_MISALIGNED when the tip is beside the opening, as last observed."""
+    aside = float(np.linalg.norm(mouth.inverse().apply(push.tip)[1:]))
+    reach = terminal.bore / 2 + terminal.chamfer
+    if aside > reach:
+        raise AbilityError(
+            Code.INSERTION_MISALIGNED,
+            f"the tip is {aside * 1e3:.1f} mm beside the axis of {where}, whose opening takes "
+            f"{reach * 1e3:.1f} mm, at {push.peak_force:.1f} N; extract, locate again, insert "
+            "again",
+            **push.readings,
+        )
+
+
+def judge_depth(push: Push, bottom: float, where: str, early: float = SHORT_OF_BOTTOM_M) -> None:
+    """Raise unless a push was stopped at the bottom, or up to `early` [m] before it."""
+    depth = push.depth * 1e3
+    if not push.stopped or push.depth > bottom + BEYOND_BOTTOM_M:
+        raise AbilityError(
+            Code.INSERTION_NO_CONTACT,
+            f"pushed to {depth:.1f} mm without meeting the bottom of {where} at "
+            f"{bottom * 1e3:.1f} mm; extract, locate again, insert again",
+            **push.readings,
+        )
+    if push.depth >= bottom - early:
+        return
+    if push.depth < FACE_M:
+        raise AbilityError(
+            Code.INSERTION_MISALIGNED,
+            f"{push.peak_force:.1f} N at {depth:.1f} mm: the tip sits on the face of {where}; "
+            "extract, locate again, insert again",
+            **push.readings,
+        )
+    raise AbilityError(
+        Code.INSERTION_JAMMED,
+        f"{push.peak_force:.1f} N at {depth:.1f} of {bottom * 1e3:.1f} mm in {where}; extract, "
+        "locate again, insert again; a second time at the same depth: check for an obstacle",
+        **push.readings,
+    )

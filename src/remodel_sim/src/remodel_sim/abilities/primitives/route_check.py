@@ -1,0 +1,142 @@
+"""Check from above whether a wire lies in its clips and ducts, as steps of an ability."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.motions import park
+from remodel_sim.core.camera import Picture
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Pose
+from remodel_sim.core.vision.colour import wire_likelihood
+from remodel_sim.core.vision.drawing import BLUE, ORANGE, Drawing
+from remodel_sim.core.vision.laid_wire import Passing, wire_past
+from remodel_sim.core.workpiece.fixtures import SLOPE_LENGTH_M
+from remodel_sim.core.workpiece.panel import Clip, Duct, Wire
+from remodel_sim.core.workpiece.routes import places_in, world_from_clip
+from remodel_states.core.codes import Code
+
+# Beside a clip the wire is observed so far from its slopes; it is searched for so far aside [m].
+BESIDE_CLIP_M = 0.003
+SEARCH_ASIDE_M = 0.025
+# The same beside a duct.
+BESIDE_DUCT_M = 0.060
+# A wire in a clip passes so near to its axis, and so little above it in the mean of both ends; on
+# closed lips it is 3 mm higher [m].
+ASIDE_M = 0.0015
+ABOVE_M = 0.0012
+
+
+@dataclass(frozen=True, eq=False)
+class RouteObservation:
+    """The plate from above.
+
+    Attributes:
+        picture: what the camera saw.
+        likelihood: of the wire's colour, (height, width), 0 to 1.
+        wire: the one searched for.
+    """
+
+    picture: Picture
+    likelihood: npt.NDArray[np.float32]
+    wire: Wire
+
+    def at(self, place: Pose, aside: float) -> Passing | None:
+        """Return how the wire passes a place up to so far aside [m]."""
+        return wire_past(place, aside, self.picture, self.likelihood, wire=self.wire)
+
+
+def observe_route(context: RobotContext) -> Steps[RouteObservation]:
+    """Observe the plate from above, the empty hand out of the way."""
+    if context.belief.grip is None:
+        yield from park(context)
+    picture = context.take_overhead_picture()
+    yield
+    likelihood = wire_likelihood(picture.rgb, context.wire.colour)
+    return RouteObservation(picture, likelihood, context.wire)
+
+
+def clip_fault(clip: Clip, seen: RouteObservation) -> str:
+    """Return what is wrong with the wire at a clip; empty: nothing."""
+    passings = [seen.at(place, SEARCH_ASIDE_M) for place in _beside(clip)]
+    found = [passing for passing in passings if passing is not None]
+    if len(found) < len(passings):
+        return f"it is not visible at clip {clip.id!r}"
+    aside = max(abs(passing.aside) for passing in found)
+    above = float(np.mean([passing.height for passing in found])) - clip.height
+    if aside <= ASIDE_M and abs(above) <= ABOVE_M:
+        return ""
+    return (
+        f"at clip {clip.id!r} it lies {aside * 1e3:.1f} mm aside and {above * 1e3:+.1f} mm above "
+        "where it belongs"
+    )
+
+
+def _beside(clip: Clip) -> tuple[Pose, ...]:
+    out = clip.length / 2 + SLOPE_LENGTH_M + BESIDE_CLIP_M
+    return tuple(world_from_clip(clip) @ Pose.level(x, 0.0, clip.height) for x in (-out, out))
+
+
+def judge_clips(context: RobotContext, clips: Sequence[Clip], seen: RouteObservation) -> None:
+    """Show the clips, and raise OUT_OF_DUCT when the wire does not lie in all of them."""
+    faults = [fault for clip in clips if (fault := clip_fault(clip, seen))]
+    _show(context, seen, [place for clip in clips for place in _beside(clip)], faults)
+    if faults:
+        raise _out(context, faults)
+
+
+def check_ducts(context: RobotContext, path: tuple[Pose, ...]) -> Steps[None]:
+    """Check whether the wire lies in the ducts in which a path runs.
+
+    Raises:
+        AbilityError: OUT_OF_DUCT when it lies beside one, CABLE_OCCLUDED when it is not visible
+            in one.
+    """
+    places = {duct: found for duct in context.panel.ducts if (found := places_in(duct, path))}
+    if not places:
+        return
+    context.report("observing the ducts from above", 0.95)
+    seen = yield from observe_route(context)
+    faults = [f for duct, at in places.items() if (f := _duct_fault(duct, at, seen))]
+    _show(context, seen, [place for at in places.values() for place in at], faults)
+    if faults:
+        raise _out(context, faults)
+
+
+def _duct_fault(duct: Duct, places: Sequence[Pose], seen: RouteObservation) -> str:
+    """Return how far beside a duct the wire lies; what is still held above it does not count."""
+    reach = duct.width / 2 + BESIDE_DUCT_M
+    passings = [passing for place in places if (passing := seen.at(place, reach)) is not None]
+    if not passings:
+        raise AbilityError(
+            Code.CABLE_OCCLUDED,
+            f"{seen.wire.id!r} is not seen in duct {duct.id!r} nor within "
+            f"{BESIDE_DUCT_M * 1e3:.0f} mm of it; observe it from another side",
+        )
+    down = [abs(passing.aside) for passing in passings if passing.height < duct.height]
+    beside = max(down, default=0.0) - duct.width / 2
+    return f"it lies {beside * 1e3:.0f} mm beside duct {duct.id!r}" if beside > 0 else ""
+
+
+def _show(
+    context: RobotContext, seen: RouteObservation, places: Sequence[Pose], faults: Sequence[str]
+) -> None:
+    drawing = Drawing(seen.picture.rgb, seen.picture.view)
+    colour = ORANGE if faults else BLUE
+    for place in places:
+        drawing.circle(seen.picture.view.project(place.position)[0], 6, colour)
+    drawing.title(f"{seen.wire.id}: {'; '.join(faults) or 'lies where it should'}")
+    context.show("overhead", seen.picture, drawing.image)
+
+
+def _out(context: RobotContext, faults: Sequence[str]) -> AbilityError:
+    return AbilityError(
+        Code.OUT_OF_DUCT,
+        f"{context.wire.id!r} does not lie where it should: {'; '.join(faults)}; pick its end and "
+        "route it again",
+    )

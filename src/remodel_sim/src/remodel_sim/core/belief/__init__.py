@@ -1,0 +1,1 @@
+"""What the cell believes about its panel from its own actions and observations."""

@@ -1,0 +1,156 @@
+"""A cell as a value: its arms and hands, its cameras, its feeder and its own fixtures.
+
+Everything stands in the world's frame, whose z = 0 is the plate's surface; the middle of the plate
+lies at `layout.WORLD_FROM_PANEL`. Components, sockets and wires are the panel's, not the cell's.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import combinations
+
+from remodel_sim.core.camera import Lens, View
+from remodel_sim.core.cell.feeding import Feeder
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.robot.arm import Arm, ToolPose
+from remodel_sim.core.workpiece.panel import Clip, Duct
+
+# Two bases need this much room between them [m].
+BASES_APART_M = 0.50
+
+
+@dataclass(frozen=True)
+class Gripper:
+    """A parallel hand with flat rubber pads.
+
+    Attributes:
+        grip_force: per finger at which closing stops [N].
+        pad_friction: Coulomb's, of the pads.
+    """
+
+    grip_force: float
+    pad_friction: float
+
+
+@dataclass(frozen=True)
+class WristCamera:
+    """A camera on the side of a hand that looks straight down; its name is part of its topics."""
+
+    name: str
+    lens: Lens
+
+
+@dataclass(frozen=True)
+class RobotDesign:
+    """An arm with a hand.
+
+    Attributes:
+        name: as goals name it, such as "robot_1".
+        arm: in its place.
+        home: where the empty hand goes, out of the overhead camera's picture.
+        gripper: its hand.
+        camera: on its hand.
+        prefix: put before the names of its frames and joints.
+        scrap_bin: where the hand drops wires into its scrap bin; None: beside the plate.
+    """
+
+    name: str
+    arm: Arm
+    home: ToolPose
+    gripper: Gripper
+    camera: WristCamera
+    prefix: str
+    scrap_bin: ToolPose | None = None
+
+
+@dataclass(frozen=True)
+class Table:
+    """What the plate lies on, to be seen only: its middle, and its size along x and y [m]."""
+
+    x: float
+    y: float
+    length: float
+    width: float
+
+
+@dataclass(frozen=True, eq=False)
+class CellDesign:
+    """All of a cell but its panel.
+
+    Attributes:
+        name: of the cell.
+        robots: one or two.
+        overhead: camera for colour and depth that sees the whole plate.
+        scene: camera for people.
+        table: under the plate.
+        feeder: lays wires.
+        clips, ducts: the cell's own, besides the panel's; panel frame.
+    """
+
+    name: str
+    robots: tuple[RobotDesign, ...]
+    overhead: View
+    scene: View
+    table: Table
+    feeder: Feeder
+    clips: tuple[Clip, ...]
+    ducts: tuple[Duct, ...]
+
+    @property
+    def arms(self) -> tuple[Arm, ...]:
+        """The robots' arms."""
+        return tuple(robot.arm for robot in self.robots)
+
+    @property
+    def camera_names(self) -> tuple[str, ...]:
+        """All cameras: from above, on the wrists, and for people."""
+        return ("overhead", *(robot.camera.name for robot in self.robots), "scene")
+
+
+def find_design_problems(design: CellDesign) -> tuple[str, ...]:
+    """Return every problem of a cell, one sentence each: place, found, allowed."""
+    return (*_names(design), *_homes(design), *_bases(design))
+
+
+def _names(design: CellDesign) -> Iterator[str]:
+    groups = {
+        "name": [robot.name for robot in design.robots],
+        "camera.name": list(design.camera_names),
+        "prefix": [robot.prefix for robot in design.robots],
+    }
+    for what, names in groups.items():
+        for name, count in Counter(names).items():
+            if count > 1:
+                yield f"robots: {count} have {what} {name!r}; each needs its own"
+
+
+def _homes(design: CellDesign) -> Iterator[str]:
+    for i, robot in enumerate(design.robots):
+        lower, higher = robot.arm.limits
+        wide = zip(robot.arm.model.lower, robot.arm.model.higher, strict=True)
+        for j, (least, most) in enumerate(wide):
+            if not least <= lower[j] <= higher[j] <= most:
+                yield (
+                    f"robots[{i}].limits: joint {j + 1} has {lower[j]:.4f} to {higher[j]:.4f} rad; "
+                    f"allowed within {least:.4f} to {most:.4f} rad"
+                )
+        for name, tool in (("home", robot.home), ("scrap_bin", robot.scrap_bin)):
+            try:
+                if tool is not None:
+                    robot.arm.joints_for(tool)
+            except AbilityError as error:
+                yield f"robots[{i}].{name}: {error}"
+
+
+def _bases(design: CellDesign) -> Iterator[str]:
+    for first, second in combinations(design.robots, 2):
+        (xa, ya, *_), (xb, yb, *_) = first.arm.base, second.arm.base
+        apart = math.hypot(xb - xa, yb - ya)
+        if apart < BASES_APART_M:
+            yield (
+                f"robots: the bases of {first.name!r} and {second.name!r} are {apart:.2f} m apart; "
+                f"allowed: {BASES_APART_M:.2f} m or more"
+            )

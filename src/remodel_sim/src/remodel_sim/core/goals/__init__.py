@@ -1,0 +1,33 @@
+"""The goals of the abilities, and the checks of them against the panel and the belief."""
+
+from remodel_sim.core.goals.ability_goals import (
+    CheckGoal,
+    ConnectGoal,
+    DetectGoal,
+    ExtractGoal,
+    FixGoal,
+    Goal,
+    InsertGoal,
+    LocateGoal,
+    PickGoal,
+    PlaceGoal,
+    RouteGoal,
+)
+from remodel_sim.core.goals.discard_goal import DiscardGoal
+from remodel_sim.core.goals.pin_goal import PlacePinGoal
+
+__all__ = [
+    "CheckGoal",
+    "ConnectGoal",
+    "DetectGoal",
+    "DiscardGoal",
+    "ExtractGoal",
+    "FixGoal",
+    "Goal",
+    "InsertGoal",
+    "LocateGoal",
+    "PickGoal",
+    "PlaceGoal",
+    "PlacePinGoal",
+    "RouteGoal",
+]

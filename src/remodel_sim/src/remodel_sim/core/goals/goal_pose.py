@@ -1,0 +1,34 @@
+"""Poses in goals."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Pose
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_states.core.codes import Code
+
+WORLD = "world"
+PANEL = "panel"
+
+
+def pose_from(name: str, message: Any) -> Pose:  # noqa: ANN401 - messages have no types
+    """Return the pose of a field of type geometry_msgs/PoseStamped in the world frame.
+
+    It may be given in the world's frame (which an empty name means) or in the panel's.
+
+    Raises:
+        AbilityError: if it is given in another one.
+    """
+    frame = message.header.frame_id.lstrip("/")
+    if frame not in ("", WORLD, PANEL):
+        raise AbilityError(
+            Code.INVALID_GOAL,
+            f"{name} is given in frame {frame!r}; allowed: {WORLD!r}, {PANEL!r}",
+        )
+    p, q = message.pose.position, message.pose.orientation
+    pose = Pose(np.array([p.x, p.y, p.z]), np.array([q.x, q.y, q.z, q.w]))
+    return WORLD_FROM_PANEL @ pose if frame == PANEL else pose

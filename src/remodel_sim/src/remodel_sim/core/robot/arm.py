@@ -1,0 +1,273 @@
+"""Kinematics of an arm that works on a level panel: the tool always points straight down.
+
+The arms here have seven joints that turn and bend in turn. With joints 3 and 5 at zero such an arm
+moves in one vertical plane through its base, turned by joint 1. Then a downward tool is a planar
+two-link problem with one solution (elbow up), and joint 7 sets the tool's yaw alone.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Array, Pose, wrap_angle
+from remodel_states.core.codes import Code
+
+# Hand and own fingers: from the flange to the middle of the wire in the grip
+# (physics/robot_description.py builds them so).
+TOOL_M = 0.129
+
+
+@dataclass(frozen=True)
+class ToolPose:
+    """The tool centre with the tool pointing down; world frame.
+
+    Attributes:
+        x, y, z: tool centre [m].
+        yaw: direction of the hand's x axis [rad]; the fingers close across it. Not wrapped: a path
+            turns from one value to the next the way the numbers say.
+    """
+
+    x: float
+    y: float
+    z: float
+    yaw: float
+
+    @property
+    def position(self) -> Array:
+        """The tool centre, (3,) [m]."""
+        return np.array([self.x, self.y, self.z])
+
+    def at(self, *, z: float) -> ToolPose:
+        """Return the same pose at another height."""
+        return ToolPose(self.x, self.y, z, self.yaw)
+
+    def moved(self, direction: Array, distance: float) -> ToolPose:
+        """Return the pose moved by a distance [m] along a level unit vector, (3,)."""
+        x, y = self.x + distance * float(direction[0]), self.y + distance * float(direction[1])
+        return ToolPose(x, y, self.z, self.yaw)
+
+    def __str__(self) -> str:
+        """Show millimetres and degrees."""
+        return (
+            f"x {self.x * 1e3:.0f}, y {self.y * 1e3:.0f}, z {self.z * 1e3:.0f} mm, "
+            f"yaw {math.degrees(wrap_angle(self.yaw)):.0f} deg"
+        )
+
+
+@dataclass(frozen=True)
+class ArmModel:
+    """What arms of one type have in common.
+
+    Attributes:
+        name: of the type.
+        shoulder_height: of joint 2 above the base [m].
+        upper: shoulder to elbow, (along, across) [m].
+        fore: elbow to wrist, (along, back across) [m].
+        wrist_offset: from the wrist outward to the flange's axis [m].
+        flange: from the wrist down to the flange [m].
+        wrist_sign, wrist_zero: joint 6 is sign * (q2 - q4) + zero [rad] when the tool points down.
+        yaw_zero: direction of the hand's x axis from the arm's plane when joint 7 is at zero [rad].
+        lower, higher: limits of joints 1 to 7 [rad].
+    """
+
+    name: str
+    shoulder_height: float
+    upper: tuple[float, float]
+    fore: tuple[float, float]
+    wrist_offset: float
+    flange: float
+    wrist_sign: float
+    wrist_zero: float
+    yaw_zero: float
+    lower: tuple[float, ...]
+    higher: tuple[float, ...]
+
+    @property
+    def upper_m(self) -> float:
+        """Straight distance from shoulder to elbow [m]."""
+        return math.hypot(*self.upper)
+
+    @property
+    def upper_rad(self) -> float:
+        """Angle between that straight line and the upper link [rad]."""
+        return math.atan2(self.upper[1], self.upper[0])
+
+    @property
+    def fore_m(self) -> float:
+        """Straight distance from elbow to wrist [m]."""
+        return math.hypot(*self.fore)
+
+    @property
+    def fore_rad(self) -> float:
+        """Angle between that straight line and the fore link [rad]."""
+        return math.atan2(self.fore[1], self.fore[0])
+
+
+# Lengths and soft limits: https://frankaemika.github.io/docs/control_parameters.html.
+FRANKA_PANDA = ArmModel(
+    name="franka_panda",
+    shoulder_height=0.333,
+    upper=(0.316, 0.0825),
+    fore=(0.384, 0.0825),
+    wrist_offset=0.088,
+    flange=0.107,
+    wrist_sign=1.0,
+    wrist_zero=0.0,
+    yaw_zero=math.pi / 4,
+    lower=(-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973),
+    higher=(2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973),
+)
+# LBR iiwa 7 R800 (KUKA's data sheet, and kuka_iiwa/model.urdf of pybullet_data): 170, 120 and 175
+# degrees of its joints. The hand is bolted on so that its zero yaw is the Panda's.
+KUKA_IIWA = ArmModel(
+    name="kuka_iiwa",
+    shoulder_height=0.360,
+    upper=(0.420, 0.0),
+    fore=(0.400, 0.0),
+    wrist_offset=0.0,
+    flange=0.126,
+    wrist_sign=-1.0,
+    wrist_zero=math.pi,
+    yaw_zero=math.pi / 4,
+    lower=(-2.9671, -2.0944, -2.9671, -2.0944, -2.9671, -2.0944, -3.0543),
+    higher=(2.9671, 2.0944, 2.9671, 2.0944, 2.9671, 2.0944, 3.0543),
+)
+ARM_MODELS = {model.name: model for model in (FRANKA_PANDA, KUKA_IIWA)}
+
+
+@dataclass(frozen=True)
+class Arm:
+    """An arm in its place.
+
+    Attributes:
+        model: its type.
+        base: (x, y, z) [m] and yaw [rad] of its base in the world; the base is level.
+        lower, higher: limits of joints 1 to 7 in this place [rad]; empty: the model's.
+    """
+
+    model: ArmModel
+    base: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    lower: tuple[float, ...] = ()
+    higher: tuple[float, ...] = ()
+
+    @cached_property
+    def limits(self) -> tuple[Array, Array]:
+        """Lower and upper limits of joints 1 to 7, (7,) each [rad]."""
+        return np.array(self.lower or self.model.lower), np.array(self.higher or self.model.higher)
+
+    @property
+    def world_from_base(self) -> Pose:
+        """Where its base stands."""
+        return Pose.level(*self.base)
+
+    def _in_base(self, x: float, y: float) -> tuple[float, float]:
+        """Return a place on the level plane in the base's frame [m]."""
+        base_x, base_y, _, yaw = self.base
+        c, s = math.cos(yaw), math.sin(yaw)
+        dx, dy = x - base_x, y - base_y
+        return c * dx + s * dy, c * dy - s * dx
+
+    def joints_for(self, tool: ToolPose) -> Array:
+        """Return the arm's joint angles (7,) [rad] for a tool pose.
+
+        Raises:
+            AbilityError: UNREACHABLE, with the joint or distance that stands against it.
+        """
+        model = self.model
+        upper_m, fore_m = model.upper_m, model.fore_m
+        x, y = self._in_base(tool.x, tool.y)
+        azimuth = math.atan2(y, x)
+        out = math.hypot(x, y) - model.wrist_offset
+        up = tool.z - self.base[2] + TOOL_M + model.flange - model.shoulder_height
+        distance = math.hypot(out, up)
+        cosine = (distance**2 - upper_m**2 - fore_m**2) / (2 * upper_m * fore_m)
+        if not -1.0 <= cosine <= 1.0:
+            raise AbilityError(
+                Code.UNREACHABLE,
+                f"no arm posture reaches {tool}: the wrist would be {distance:.3f} m from the "
+                f"shoulder, the arm spans {abs(upper_m - fore_m):.3f} to {upper_m + fore_m:.3f} m",
+            )
+        bend = math.acos(cosine)
+        lean = math.atan2(out, up) - math.atan2(
+            fore_m * math.sin(bend), upper_m + fore_m * math.cos(bend)
+        )
+        q2 = lean - model.upper_rad
+        q4 = -(bend + model.upper_rad + model.fore_rad)
+        q6 = model.wrist_sign * (q2 - q4) + model.wrist_zero
+        q7 = wrap_angle(azimuth + model.yaw_zero - (tool.yaw - self.base[3]))
+        joints = np.array([azimuth, q2, 0.0, q4, 0.0, q6, q7])
+        lower, higher = self.limits
+        beyond = np.flatnonzero((joints < lower) | (joints > higher))
+        if beyond.size:
+            i = int(beyond[0])
+            raise AbilityError(
+                Code.UNREACHABLE,
+                f"no arm posture reaches {tool}: joint {i + 1} would stand at {joints[i]:.2f} rad, "
+                f"allowed {lower[i]:.2f} to {higher[i]:.2f}",
+            )
+        return joints
+
+    def reaches(self, tool: ToolPose) -> bool:
+        """Return whether the arm reaches a tool pose within its joint limits."""
+        try:
+            self.joints_for(tool)
+        except AbilityError:
+            return False
+        return True
+
+    def tool_of(self, joints: Array) -> ToolPose:
+        """Return the tool pose of a downward posture (joints 3 and 5 at zero), (7,) [rad]."""
+        q1, q2, _, q4, _, _, q7 = joints
+        model = self.model
+        fore = q2 - q4
+        out = (
+            model.wrist_offset
+            + model.upper_m * math.sin(q2 + model.upper_rad)
+            + model.fore_m * math.sin(fore - model.fore_rad)
+        )
+        up = (
+            model.shoulder_height
+            + model.upper_m * math.cos(q2 + model.upper_rad)
+            + model.fore_m * math.cos(fore - model.fore_rad)
+        )
+        x, y, z, yaw = self.base
+        heading = yaw + q1
+        return ToolPose(
+            x + out * math.cos(heading),
+            y + out * math.sin(heading),
+            z + up - model.flange - TOOL_M,
+            heading + model.yaw_zero - q7,
+        )
+
+    def canonical_yaw(self, x: float, y: float, yaw: float) -> float | None:
+        """Return the tool's yaw as the value for which joint 7 is linear, or None beyond limits.
+
+        Two canonical yaws differ by the turn that joint 7 really makes, be it the long way round.
+        """
+        zero = self._zero_yaw(x, y)
+        q7 = wrap_angle(zero - yaw)
+        lower, higher = self.limits
+        if not lower[6] <= q7 <= higher[6]:
+            return None
+        return zero - q7
+
+    def last_joint(self, x: float, y: float, canonical: float) -> float:
+        """Return joint 7 [rad] for a canonical yaw at a place."""
+        return self._zero_yaw(x, y) - canonical
+
+    def _zero_yaw(self, x: float, y: float) -> float:
+        """Return the tool's yaw at a place when joint 7 is at zero [rad]."""
+        return self._heading(x, y) + self.model.yaw_zero
+
+    def _heading(self, x: float, y: float) -> float:
+        """Return the direction of the arm's plane for a place, in the world [rad]."""
+        here_x, here_y = self._in_base(x, y)
+        return self.base[3] + math.atan2(here_y, here_x)
+
+
+PANDA_AT_ORIGIN = Arm(FRANKA_PANDA)

@@ -1,0 +1,125 @@
+"""The space that an arm occupies: capsules around its links, its hand and what is bolted to it.
+
+Capsules hold the whole of what they stand for, so a gap between capsules is never wider than the
+real one. The numbers were measured on the meshes; test_arm_volume.py measures them again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from remodel_sim.core.geometry import Array
+from remodel_sim.core.robot.arm import FRANKA_PANDA, KUKA_IIWA, TOOL_M, Arm
+
+# Radii around the axes [m]: of the foot, the column below the shoulder, the upper and the fore
+# link, the wrist, and the flange.
+LINK_RADII_M = {
+    FRANKA_PANDA.name: (0.18, 0.14, 0.12, 0.135, 0.09, 0.092),
+    KUKA_IIWA.name: (0.18, 0.14, 0.12, 0.12, 0.09, 0.092),
+}
+FOOT_M = 0.10
+# The hand's body, across its fingers, hangs so far below the flange and reaches so far to either
+# side; then the fingers; then the wrist camera, on the side of positive y.
+HAND_M = 0.030
+HAND_HALF_WIDTH_M = 0.100
+HAND_RADIUS_M = 0.050
+FINGERS_M = 0.060
+FINGERS_HALF_WIDTH_M = 0.055
+FINGERS_RADIUS_M = 0.022
+CAMERA_AT_M = (0.112, 0.040)
+CAMERA_RADIUS_M = 0.035
+# Shorter axes than its square root are points [m^2].
+TINY_M2 = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Volume:
+    """Capsules.
+
+    Attributes:
+        starts, ends: of their axes, (n, 3) each [m], world frame.
+        radii: (n,) [m].
+    """
+
+    starts: Array
+    ends: Array
+    radii: Array
+
+
+def volume_of(arm: Arm, postures: Array) -> Volume:
+    """Return the space that an arm occupies in downward postures, (m, 7) [rad], all of them."""
+    q1, q2, _, q4, _, _, q7 = np.atleast_2d(postures).T
+    model = arm.model
+    heading, lean, fore = arm.base[3] + q1, q2, q2 - q4
+
+    def at(out: Array | float, up: Array | float, side: Array | float = 0.0) -> Array:
+        """Map places in the arm's plane, and to the side of it, to the world, (m, 3) [m]."""
+        x, y, z, _ = arm.base
+        c, s = np.cos(heading), np.sin(heading)
+        return np.stack([x + c * out - s * side, y + s * out + c * side, z + up + 0 * c], axis=1)
+
+    (along, across), (fore_along, back) = model.upper, model.fore
+    shoulder = model.shoulder_height
+    knee = along * np.sin(lean), shoulder + along * np.cos(lean)
+    elbow = knee[0] + across * np.cos(lean), knee[1] - across * np.sin(lean)
+    shin = elbow[0] - back * np.cos(fore), elbow[1] + back * np.sin(fore)
+    wrist = shin[0] + fore_along * np.sin(fore), shin[1] + fore_along * np.cos(fore)
+    out, flange = wrist[0] + model.wrist_offset, wrist[1] - model.flange
+    # The hand's y axis, in the arm's plane and to the side of it: it points down, so y is to the
+    # right of x.
+    yaw = model.yaw_zero - q7
+    y_out, y_side = np.sin(yaw), -np.cos(yaw)
+
+    def hand(along_y: float, below: float) -> Array:
+        return at(out + along_y * y_out, flange - below, along_y * y_side)
+
+    foot, column, upper, lower, bulk, end = LINK_RADII_M[model.name]
+    low = TOOL_M
+    capsules = [
+        (at(0.0 * q1, 0.0), at(0.0 * q1, FOOT_M), foot),
+        (at(0.0 * q1, 0.0), at(0.0 * q1, shoulder), column),
+        (at(0.0 * q1, shoulder), at(*knee), upper),
+        (at(*knee), at(*elbow), upper),
+        (at(*shin), at(*wrist), lower),
+        (at(*wrist), at(out, wrist[1]), bulk),
+        (at(out, wrist[1]), at(out, flange), end),
+        (hand(-HAND_HALF_WIDTH_M, HAND_M), hand(HAND_HALF_WIDTH_M, HAND_M), HAND_RADIUS_M),
+        (
+            hand(-FINGERS_HALF_WIDTH_M, FINGERS_M),
+            hand(-FINGERS_HALF_WIDTH_M, low),
+            FINGERS_RADIUS_M,
+        ),
+        (hand(FINGERS_HALF_WIDTH_M, FINGERS_M), hand(FINGERS_HALF_WIDTH_M, low), FINGERS_RADIUS_M),
+        (hand(CAMERA_AT_M[0], CAMERA_AT_M[1]), hand(*CAMERA_AT_M), CAMERA_RADIUS_M),
+    ]
+    return Volume(
+        np.concatenate([start for start, _, _ in capsules]),
+        np.concatenate([end for _, end, _ in capsules]),
+        np.repeat([radius for *_, radius in capsules], len(q1)),
+    )
+
+
+def gap_between(first: Volume, second: Volume) -> float:
+    """Return the least distance between two volumes [m]; negative where they overlap."""
+    return float(gaps_between(first, second).min())
+
+
+def gaps_between(first: Volume, second: Volume) -> Array:
+    """Return the distances between the capsules of two volumes, (n, m) [m].
+
+    Ericson, Real-Time Collision Detection (2005), 5.1.9, for all pairs of axes at once.
+    """
+    p, q = first.starts[:, None], second.starts[None, :]
+    u, v = first.ends[:, None] - p, second.ends[None, :] - q
+    w = p - q
+    uu = np.maximum((u * u).sum(axis=2), TINY_M2)
+    vv = np.maximum((v * v).sum(axis=2), TINY_M2)
+    uv, uw, vw = (u * v).sum(axis=2), (u * w).sum(axis=2), (v * w).sum(axis=2)
+    determinant = np.maximum(uu * vv - uv * uv, TINY_M2 * TINY_M2)
+    s = np.clip((uv * vw - uw * vv) / determinant, 0.0, 1.0)
+    t = np.clip((uv * s + vw) / vv, 0.0, 1.0)
+    s = np.clip((uv * t - uw) / uu, 0.0, 1.0)
+    apart = np.linalg.norm(w + s[..., None] * u - t[..., None] * v, axis=2)
+    return np.asarray(apart - first.radii[:, None] - second.radii[None, :])

@@ -1,0 +1,1 @@
+"""Cross-section profiles: the edges of cables, their refined centrelines and the confidence."""

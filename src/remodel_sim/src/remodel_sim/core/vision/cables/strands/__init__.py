@@ -1,0 +1,1 @@
+"""From a picture to strands: foreground, skeleton, and strands joined into rough cables."""

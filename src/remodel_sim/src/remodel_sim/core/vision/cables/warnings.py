@@ -1,0 +1,133 @@
+"""Warnings about a result: the light, the cables found, and what they leave unexplained."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+
+import cv2
+import numpy as np
+
+from remodel_sim.core.vision.cables.ends import goes_on
+from remodel_sim.core.vision.cables.model import Cable, End
+from remodel_sim.core.vision.cables.strands.foreground import Foreground
+from remodel_sim.core.vision.pixels import Pixels
+
+NOTHING = "nothing in the picture looks like a cable"
+CLUTTERED = "the picture is too cluttered; clear the table, or take it from nearer"
+# A cable with less confidence causes a warning.
+SURE = 0.5
+# A picture is overexposed when this share of it is at the top of the scale, and dark when that
+# share of it stays below a level.
+CLIPPED, TOP = 0.18, 250
+DARK_SHARE, DARK = 0.98, 75
+# A tip beyond which this share of the contrast is left may be none: true ones leave up to 0.19,
+# ends that noise cut 0.36 to 1.05.
+GOES_ON = 0.28
+# An end this near to another cable may be a part of it [widths].
+BESIDE_WIDTHS = 1.7
+# A line that leaves its chord by less is straight [widths].
+STRAIGHT_WIDTHS = 0.5
+# Two ends of like colours [grey levels], this near [widths], that face each other [cosine], may
+# be one cable, with something hidden between them.
+SAME_COLOUR, FACING_WIDTHS, FACING = 60.0, 12.0, 0.8
+# Around a cable's width, shadow and blur explain so much more, to both sides together [widths],
+# and [px of the mask].
+RIM_WIDTHS, RIM_PX = 1.8, 3
+# A rest counts from this area on [squared cable widths], where it is this far from the table's
+# colour [standard deviations] and not at the rim of a foreign object.
+REST = 4.0
+CLEAR = 8.0
+# A cable over a foreign object of another colour than the table causes a warning from this share of
+# it on: a rim of the object may be taken for a cable, and a cable of its colour is not found.
+OVER_FOREIGN_OBJECT = 0.02
+
+
+def exposure_warnings(rgb: Pixels) -> Iterator[str]:
+    """Yield what is wrong with the light of a picture (height, width, 3)."""
+    some = rgb[::2, ::2]
+    brightest = np.maximum(np.maximum(some[..., 0], some[..., 1]), some[..., 2])
+    clipped = float(np.mean(brightest >= TOP))
+    if clipped > CLIPPED:
+        yield f"{clipped:.0%} of the picture is overexposed; take it with a shorter exposure"
+    if np.mean(brightest < DARK) > DARK_SHARE:
+        yield "the picture is dark; take it with more light or a longer exposure"
+
+
+def cable_warnings(rgb: Pixels, cables: list[Cable]) -> Iterator[str]:
+    """Yield what is odd about cables in a picture (height, width, 3)."""
+    if not cables:
+        yield NOTHING
+    for i, cable in enumerate(cables):
+        if cable.confidence < SURE:
+            yield f"cable {i} may be none, or not one: confidence {cable.confidence:.2f}"
+        if _is_ruled(cable):
+            yield f"cable {i} is straight from border to border: it may be an edge or a seam"
+        for tip in cable.tips:
+            column, row = tip.point
+            if tip.end is End.HIDDEN:
+                yield (
+                    f"cable {i} may go on beyond ({column:.0f}, {row:.0f}), where a foreign object "
+                    "lies"
+                )
+            elif tip.end is End.TIP and goes_on(rgb, tip, cable.width) > GOES_ON:
+                yield f"cable {i} may go on beyond ({column:.0f}, {row:.0f}), fainter"
+            for j, other in enumerate(cables):
+                gap = np.hypot(*(other.centreline - tip.point).T).min()
+                if i != j and gap < BESIDE_WIDTHS * max(cable.width, other.width):
+                    yield f"cable {i} ends at ({column:.0f}, {row:.0f}) on cable {j}"
+    for (i, one), (j, other) in itertools.combinations(enumerate(cables), 2):
+        if np.linalg.norm(np.subtract(one.colour, other.colour)) > SAME_COLOUR:
+            continue
+        for a, b in itertools.product(one.tips, other.tips):
+            gap = b.point - a.point
+            length = float(np.hypot(*gap))
+            if length < FACING_WIDTHS * (one.width + other.width) / 2:
+                facing = min(gap @ a.outward, -gap @ b.outward) / max(length, 1e-6)
+                if facing > FACING:
+                    yield f"cables {i} and {j} may be one: their ends face each other"
+
+
+def _is_ruled(cable: Cable) -> bool:
+    """Return whether a cable enters and leaves the picture and is straight in between."""
+    chord = cable.tips[1].point - cable.tips[0].point
+    away = (cable.centreline - cable.tips[0].point) @ np.array([-chord[1], chord[0]])
+    straight = np.abs(away).max() < STRAIGHT_WIDTHS * cable.width * math.hypot(*chord.tolist())
+    return bool(straight and all(tip.end is End.TRUNCATED for tip in cable.tips))
+
+
+def remainder_warnings(foreground: Foreground, cables: list[Cable], scale: int) -> Iterator[str]:
+    """Yield what is odd about cables in a mask made `scale` times smaller than the picture."""
+    left = (foreground.distance > CLEAR).astype(np.uint8) & foreground.mask
+    if foreground.foreign_objects.any():
+        left[cv2.dilate(foreground.foreign_objects, np.ones((7, 7), np.uint8)) > 0] = 0
+    for i, cable in enumerate(cables):
+        line = (cable.centreline + 0.5) / scale - 0.5
+        _wipe(left, line, cable.width / scale)
+        columns, rows = np.rint(line).astype(int).T
+        height, width = left.shape
+        at = foreground.foreign_objects[
+            np.clip(rows, 0, height - 1), np.clip(columns, 0, width - 1)
+        ]
+        if at.mean() > OVER_FOREIGN_OBJECT:
+            yield f"cable {i} lies on a foreign object for {at.mean():.0%} of its length"
+    if not cables:
+        return
+    typical = float(np.median([cable.width for cable in cables])) / scale
+    if cv2.countNonZero(left) <= REST * typical**2:
+        return
+    count, _, stats, centres = cv2.connectedComponentsWithStats(left, connectivity=8)
+    for label in range(1, count):
+        if stats[label, cv2.CC_STAT_AREA] > REST * typical**2:
+            column, row = (centres[label] + 0.5) * scale - 0.5
+            yield f"what lies at ({column:.0f}, {row:.0f}) is part of no cable found"
+
+
+def _wipe(mask: Pixels, line: Pixels, width: float) -> None:
+    """Erase a centreline (n, 2) [px] with its surroundings, beyond its ends too."""
+    start = line[0] + (line[0] - line[2]) / 2
+    stop = line[-1] + (line[-1] - line[-3]) / 2
+    fixed = np.rint(np.vstack([start, line, stop]) * 16).astype(np.int32)
+    thickness = round(RIM_WIDTHS * width + RIM_PX)
+    cv2.polylines(mask, [fixed], False, (0,), thickness, cv2.LINE_8, 4)

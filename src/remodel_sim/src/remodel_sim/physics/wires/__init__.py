@@ -1,0 +1,1 @@
+"""Bodies of wires: live ones that bend and parked ones that stay as they are."""

@@ -1,0 +1,183 @@
+"""A live wire in the world: one multibody, or several bolted together when it is long."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from types import MappingProxyType
+
+import numpy as np
+
+from remodel_sim.core.geometry import Array, multiply_quaternions, rotation_matrix
+from remodel_sim.core.workpiece.connector_shape import Solid
+from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.wire_colours import FERRULE_RGB, GREEN_AND_YELLOW, WIRE_RGB, Rgb
+from remodel_sim.core.workpiece.wire_mechanics import CableModel, link_frames
+from remodel_sim.physics.wires.cable_body import IDENTITY, CableBody
+from remodel_sim.physics.world import World
+
+# What holds the halves of a cell together [N]; more than any force in the cell.
+BOLT_FORCE_N = 1e4
+
+# A body, and the index of one of its links: -1 for its base.
+Link = tuple[int, int]
+
+
+class Cable:
+    """A wire of links from end a to end b."""
+
+    def __init__(
+        self,
+        world: World,
+        model: CableModel,
+        colour: str,
+        connectors: Mapping[End, Sequence[Solid]] = MappingProxyType({}),
+    ) -> None:
+        """Make the wire, straight along x, its tip a at the origin; see `lay`.
+
+        Ends that are not among the `connectors` have ferrules.
+        """
+        self._world = world
+        self.model = model
+        colours = link_colours(colour, len(model.lengths))
+        at = {End.A: 0, End.B: len(model.lengths) - 1}
+        self._parts = [
+            CableBody(
+                world,
+                model.part(first, last),
+                colours[first:last],
+                {
+                    at[end] - first: solids
+                    for end, solids in connectors.items()
+                    if first <= at[end] < last
+                },
+            )
+            for first, last in model.bodies
+        ]
+        self.lay(np.zeros(3), 0.0, np.zeros(len(model.spans)))
+        self._bolts = [_bolt(world, before, after) for before, after in pairwise(self._parts)]
+        world.add_before_step(self._bend)
+
+    def _bend(self) -> None:
+        for part in self._parts:
+            part.bend()
+
+    @property
+    def bodies(self) -> tuple[int, ...]:
+        """PyBullet's numbers of the wire's bodies."""
+        return tuple(part.body for part in self._parts)
+
+    def lay(self, tip_a: Array, yaw: float, curvature: Array) -> None:
+        """Put the wire at rest on the plate.
+
+        Args:
+            tip_a: (3,) apex of end a [m], world frame.
+            yaw: direction from tip a into the wire [rad].
+            curvature: (n - 1,) rest curvature in the plane at each joint [1/m].
+        """
+        turn = curvature * self.model.spans
+        yaws = yaw + np.r_[0.0, np.cumsum(turn)]
+        axes = np.column_stack([np.cos(yaws), np.sin(yaws), np.zeros_like(yaws)])
+        steps = self.model.lengths[:, None] * axes
+        centres = tip_a + self.model.radius * axes[0] + np.cumsum(steps, axis=0) - steps / 2
+        for part, (first, last) in zip(self._parts, self.model.bodies, strict=True):
+            orientation = self._world.bullet.getQuaternionFromEuler([0, math.pi / 2, yaws[first]])
+            # The links' x axis points down when the wire lies level.
+            part.place(centres[first], np.array(orientation), -turn[first : last - 1])
+
+    def lay_along(self, nodes: Array) -> None:
+        """Put the wire at rest into a shape that it has been bent into.
+
+        Args:
+            nodes: (n + 1, 3) from tip to tip [m], world frame, as `nodes` returns them.
+        """
+        centres, quaternions = link_frames(nodes, self.model.radius)
+        flipped = quaternions * np.array([-1.0, -1.0, -1.0, 1.0])
+        turns = np.array(list(map(multiply_quaternions, flipped[:-1], quaternions[1:])))
+        for part, (first, last) in zip(self._parts, self.model.bodies, strict=True):
+            part.place_bent(centres[first], quaternions[first], turns[first : last - 1])
+
+    def link_poses(self) -> tuple[Array, Array]:
+        """Return the links' centres (n, 3) [m] and quaternions (n, 4), world frame."""
+        centres, quaternions = zip(*(part.link_poses() for part in self._parts), strict=True)
+        return np.vstack(centres), np.vstack(quaternions)
+
+    def link_pose(self, link: Link) -> tuple[Array, Array]:
+        """Return one link's centre (3,) [m] and quaternion (4,), world frame."""
+        body, index = link
+        bullet = self._world.bullet
+        if index < 0:
+            position, quaternion = bullet.getBasePositionAndOrientation(body)
+        else:
+            position, quaternion = bullet.getLinkState(body, index)[:2]
+        return np.array(position), np.array(quaternion)
+
+    def nodes(self) -> Array:
+        """Return the nodes from tip a's apex to tip b's, (n + 1, 3) [m], world frame."""
+        centres, quaternions = self.link_poses()
+        axes = np.array([rotation_matrix(q)[:, 2] for q in quaternions])
+        half = self.model.lengths[:, None] / 2 * axes
+        nodes = np.vstack([centres[:1] - half[:1], centres + half])
+        nodes[0] -= axes[0] * self.model.radius
+        nodes[-1] += axes[-1] * self.model.radius
+        return nodes
+
+    def ferrule(self, end: End) -> Link:
+        """Return the link that is an end's ferrule or connector."""
+        if end is End.A:
+            return self._parts[0].body, -1
+        last = self._parts[-1]
+        return last.body, len(last.model.spans) - 1
+
+    def bend_ferrule(self, end: End, angle: float) -> None:
+        """Give the joint behind an end's ferrule another angle at rest, by so much [rad]."""
+        if end is End.A:
+            self._parts[0].bend_rest(0, angle)
+        else:
+            self._parts[-1].bend_rest(-1, angle)
+
+    def tip(self, end: End) -> tuple[Array, Array]:
+        """Return an end's apex (3,) [m] and the unit vector out of it (3,), world frame."""
+        nodes = self.nodes()
+        apex, inner = (nodes[0], nodes[1]) if end is End.A else (nodes[-1], nodes[-2])
+        out = (apex - inner) / np.linalg.norm(apex - inner)
+        return apex, out
+
+    def remove(self) -> None:
+        """Take the wire out of the world."""
+        self._world.remove_before_step(self._bend)
+        for bolt in self._bolts:
+            self._world.bullet.removeConstraint(bolt)
+        for body in self.bodies:
+            self._world.bullet.removeBody(body)
+
+
+def _bolt(world: World, before: CableBody, after: CableBody) -> int:
+    """Make one rigid link of the halves of a cell: the last of one body, the first of the next."""
+    bullet = world.bullet
+    last = len(before.model.spans) - 1
+    bullet.setCollisionFilterPair(before.body, after.body, last, -1, 0)
+    bolt = bullet.createConstraint(
+        parentBodyUniqueId=before.body,
+        parentLinkIndex=last,
+        childBodyUniqueId=after.body,
+        childLinkIndex=-1,
+        jointType=bullet.JOINT_FIXED,
+        jointAxis=[0, 0, 0],
+        parentFramePosition=[0, 0, before.model.lengths[-1] / 2],
+        childFramePosition=[0, 0, -after.model.lengths[0] / 2],
+        parentFrameOrientation=IDENTITY,
+        childFrameOrientation=IDENTITY,
+    )
+    bullet.changeConstraint(bolt, maxForce=BOLT_FORCE_N)
+    return bolt
+
+
+def link_colours(colour: str, links: int) -> list[Rgb]:
+    """Return each link's colour: ferrules at both ends, stripes for green-and-yellow."""
+    if colour == "GNYE":
+        inner = [GREEN_AND_YELLOW[i % 2] for i in range(links - 2)]
+    else:
+        inner = [WIRE_RGB[colour]] * (links - 2)
+    return [FERRULE_RGB, *inner, FERRULE_RGB]

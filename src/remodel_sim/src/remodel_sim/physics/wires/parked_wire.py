@@ -1,0 +1,140 @@
+"""A placed wire, which keeps its shape, as an image or as a solid.
+
+Live wires lie on a solid one and slide along it; it yields to them softly, as a slack wire does,
+but returns. The hand passes through it: it would push a real wire aside for good.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+
+from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.core.workpiece.connector_shape import connector_solids
+from remodel_sim.core.workpiece.panel import Connector, End, Wire
+from remodel_sim.core.workpiece.wire_colours import FERRULE_RGB, WIRE_RGB
+from remodel_sim.physics.static_body import add_described
+from remodel_sim.physics.wires.cable_body import connector_shapes
+from remodel_sim.physics.world import World
+
+SIDES = 8
+STEP_M = 0.004
+# Bullet's own group of what moves; the hand is not in it (robot.py).
+MOVING_GROUP = 1
+STATIC_GROUP = 2
+# Of wire with EI 1e-3 N m^2, pushed in the middle between rests 60 mm apart: 48 EI / L^3.
+STIFFNESS_N_M = 220.0
+DAMPING_NS_M = 1.0
+
+
+def draw_parked(world: World, nodes: Array, wire: Wire) -> None:
+    """Draw a wire as smooth tubes that touch nothing; nodes (n, 3) [m] go from tip to tip."""
+    line = _smooth(nodes)
+    from_a = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
+    to_tip = {End.A: from_a, End.B: from_a[-1] - from_a}
+    inner = np.all([to_tip[end] > wire.rigid_length(end) for end in End], axis=0)
+    parts = [(line[inner], WIRE_RGB[wire.colour])]
+    parts += [
+        (line[to_tip[end] <= wire.ferrule_length + STEP_M], FERRULE_RGB)
+        for end in End
+        if wire.connector_at(end) is None
+    ]
+    bullet = world.bullet
+    for points, rgb in parts:
+        vertices, indices, normals = _tube(points, wire.radius)
+        shape = bullet.createVisualShape(
+            bullet.GEOM_MESH,
+            vertices=vertices,
+            indices=indices,
+            normals=normals,
+            rgbaColor=[*rgb, 1],
+        )
+        bullet.createMultiBody(0, -1, shape, [0, 0, 0])
+    for connector in wire.connectors:
+        _draw_connector(world, nodes, wire, connector)
+
+
+def _draw_connector(world: World, nodes: Array, wire: Wire, connector: Connector) -> None:
+    tip, inner = (nodes[0], nodes[1]) if connector.end is End.A else (nodes[-1], nodes[-2])
+    out = (tip - inner) / np.linalg.norm(tip - inner)
+    along = -out if connector.end is End.A else out
+    bullet = world.bullet
+    _, shape = connector_shapes(bullet, connector_solids(wire, connector), 0.0)
+    middle = tip - out * (connector.length + wire.radius) / 2
+    turned = bullet.getQuaternionFromEuler([0.0, *_pitch_yaw(along)])
+    bullet.createMultiBody(0, -1, shape, middle.tolist(), turned)
+
+
+def add_solid(world: World, nodes: Array, wire: Wire) -> None:
+    """Make a drawn wire solid to live wires: a capsule for each of its links."""
+    body = _add_capsules(world, nodes, wire.radius)
+    world.bullet.changeDynamics(
+        body,
+        -1,
+        lateralFriction=wire.friction,
+        contactStiffness=STIFFNESS_N_M,
+        contactDamping=DAMPING_NS_M,
+    )
+    world.bullet.setCollisionFilterGroupMask(body, -1, STATIC_GROUP, MOVING_GROUP)
+
+
+def _add_capsules(world: World, nodes: Array, radius: float) -> int:
+    parts = []
+    for start, end in pairwise(nodes):
+        axis = end - start
+        length = float(np.linalg.norm(axis))
+        pitch, yaw = _pitch_yaw(axis)
+        x, y, z = (start + end) / 2
+        parts.append(
+            f'<collision><origin xyz="{x:.6f} {y:.6f} {z:.6f}" rpy="0 {pitch:.8f} {yaw:.8f}"/>'
+            f'<geometry><capsule radius="{radius:.6f}" length="{length:.6f}"/></geometry>'
+            "</collision>"
+        )
+    return add_described(world.bullet, parts, Pose.level(0.0, 0.0, 0.0))
+
+
+def _pitch_yaw(axis: Array) -> tuple[float, float]:
+    """Return the turns that bring z to an axis (3,): about y, then about z [rad]."""
+    pitch = math.acos(float(np.clip(axis[2] / np.linalg.norm(axis), -1.0, 1.0)))
+    return pitch, math.atan2(axis[1], axis[0])
+
+
+def _smooth(nodes: Array) -> Array:
+    """Return a Catmull-Rom spline through the nodes, about STEP_M apart."""
+    padded = np.vstack([2 * nodes[0] - nodes[1], nodes, 2 * nodes[-1] - nodes[-2]])
+    pieces = []
+    for p0, p1, p2, p3 in zip(padded, padded[1:], padded[2:], padded[3:], strict=False):
+        count = max(2, round(float(np.linalg.norm(p2 - p1)) / STEP_M))
+        t = np.linspace(0, 1, count, endpoint=False)[:, None]
+        pieces.append(
+            0.5
+            * (
+                2 * p1
+                + (p2 - p0) * t
+                + (2 * p0 - 5 * p1 + 4 * p2 - p3) * t**2
+                + (3 * p1 - p0 - 3 * p2 + p3) * t**3
+            )
+        )
+    return np.vstack([*pieces, nodes[-1:]])
+
+
+def _tube(line: Array, radius: float) -> tuple[list, list, list]:
+    """Return vertices, triangle indices and normals of a tube around a line (n, 3)."""
+    tangents = np.gradient(line, axis=0)
+    tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
+    side = np.cross(tangents, [0.0, 0.0, 1.0])
+    side /= np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-9)
+    top = np.cross(side, tangents)
+    angles = np.linspace(0, 2 * np.pi, SIDES, endpoint=False)
+    normals = (
+        np.cos(angles)[None, :, None] * side[:, None] + np.sin(angles)[None, :, None] * top[:, None]
+    )
+    vertices = line[:, None] + radius * normals
+    indices = []
+    for i in range(len(line) - 1):
+        for j in range(SIDES):
+            a, b = i * SIDES + j, i * SIDES + (j + 1) % SIDES
+            indices += [a, b, a + SIDES, b, b + SIDES, a + SIDES]
+    return vertices.reshape(-1, 3).tolist(), indices, normals.reshape(-1, 3).tolist()
