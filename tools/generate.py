@@ -55,7 +55,7 @@ def generated() -> Mapping[Path, str]:
     """Return the generated files with their texts."""
     table = MSGS / "config/abilities.yaml"
     tables = faults_from({CONTRACT: [MSGS / "config/faults.yaml", table]}, MSGS)
-    abilities = abilities_in(CONTRACT, table, MSGS, tables.codes, MSGS)
+    abilities = abilities_in(CONTRACT, table, MSGS, tables.codes, contract=MSGS)
     return {
         **{STATES / name: text for name, text in state_modules(abilities.values()).items()},
         README: with_ability_list(README.read_text(encoding="utf-8"), abilities.values()),

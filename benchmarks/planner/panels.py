@@ -27,17 +27,17 @@ import numpy as np
 from best_known import BEST_KNOWN
 
 from remodel_planning.core.plan.checker import check
-from remodel_planning.core.plan.progress import after_jam, after_move
 from remodel_planning.core.problem.instance import problem_from
 from remodel_planning.core.problem.modes import Mode
 from remodel_planning.core.problem.problem import ActionKind, End, Problem, Stage
 from remodel_planning.core.search.planned import Planned
 from remodel_planning.core.search.tables import Tables, tables_of
-from remodel_planning.edge.anytime_planner import AnytimePlanner, Limits, remaining_order
+from remodel_planning.edge.anytime_planner import AnytimePlanner, Limits
 from remodel_planning.edge.search_kernel import Kernel
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "src/remodel_planning/test"))
 
+from failures import after_jam, after_move, remaining_order
 from random_panel import random_panel
 
 SIZES = (10, 30, 100, 300, 1000)

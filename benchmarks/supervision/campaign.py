@@ -47,8 +47,7 @@ from verdict import (
 )
 
 from remodel_planner.commands.runs import explain_run, replay
-from remodel_planning.edge.package_files import use_case_folder
-from remodel_planning.edge.use_case_files import VARIABLE
+from remodel_planning.edge.use_case_files import VARIABLE, use_case_folder
 from remodel_production.core.panel.panel_layout import CutWire, PanelRules, lay_out
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase

@@ -16,7 +16,6 @@ from flexbe_synthesizer.core.chart.model import (
 )
 from flexbe_synthesizer.core.chart.problem import Code
 from flexbe_synthesizer.core.check.check import check_chart
-from flexbe_synthesizer.core.library.definite_assignment import outcome_effects
 from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.core.library.signature import Effect, Parameter, Port, StateClass
 
@@ -309,7 +308,7 @@ def test_a_read_of_another_states_value_is_found_and_nothing_else(drawn):
 def test_what_each_outcome_writes_is_what_some_and_what_all_paths_to_it_write(drawn):
     drawn = replace(drawn, outcomes=(Outcome("end"), Outcome("other")))
     resolved = check_chart(drawn, LIBRARY, {}).resolved
-    effects = {effect.outcome: effect for effect in outcome_effects(resolved)}
+    effects = {effect.outcome: effect for effect in resolved.effects}
     ways = {}
     for node_id, written in walk(drawn):
         if node_id in effects:

@@ -1,8 +1,12 @@
 import pytest
 
 from flexbe_synthesizer.core.chart.problem import ChartError, Code
-from flexbe_synthesizer.core.chart.xml_reader import read_xml
+from flexbe_synthesizer.core.chart.xml_reader import as_utf8, read_utf8
 from flexbe_synthesizer.core.chart.xml_tree import XmlTree
+
+
+def read_xml(source, file):
+    return read_utf8(as_utf8(source, file), file)
 
 
 def problem_of(source):

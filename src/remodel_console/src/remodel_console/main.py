@@ -64,7 +64,7 @@ def main(arguments: Sequence[str]) -> int:
     joining = threading.Thread(target=join_ros, args=(console, journal, end))
     app.on_startup(joining.start)
     app.on_shutdown(end.set)
-    _tell_address(door, options.port)
+    _print_address(door, options.port)
     serve(console, options.port)
     return 0
 
@@ -74,13 +74,15 @@ def _read_options(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "--host", default="127.0.0.1", help="address to bind to; others need a token"
     )
-    parser.add_argument("--port", type=int, default=_PORT)
-    parser.add_argument("--token", default="", help="opens for operators; made up if needed")
-    parser.add_argument("--watch-token", default="", help="opens for people who only watch")
-    parser.add_argument("--key", default="", help="what a command of /flexbe/uicommand must bring")
+    parser.add_argument("--port", type=int, default=_PORT, help="port of the pages")
+    parser.add_argument("--token", default="", help="token of operators; generated if needed")
+    parser.add_argument("--watch-token", default="", help="token of observers, who may not command")
+    parser.add_argument(
+        "--key", default="", help="key that every command of /flexbe/uicommand must contain"
+    )
     parser.add_argument("--user-charts", default="~/remodel_charts", help="one more chart folder")
     parser.add_argument(
-        "--output", default=OUTPUT, help="package for behaviors whose charts lie in no package"
+        "--output", default=OUTPUT, help="package for the behaviors of charts outside any package"
     )
     parser.add_argument("--settings", default=_SETTINGS, help="file that keeps the configuration")
     parser.add_argument("--record", default=_JOURNAL, help="file in which commands are recorded")
@@ -104,14 +106,14 @@ def _settings(options: argparse.Namespace) -> SettingsFile:
     return settings
 
 
-def _tell_address(door: Door, port: int) -> None:
-    """Print where the console is; not through the log, which everybody can read."""
+def _print_address(door: Door, port: int) -> None:
+    """Print the address of the console; not to the log, which every user can read."""
     host = f"[{door.host}]" if ":" in door.host else door.host
     address = f"http://{host}:{port}/"
     if not is_local(door.host):
         sys.stdout.write(
             f"console: WARNING: bound to {door.host}: everybody on the network who has a token can "
-            "steer the cell, and the connection is not encrypted\n"
+            "command the cell, and the connection is not encrypted\n"
         )
     if door.token:
         address += f"enter?token={door.token}"

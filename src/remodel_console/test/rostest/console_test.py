@@ -23,7 +23,7 @@ from remodel_console.edge.catalogue import Catalogue
 from remodel_console.ros.ask import ask
 from remodel_console.testing.browser_test import LIMIT_S, free_port
 
-TRUTH_S = 10.0  # within which a page shows what has become of others; 2 s if nothing else runs
+TRUTH_S = 10.0  # in which a page shows that a node has ended or restarted; 2 s on idle cores
 LIT_S = 0.1  # within which a transition is seen
 SEES_PATROL = """() => !window.isOld && document.querySelector('g.node.active')
   && document.querySelector('.attach')?.textContent.includes("'Patrol' runs unattended.")"""

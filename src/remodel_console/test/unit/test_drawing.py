@@ -8,7 +8,7 @@ from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.model import Chart, Container, Outcome, State, Transition
 from remodel_console.core.editor.collapse import collapsed
 from remodel_console.core.editor.drawing import drawn_path, drawn_paths, opened
-from remodel_console.core.run.run_view import RunView, Told, step
+from remodel_console.core.run.run_view import EngineStatus, RunView, step
 from remodel_console.core.world import World, notices
 from remodel_console.edge.picture import picture
 
@@ -60,7 +60,7 @@ def test_what_is_not_running_is_named_with_the_command_that_starts_it():
         "The engine is not running",
         "The cell is not running",
     ]
-    world = World(step(RunView(), Told(20, 0)), has_master=True, has_cell=True)
+    world = World(step(RunView(), EngineStatus(20, 0)), has_master=True, has_cell=True)
     assert [n.remedy for n in notices(world)] == ["roslaunch flexbe_mirror behavior_mirror.launch"]
 
 

@@ -8,17 +8,17 @@ from remodel_console.core.run.run_view import (
     Acknowledged,
     Asked,
     EngineSeen,
+    EngineStatus,
     Entered,
     Left,
     Ordered,
     Phase,
     RunView,
-    Told,
     step,
 )
 from remodel_console.core.run.structure import Level, Structure
 
-READY, STARTED = Told(20, 0), Told(0, 7)
+READY, STARTED = EngineStatus(20, 0), EngineStatus(0, 7)
 TREE = Structure(
     7,
     (
@@ -42,13 +42,15 @@ def supervised(*events):
 def test_a_run_from_ready_to_its_end():
     view = after(READY, STARTED, Entered("/A"))
     assert (view.phase, view.active, view.is_supervised) == (Phase.RUNNING, "/A", False)
-    view = step(view, Told(1, 7, ("finished",)))
+    view = step(view, EngineStatus(1, 7, ("finished",)))
     assert (view.phase, view.active, view.ending) == (Phase.IDLE, "", "ended with 'finished'")
 
 
 def test_a_state_that_is_told_before_the_start_of_its_run_counts():
     assert after(READY, Entered("/A"), STARTED).active == "/A"
-    assert after(READY, STARTED, Entered("/A"), Entered(""), Told(1, 7), STARTED).active == ""
+    assert (
+        after(READY, STARTED, Entered("/A"), Entered(""), EngineStatus(1, 7), STARTED).active == ""
+    )
 
 
 def test_what_the_engine_tells_counts_more_than_the_mirror():
@@ -112,7 +114,7 @@ def test_an_engine_that_goes_away_leaves_no_ghost():
 
 
 def test_a_refused_switch_ends_nothing():
-    view = supervised(Told(11, 9))
+    view = supervised(EngineStatus(11, 9))
     assert view.phase is Phase.RUNNING
     assert view.is_ending_bad
 
@@ -126,7 +128,7 @@ def test_a_refused_switch_ends_nothing():
     ],
 )
 def test_endings(args, code, words):
-    assert after(READY, Told(code, 7, args)).ending == words
+    assert after(READY, EngineStatus(code, 7, args)).ending == words
 
 
 @pytest.mark.parametrize(

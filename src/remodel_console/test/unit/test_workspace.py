@@ -96,7 +96,7 @@ def test_what_is_no_chart_blocks_nothing(package, user_charts, workspace, give, 
 
 def test_folders_that_take_too_long_are_named(package, monkeypatch):
     monkeypatch.setattr("remodel_console.edge.chart_folders._READ_WITHIN_S", -1.0)
-    with pytest.raises(CommandError, match=r"takes more than .* take what is no chart out of .*"):
+    with pytest.raises(CommandError, match=r"takes more than .* move other files out of .*"):
         list(ChartFolders((package / "charts",)).names())
 
 

@@ -13,7 +13,7 @@ from playwright.sync_api import expect
 from remodel_msgs.srv import InjectFault
 
 from remodel_console.testing.browser_test import BrowserTest
-from remodel_planning.edge.package_files import use_case_folder
+from remodel_planning.edge.use_case_files import use_case_folder
 from remodel_production.core.panel.panel_layout import PanelRules, lay_out
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase

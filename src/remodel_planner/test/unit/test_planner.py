@@ -16,10 +16,10 @@ def run(*line):
     return subprocess.run([sys.executable, *line], capture_output=True, text=True, timeout=60)
 
 
-def test_every_old_name_is_a_subcommand_and_every_subcommand_is_told(capsys):
+def test_every_old_name_is_a_subcommand_and_every_subcommand_is_listed(capsys):
     assert planner.main(["--help"]) == 0
-    told = capsys.readouterr().out
-    subcommands = [line.split()[0] for line in told.splitlines() if line.startswith("  ")]
+    printed = capsys.readouterr().out
+    subcommands = [line.split()[0] for line in printed.splitlines() if line.startswith("  ")]
     assert sorted(subcommands) == SUBCOMMANDS
 
 
@@ -39,7 +39,7 @@ def test_without_a_subcommand_or_with_an_unknown_one_it_says_which_there_are(cap
     assert "no subcommand fly; there are: import, " in capsys.readouterr().err
 
 
-def test_an_old_name_does_the_same_and_tells_the_new_one(tmp_path):
+def test_an_old_name_does_the_same_and_prints_the_new_one(tmp_path):
     missing = f"{tmp_path}/missing.json"
     old = run(NODES / "check", missing, missing)
     new = run(NODES / "planner", "check", missing, missing)

@@ -6,19 +6,19 @@ import random
 import numpy as np
 import pytest
 from decoder import decode
+from failures import after_jam, after_move, remaining_order
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from random_panel import random_panel
 
 from remodel_planning.core.plan.checker import check
-from remodel_planning.core.plan.progress import after_jam, after_move
 from remodel_planning.core.problem.defects import require_sound
 from remodel_planning.core.problem.instance import problem_data, problem_from
 from remodel_planning.core.problem.modes import Mode
 from remodel_planning.core.problem.plan_form import plan_data, plan_from
 from remodel_planning.core.problem.problem import ActionKind, Plan
 from remodel_planning.core.search.tables import tables_of
-from remodel_planning.edge.anytime_planner import AnytimePlanner, Limits, remaining_order
+from remodel_planning.edge.anytime_planner import AnytimePlanner, Limits
 from remodel_planning.edge.search_kernel import Kernel
 
 PANELS = settings(

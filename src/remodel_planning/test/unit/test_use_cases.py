@@ -161,9 +161,9 @@ def learned(ability, frozen, least, most, values):
         (("name: ropes", "name: rope"), "name: expected ropes, as the file is called, found rope"),
         (
             ("success: 1", "success: 2"),
-            "abilities.PickCable.success: 2 is greater than the maximum",
+            "abilities.PickCable.success: found 2; allowed: 1 or less",
         ),
-        (("give_up: take", ""), "the document: 'give_up' is a required property"),
+        (("give_up: take", ""), "methods, cell; missing: give_up"),
         (("give_up: take", "give_up: drop"), "give_up: no action drop; there are take"),
         (
             ("give_up: take", "give_up: take\ndiscard: drop"),
@@ -181,7 +181,10 @@ def learned(ability, frozen, least, most, values):
             "methods.pick.take it.when: no characteristic size; there are clips, colour, length_m",
         ),
         (("  pick: [{name: take it, do: [take]}]\n", ""), "methods: none for pick"),
-        (("title: Lay Rope {task}", "title: Lay Rope"), "title: 'Lay Rope' does not match"),
+        (
+            ("title: Lay Rope {task}", "title: Lay Rope"),
+            "title: found 'Lay Rope'; allowed: text that matches",
+        ),
         (("format", "["), "is no YAML: "),
         (
             ("abilities:", "unknown: {ends: {of: task, look: take}}\nabilities:"),
@@ -201,7 +204,7 @@ def learned(ability, frozen, least, most, values):
         ),
         (
             ("actions:", learned("PickCable", 6, 4, 8, values=1) + "\nactions:"),
-            "learned.PickCable.force.values: 1 is less than the minimum of 2",
+            "learned.PickCable.force.values: found 1; allowed: 2 or more",
         ),
     ],
 )

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from remodel_production.core.catalogue import Place, catalogue_from
+from remodel_production.core.catalogue import Place
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.errors import CatalogueError
 
@@ -34,24 +34,33 @@ def test_without_a_pattern_an_element_is_mounted_on_the_plate():
 
 
 @pytest.mark.parametrize(
-    ("broken", "said"),
+    ("malformed", "problem"),
     [
-        ([], "expected a mapping"),
-        ({}, "placement: KeyError"),
-        (data(placement=[{"pattern": "*", "place": "moon"}]), "'moon' is not a valid Place"),
-        (data(wires={1.5: {"diameter": 0.003}}), "wires: KeyError"),
-        (data(wires={"thick": {}}), "could not convert string to float"),
-        (data(terminals=[]), "terminals: .*no rule with part '\\*' for role device"),
+        ([], "the file: found []; allowed: a value of type object"),
+        ({}, "the file: found nothing; missing: placement, colour_names, "),
+        (
+            data(placement=[{"pattern": "*", "place": "moon"}]),
+            "placement[0].place: found 'moon'; allowed: plate, field, reference, drawing",
+        ),
+        (
+            data(wires={1.5: {"diameter": 0.003}}),
+            "wires.1.5: found diameter; missing: density, stiffness, ferrule",
+        ),
+        (data(wires={"thick": {}}), "wires: found 'thick'; allowed: a value of type number"),
+        (data(terminals=[]), "terminals: no rule with part '*' for role device"),
         (
             data(terminals=[{"role": "device", "part": "*", "force_limit": 0, "clearance": 0}]),
-            "terminals: .*force_limit 0, clearance 0: the one must be above 0",
+            "terminals[0].force_limit: found 0; allowed: more than 0",
         ),
-        (data(default_section="wide"), "colours and defaults: ValueError"),
+        (data(default_section="wide"), "default_section: found 'wide'; allowed: a value of type"),
     ],
 )
-def test_a_malformed_catalogue_is_refused_by_place(broken, said):
-    with pytest.raises(CatalogueError, match=said):
-        catalogue_from(broken)
+def test_a_malformed_catalogue_is_refused_by_place(malformed, problem, tmp_path):
+    file = tmp_path / "catalogue.yaml"
+    file.write_text(yaml.safe_dump(malformed))
+    with pytest.raises(CatalogueError) as caught:
+        read_catalogue(file)
+    assert f"{file}: {problem}" in str(caught.value)
 
 
 def test_a_file_that_is_no_yaml_is_refused(tmp_path):

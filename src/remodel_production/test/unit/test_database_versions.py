@@ -1,5 +1,7 @@
 """New databases get the tables of the models; those of unknown versions are refused."""
 
+import shutil
+
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.config import Config
@@ -28,7 +30,7 @@ def open_and_close(url):
     ProductionDatabase(url).close()
 
 
-def test_the_migrations_make_what_the_models_say(url):
+def test_a_new_database_has_the_tables_of_the_models(url):
     open_and_close(url)
     engine = create_engine(url)
     with engine.connect() as connection:
@@ -58,6 +60,23 @@ def test_a_database_of_a_newer_program_is_refused_and_left_alone(url):
     assert execute(url, "SELECT version_num FROM alembic_version") == [("0999",)]
 
 
+def test_a_database_of_the_version_before_is_migrated(url, tmp_path, monkeypatch):
+    open_and_close(url)
+    migrations = tmp_path / "migrations"
+    shutil.copytree(database_versions._MIGRATIONS, migrations)
+    (migrations / "versions/m0007_more.py").write_text(
+        "from alembic import op\n\n"
+        "revision, down_revision = '0007', '0006'\n\n\n"
+        "def upgrade():\n    op.execute('CREATE TABLE more (id INTEGER)')\n"
+    )
+    monkeypatch.setattr(database_versions, "_MIGRATIONS", migrations)
+    monkeypatch.setattr(database_versions, "NEWEST", "0007")
+    monkeypatch.setattr("remodel_production.edge.database.production_database.NEWEST", "0007")
+    open_and_close(url)
+    assert execute(url, "SELECT version_num FROM alembic_version") == [("0007",)]
+    assert execute(url, "SELECT id FROM more") == []
+
+
 def test_an_open_database_is_opened_again_without_migrating(url, monkeypatch):
     open_and_close(url)
     monkeypatch.setattr("remodel_production.edge.database.production_database.upgrade", None)
@@ -70,8 +89,8 @@ def test_every_table_and_column_has_a_comment():
         assert all(column.comment for column in table.columns), table.name
 
 
-def test_a_migration_that_fails_changes_nothing(url):
-    # The migration makes other tables before it finds that this one is there.
+def test_a_creation_that_fails_changes_nothing(url):
+    # Other tables are created before this one is found to exist.
     execute(url, "CREATE TABLE wires (id INTEGER)", "INSERT INTO wires VALUES (7)")
     with pytest.raises(OrderError, match="wires"):
         ProductionDatabase(url)

@@ -7,7 +7,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from remodel_sim.abilities.execution.robot_context import Observers, RobotContext, Steps
+from remodel_sim.abilities.execution.observers import Observers
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.execution.runner import occupy, run
 from remodel_sim.core.belief.belief_state import BeliefState, EndState, Feed
 from remodel_sim.core.belief.placed_wires import PlacedWires
@@ -76,7 +77,7 @@ class Cell:
         for robot in self.plant.design.robots:
             own = belief if robot is first else belief.beside(robot.name, robot.arm)
             robots[robot.name] = RobotContext(
-                self.plant, robot, own, robots, traffic, self._observers
+                self.plant, robot, own, robots, traffic=traffic, observers=self._observers
             )
         return robots
 

@@ -1,94 +1,29 @@
 #!/usr/bin/env python3
 """The running cell as its clients meet it: one launch, the default panel, wire W1 fed."""
 
-import subprocess
-import time
-import unittest
-
-import actionlib
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
+from cell_clients import STOP_LIMIT_S, CellTestCase, call, wait_until
 from geometry_msgs.msg import PoseStamped, WrenchStamped
 from remodel_msgs import msg, srv
 from remodel_msgs.msg import ErrorCode
-from std_srvs.srv import Trigger
 from stop_watch import StopWatch
 from visualization_msgs.msg import MarkerArray
 
-WALL_LIMIT_S = 180.0
-STOP_LIMIT_S = 0.2
 
-
-def wait_until(condition, limit_s=WALL_LIMIT_S):
-    """Wait for a condition by the wall's clock; returns whether it came true."""
-    end = time.monotonic() + limit_s
-    while not condition():
-        if time.monotonic() > end:
-            return False
-        time.sleep(0.005)
-    return True
-
-
-class Client:
-    """Sends goals to one ability and waits by the wall's clock."""
-
-    def __init__(self, name):
-        self.name = name
-        self.client = actionlib.SimpleActionClient(
-            f"remodel_abilities/{name.lower()}", getattr(msg, f"{name}Action")
-        )
-        self.feedback = []
-
-    def send(self, **fields):
-        goal = getattr(msg, f"{self.name}Goal")(id=f"test-{self.name}", timeout=120.0)
-        for key, value in fields.items():
-            setattr(goal, key, value)
-        self.feedback = []
-        self.client.send_goal(goal, feedback_cb=self.feedback.append)
-
-    def ended(self):
-        # The goal's status may arrive before its result; this is when the result is there.
-        return self.client.simple_state == actionlib.SimpleGoalState.DONE
-
-    def wait(self):
-        assert wait_until(self.ended), f"{self.name} did not end"
-        return self.client.get_result()
-
-    def do(self, **fields):
-        self.send(**fields)
-        return self.wait()
-
-
-def conformance(ability, goal):
-    """Check an ability's server against the contract of all abilities; return what was reported."""
-    topic = f"remodel_abilities/{ability.lower()}"
-    line = ["rosrun", "remodel_states", "conformance", topic, ability, "--goal", goal]
-    done = subprocess.run(line, capture_output=True, text=True, timeout=WALL_LIMIT_S)
-    return done.returncode, done.stdout + done.stderr
-
-
-class CellTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        names = (
-            "LocateGearboxComponent InsertCable FixCable ExtractCable DetectCable PickCable "
-            "CheckConnection PlaceConnector DiscardCable"
-        )
-        cls.on = {name: Client(name) for name in names.split()}
-        for client in cls.on.values():
-            assert wait_until(lambda c=client: c.client.wait_for_server(rospy.Duration(0.1)))
-
-    def setUp(self):
-        self.call("reset", Trigger)
-        self.call("feed_wire", srv.FeedWire, "W1", "A", 0)
-
-    def call(self, name, kind, *args):
-        rospy.wait_for_service(f"cell/{name}", 10)
-        response = rospy.ServiceProxy(f"cell/{name}", kind)(*args)
-        if hasattr(response, "success"):
-            self.assertTrue(response.success, getattr(response, "message", ""))
-        return response
+class CellTest(CellTestCase):
+    abilities = (
+        "LocateGearboxComponent",
+        "InsertCable",
+        "FixCable",
+        "ExtractCable",
+        "DetectCable",
+        "PickCable",
+        "CheckConnection",
+        "PlaceConnector",
+        "DiscardCable",
+    )
 
     def locate(self, component="X1", terminal="1"):
         result = self.on["LocateGearboxComponent"].do(component_id=component, terminal_id=terminal)
@@ -110,17 +45,15 @@ class CellTest(unittest.TestCase):
         return dict(robot_name="robot_1", cable_id="W1", component_id="X1", terminal_id="1")
 
     def test_its_servers_keep_the_contract(self):
-        code, told = conformance("LocateGearboxComponent", "{component_id: X1, terminal_id: '1'}")
-        self.assertEqual(code, 0, told)
-        self.assertIn("ok          a cancel while the ability works", told)
-        code, told = conformance("DiscardCable", "{robot_name: robot_1, cable_id: W1}")
-        self.assertEqual(code, 0, told)
+        report = self.check_conformance(
+            "LocateGearboxComponent", "{component_id: X1, terminal_id: '1'}"
+        )
+        self.assertIn("ok          a cancel while the ability works", report)
+        self.check_conformance("DiscardCable", "{robot_name: robot_1, cable_id: W1}")
         self.setUp()
-        code, told = conformance("DetectCable", "{cable_id: W1}")
-        self.assertEqual(code, 0, told)
+        self.check_conformance("DetectCable", "{cable_id: W1}")
         at_x1 = "{cable_id: W1, cable_end: a, component_id: X1, terminal_id: '1'}"
-        code, told = conformance("CheckConnection", at_x1)
-        self.assertEqual(code, 0, told)
+        self.check_conformance("CheckConnection", at_x1)
 
     def test_rviz_gets_the_scene_and_the_force(self):
         markers = rospy.wait_for_message("cell/markers", MarkerArray, 20)
@@ -134,11 +67,11 @@ class CellTest(unittest.TestCase):
         response = inject("grip_weakened", "", [2.0])
         self.assertFalse(response.success)
         self.assertIn("allowed: 0.05 to 1", response.message)
-        self.call("inject_fault", srv.InjectFault, "light_changed", "", [0.9])
+        call("inject_fault", srv.InjectFault, kind="light_changed", values=[0.9])
 
     def test_a_frozen_server_does_nothing_and_then_goes_on(self):
         detect = self.on["DetectCable"]
-        self.call("inject_fault", srv.InjectFault, "server_frozen", "", [3.0])
+        call("inject_fault", srv.InjectFault, kind="server_frozen", values=[3.0])
         detect.send(cable_id="W1")
         self.assertFalse(wait_until(lambda: detect.feedback or detect.ended(), 1.0))
         self.assertTrue(detect.wait().success)
@@ -165,7 +98,7 @@ class CellTest(unittest.TestCase):
         self.assertEqual(insert.client.get_goal_status_text(), "socket_pose holds NaN or infinity")
 
     def test_goals_and_requests_of_an_older_owner_are_refused(self):
-        self.call("feed_wire", srv.FeedWire, "W1", "A", 17)
+        call("feed_wire", srv.FeedWire, wire_id="W1", channel_id="A", owner=17)
         newer = self.on["DetectCable"].do(id="18:detect", cable_id="W1")
         self.assertTrue(newer.success, newer.error_message)
         for name, fields in (
@@ -196,7 +129,7 @@ class CellTest(unittest.TestCase):
         seen = self.on["DetectCable"].do(cable_id="W1").observation
         self.assertEqual(len(seen.tips), 2)
         shares = []
-        told = rospy.Subscriber(
+        subscriber = rospy.Subscriber(
             "remodel_abilities/insertcable/feedback",
             msg.InsertCableActionFeedback,
             lambda message: shares.append(message.feedback.completed_percentage),
@@ -206,11 +139,11 @@ class CellTest(unittest.TestCase):
         self.assertGreater(inserted.elapsed_time, 1.0)
         # The result comes by another topic, and may overtake the last feedback.
         self.assertTrue(wait_until(lambda: shares and shares[-1] == 100.0, 10.0), shares)
-        told.unregister()
+        subscriber.unregister()
         self.assertEqual(shares, sorted(shares))
         fixed = self.on["FixCable"].do(**self.at_terminal(), pull_test_force=10.0)
         self.assertTrue(fixed.success, fixed.error_message)
-        truth = self.call("ground_truth", srv.GetGroundTruth).wires[0]
+        truth = call("ground_truth", srv.GetGroundTruth).wires[0]
         self.assertEqual((truth.a_at, truth.a_fixed, truth.placed), ("X1/1", True, False))
         for end, component, connected in (("a", "X1", True), ("b", "X2", False)):
             seen = self.on["CheckConnection"].do(
@@ -241,16 +174,22 @@ class CellTest(unittest.TestCase):
         self.assertEqual(feed("W1", "A", 0).error_code, ErrorCode.OTHER_CABLE_HELD)
         discarded = self.on["DiscardCable"].do(robot_name="robot_1")
         self.assertTrue(discarded.success, discarded.error_message)
-        self.assertEqual(self.call("ground_truth", srv.GetGroundTruth).wires, [])
+        self.assertEqual(call("ground_truth", srv.GetGroundTruth).wires, [])
         self.assertEqual(
             self.on["DiscardCable"].do(robot_name="robot_1").error_code, ErrorCode.NOTHING_HELD
         )
-        self.call("feed_wire", srv.FeedWire, "W1", "A", 0)
+        call("feed_wire", srv.FeedWire, wire_id="W1", channel_id="A")
         self.assertTrue(self.on["DetectCable"].do(cable_id="W1", view=1).success)
 
     def test_a_moved_component_fails_the_insertion_and_recovery_succeeds(self):
         socket = self.locate()
-        self.call("inject_fault", srv.InjectFault, "component_moved", "X1", [0.0, 0.006, 0.0])
+        call(
+            "inject_fault",
+            srv.InjectFault,
+            kind="component_moved",
+            target="X1",
+            values=[0.0, 0.006, 0.0],
+        )
         failed = self.on["InsertCable"].do(**self.insertion(socket))
         self.assertEqual(failed.error_code, ErrorCode.INSERTION_MISALIGNED, failed.error_message)
         out = self.on["ExtractCable"].do(**self.at_terminal(), socket_pose=socket)
@@ -258,7 +197,7 @@ class CellTest(unittest.TestCase):
         inserted = self.on["InsertCable"].do(**self.insertion(self.locate()))
         self.assertTrue(inserted.success, inserted.error_message)
 
-    def test_a_goal_obeys_its_timeout(self):
+    def test_a_goal_keeps_its_timeout(self):
         result = self.on["DetectCable"].do(cable_id="W1", timeout=0.1)
         if not result.success:
             self.assertEqual(result.error_code, ErrorCode.TIMEOUT)

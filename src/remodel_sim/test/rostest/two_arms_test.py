@@ -1,22 +1,14 @@
 #!/usr/bin/env python3
 """The running cell with two arms as its clients meet it: one launch, the default panel, W1 fed."""
 
-import subprocess
-import time
-import unittest
-
-import actionlib
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
-from remodel_msgs import msg, srv
+from cell_clients import STOP_LIMIT_S, CellTestCase, wait_until
 from remodel_msgs.msg import ErrorCode
-from std_srvs.srv import Trigger
 from stop_watch import StopWatch
 from tf2_msgs.msg import TFMessage
 
-WALL_LIMIT_S = 180.0
-STOP_LIMIT_S = 0.2
 PINS = dict(
     robot_1_name="robot_1",
     robot_2_name="robot_2",
@@ -28,48 +20,12 @@ PINS = dict(
 )
 
 
-def wait_until(condition, limit_s=WALL_LIMIT_S):
-    """Wait for a condition by the wall's clock; returns whether it came true."""
-    end = time.monotonic() + limit_s
-    while not condition():
-        if time.monotonic() > end:
-            return False
-        time.sleep(0.005)
-    return True
+class TwoArmsTest(CellTestCase):
+    abilities = ("PickCable", "PlacePin", "DetectCable")
 
-
-class Client:
-    """Sends goals to one ability and waits by the wall's clock."""
-
-    def __init__(self, name):
-        self.name = name
-        self.client = actionlib.SimpleActionClient(
-            f"remodel_abilities/{name.lower()}", getattr(msg, f"{name}Action")
-        )
-        self.feedback = []
-        assert wait_until(lambda: self.client.wait_for_server(rospy.Duration(0.1)))
-
-    def send(self, **fields):
-        goal = getattr(msg, f"{self.name}Goal")(id=f"test-{self.name}", timeout=120.0)
-        for key, value in fields.items():
-            setattr(goal, key, value)
-        self.feedback = []
-        self.client.send_goal(goal, feedback_cb=self.feedback.append)
-
-    def wait(self):
-        done = actionlib.SimpleGoalState.DONE
-        assert wait_until(lambda: self.client.simple_state == done), f"{self.name} did not end"
-        return self.client.get_result()
-
-    def do(self, **fields):
-        self.send(**fields)
-        return self.wait()
-
-
-class TwoArmsTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.on = {name: Client(name) for name in ("PickCable", "PlacePin", "DetectCable")}
+        super().setUpClass()
         cls.frames = set()
         rospy.Subscriber("/tf_static", TFMessage, cls.note_frames)
 
@@ -77,24 +33,10 @@ class TwoArmsTest(unittest.TestCase):
     def note_frames(cls, message):
         cls.frames = {transform.child_frame_id for transform in message.transforms}
 
-    def setUp(self):
-        self.call("reset", Trigger)
-        self.call("feed_wire", srv.FeedWire, "W1", "A", 0)
-
-    def call(self, name, kind, *args):
-        rospy.wait_for_service(f"cell/{name}", 10)
-        response = rospy.ServiceProxy(f"cell/{name}", kind)(*args)
-        self.assertTrue(response.success, response.message)
-
     def test_place_pin_keeps_the_contract_of_all_abilities(self):
         goal = str({key: value for key, value in PINS.items() if key != "show_in_TF"})
-        line = ["rosrun", "remodel_states", "conformance", "remodel_abilities/placepin", "PlacePin"]
-        done = subprocess.run(
-            [*line, "--goal", goal], capture_output=True, text=True, timeout=WALL_LIMIT_S
-        )
-        told = done.stdout + done.stderr
-        self.assertEqual(done.returncode, 0, told)
-        self.assertIn("ok          a cancel while the ability works", told)
+        report = self.check_conformance("PlacePin", goal)
+        self.assertIn("ok          a cancel while the ability works", report)
 
     def test_pins_are_placed_and_shown(self):
         result = self.on["PlacePin"].do(**PINS)

@@ -16,7 +16,7 @@ def fingerprint():
     """Locate, pick and insert an end; return a hash of every joint and node."""
     made = Cell(panel(), seed=7)
     made.feed("W1", "A")
-    do.insert(made, "W1", End.A, "X1", "1", do.locate(made, "X1", "1"))
+    do.insert(made, "W1", End.A, "X1", terminal="1", socket=do.locate(made, "X1", "1"))
     state = made.plant.live.cable.nodes().tobytes() + made.plant.robots["robot_1"].joints.tobytes()
     made.close()
     return hashlib.sha256(state).hexdigest()

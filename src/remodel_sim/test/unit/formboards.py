@@ -19,19 +19,26 @@ def formboard(clips=6, ducts=()):
     """Return a panel with a row of clips along y, beside where the wire is fed."""
     places = [(LINE_X, FIRST_Y + STEP_M * i, math.pi / 2) for i in range(clips)]
     return Panel(
-        "formboard",
-        (0.40, 0.80, 0.003),
-        (
-            component("X1", 1, -0.100, -0.20, 1),
-            component("X2", 2, 0.100, 0.20, -1),
+        name="formboard",
+        size=(0.40, 0.80, 0.003),
+        components=(
+            component("X1", 1, -0.100, -0.20, side=1),
+            component("X2", 2, 0.100, 0.20, side=-1),
         ),
-        (Channel("A", 0.0, 0.150, -0.35, 0.35),),
-        (wire("W1", ("X1", "2"), ("X2", "2"), 0.62),),
-        tuple(
-            Clip(f"C{i + 1}", place, 0.003, HEIGHT_M, 0.008, RETENTION_N)
+        channels=(Channel(id="A", x=0.0, width=0.150, y_min=-0.35, y_max=0.35),),
+        wires=(wire("W1", ("X1", "2"), ("X2", "2"), 0.62),),
+        clips=tuple(
+            Clip(
+                id=f"C{i + 1}",
+                pose=place,
+                wire_diameter=0.003,
+                height=HEIGHT_M,
+                length=0.008,
+                retention_force=RETENTION_N,
+            )
             for i, place in enumerate(places)
         ),
-        tuple(ducts),
+        ducts=tuple(ducts),
     )
 
 
@@ -43,4 +50,4 @@ def along_clips(panel):
 
 def duct(x, y, length=0.12, width=0.050, yaw=math.pi / 2):
     """Return a duct along the channel."""
-    return Duct("D1", (x, y, yaw), length, width, 0.020)
+    return Duct(id="D1", pose=(x, y, yaw), length=length, width=width, height=0.020)

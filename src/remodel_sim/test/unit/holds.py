@@ -75,7 +75,7 @@ def grip_pull_out(grip_force, friction=0.5, rate_hz=240.0):
     both_sides = 2 * HAND_30_N.pad_friction * friction
     along = np.array([0.0, 1.0, 0.0])
     expected = both_sides * grip_force
-    held = pull_out(world, cable, End.B, along, expected)
+    held = pull_out(world, cable, End.B, along, expected=expected)
     world.close()
     return held, expected
 
@@ -84,7 +84,7 @@ def clamp_pull_out(retention, rate_hz=240.0):
     """Close a terminal on an inserted end and pull; return the force it took [N]."""
     world = World(rate_hz)
     add_plate_surface(world)
-    block = component("X", 1, 0.0, 0.0, -1, terminals=1)
+    block = component("X", 1, 0.0, 0.0, side=-1, terminals=1)
     (terminal,) = block.terminals
     terminal = dataclasses.replace(terminal, retention_force=retention)
     world_from_component = Pose.level(0.5, 0.0, 0.0)
@@ -101,8 +101,8 @@ def clamp_pull_out(retention, rate_hz=240.0):
     cable.lay(seated, math.atan2(-into[1], -into[0]), np.zeros(len(cable.model.spans)))
     for _ in range(round(0.5 * rate_hz)):
         world.step()
-    assert close_clamp(world, cable, terminal, body, socket) is not None
-    held = pull_out(world, cable, End.A, -into, retention)
+    assert close_clamp(world, cable, terminal, body, world_from_socket=socket) is not None
+    held = pull_out(world, cable, End.A, -into, expected=retention)
     world.close()
     return held
 
@@ -111,7 +111,14 @@ def clip_forces(retention, diameter=0.003, rate_hz=240.0):
     """Push a wire slowly into a clip and pull it out; return the largest forces on the way [N]."""
     world = World(rate_hz)
     world.bullet.setGravity(0, 0, 0)
-    clip = Clip("C1", (0.0, 0.0, 0.0), diameter, 0.010, 0.008, retention)
+    clip = Clip(
+        id="C1",
+        pose=(0.0, 0.0, 0.0),
+        wire_diameter=diameter,
+        height=0.010,
+        length=0.008,
+        retention_force=retention,
+    )
     add_clip(world, clip, Pose.level(0.0, 0.0, 0.0))
     # Stiff, one cell in the middle of the clip; heavy, so that a stiff spring can drive it.
     specimen = wire(

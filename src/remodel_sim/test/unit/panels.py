@@ -13,14 +13,22 @@ def component(name, marker, x, y, side, terminals=2, bore=0.0038):
     yaw = math.pi if side > 0 else 0.0
     places = [(i - (terminals - 1) / 2) * 0.018 for i in range(terminals)]
     return Component(
-        name,
-        "test component",
-        marker,
-        0.022,
-        (x, y, 0.0),
-        (0.050, 0.045, 0.045),
-        tuple(
-            Terminal(str(i + 1), (side * 0.025, place, 0.022), yaw, bore, 0.014, 0.0015, 80.0)
+        id=name,
+        kind="test component",
+        marker_id=marker,
+        marker_size=0.022,
+        pose=(x, y, 0.0),
+        size=(0.050, 0.045, 0.045),
+        terminals=tuple(
+            Terminal(
+                id=str(i + 1),
+                mouth=(side * 0.025, place, 0.022),
+                insertion_yaw=yaw,
+                bore=bore,
+                depth=0.014,
+                chamfer=0.0015,
+                retention_force=80.0,
+            )
             for i, place in enumerate(places)
         ),
     )
@@ -29,7 +37,21 @@ def component(name, marker, x, y, side, terminals=2, bore=0.0038):
 def wire(name, a, b, length, **changes):
     """A soft 1.5 mm^2 wire."""
     soft = Wire(
-        name, *a, *b, "BU", 1.5, 0.003, length, 0.020, 1e-3, 0.012, 0.8e-3, 0.5, 0.4, 8.0, 0.3
+        name,
+        *a,
+        *b,
+        colour="BU",
+        section=1.5,
+        diameter=0.003,
+        length=length,
+        linear_density=0.020,
+        bending_stiffness=1e-3,
+        ferrule_length=0.012,
+        torsional_stiffness=0.8e-3,
+        friction=0.5,
+        rest_curvature=0.4,
+        yield_curvature=8.0,
+        hardening=0.3,
     )
     return dataclasses.replace(soft, **changes)
 
@@ -37,16 +59,16 @@ def wire(name, a, b, length, **changes):
 def panel(**changes):
     """Two rows, one channel, two wires."""
     plain = Panel(
-        "test",
-        (0.40, 0.70, 0.003),
-        (
-            component("X1", 1, -ROW_X, -0.12, 1),
-            component("X2", 2, ROW_X, 0.12, -1),
-            component("X3", 3, ROW_X, -0.12, -1),
-            component("X4", 4, -ROW_X, 0.12, 1),
+        name="test",
+        size=(0.40, 0.70, 0.003),
+        components=(
+            component("X1", 1, -ROW_X, -0.12, side=1),
+            component("X2", 2, ROW_X, 0.12, side=-1),
+            component("X3", 3, ROW_X, -0.12, side=-1),
+            component("X4", 4, -ROW_X, 0.12, side=1),
         ),
-        (Channel("A", 0.0, 0.110, -0.30, 0.30),),
-        (
+        channels=(Channel(id="A", x=0.0, width=0.110, y_min=-0.30, y_max=0.30),),
+        wires=(
             wire("W1", ("X1", "1"), ("X2", "1"), 0.48),
             wire("W2", ("X3", "1"), ("X2", "2"), 0.49, colour="BN"),
         ),

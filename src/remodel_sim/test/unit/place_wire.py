@@ -31,16 +31,44 @@ def locate(cell, component, terminal):
 
 
 def insert(cell, wire, end, component, terminal, socket, force=8.0):
-    goal = goals.InsertGoal(ROBOT, wire, end, component, terminal, socket, force)
+    goal = goals.InsertGoal(
+        robot_name=ROBOT,
+        cable_id=wire,
+        end=end,
+        component_id=component,
+        terminal_id=terminal,
+        socket=socket,
+        force_limit=force,
+    )
     return do(cell, insert_cable, goal)
 
 
 def fix(cell, wire, component, terminal, pull=10.0):
-    return do(cell, fix_cable, goals.FixGoal(ROBOT, wire, component, terminal, pull))
+    return do(
+        cell,
+        fix_cable,
+        goals.FixGoal(
+            robot_name=ROBOT,
+            cable_id=wire,
+            component_id=component,
+            terminal_id=terminal,
+            pull_test_force=pull,
+        ),
+    )
 
 
 def extract(cell, wire, component, terminal, socket):
-    return do(cell, extract_cable, goals.ExtractGoal(ROBOT, wire, component, terminal, socket))
+    return do(
+        cell,
+        extract_cable,
+        goals.ExtractGoal(
+            robot_name=ROBOT,
+            cable_id=wire,
+            component_id=component,
+            terminal_id=terminal,
+            socket=socket,
+        ),
+    )
 
 
 def carry(cell, wire, channel):
@@ -67,7 +95,7 @@ def lay_down(cell, wire, target=BESIDE):
 def connect(cell, wire, end):
     """Locate an end's terminal, insert the end and fix it."""
     component, terminal = cell.context.panel.wire(wire).goes_to(end)
-    insert(cell, wire, end, component, terminal, locate(cell, component, terminal))
+    insert(cell, wire, end, component, terminal=terminal, socket=locate(cell, component, terminal))
     fix(cell, wire, component, terminal)
 
 

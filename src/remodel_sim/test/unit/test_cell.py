@@ -1,5 +1,7 @@
 """Whole abilities by physics, without ROS."""
 
+from dataclasses import replace
+
 import numpy as np
 import place_wire as do
 import pytest
@@ -31,14 +33,14 @@ def test_six_millimetres_beside_the_opening_is_refused(cell):
     socket = do.locate(cell, "X1", "1")
     beside = Pose(socket.position + np.array([0.0, 0.006, 0.0]), socket.quaternion)
     with pytest.raises(AbilityError) as caught:
-        do.insert(cell, "W1", End.A, "X1", "1", beside)
+        do.insert(cell, "W1", End.A, "X1", terminal="1", socket=beside)
     assert caught.value.code is Code.INSERTION_MISALIGNED
     assert caught.value.found["depth"] < 0.003
     assert caught.value.found["peak_force"] >= 8.0
     assert "6.0 mm beside the axis of 'X1/1'" in str(caught.value)
-    do.extract(cell, "W1", "X1", "1", beside)
+    do.extract(cell, "W1", "X1", "1", socket=beside)
     assert cell.context.belief.grip is None
-    do.insert(cell, "W1", End.A, "X1", "1", do.locate(cell, "X1", "1"))
+    do.insert(cell, "W1", End.A, "X1", terminal="1", socket=do.locate(cell, "X1", "1"))
 
 
 def test_a_blocked_socket_jams_and_yields_when_cleared(cell):
@@ -46,26 +48,22 @@ def test_a_blocked_socket_jams_and_yields_when_cleared(cell):
     cell.plant.block_socket("X1", "1")
     socket = do.locate(cell, "X1", "1")
     with pytest.raises(AbilityError) as caught:
-        do.insert(cell, "W1", End.A, "X1", "1", socket)
+        do.insert(cell, "W1", End.A, "X1", terminal="1", socket=socket)
     assert caught.value.code is Code.INSERTION_JAMMED
-    do.extract(cell, "W1", "X1", "1", socket)
+    do.extract(cell, "W1", "X1", "1", socket=socket)
     cell.plant.clear_socket("X1", "1")
-    do.insert(cell, "W1", End.A, "X1", "1", socket)
+    do.insert(cell, "W1", End.A, "X1", terminal="1", socket=socket)
 
 
 def test_a_weak_clamp_lets_the_end_slip_in_the_pull_test():
     weak = panel()
-    terminals = tuple(
-        type(t)(t.id, t.mouth, t.insertion_yaw, t.bore, t.depth, t.chamfer, 3.0)
-        for t in weak.components[0].terminals
-    )
     first = weak.components[0]
-    first = type(first)(
-        first.id, first.kind, first.marker_id, first.marker_size, first.pose, first.size, terminals
+    first = replace(
+        first, terminals=tuple(replace(t, retention_force=3.0) for t in first.terminals)
     )
     made = Cell(panel(components=(first, *weak.components[1:])), seed=1)
     made.feed("W1", "A")
-    do.insert(made, "W1", End.A, "X1", "1", do.locate(made, "X1", "1"))
+    do.insert(made, "W1", End.A, "X1", terminal="1", socket=do.locate(made, "X1", "1"))
     with pytest.raises(AbilityError) as caught:
         do.fix(made, "W1", "X1", "1", pull=12.0)
     assert caught.value.code is Code.PULLED_OUT
@@ -83,18 +81,26 @@ def test_a_clamp_that_closes_on_nothing_is_not_seated(cell):
 def test_a_fixed_end_can_be_extracted_and_inserted_again(cell):
     cell.feed("W1", "A")
     socket = do.locate(cell, "X1", "1")
-    do.insert(cell, "W1", End.A, "X1", "1", socket)
+    do.insert(cell, "W1", End.A, "X1", terminal="1", socket=socket)
     do.fix(cell, "W1", "X1", "1")
-    do.extract(cell, "W1", "X1", "1", socket)
+    do.extract(cell, "W1", "X1", "1", socket=socket)
     (truth,) = ground_truth(cell.plant, ["W1"])
     assert truth.a.at == ""
-    do.insert(cell, "W1", End.A, "X1", "1", socket)
+    do.insert(cell, "W1", End.A, "X1", terminal="1", socket=socket)
 
 
 def test_a_stopped_ability_leaves_a_scene_that_the_next_one_can_use(cell):
     cell.feed("W1", "A")
     socket = do.locate(cell, "X1", "1")
-    goal = do.goals.InsertGoal(do.ROBOT, "W1", End.A, "X1", "1", socket, 8.0)
+    goal = do.goals.InsertGoal(
+        robot_name=do.ROBOT,
+        cable_id="W1",
+        end=End.A,
+        component_id="X1",
+        terminal_id="1",
+        socket=socket,
+        force_limit=8.0,
+    )
     steps = do.insert_cable(cell.context, goal)
     while cell.context.progress.message != "pushing":
         next(steps)
@@ -104,7 +110,7 @@ def test_a_stopped_ability_leaves_a_scene_that_the_next_one_can_use(cell):
         next(steps)
     steps.close()
     assert cell.context.belief.grip is not None
-    do.insert(cell, "W1", End.A, "X1", "1", socket)
+    do.insert(cell, "W1", End.A, "X1", terminal="1", socket=socket)
 
 
 def test_feeding_with_a_wire_in_the_hand_is_refused(cell):
@@ -124,7 +130,12 @@ def left_behind(cell, wire, channel="A"):
 
 
 def test_a_piece_that_was_not_touched_is_presented_already():
-    made = Cell(panel(channels=(*panel().channels, Channel("B", 0.2, 0.110, -0.3, 0.3))), seed=1)
+    made = Cell(
+        panel(
+            channels=(*panel().channels, Channel(id="B", x=0.2, width=0.110, y_min=-0.3, y_max=0.3))
+        ),
+        seed=1,
+    )
     made.feed("W1", "A")
     live = made.plant.live
     made.feed("W1", "A")

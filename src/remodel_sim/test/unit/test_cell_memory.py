@@ -74,11 +74,13 @@ def test_a_wire_whose_last_end_is_reported_fixed_is_there_after_a_kill_at_that_m
     cell.feed("W1", "A")
     do.connect(cell, "W1", End.A)
     do.carry(cell, "W1", "A")
-    do.insert(cell, "W1", End.B, "X2", "1", do.locate(cell, "X2", "1"))
+    do.insert(cell, "W1", End.B, "X2", terminal="1", socket=do.locate(cell, "X2", "1"))
     goal = FixCableGoal("17:fix b", do.ROBOT, "W1", "X2", "1", 10.0, 60.0)
     fix = cell_abilities()["FixCable"]
     running = RunningGoal(read_abilities()["FixCable"], DyingHandle(goal), lambda: 0.0)
-    job = Job(fix, running, [cell.context], fix.parse(goal), cell.keep, lambda end: end())
+    job = Job(
+        fix, running, [cell.context], fix.parse(goal), keep=cell.keep, finish=lambda end: end()
+    )
     with pytest.raises(KilledError, match="end b of W1 fixed"):
         while not job.step():
             advance(cell.plant, cell.context)

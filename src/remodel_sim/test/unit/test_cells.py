@@ -86,16 +86,43 @@ def test_a_wire_goes_from_one_arm_to_the_other_by_the_plate(cell):
     do(cell, "robot_1", place_cable, goals.PlaceGoal("robot_1", "W1", lying))
     located = do(cell, "robot_2", locate_gearbox_component, goals.LocateGoal("X1", "1"))
     socket = located.socket_pose
-    goal = goals.InsertGoal("robot_2", "W1", End.A, "X1", "1", socket, 8.0)
+    goal = goals.InsertGoal(
+        robot_name="robot_2",
+        cable_id="W1",
+        end=End.A,
+        component_id="X1",
+        terminal_id="1",
+        socket=socket,
+        force_limit=8.0,
+    )
     do(cell, "robot_2", insert_cable, goal)
-    do(cell, "robot_2", fix_cable, goals.FixGoal("robot_2", "W1", "X1", "1", 10.0))
+    do(
+        cell,
+        "robot_2",
+        fix_cable,
+        goals.FixGoal(
+            robot_name="robot_2",
+            cable_id="W1",
+            component_id="X1",
+            terminal_id="1",
+            pull_test_force=10.0,
+        ),
+    )
     (truth,) = ground_truth(cell.plant, ["W1"])
     assert (truth.a.at, truth.a.fixed) == ("X1/1", True)
 
 
 def test_two_arms_place_the_pins_of_a_wire_and_place_them_again(cell):
     one, two = cell.contexts.values()
-    goal = PlacePinGoal("robot_1", "robot_2", 0.10, 0.474, True, True, False)
+    goal = PlacePinGoal(
+        robot_1="robot_1",
+        robot_2="robot_2",
+        path_space=0.10,
+        connector_space=0.474,
+        centered=True,
+        rotate=True,
+        show_in_tf=False,
+    )
     for _ in range(2):
         for context in (one, two):
             goal.check(context.panel, context.belief)

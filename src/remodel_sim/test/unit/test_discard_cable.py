@@ -91,7 +91,7 @@ def test_a_placed_wire_is_released_and_discarded_by_a_cell_that_was_restarted(tm
 def test_a_wire_that_has_just_been_placed_is_extracted_and_discarded(cell):
     do.place(cell, "W1")
     assert cell.plant.live is None, "it is parked"
-    do.extract(cell, "W1", "X2", "1", do.locate(cell, "X2", "1"))
+    do.extract(cell, "W1", "X2", "1", socket=do.locate(cell, "X2", "1"))
     (truth,) = ground_truth(cell.plant, ["W1"])
     assert truth.a.seated and truth.a.fixed and truth.b.at == ""
     discard(cell, "W1")

@@ -26,7 +26,9 @@ def fed_belief():
 
 def holding(end):
     belief = fed_belief()
-    belief.grip = Grip(end, 0.045, 0.0, 0.0, ToolPose(0.5, 0, 0.004, 0))
+    belief.grip = Grip(
+        end=end, distance=0.045, height=0.0, flip=0.0, tool=ToolPose(0.5, 0, 0.004, 0)
+    )
     return belief
 
 
@@ -68,7 +70,13 @@ def pose_with(position=(0.5, 0.0, 0.03), quaternion=(0.0, 0.0, 0.0, 1.0)):
         (lambda: goals.RouteGoal("robot_1", "W1", ()), Code.INVALID_GOAL, "path is empty"),
         (lambda: goals.PickGoal("robot_1", "W1", End.A, 0.5), Code.INVALID_GOAL, "grasp_distance"),
         (
-            lambda: goals.FixGoal("robot_1", "W1", "X1", "1", -0.1),
+            lambda: goals.FixGoal(
+                robot_name="robot_1",
+                cable_id="W1",
+                component_id="X1",
+                terminal_id="1",
+                pull_test_force=-0.1,
+            ),
             Code.INVALID_GOAL,
             "pull_test_force",
         ),
@@ -91,7 +99,18 @@ def test_a_goal_that_makes_no_sense_is_never_born(make, code, words):
         (insertion(terminal_id="9"), fed_belief(), Code.UNKNOWN_NAME, "there are: 1, 2"),
         (insertion(terminal_id="2", component_id="X2"), fed_belief(), Code.INVALID_GOAL, "locate"),
         (insertion(), holding(End.B), Code.OTHER_CABLE_HELD, "end b"),
-        (goals.FixGoal("robot_1", "W1", "X1", "1", 5.0), fed_belief(), Code.NOTHING_HELD, "pick"),
+        (
+            goals.FixGoal(
+                robot_name="robot_1",
+                cable_id="W1",
+                component_id="X1",
+                terminal_id="1",
+                pull_test_force=5.0,
+            ),
+            fed_belief(),
+            Code.NOTHING_HELD,
+            "pick",
+        ),
         (
             goals.RouteGoal("robot_1", "W1", (pose_with((1.5, 0, 0.1)),)),
             holding(End.A),

@@ -59,7 +59,7 @@ def test_a_label_seen_twice_is_not_reported():
 
 
 def test_a_label_of_another_size_is_a_stranger():
-    large = dataclasses.replace(component("X3", 3, 0.08, -0.12, -1), marker_size=0.034)
+    large = dataclasses.replace(component("X3", 3, 0.08, -0.12, side=-1), marker_size=0.034)
     assert find_labels(drawn((3, 300, 240, 0)), [large]) == {}
 
 
@@ -67,7 +67,7 @@ def test_a_label_of_another_size_is_a_stranger():
 def looks():
     """A function: a component's pose to views of it from two places, and how it stands there."""
     world = World(240.0)
-    part = component("X1", 1, 0.0, 0.0, 1)
+    part = component("X1", 1, 0.0, 0.0, side=1)
     noise = np.random.default_rng(4)
     table = read_cell().table
 

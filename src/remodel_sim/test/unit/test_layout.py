@@ -13,8 +13,15 @@ from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.plant import Plant
 from remodel_sim.ros.conversions import read_panel
 
-CLIP = Clip("C1", (0.0, 0.1, math.pi / 2), 0.003, 0.010, 0.008, 5.0)
-DUCT = Duct("D1", (0.0, 0.0, math.pi / 2), 0.4, 0.040, 0.020)
+CLIP = Clip(
+    id="C1",
+    pose=(0.0, 0.1, math.pi / 2),
+    wire_diameter=0.003,
+    height=0.010,
+    length=0.008,
+    retention_force=5.0,
+)
+DUCT = Duct(id="D1", pose=(0.0, 0.0, math.pi / 2), length=0.4, width=0.040, height=0.020)
 CONFIG = Path(__file__).parents[2] / "config"
 
 
@@ -70,13 +77,16 @@ def with_wire(**changes):
         (with_wire(b_component="Q9"), "which does not exist"),
         (with_wire(b_component="X1", b_terminal="1"), "2 wire ends go to 'X1/1'"),
         (with_wire(id="W2"), "are called 'W2'"),
-        (panel(components=(*panel().components, component("X5", 1, 0.08, 0.2, -1))), "marker_id 1"),
         (
-            panel(components=(*panel().components, component("X5", 5, 0.08, 0.13, -1))),
+            panel(components=(*panel().components, component("X5", 1, 0.08, 0.2, side=-1))),
+            "marker_id 1",
+        ),
+        (
+            panel(components=(*panel().components, component("X5", 5, 0.08, 0.13, side=-1))),
             "'X2' and 'X5' overlap",
         ),
         (
-            panel(components=(*panel().components, component("X5", 5, 0.03, 0.25, -1))),
+            panel(components=(*panel().components, component("X5", 5, 0.03, 0.25, side=-1))),
             "must open at an edge of a channel",
         ),
     ],

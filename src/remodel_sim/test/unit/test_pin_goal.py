@@ -15,7 +15,15 @@ from remodel_states.core.codes import Code
 
 FACING = Arm(PANDA_AT_ORIGIN.model, (1.0, 0.0, 0.0, math.pi))
 WIRE = panel().wires[0]  # 0.48 m
-GOOD = PlacePinGoal("robot_1", "robot_2", 0.10, 0.472, True, True, False)
+GOOD = PlacePinGoal(
+    robot_1="robot_1",
+    robot_2="robot_2",
+    path_space=0.10,
+    connector_space=0.472,
+    centered=True,
+    rotate=True,
+    show_in_tf=False,
+)
 
 
 def goal(**changes):

@@ -24,7 +24,7 @@ def lay_down(cell, target=BESIDE):
 
 def hold_end_a_in_its_terminal(cell):
     cell.feed("W1", "A")
-    insert(cell, "W1", End.A, "X1", "1", locate(cell, "X1", "1"))
+    insert(cell, "W1", End.A, "X1", terminal="1", socket=locate(cell, "X1", "1"))
 
 
 def test_an_end_that_is_pushed_in_is_drawn_out_and_can_be_picked_again(cell):

@@ -67,7 +67,7 @@ def test_a_connector_latches_when_pushed_hard_enough_and_comes_out_when_its_latc
     assert truth_of(cell).seated and truth_of(cell).fixed
     assert cell.context.belief.ends[End.A] is EndState.FIXED
     assert cell.context.belief.grip is None
-    extract(cell, "W1", "U1", "J1", socket)
+    extract(cell, "W1", "U1", "J1", socket=socket)
     assert truth_of(cell).at == "" and not truth_of(cell).fixed
 
 
@@ -77,7 +77,7 @@ def test_pins_beside_their_openings_and_an_obstacle_in_one_have_different_codes(
     with pytest.raises(AbilityError) as caught:
         place(cell, beside)
     assert caught.value.code is Code.INSERTION_MISALIGNED
-    extract(cell, "W1", "U1", "J1", beside)
+    extract(cell, "W1", "U1", "J1", socket=beside)
     cell.plant.block_socket("U1", "J1")
     with pytest.raises(AbilityError) as caught:
         place(cell, socket)
@@ -98,11 +98,29 @@ def test_pins_beside_their_openings_and_an_obstacle_in_one_have_different_codes(
         ),
         (lambda: connection(terminal_id="J2"), Code.INVALID_GOAL, "at the opening of 'U1/J1'"),
         (
-            lambda: goals.InsertGoal(ROBOT, "W1", End.A, "X1", "1", FACE, 8.0),
+            lambda: goals.InsertGoal(
+                robot_name=ROBOT,
+                cable_id="W1",
+                end=End.A,
+                component_id="X1",
+                terminal_id="1",
+                socket=FACE,
+                force_limit=8.0,
+            ),
             Code.INVALID_GOAL,
             "place it with PlaceConnector",
         ),
-        (lambda: goals.FixGoal(ROBOT, "W1", "U1", "J1", 5.0), Code.INVALID_GOAL, "is a header"),
+        (
+            lambda: goals.FixGoal(
+                robot_name=ROBOT,
+                cable_id="W1",
+                component_id="U1",
+                terminal_id="J1",
+                pull_test_force=5.0,
+            ),
+            Code.INVALID_GOAL,
+            "is a header",
+        ),
         (lambda: goals.CheckGoal("W1", End.A, "U1", "J1"), Code.INVALID_GOAL, "is a header"),
     ],
 )

@@ -6,7 +6,7 @@ import pytest
 from panels import panel
 
 from remodel_sim.abilities.detect_cable import detect_cable
-from remodel_sim.abilities.execution.robot_context import Observers
+from remodel_sim.abilities.execution.observers import Observers
 from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
@@ -76,7 +76,7 @@ def test_a_label_hidden_from_the_usual_places_is_located_from_another_view(cell)
     component = cell.context.panel.component("X1")
     world_from_component = cell.plant.world_from_component("X1")
     label = world_from_component.apply(label_corners(component)).mean(axis=0)
-    hang_cross(cell, label, 0.13, 0.08, 0.014)
+    hang_cross(cell, label, 0.13, 0.08, width=0.014)
     with pytest.raises(AbilityError) as caught:
         locate(cell, 0)
     assert caught.value.code in (Code.COMPONENT_NOT_FOUND, Code.COMPONENT_OCCLUDED)
@@ -97,7 +97,7 @@ def test_ends_hidden_from_above_are_detected_from_another_view(cell):
     cell.feed("W1", "A")
     for end in End:
         tip = cell.plant.live.cable.tip(end)[0]
-        hang_cross(cell, tip, 0.15, 0.10, 0.04)
+        hang_cross(cell, tip, 0.15, 0.10, width=0.04)
     with pytest.raises(AbilityError) as caught:
         detect(cell, 0)
     assert caught.value.code is Code.CABLE_NOT_FOUND

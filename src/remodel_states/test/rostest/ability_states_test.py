@@ -29,6 +29,7 @@ from std_msgs.msg import String
 from flexbe_core import Logger
 from flexbe_core.core import UserData
 from flexbe_core.proxy import ProxyActionClient
+from flexbe_core.testing import wait_until
 from flexbe_synthesizer.core.library.state_source import read_state_class
 from remodel_states.calling import record_keeping
 from remodel_states.core.ability_tables import POSE as POSE_TYPE
@@ -139,13 +140,6 @@ def recorded_by(service):
     finally:
         if rospy.has_param(record_keeping.RECORDER_PARAMETER):
             rospy.delete_param(record_keeping.RECORDER_PARAMETER)
-
-
-def wait_until(condition, limit_s=30.0):
-    limit = time.monotonic() + limit_s
-    while not condition() and time.monotonic() < limit:
-        time.sleep(0.01)
-    return condition()
 
 
 class AbilityStatesTest(unittest.TestCase):

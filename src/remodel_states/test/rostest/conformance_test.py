@@ -134,7 +134,10 @@ class Server:
 
     def reject(self, handle, code, text):
         goal = handle.get_goal()
-        handle.set_rejected(PlaceCableResult(goal.id, False, "", 0.0, code, text), text)
+        handle.set_rejected(
+            PlaceCableResult(id=goal.id, error_code=code, error_message=text),
+            text,
+        )
 
     def work(self, handle):
         goal, goal_id = handle.get_goal(), handle.get_goal_id().id
@@ -149,7 +152,12 @@ class Server:
             if took > goal.timeout and not self.has("ignores its timeout"):
                 code = 400 if self.has("ends at its timeout with another code") else 1
                 text = "out of time"
-                handle.set_aborted(PlaceCableResult(goal.id, False, "", took, code, text), text)
+                handle.set_aborted(
+                    PlaceCableResult(
+                        id=goal.id, elapsed_time=took, error_code=code, error_message=text
+                    ),
+                    text,
+                )
                 break
             limit_s = goal.timeout + 3.0 if self.has("ignores its timeout") else self.duration_s
             if took > max(limit_s if goal.timeout < DURATION_S else self.duration_s, 0.0):
@@ -162,7 +170,9 @@ class Server:
         if self.has("cancels slowly"):
             time.sleep(0.7 + self.random.random())
         code = 400 if self.has("cancelled with another code") else ErrorCode.PREEMPTED
-        result = PlaceCableResult(goal.id, False, "", took, code, "cancelled")
+        result = PlaceCableResult(
+            id=goal.id, elapsed_time=took, error_code=code, error_message="cancelled"
+        )
         if self.has("aborts when cancelled"):
             handle.set_aborted(result, "cancelled")
         else:
@@ -186,7 +196,7 @@ class Server:
     def end(self, handle, goal, took):
         if self.has("never answers"):
             return
-        result = PlaceCableResult(goal.id, True, "placed", took, ErrorCode.NONE, "")
+        result = PlaceCableResult(id=goal.id, success=True, message="placed", elapsed_time=took)
         if self.has("result with another id"):
             result.id = f"G{self.random.randrange(1000)}"
         elif self.has("mixes up two goals"):
@@ -208,7 +218,12 @@ class Server:
         if code is not None or self.has("unknown code"):
             code = self.random.randrange(900, 999) if code is None else code
             text = "" if self.has("fails without reason") else "no"
-            handle.set_aborted(PlaceCableResult(goal.id, False, "", took, code, text), text)
+            handle.set_aborted(
+                PlaceCableResult(
+                    id=goal.id, elapsed_time=took, error_code=code, error_message=text
+                ),
+                text,
+            )
             return
         handle.set_succeeded(result)
         if self.has("answers twice"):

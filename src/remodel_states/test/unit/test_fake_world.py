@@ -23,8 +23,8 @@ PANEL = Panel(
     {"W1": ("Q1/1", "Q1/2"), "W2": ("Q1/2", "Q1/3")},
     {"W1": 0.3, "W2": 0.4},
     {"Q1": (0.0, 0.0, 0.0, 0.0)},
-    {f"Q1/{n}": (0.0, 0.01 * n, 0.02, 1.5) for n in (1, 2, 3)},
-    ("A",),
+    openings={f"Q1/{n}": (0.0, 0.01 * n, 0.02, 1.5) for n in (1, 2, 3)},
+    channels=("A",),
 )
 
 
@@ -74,7 +74,7 @@ def test_a_wire_is_placed_end_by_end(a_fixed):
     inserted = do(carried, "InsertCable", cable_end="b", terminal_id="2").world
     fixed = do(inserted, "FixCable", terminal_id="2")
     assert fixed.world.is_placed("W1")
-    assert fixed.entries == (Entry(Deed.FIX, CELL, "W1", "b", "Q1/2", "g"),)
+    assert fixed.entries == (Entry(Deed.FIX, CELL, "W1", "b", terminal="Q1/2", goal="g"),)
     assert fixed.world.hand(CELL) == Hand("W1", "")
 
 
@@ -172,7 +172,7 @@ def test_an_untouched_piece_is_presented_again(fed):
 
 def test_a_piece_that_was_touched_is_left_behind(fed, a_fixed):
     laid_down = do(do(fed, "PickCable").world, "PlaceCable").world
-    missed = perform("PickCable", fed, CELL, goal(), ErrorCode.GRASP_MISSED).world
+    missed = perform("PickCable", fed, CELL, goal(), code=ErrorCode.GRASP_MISSED).world
     for world in (a_fixed, laid_down, missed):
         assert refused_feed(world) == ErrorCode.WIRE_LEFT_BEHIND
         assert world.feed(CELL, "W2", "A").fed == ("W1", "W2")
@@ -219,12 +219,12 @@ def test_what_the_hand_holds_is_laid_down_without_its_name(fed):
 
 
 def test_a_failed_insertion_leaves_the_wire_in_the_hand(fed):
-    jammed = fail(fed, CELL, "InsertCable", ErrorCode.INSERTION_JAMMED, goal())
+    jammed = fail(fed, CELL, "InsertCable", ErrorCode.INSERTION_JAMMED, goal=goal())
     assert jammed.hand(CELL).held == "a"
     assert jammed.seat("W1", "a") is None
-    contested = perform("InsertCable", fed, CELL, goal(), ErrorCode.SEVERAL_SERVERS)
+    contested = perform("InsertCable", fed, CELL, goal(), code=ErrorCode.SEVERAL_SERVERS)
     assert contested.world == fed
-    slipped = fail(jammed, CELL, "RouteWire", ErrorCode.GRASP_SLIPPED, goal())
+    slipped = fail(jammed, CELL, "RouteWire", ErrorCode.GRASP_SLIPPED, goal=goal())
     assert not slipped.hand(CELL).held
 
 

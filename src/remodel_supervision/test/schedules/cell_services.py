@@ -57,7 +57,12 @@ class CellServices(Node):
             reply(error)
             return
         self._motion = motion = Motion(
-            self._station, self._cell, owner, f"feed {wire}", wire, self.simulation.now_s
+            self._station,
+            self._cell,
+            owner,
+            f"feed {wire}",
+            wire=wire,
+            begun_s=self.simulation.now_s,
         )
         site.locks[self._cell] = motion
         site.begin(motion)

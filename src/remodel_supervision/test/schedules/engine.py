@@ -161,12 +161,14 @@ class Engine(Node):
         except PreemptedError:
             server.deliver(self.simulation.latency_s(), server.on_cancel, goal.id)
             result = Result(False, ErrorCode.PREEMPTED, "the state was left")
-            self._keep_left(name, self._operation(path, ability, goal, "", result, begun_s))
+            self._keep_left(
+                name, self._operation(path, ability, goal, "", result=result, begun_s=begun_s)
+            )
             raise
         if result in (_GONE, _HUNG):
             server.deliver(self.simulation.latency_s(), server.on_cancel, goal.id)
         outcome = _outcome_of(result)
-        operation = self._operation(path, ability, goal, outcome, result, begun_s)
+        operation = self._operation(path, ability, goal, outcome, result=result, begun_s=begun_s)
         try:
             while True:
                 is_kept = yield lambda answer: self._up.keep_record(name, operation, answer)
@@ -209,7 +211,7 @@ class Engine(Node):
                     goal.id = f"{permitted[1]}:{goal.id}"
                     unsent = Result(False, ErrorCode.PREEMPTED, "left before its goal was sent")
                     now_s = self.simulation.now_s
-                    record = self._operation(path, ability, goal, "", unsent, now_s)
+                    record = self._operation(path, ability, goal, "", result=unsent, begun_s=now_s)
                     self._keep_left(name, record)
                 else:
                     answer(permitted)
@@ -260,7 +262,15 @@ class Engine(Node):
             (name, str(value)) for name, value in vars(goal).items() if name in _DESCRIBED
         )
         return Operation(
-            path, ability, outcome, code, result.text, now_s, now_s - begun_s, goal.id, parameters
+            path,
+            ability,
+            outcome,
+            code,
+            text=result.text,
+            ended_s=now_s,
+            elapsed_s=now_s - begun_s,
+            goal_id=goal.id,
+            parameters=parameters,
         )
 
     # --- its course

@@ -1,23 +1,20 @@
-"""A life of a supervisor's process, as ros/server/run_server.py leads it."""
+"""A life of a supervisor's process: the runs of its cell over simulated ports."""
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from remodel_planning.core.orders.cell_order import USE_CASE
-from remodel_production.edge.database.cell_ownership import CellOwnership, Owned
-from remodel_production.errors import LostError, OwnerError, PlannerError, RecordLostError
+from remodel_production.edge.database.cell_ownership import CellOwnership
+from remodel_production.errors import LostError, PlannerError
 from remodel_supervision.core.runs.events import Answered, Commanded, Event, RunBegun
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import RunState
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.edge.task_leases import TaskLeases
-from remodel_supervision.errors import LeavingError
-from remodel_supervision.supervisors.run_commands import RunCommands
-from remodel_supervision.supervisors.unresumed_run import UnresumedRun
+from remodel_supervision.supervisors.cell.cell_runs import CellRuns
+from remodel_supervision.supervisors.cell.owned_cell import OwnedCell
+from remodel_supervision.supervisors.cell.run_commands import RunCommands
 from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor
 from remodel_supervision.supervisors.work import Peers, Work
 from schedules.database import FailingDatabase
@@ -35,10 +32,8 @@ from schedules.process import Process
 if TYPE_CHECKING:
     from schedules.station import Station
 
-# [s] between two attempts to own the cell; for which cells and tasks are leased.
-_ACQUIRE_EVERY_S = 1.0
+# [s] for which cells and tasks are leased.
 LEASE_S = 30.0
-
 
 Reply = Callable[[bool, str], None]
 
@@ -72,204 +67,103 @@ class KeptLog(RunLog):
     def append(self, run: int, event: Event, before: RunState, owner: int) -> RunState:
         """Keep an event."""
         after = super().append(run, event, before, owner)
-        self._station.invariants.on_event(self._station, self._process, run, event, after)
+        self._station.invariants.on_event(self._station, self._process, run, event, after=after)
         return after
+
+    def begin(self, event: RunBegun, owner: int, *, again: bool = False) -> tuple[int, RunBegun]:
+        """Begin a run."""
+        run, begun = super().begin(event, owner, again=again)
+        self._station.simulation.note(self._process.name, "begins run {}: {}", run, begun)
+        self._station.invariants.on_begin(self._station, run, begun)
+        return run, begun
+
+
+class SimulatedWork:
+    """Makes what a run is about; at times it cannot, since its use case cannot be read."""
+
+    def __init__(self, station: Station, database: FailingDatabase) -> None:
+        """Take the station, and the database that keeps its leases."""
+        self._station = station
+        self._database = database
+
+    def work(self, name: str, tasks: int, owner: int) -> Work:
+        """Return the work of the first tasks of the order."""
+        station, setting = self._station, self._station.setting
+        if station.simulation.now_s < station.unmade_until_s:
+            raise PlannerError("no use case")
+        return Work(
+            planner=SimulatedPlanner(tasks, setting.question_timeout_s),  # type: ignore[arg-type]
+            faults=plant().faults,
+            panel=True,
+            channels=plant().channels,
+            leases=TaskLeases(self._database, name, station.cell, LEASE_S, token=owner),
+            attended=setting.attended,
+            reconnect_s=setting.reconnect_s,
+        )
 
 
 class Life:
-    """One life of a station's supervisor.
+    """One life of a station's supervisor; see RunObserver.
 
     Attributes:
-        active: supervisor of the run under way; None without one.
-        closed: why nothing new is taken.
-        commands: does what is commanded.
+        process: that lives it.
+        commands: reach the run under way, and hold the cell.
     """
 
     def __init__(self, station: Station, process: Process) -> None:
         """Connect to everything."""
         self.process = process
-        self.active: UseCaseSupervisor | None = None
-        self.closed = "starting"
         self._station = station
-        self._database = FailingDatabase(station.memory, process)
-        self._log = KeptLog(self._database, station, process)
-        self._ownership = CellOwnership(
-            self._database, station.cell, station.name, process.name, LEASE_S
-        )
-        self._owner = 0
-        self._owned_until_s = 0.0
-        self._disowned = ""
-        self._unsure = True
-        self._next: UseCaseSupervisor | None = None
+        database = FailingDatabase(station.memory, process)
         servers = station.servers
         abilities = SimulatedAbilities(process, servers, station.invariants.on_heard)
-        self.commands = RunCommands(
+        self.commands = RunCommands(process, abilities, station.stopped_by, station.keep_stops)
+        ownership = CellOwnership(
+            database, station.cell, station.name, process.name, lease_s=LEASE_S
+        )
+        self._cell = OwnedCell(station.cell, ownership, process)
+        self._runs = CellRuns(
+            self._cell,
             process,
-            abilities,
-            lambda: self.active,
-            lambda: self.closed,
-            station.stopped_by,
-            station.keep_stops,
+            KeptLog(database, station, process),
+            SimulatedWork(station, database),
+            peers=Peers(
+                SimulatedCell(process, station.services),
+                SimulatedMaker(process, station.synthesizer, station.engine.behaviors),
+                SimulatedEngine(process, station.engine),
+                abilities,
+                inspection=SimulatedInspection(process, servers["CheckConnection"]),
+                pictures=SimulatedPictures(),
+            ),
+            commands=self.commands,
+            observer=self,
         )
-        self._peers = Peers(
-            SimulatedCell(process, station.services),
-            SimulatedMaker(process, station.synthesizer, station.engine.behaviors),
-            SimulatedEngine(process, station.engine),
-            abilities,
-            SimulatedInspection(process, servers["CheckConnection"]),
-            SimulatedPictures(),
-        )
+
+    @property
+    def active(self) -> UseCaseSupervisor | None:
+        """The supervisor of the run under way; None without one."""
+        return self.commands.active
+
+    @property
+    def closed(self) -> str:
+        """Why nothing new is taken."""
+        return self.commands.closed
 
     def serve(self) -> None:
         """Supervise runs until the process ends."""
-        self.process.every(self._ownership.lease_s / 3, self._renew)
         try:
-            while True:
-                try:
-                    self._acquire()
-                    self._supervise_runs()
-                except (OwnerError, RecordLostError) as error:
-                    self._note("gives up: {}", error)
-                    self.active, self._owner, self.closed = None, 0, str(error)
-                except LostError as error:
-                    # The real node ends, and is respawned.
-                    self._note("ends: {}", error)
-                    return
-        except LeavingError:
-            with contextlib.suppress(PlannerError):
-                if self._owner:
-                    self._ownership.release(self._owner)
-
-    def _note(self, what: str, *args: object) -> None:
-        self._station.simulation.note(self.process.name, what, *args)
-
-    def _acquire(self) -> None:
-        while True:
-            asked_s = self.process.wall_s()
-            try:
-                found = self._ownership.acquire()
-                if isinstance(found, Owned):
-                    break
-                self.closed = f"owned by {found.holder}"
-            except LostError as error:
-                self.closed = str(error)
-            self.process.run_until(lambda: False, _ACQUIRE_EVERY_S)
-        self._note("owns {} with token {}", self._station.cell, found.token)
-        self._owner = found.token
-        self._owned_until_s = asked_s + self._ownership.lease_s
-        self._disowned = ""
-
-    def _renew(self) -> None:
-        if not self._owner:
-            return
-        asked_s = self.process.wall_s()
-        with contextlib.suppress(LostError):
-            if not self._ownership.renew(self._owner):
-                self._disowned = "another supervisor owns the cell now"
-                return
-            self._owned_until_s = asked_s + self._ownership.lease_s
-
-    def _why_disowned(self) -> str:
-        if not self._disowned and self.process.wall_s() > self._owned_until_s:
-            return "the ownership could not be renewed: the database does not answer"
-        return self._disowned
-
-    def _supervise_runs(self) -> None:
-        self._unsure = True
-        while True:
-            if self._unsure:
-                self._resume()
-            self.closed = ""
-            self.process.run_until(
-                lambda: self._next is not None or self._unsure or bool(self._disowned),
-                float("inf"),
-            )
-            if self._next is not None:
-                self._supervise(self._next)
-            elif not self._unsure:
-                raise OwnerError(self._disowned)
-
-    def _resume(self) -> None:
-        unfinished = self._log.unfinished(self._station.cell)
-        self._unsure = False
-        supervisor = None if unfinished is None else self._resumed(unfinished)
-        if supervisor is not None:
-            self._supervise(supervisor)
-
-    def _resumed(self, run: int) -> UseCaseSupervisor | None:
-        self._log.take_up(run, self._owner)
-        state = self._log.state(run)
-        self._station.invariants.on_take_up(run, state)
-        if self.process.simulation.now_s < self._station.unmade_until_s:
-            self._await_person(UnresumedRun(run, self._owner, state, self._log, "no use case"))
-            return None
-        self._note("resumes run {}", run)
-        return self._made(run, state)
-
-    def _await_person(self, unresumed: UnresumedRun) -> None:
-        self._note("{}", unresumed.text)
-        self._peers.engine.cancel()
-        self._peers.abilities.cancel()
-        self.closed, self.commands.unresumed = unresumed.text, unresumed
-        try:
-            self.process.run_until(lambda: unresumed.is_over or bool(self._disowned), float("inf"))
-        finally:
-            self.commands.unresumed = None
-        self._unsure = True
-        if self._disowned:
-            raise OwnerError(self._disowned)
-
-    def _made(self, run: int, state: RunState) -> UseCaseSupervisor:
-        setting = self._station.setting
-        leases = TaskLeases(self._database, ORDER.name, self._station.cell, LEASE_S, self._owner)
-        work = Work(
-            planner=SimulatedPlanner(len(state.tasks), setting.question_timeout_s),  # type: ignore[arg-type]
-            faults=plant().faults,
-            panel=True,
-            channels=plant().channels,
-            leases=leases,
-            attended=setting.attended,
-            reconnect_s=setting.reconnect_s,
-        )
-        return UseCaseSupervisor(
-            run,
-            self._owner,
-            state,
-            self.process,
-            self._log,
-            work,
-            self._peers,
-            lambda: None,
-            self._why_disowned,
-        )
-
-    def _supervise(self, supervisor: UseCaseSupervisor) -> None:
-        self.active, self._next = supervisor, None
-        self.commands.stop_if_unsafe()
-        state = supervisor.supervise()
-        self.active = None
-        self._station.invariants.on_end(self._station, supervisor.run, state)
+            self._runs.serve()
+        except LostError as error:
+            # The real node ends, and is respawned.
+            self._note("ends: {}", error)
 
     def take_goal(self, count: int, *, again: bool) -> str:
         """Begin a run; return why not, empty if it is begun."""
-        under_way = self.active or self._next
-        if under_way is not None:
-            return f"run {under_way.run} is under way"
-        if why := self.closed or self.commands.safety:
-            return why
-        setting = self._station.setting
-        planner = SimulatedPlanner(count, setting.question_timeout_s)
-        begun = RunBegun(ORDER.name, USE_CASE, self._station.cell, planner.names)
         try:
-            run, begun = self._log.begin(begun, self._owner, again=again)
-        except LostError as error:
-            self._unsure = True
-            return str(error)
+            self._runs.require_free()
+            self._runs.begin(ORDER.name, count, again=again)
         except PlannerError as error:
             return str(error)
-        self._note("begins run {}: {}", run, begun)
-        self._station.invariants.on_begin(self._station, run, begun)
-        self._next = self._made(run, state_after([begun]))
         return ""
 
     def command(self, event: Commanded, reply: Reply) -> None:
@@ -282,3 +176,31 @@ class Life:
             reply(False, "no run is under way")
         else:
             self.active.answer(event, reply)
+
+    # --- RunObserver
+
+    def on_idle(self, text: str, *, starting: bool) -> None:
+        """Note that there is no run."""
+        self._note("is idle with token {}: {}", self._cell.token, text)
+
+    def on_resume(self, run: int, state: RunState) -> None:
+        """Learn what is known of the run."""
+        self._note("resumes run {}", run)
+        self._station.invariants.on_take_up(run, state)
+
+    def on_begin(self, supervisor: UseCaseSupervisor) -> None:
+        """Do nothing: states always ask."""
+
+    def on_change(self) -> None:
+        """Do nothing: nobody reads what is published."""
+
+    def on_end(self, supervisor: UseCaseSupervisor) -> None:
+        """Check the run."""
+        self._station.invariants.on_end(self._station, supervisor.run, supervisor.state)
+
+    def on_give_up(self, error: PlannerError) -> None:
+        """Note why."""
+        self._note("gives up: {}", error)
+
+    def _note(self, what: str, *args: object) -> None:
+        self._station.simulation.note(self.process.name, what, *args)

@@ -35,8 +35,15 @@ ORDER = Order(
         Component("Q1", "fuse", tuple(Terminal(f"B{n}", Side.BOTTOM) for n in range(1, WIRES + 1))),
         Component("Q2", "relay", tuple(Terminal(f"T{n}", Side.TOP) for n in range(1, WIRES + 1))),
     ),
-    tuple(
-        Wire(f"W{n}", TerminalRef("Q1", f"B{n}"), TerminalRef("Q2", f"T{n}"), "BU", 1.5, f"{n}")
+    wires=tuple(
+        Wire(
+            f"W{n}",
+            TerminalRef("Q1", f"B{n}"),
+            TerminalRef("Q2", f"T{n}"),
+            "BU",
+            section_mm2=1.5,
+            source=f"{n}",
+        )
         for n in range(1, WIRES + 1)
     ),
 )
@@ -89,6 +96,16 @@ class _UseCase:
     recovery: Policy
 
 
+@dataclass(frozen=True)
+class _Task:
+    name: str
+
+
+@dataclass(frozen=True)
+class _Order:
+    tasks: tuple[_Task, ...]
+
+
 class SimulatedPlanner:
     """Plans the first tasks of the order."""
 
@@ -96,7 +113,8 @@ class SimulatedPlanner:
 
     def __init__(self, count: int, question_timeout_s: float) -> None:
         """Plan some tasks, from the first."""
-        self.names = tuple(f"W{n}" for n in range(1, count + 1))
+        tasks = tuple(_Task(f"W{n}") for n in range(1, count + 1))
+        self.order = _Order(tasks)
         limits = Limits(run_s=1e6)
         question = replace(Policy().question, timeout_s=question_timeout_s)
         recovery = Policy(limits=limits, question=question)
@@ -140,7 +158,9 @@ class SimulatedPlanner:
             view += decision.do is Do.LOOK_AGAIN
             force_n = float(changes.get("force_limit", force_n))
         is_rest = part is Part.REST
-        return _chart(name, part, tuple(sorted(connected)) if is_rest else (), view, force_n)
+        return _chart(
+            name, part, tuple(sorted(connected)) if is_rest else (), view, force_n=force_n
+        )
 
 
 @cache
@@ -191,10 +211,10 @@ def _sequence(
         tries = 2 if ability == "InsertCable" else None
         targets = {"done": following, "failed": name if tries else up, "command_error": up}
         targets |= {"exhausted": up} if tries else {}
-        nodes.append(_state(name, ability, values, targets, tries))
+        nodes.append(_state(name, ability, values, targets, tries=tries))
     if up == "Lay down" and wire:
         ended = dict.fromkeys(("done", "failed", "command_error"), "failed")
-        nodes.append(_state("Lay down", "PlaceCable", {"cable_id": wire}, ended, None))
+        nodes.append(_state("Lay down", "PlaceCable", {"cable_id": wire}, ended, tries=None))
     outcomes = (Outcome("finished"), Outcome("failed"))
     return Chart(title, nodes[0].id, outcomes, tuple(nodes))
 

@@ -290,7 +290,9 @@ class SimulatedInspection:
         process, server = self._process, self._server
         process.step()
         self._count += 1
-        goal = Goal(f"{owner}:check {wire} {end} {self._count}", wire, end, component, terminal)
+        goal = Goal(
+            f"{owner}:check {wire} {end} {self._count}", wire, end, component, terminal_id=terminal
+        )
 
         def begin(done: Callable[[Result], None]) -> None:
             if not server.is_up:

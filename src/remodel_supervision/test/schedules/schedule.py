@@ -14,7 +14,7 @@ from remodel_supervision.core.runs.events import Event
 from remodel_supervision.core.runs.replay import path_difference, replayed
 from remodel_supervision.core.runs.state import RunState, Stage
 from remodel_supervision.edge.run_log import RunLog
-from remodel_supervision.supervisors import use_case_supervisor
+from remodel_supervision.supervisors import task_executor
 from schedules.database import Memory
 from schedules.disturbances import CALM_AFTER_S, Disturbances
 from schedules.invariants import Invariants
@@ -73,7 +73,7 @@ class Schedules:
         plant()
         self._memory = Memory(ORDER)
         self._charts = _Charts()
-        use_case_supervisor.write_chart = self._charts.write
+        task_executor.write_chart = self._charts.write
 
     def run(self, seed: int, *, tracing: bool = False) -> Verdict:
         """Run the schedule of a seed."""
@@ -86,7 +86,7 @@ class Schedules:
             violation = str(error)
         with self._memory.door.reading() as connection:
             events = sum(connection.scalars(select(RunRow.events)))
-        return Verdict(seed, violation, tuple(simulation.trace), simulation.now_s, events)
+        return Verdict(seed, violation, tuple(simulation.trace), simulation.now_s, events=events)
 
     def _run(self, simulation: Simulation) -> None:
         random = simulation.random
@@ -101,13 +101,23 @@ class Schedules:
         invariants = Invariants(simulation, site, RunLog(self._memory.door))
         cells = random.choice((("cell",),) * 5 + (("cell", "other"),) * 3 + (("cell", "cell"),))
         stations = [
-            Station(simulation, site, self._memory, setting, invariants, f"station{n}", cell)
+            Station(
+                simulation,
+                site,
+                self._memory,
+                setting,
+                invariants=invariants,
+                name=f"station{n}",
+                cell=cell,
+            )
             for n, cell in enumerate(cells, 1)
         ]
         calm_s = CALM_AFTER_S * count
         again_s = random.uniform(0.0, calm_s) if random.random() < 0.15 else None
-        people = People(simulation, site, stations, invariants, count, calm_s, again_s)
-        disturbances = Disturbances(simulation, site, self._memory, stations, people)
+        people = People(
+            simulation, site, stations, invariants, count=count, calm_s=calm_s, again_s=again_s
+        )
+        disturbances = Disturbances(simulation, site, self._memory, stations, people=people)
         disturbances.draw(random.randint(0, 8), calm_s)
         simulation.at(calm_s, self._calm, simulation)
         if not simulation.run(calm_s + _LIMIT_S, lambda: people.is_done):
@@ -149,7 +159,7 @@ class Schedules:
         }
         for name, kept in rows:
             if name in latest.tasks:
-                self._check_task(simulation, latest, site, name, kept, done)
+                self._check_task(simulation, latest, site, name, kept=kept, done=done)
 
     def _check_replay(self, simulation: Simulation, run: int, events: list[Event]) -> RunState:
         """Check that the events of a run follow from each other; return the state after them."""

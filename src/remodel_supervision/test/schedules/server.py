@@ -141,8 +141,8 @@ class Server(Node):
             self._cell,
             owner,
             f"{self.ability} {goal.id}",
-            goal.cable_id,
-            self.simulation.now_s,
+            wire=goal.cable_id,
+            begun_s=self.simulation.now_s,
         )
         self.simulation.note(self.name, "begins {}{}", goal.id, f", {fault.name}" if fault else "")
         self._job = job = _Job(goal, reply, motion, fault)
@@ -166,7 +166,7 @@ class Server(Node):
             if happens:
                 admitted(site.owners, self._cell, owner_of(goal.id))
                 code = fault.code if fault and behaves is None else 0
-                effect = perform(self.ability, site.world, self._cell, goal, code)
+                effect = perform(self.ability, site.world, self._cell, goal, code=code)
                 site.world = effect.world
                 job.found = dict(effect.found)
                 for entry in effect.entries:
@@ -215,7 +215,16 @@ class Server(Node):
         now_s = self.simulation.now_s
         took_s = now_s - job.motion.begun_s
         text, goal_id = result.text, job.goal.id
-        heard = Operation("", self.ability, "", result.code, text, now_s, took_s, goal_id)
+        heard = Operation(
+            "",
+            self.ability,
+            "",
+            result.code,
+            text=text,
+            ended_s=now_s,
+            elapsed_s=took_s,
+            goal_id=goal_id,
+        )
         for listener in self.listeners:
             self.simulation.after(self.simulation.latency_s(), listener, job.motion, heard)
 

@@ -67,7 +67,9 @@ class Station:
         self.invariants = invariants
         self.name = name
         self.cell = cell
-        self.servers = {ability: Server(simulation, site, name, cell, ability) for ability in _USED}
+        self.servers = {
+            ability: Server(simulation, site, name, cell, ability=ability) for ability in _USED
+        }
         self.services = CellServices(simulation, site, name, cell)
         self.synthesizer = Node(simulation, f"{name}/synthesizer")
         self.engine = Engine(simulation, name, self.servers, self)

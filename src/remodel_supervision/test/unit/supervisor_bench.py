@@ -25,6 +25,7 @@ from remodel_supervision.edge.work_planner import WorkPlanner
 from remodel_supervision.errors import LeavingError
 from remodel_supervision.ros.peers.panel_message import panel_message
 from remodel_supervision.supervisors.ports import BehaviorEnd, End, server_of
+from remodel_supervision.supervisors.run_record import RunRecord
 from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor
 from remodel_supervision.supervisors.work import Peers, Work
 
@@ -250,11 +251,8 @@ class Bench:
         """Have a new supervisor take the run up."""
         state = state_after(kept.event for kept in self.log.events(self.number))
         self.supervisor = UseCaseSupervisor(
-            self.number,
-            self.owner,
-            state,
+            RunRecord(self.number, self.owner, state, self.log, loop=self.loop),
             self.loop,
-            self.log,
             self.work,
             Peers(
                 self.cell,
@@ -264,7 +262,7 @@ class Bench:
                 self.inspection,
                 FakePictures(),
             ),
-            lambda: None,
+            on_change=lambda: None,
         )
 
     def take_over(self):

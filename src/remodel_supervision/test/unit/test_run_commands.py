@@ -4,8 +4,8 @@ from supervisor_bench import FakeAbilities, FakeLoop
 
 from remodel_supervision.core.runs.events import Command, Commanded, Ending
 from remodel_supervision.core.runs.gate import Permit
+from remodel_supervision.supervisors.cell.run_commands import RunCommands
 from remodel_supervision.supervisors.commands import REST_LIMIT_S
-from remodel_supervision.supervisors.run_commands import RunCommands
 
 # remodel_msgs/ErrorCode.SERVER_LOST.
 LOST = 4
@@ -18,15 +18,13 @@ class Cell:
         self.loop = bench.loop if bench else FakeLoop()
         self.abilities = bench.abilities if bench else FakeAbilities()
         self.kept = list(persons)
-        self.active = bench.supervisor if bench else None
         self.commands = RunCommands(
             self.loop,
             self.abilities,
-            lambda: self.active,
-            lambda: "",
             persons,
             lambda names: self.kept.__setitem__(slice(None), names),
         )
+        self.commands.active = bench.supervisor if bench else None
 
     def command(self, command, by="ann"):
         """Give a command, and return the list that its reply is put into."""
@@ -78,7 +76,7 @@ def test_a_protective_stop_holds_the_cell_when_its_run_has_been_stopped(bench):
 
     assert bench.run(stop).ended.ending is Ending.STOPPED
     assert [[granted for granted, _ in each] for each in replies] == [[True], [True]]
-    cell.active = None
+    cell.commands.active = None
     assert "protective stop by ann" in cell.commands.safety
 
 

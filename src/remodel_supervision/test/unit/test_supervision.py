@@ -13,7 +13,7 @@ from remodel_planning.core.use_case.policy import Limits, Policy
 from remodel_planning.edge.fault_file import read_faults
 from remodel_production.errors import OrderError
 from remodel_states.core.codes import Code
-from remodel_supervision.core.recovery.judge import judged
+from remodel_supervision.core.recovery.judge import decide_recovery
 from remodel_supervision.core.recovery.question import question_about
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.attempts import attempts_of
@@ -115,7 +115,7 @@ class Run:
         return self.add(question_about(self.state, task, FAULTS, self.now_s))
 
     def decide(self, task):
-        decided = judged(self.state, task, FAULTS, self.policy, self.possible, self.now_s)
+        decided = decide_recovery(self.state, task, FAULTS, self.policy, self.possible, self.now_s)
         self.add(decided)
         return decided
 

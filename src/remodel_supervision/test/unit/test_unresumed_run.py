@@ -5,8 +5,8 @@ import pytest
 from remodel_production.errors import LostError
 from remodel_supervision.core.runs.events import Blocked, Command, Commanded, Ending, RunEnded
 from remodel_supervision.core.runs.replay import replayed
-from remodel_supervision.supervisors.run_commands import RunCommands
-from remodel_supervision.supervisors.unresumed_run import UnresumedRun
+from remodel_supervision.supervisors.cell.run_commands import RunCommands
+from remodel_supervision.supervisors.cell.unresumed_run import UnresumedRun
 
 
 @pytest.fixture
@@ -17,8 +17,8 @@ def unresumed(bench):
 
 def given(bench, unresumed, command):
     """Give a command without a supervisor, and return the list that its reply is put into."""
-    commands = RunCommands(bench.loop, bench.abilities, lambda: None, lambda: unresumed.text)
-    commands.unresumed = unresumed
+    commands = RunCommands(bench.loop, bench.abilities)
+    commands.unresumed, commands.closed = unresumed, unresumed.text
     replies = []
     event = Commanded(command, "", "ann")
     commands.command(event, lambda granted, text: replies.append((granted, text)))

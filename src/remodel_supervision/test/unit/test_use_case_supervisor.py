@@ -326,7 +326,7 @@ def test_a_pause_holds_the_next_operation_and_is_answered_when_the_one_under_way
         seen.append(list(replies))
         found = Operation("/Find wire", "DetectCable", "detected", 0, "", 2.0, 1.0, "goal 1")
         tasks.keep_record(behavior, found)
-        bench.supervisor._tick()
+        bench.loop.run_until(lambda: False, 0.3)
         seen.append(list(replies))
         seen.append(tasks.begin_operation(behavior, "/Connect a/InsertCable", "InsertCable")[0])
         bench.command(Command.RESUME)
@@ -657,13 +657,13 @@ def during(bench, port, name, command):
     """Give a command once, while a port is being called after the first behavior."""
     original = getattr(port, name)
 
-    def called(*arguments):
+    def called(*arguments, **named):
         if not bench.engine.ran:
-            return original(*arguments)
+            return original(*arguments, **named)
         setattr(port, name, original)
         bench.command(command)
         bench.loop.arrivals += [lambda: None] * 20 + [lambda: bench.command(Command.RESUME)]
-        return original(*arguments)
+        return original(*arguments, **named)
 
     setattr(port, name, called)
 

@@ -1,9 +1,10 @@
-"""For tests without ROS: scripted states, and a way to run a single state."""
+"""For tests: scripted states, a way to run a single state without ROS, and a wait."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeVar
 
 from flexbe_core.core.event_state import EventState
 from flexbe_core.core.operatable_state_machine import OperatableStateMachine
@@ -11,6 +12,19 @@ from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.engine.userdata.user_data import UserData
 
 Log = list[tuple[str, str]]
+
+# [s] Wall time between two checks of a condition.
+_POLL_S = 0.005
+
+Found = TypeVar("Found")
+
+
+def wait_until(condition: Callable[[], Found], limit_s: float = 40.0) -> Found:
+    """Return what the condition returns, as soon as that is true or after `limit_s` [s, wall]."""
+    end = time.monotonic() + limit_s
+    while not (found := condition()) and time.monotonic() < end:
+        time.sleep(_POLL_S)
+    return found
 
 
 def run_state(

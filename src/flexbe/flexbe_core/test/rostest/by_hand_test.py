@@ -20,17 +20,10 @@ from flexbe_core.core import PreemptableState, UserData
 from flexbe_core.core.exceptions import StateMachineError, UserDataError
 from flexbe_core.engine.errors import BehaviorFailure
 from flexbe_core.proxy import ProxySubscriberCached
-from flexbe_core.testing import ScriptedState
+from flexbe_core.testing import ScriptedState, wait_until
 
 LIMIT_S = 30.0
 FEEDBACK = "flexbe/command_feedback"
-
-
-def wait_until(condition, limit_s=LIMIT_S):
-    limit = time.monotonic() + limit_s
-    while not condition() and time.monotonic() < limit:
-        time.sleep(0.005)
-    return condition()
 
 
 def one_state(state, outcome="done"):

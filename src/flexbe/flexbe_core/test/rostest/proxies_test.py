@@ -27,6 +27,7 @@ from flexbe_core.proxy import (
 )
 from flexbe_core.proxy.action_connection import SILENCE_S
 from flexbe_core.proxy.proxy_action_client import LOST_GRACE_S, ActionServerLostError
+from flexbe_core.testing import wait_until
 
 LIMIT_S = 30.0
 
@@ -38,13 +39,6 @@ server = actionlib.ActionServer('{topic}', TestAction, lambda h: h.set_accepted(
 server.start()
 rospy.spin()
 """
-
-
-def wait_until(condition, limit_s=LIMIT_S):
-    limit = time.monotonic() + limit_s
-    while not condition() and time.monotonic() < limit:
-        time.sleep(0.005)
-    return condition()
 
 
 class ProxiesTest(unittest.TestCase):

@@ -64,7 +64,11 @@ def random_state(rng, label):
     rarely = (False,) * 7 + (True,)
     levels = tuple(rng.randint(0, 3) for _ in OUTCOMES)
     return StateSpec(
-        label, some(rng, SCRIPT, 1, 4), levels, some(rng, rarely, 1, 3), some(rng, rarely, 1, 3)
+        label,
+        some(rng, SCRIPT, 1, 4),
+        levels,
+        some(rng, rarely, 1, 3),
+        exit_fails=some(rng, rarely, 1, 3),
     )
 
 

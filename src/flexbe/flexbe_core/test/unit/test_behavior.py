@@ -39,7 +39,11 @@ class Outer(Behavior):
         inner = self.use_behavior(Inner, "A", default_keys=["a"], parameters={"count": 9})
         with root:
             OperatableStateMachine.add(
-                "A", inner, {"done": "done"}, {"done": Autonomy.Inherit}, {"b": "part", "c": "part"}
+                "A",
+                inner,
+                {"done": "done"},
+                {"done": Autonomy.Inherit},
+                remapping={"b": "part", "c": "part"},
             )
         return root
 

@@ -184,7 +184,17 @@ def test_the_stronger_rule_wins(in_force, now, act):
 
 def test_an_unsupervised_state_is_only_preempted_or_shadowed():
     all_in_force = [
-        Supervision(level, False, paused, locks, points, forced, repeat, stored, requested)
+        Supervision(
+            level,
+            False,
+            paused,
+            locks,
+            breakpoints=points,
+            forced=forced,
+            repeat=repeat,
+            stored=stored,
+            requested=requested,
+        )
         for level, paused, locks, points, forced, repeat, stored, requested in itertools.product(
             (0, 255),
             (False, True),

@@ -84,7 +84,7 @@ def test_the_structure_lists_containers_before_their_children():
     with root:
         OperatableStateMachine.add("box", inner, {"ok": "end"})
     assert structure_of(root) == (
-        Part("", ("box",), ("end",), (), ()),
-        Part("/box", ("a",), ("ok",), ("end",), (0,)),
-        Part("/box/a", (), ("x", "y"), ("ok", "a"), (1, 2)),
+        Part("", ("box",), ("end",), (), autonomy=()),
+        Part("/box", ("a",), ("ok",), ("end",), autonomy=(0,)),
+        Part("/box/a", (), ("x", "y"), ("ok", "a"), autonomy=(1, 2)),
     )

@@ -308,12 +308,12 @@ class Increment(EventState):
 def test_data_flows_through_remappings_into_the_container_and_out(bench):
     inner = OperatableStateMachine(outcomes=["finished"], input_keys=["n"], output_keys=["n"])
     with inner:
-        bench.add("one", Increment(), {"done": "two"}, {}, {"number": "n"})
-        bench.add("two", Increment(), {"done": "finished"}, {}, {"number": "n"})
+        bench.add("one", Increment(), {"done": "two"}, {}, remapping={"number": "n"})
+        bench.add("two", Increment(), {"done": "finished"}, {}, remapping={"number": "n"})
     root = OperatableStateMachine(outcomes=["finished"], output_keys=["total"])
     root.userdata.total = 40
     with root:
-        bench.add("inner", inner, {"finished": "finished"}, {}, {"n": "total"})
+        bench.add("inner", inner, {"finished": "finished"}, {}, remapping={"n": "total"})
     engine = bench.engine(root)
     assert bench.run(engine) == "finished"
     assert engine.root.userdata.total == 42

@@ -3,13 +3,13 @@
 import pytest
 
 from flexbe_core.engine.checksum import checksum
+from flexbe_core.engine.status_code import StatusCode
 from flexbe_mirror.core.mirror import (
     ASK_AFTER_S,
     ASK_AGAIN_S,
     SILENCE_S,
     AskForStructure,
     AskWhere,
-    Code,
     Mirror,
     Show,
 )
@@ -32,7 +32,7 @@ def status(mirror, code, behavior_id=BEHAVIOR, args=(), now=0.0):
 def following():
     mirror = Mirror()
     mirror.on_structure(BEHAVIOR, TREE)
-    assert status(mirror, Code.STARTED) == [Show("/A")]
+    assert status(mirror, StatusCode.STARTED) == [Show("/A")]
     return mirror
 
 
@@ -42,12 +42,12 @@ def test_a_behavior_whose_structure_came_before_is_followed_at_once():
     assert mirror.on_outcome(0) == [Show("/A")]
     mirror.on_outcome(0)
     assert mirror.on_outcome(1) == [], "a status reports the end"
-    assert status(mirror, Code.FINISHED) == [Show("")]
+    assert status(mirror, StatusCode.FINISHED) == [Show("")]
 
 
 def test_a_structure_that_comes_after_the_start_tells_not_where_the_behavior_is():
     mirror = Mirror()
-    assert status(mirror, Code.STARTED) == []
+    assert status(mirror, StatusCode.STARTED) == []
     assert mirror.on_outcome(0) == [], "only the structure says of which state"
     assert mirror.on_structure(BEHAVIOR, TREE) == [AskWhere()]
     assert mirror.on_sync(BEHAVIOR, checksum("/B")) == [Show("/B")]
@@ -55,7 +55,7 @@ def test_a_structure_that_comes_after_the_start_tells_not_where_the_behavior_is(
 
 def test_a_structure_that_does_not_come_is_asked_for_and_then_where_the_behavior_is():
     mirror = Mirror()
-    assert status(mirror, Code.STARTED, now=10.0) == []
+    assert status(mirror, StatusCode.STARTED, now=10.0) == []
     assert mirror.on_time(10.0 + 0.9 * ASK_AFTER_S) == []
     asked = 10.0 + ASK_AFTER_S
     assert mirror.on_time(asked) == [AskForStructure(BEHAVIOR)]
@@ -70,19 +70,21 @@ def test_a_structure_that_does_not_come_is_asked_for_and_then_where_the_behavior
 
 def test_each_run_needs_its_structure_anew_since_asking_makes_the_engine_tell_outcomes():
     mirror = following()
-    status(mirror, Code.FINISHED)
-    assert status(mirror, Code.STARTED, now=10.0) == []
+    status(mirror, StatusCode.FINISHED)
+    assert status(mirror, StatusCode.STARTED, now=10.0) == []
     assert mirror.on_time(10.0 + ASK_AFTER_S) == [AskForStructure(BEHAVIOR)]
 
 
 def test_a_switched_behavior_is_followed_from_the_state_that_goes_on():
     mirror = following()
     mirror.on_structure(8, TREE)
-    assert status(mirror, Code.SWITCHING) == [Show("")]
-    assert status(mirror, Code.STARTED, 8, ("/B",)) == [Show("/B")]
+    assert status(mirror, StatusCode.SWITCHING) == [Show("")]
+    assert status(mirror, StatusCode.STARTED, 8, ("/B",)) == [Show("/B")]
 
 
-@pytest.mark.parametrize("code", [Code.FINISHED, Code.FAILED, Code.ERROR, Code.READY])
+@pytest.mark.parametrize(
+    "code", [StatusCode.FINISHED, StatusCode.FAILED, StatusCode.ERROR, StatusCode.READY]
+)
 def test_every_end_shows_that_nothing_runs_once(code):
     mirror = following()
     assert status(mirror, code) == [Show("")]
@@ -91,13 +93,13 @@ def test_every_end_shows_that_nothing_runs_once(code):
 
 def test_a_new_mirror_shows_that_nothing_runs():
     mirror = Mirror()
-    assert status(mirror, Code.READY) == [Show("")]
-    assert status(mirror, Code.FINISHED) == []
+    assert status(mirror, StatusCode.READY) == [Show("")]
+    assert status(mirror, StatusCode.FINISHED) == []
 
 
 def test_a_refused_start_of_another_behavior_changes_nothing():
     mirror = following()
-    assert status(mirror, Code.ERROR, behavior_id=99) == []
+    assert status(mirror, StatusCode.ERROR, behavior_id=99) == []
     assert mirror.path == "/A"
 
 
@@ -119,15 +121,15 @@ def test_an_engine_that_names_its_active_state_is_shown_as_it_says():
     assert mirror.on_active_state("/B") == [Show("/B")]
     assert mirror.on_active_state("/B") == [Show("/B")], "it follows itself"
     assert mirror.on_active_state("") == [], "a status reports the end"
-    assert status(mirror, Code.FINISHED) == [Show("")]
+    assert status(mirror, StatusCode.FINISHED) == [Show("")]
 
 
 def test_an_active_state_that_comes_before_the_start_is_shown_with_it():
     mirror = Mirror()
     assert mirror.on_active_state("/B") == []
-    assert status(mirror, Code.STARTED) == [Show("/B")]
-    status(mirror, Code.FINISHED)
-    assert status(mirror, Code.STARTED) == [], "that of the run before is not shown again"
+    assert status(mirror, StatusCode.STARTED) == [Show("/B")]
+    status(mirror, StatusCode.FINISHED)
+    assert status(mirror, StatusCode.STARTED) == [], "that of the run before is not shown again"
 
 
 def test_an_engine_that_falls_silent_is_followed_again_when_it_is_heard():

@@ -21,9 +21,10 @@ from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.engine.errors import BehaviorFailure
 from flexbe_core.engine.events import Left, Shown, Synced
 from flexbe_core.engine.leaf import Leaf
+from flexbe_core.engine.status_code import StatusCode
 from flexbe_core.engine.supervision import commands
 from flexbe_core.testing import ScriptedState
-from flexbe_mirror.core.mirror import AskWhere, Code, Mirror, Show
+from flexbe_mirror.core.mirror import AskWhere, Mirror, Show
 from flexbe_mirror.core.tree import Part, Tree
 
 RUNS = 1000
@@ -94,7 +95,7 @@ class Follower:
         )
         messages = [
             lambda: self.mirror.on_structure(BEHAVIOR, Tree(parts)),
-            lambda: self.mirror.on_status(Code.STARTED.value, BEHAVIOR, (), 0.0),
+            lambda: self.mirror.on_status(StatusCode.STARTED, BEHAVIOR, (), 0.0),
         ]
         for message in reversed(messages) if is_late else messages:
             self.take(message())

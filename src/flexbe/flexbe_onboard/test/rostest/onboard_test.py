@@ -32,6 +32,7 @@ from std_msgs.msg import Bool, Empty, Int32, String, UInt8
 
 from flexbe_core import BehaviorLibrary
 from flexbe_core.engine.checksum import checksum
+from flexbe_core.testing import wait_until
 
 LOGS = Path("/tmp/flexbe_onboard_test_logs")
 LATE_PACKAGES = Path("/tmp/flexbe_onboard_test_packages")
@@ -157,13 +158,6 @@ class HangingServer:
 
     def answer(self):
         self.goals[-1].set_succeeded(TestResult())
-
-
-def wait_until(condition, limit_s=LIMIT_S):
-    limit = time.monotonic() + limit_s
-    while not condition() and time.monotonic() < limit:
-        time.sleep(0.005)
-    return condition()
 
 
 class OnboardTest(unittest.TestCase):

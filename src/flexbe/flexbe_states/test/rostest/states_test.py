@@ -15,6 +15,7 @@ from std_msgs.msg import Bool, Empty, String
 from flexbe_core import OperatableStateMachine
 from flexbe_core.engine.supervision.commands import Preempt
 from flexbe_core.ros.session import own_session
+from flexbe_core.testing import wait_until
 from flexbe_states.log_key_state import LogKeyState
 from flexbe_states.log_state import LogState
 from flexbe_states.publisher_bool_state import PublisherBoolState
@@ -24,13 +25,6 @@ from flexbe_states.subscriber_state import SubscriberState
 from flexbe_states.wait_state import WaitState
 
 LIMIT_S = 30.0
-
-
-def wait_until(condition, limit_s=LIMIT_S):
-    limit = time.monotonic() + limit_s
-    while not condition() and time.monotonic() < limit:
-        time.sleep(0.002)
-    return condition()
 
 
 class Run:

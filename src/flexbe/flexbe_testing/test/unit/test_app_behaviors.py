@@ -174,7 +174,7 @@ def state(name, outcomes, parameters="", reads=(), writes=(), package="my_states
 @pytest.fixture(scope="module")
 def known():
     states = [
-        state("SeeState", ["seen", "unseen"], ", camera, hint=''", ["part"], ["pose"]),
+        state("SeeState", ["seen", "unseen"], ", camera, hint=''", ["part"], writes=["pose"]),
         state("MoveState", ["done"], ", speed=1", ["pose"]),
         state("AskState", "answers", ", answers"),
     ]
@@ -232,7 +232,7 @@ def test_what_is_loaded_is_what_the_file_holds(known):
         ("# Behavior comments:", "# a def b\n        # Behavior comments:", "__init__ ends early"),
         ("import SeeState", "import (SeeState)", "an import in another form"),
         ("return _state_machine", "return (_state_machine)", "does not return a variable"),
-        ("outcomes=['done']", "['done']", "another argument than a list"),
+        ("outcomes=['done']", "['done']", "an argument that is not a list"),
         ("                                        ])\n", "        ])  # no\n", "is not read"),
         ("('lost', [('Left', 'unseen')])", "('lost', [('Left', x)])", "a condition that is not"),
         ("# x:500 y:40\n", "\n", "positions of the outcomes"),
@@ -245,10 +245,10 @@ def test_what_is_loaded_is_what_the_file_holds(known):
             "{'again': 'Look'}",
             "'clean_up' of '/Ask' is not",
         ),
-        ("'pose': 'right_pose'", "'pose': 'right pose'", "is no identifier"),
+        ("'pose': 'right_pose'", "'pose': 'right pose'", "is not an identifier"),
         ("remapping={'pose': 'pose'}", "remapping={'pose': 'p'}", "nothing before it writes 'p'"),
         ("remapping={'pose': 'pose'}", "remapping={'p': 'pose'}", "which it does not have"),
-        ("[('Right', 'unseen')]", "[('Left', 'unseen')]", "stands in two conditions"),
+        ("[('Right', 'unseen')]", "[('Left', 'unseen')]", "is in two conditions"),
         ("[('Left', 'unseen')]", "[('Left', 'unseen'), ('Left', 'seen')]", "two outcomes of one"),
         ("'Right', 'unseen')", "'Right', 'unsaid')", "and its condition to 'None'"),
         ("MoveState(speed=", "MoveState(sped=", "which MoveState hides"),

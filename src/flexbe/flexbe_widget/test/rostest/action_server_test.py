@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import tempfile
-import time
 import unittest
 from pathlib import Path
 from xmlrpc.client import ServerProxy
@@ -24,16 +23,10 @@ from flexbe_msgs.msg import (
 )
 from std_msgs.msg import String, UInt8
 
+from flexbe_core.testing import wait_until
 from flexbe_widget.core.run_watch import ENGINE_LOST_TEXT, FAILED_TEXT, NOT_STARTED_TEXT
 
 LIMIT_S = 40.0
-
-
-def wait_until(condition, limit_s=LIMIT_S):
-    limit = time.monotonic() + limit_s
-    while not condition() and time.monotonic() < limit:
-        time.sleep(0.01)
-    return condition()
 
 
 class ActionServerTest(unittest.TestCase):

@@ -4,7 +4,6 @@
 import os
 import signal
 import subprocess
-import time
 import unittest
 from xmlrpc.client import ServerProxy
 
@@ -14,17 +13,11 @@ import rostest
 from flexbe_msgs.msg import BehaviorRequest, BEStatus
 from std_msgs.msg import Empty
 
+from flexbe_core.testing import wait_until
 from flexbe_widget.core.exit_code import ExitCode
 
 LAUNCHER = ["rosrun", "flexbe_widget", "be_launcher"]
 LIMIT_S = 40.0
-
-
-def wait_until(condition, limit_s=LIMIT_S):
-    limit = time.monotonic() + limit_s
-    while not condition() and time.monotonic() < limit:
-        time.sleep(0.01)
-    return condition()
 
 
 class LauncherTest(unittest.TestCase):
@@ -97,7 +90,7 @@ class LauncherTest(unittest.TestCase):
     def test_a_senseless_command_line_is_explained(self):
         code, printed = self.launch("-b", "Quick Test", "hello")
         self.assertEqual(code, ExitCode.USAGE)
-        self.assertIn("'hello' is no option", printed)
+        self.assertIn("'hello' is neither an option", printed)
 
     def test_a_stopped_behavior_has_an_exit_code(self):
         stop = rospy.Publisher("flexbe/commands/preempt", Empty, queue_size=1)

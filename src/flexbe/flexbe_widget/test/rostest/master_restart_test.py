@@ -7,22 +7,16 @@ import signal
 import socket
 import subprocess
 import tempfile
-import time
 import unittest
 from pathlib import Path
 
 import rosgraph
 import rostest
 
+from flexbe_core.testing import wait_until
+
 LIMIT_S = 40.0
 NODES = ("/behavior", "/behavior_action_server")
-
-
-def wait_until(condition, limit_s=LIMIT_S):
-    limit = time.monotonic() + limit_s
-    while not condition() and time.monotonic() < limit:
-        time.sleep(0.05)
-    return condition()
 
 
 class MasterRestartTest(unittest.TestCase):

@@ -82,8 +82,8 @@ class ChartFolders:
             if time.monotonic() > end:
                 where = ", ".join(map(str, self.folders))
                 raise CommandError(
-                    f"reading the chart folders takes more than {_READ_WITHIN_S:g} s; take what "
-                    f"is no chart out of {where}"
+                    f"reading the chart folders takes more than {_READ_WITHIN_S:g} s; move other "
+                    f"files out of {where}"
                 )
 
         return expect_time

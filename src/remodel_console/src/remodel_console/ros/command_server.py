@@ -11,21 +11,20 @@ from flexbe_msgs.msg import UICommand
 from std_msgs.msg import String
 
 from remodel_console.core.access import Actor, Role
-from remodel_console.core.answer import DONE, FAILED, REFUSED, Answer
+from remodel_console.core.answer import DONE, REFUSED, Answer
 from remodel_console.core.commands import read_command
 from remodel_console.core.key import is_allowed
 from remodel_console.core.settings import Settings
-from remodel_console.desk import Journal
-from remodel_console.errors import CommandError
+from remodel_console.desk import Journal, answer_of
 from remodel_console.ros import topics
 from remodel_console.ros.runtime import Runtime
 from remodel_console.session import Session
 
-_MOST_WAITING = 64  # commands; nobody types faster than they are carried out
+_MOST_WAITING = 64  # commands; more than an operator types before they are executed
 
 
 class CommandServer:
-    """Carries out the commands that arrive, in a thread of its own."""
+    """Executes the commands that arrive, in a thread of its own."""
 
     def __init__(
         self,
@@ -38,8 +37,8 @@ class CommandServer:
 
         Args:
             session: what is edited.
-            runtime: the way to the engine.
-            settings: returns whether commands are taken now, and what they must bring.
+            runtime: commands to the engine.
+            settings: returns whether commands are accepted now, and the key they must contain.
             journal: where commands are recorded.
         """
         self._journal = journal
@@ -58,7 +57,7 @@ class CommandServer:
             self._waiting.put_nowait(message)
         except queue.Full:
             words = f"{_MOST_WAITING} commands are waiting already; send this one again later"
-            self._tell(Answer(REFUSED, message.command, words))
+            self._publish(Answer(REFUSED, message.command, words))
 
     def _work(self) -> None:
         while not rospy.is_shutdown():
@@ -70,10 +69,10 @@ class CommandServer:
             if self._journal is not None:
                 node = message._connection_header["callerid"]
                 self._journal.write(Actor(node, topics.COMMAND, Role.OPERATOR), answer)
-            self._tell(answer)
+            self._publish(answer)
 
     def _answer(self, message: UICommand) -> Answer:
-        """Carry one command out and return what became of it."""
+        """Execute one command and return the answer."""
         text, settings = message.command, self._settings()
         if not settings.are_commands_allowed:
             words = "commands of topics are switched off on the console's Configuration page"
@@ -81,17 +80,14 @@ class CommandServer:
         if not is_allowed(message.key, settings.command_key):
             rospy.logwarn("a command with a wrong key was refused: %s", text)
             return Answer(REFUSED, text, "the key is wrong; ask who configured this console")
-        try:
-            command = read_command(text)
-            does = self._runtime if command.verb in Runtime.VERBS else self._session
-            return Answer(DONE, text, does.carry_out(command))
-        except CommandError as error:
-            return Answer(FAILED, text, str(error))
-        except Exception as error:  # noqa: BLE001 - one command must not end the others
-            rospy.logerr("the command '%s' failed", text, exc_info=True)
-            return Answer(FAILED, text, f"internal error: {error!r}; the log has the trace")
+        return answer_of(text, lambda: self._carry_out(text), rospy.logerr)
 
-    def _tell(self, answer: Answer) -> None:
+    def _carry_out(self, text: str) -> str:
+        command = read_command(text)
+        does = self._runtime if command.verb in Runtime.VERBS else self._session
+        return does.carry_out(command)
+
+    def _publish(self, answer: Answer) -> None:
         """Publish an answer, and the acknowledgement that the FlexBE App would give."""
         if answer.state == DONE:
             rospy.loginfo("%s", answer)

@@ -26,16 +26,16 @@ from remodel_console.core.run.run_view import (
     Acknowledged,
     Asked,
     EngineSeen,
+    EngineStatus,
     Entered,
     Event,
     Left,
-    Told,
 )
 from remodel_console.core.run.structure import Level, Structure
 from remodel_console.errors import CommandError
 from remodel_console.ros import topics
 
-_LOOK_EVERY_S = 0.2  # between two looks whether the engine is there
+_POLL_S = 0.2  # between two checks whether the engine is running
 _CHECK_EVERY_S = 0.01  # while the engine connects
 _CONNECT_S = 5.0  # in which an engine that is there subscribes to each of its topics
 _USERDATA_S = 2.0  # in which the engine answers what its userdata is
@@ -57,9 +57,11 @@ _PUBLISHED = {
 class EngineLink:
     """Subscribes to the engine of this namespace, and publishes orders to it."""
 
-    def __init__(self, tell: Callable[[Event], None], tell_log: Callable[[LogLine], None]) -> None:
-        """Connect; `tell` and `tell_log` are called on threads of their own."""
-        self._tell = tell
+    def __init__(
+        self, report: Callable[[Event], None], report_line: Callable[[LogLine], None]
+    ) -> None:
+        """Connect; `report` and `report_line` are called on threads of their own."""
+        self._report = report
         self._was_there = False
         self._stop = threading.Event()
         rospy.on_shutdown(self._stop.set)
@@ -68,14 +70,14 @@ class EngineLink:
         }
         subscribe = partial(rospy.Subscriber, tcp_nodelay=True)
         self._heartbeat = subscribe(topics.HEARTBEAT, Empty)
-        self._updates = subscribe(topics.UPDATE, String, lambda m: tell(Entered(m.data)))
-        subscribe(topics.LEFT, String, lambda m: tell(_left(m)))
+        self._updates = subscribe(topics.UPDATE, String, lambda m: report(Entered(m.data)))
+        subscribe(topics.LEFT, String, lambda m: report(_left(m)))
         subscribe(topics.STATUS, BEStatus, self._take_status)
-        subscribe(topics.REQUEST, OutcomeRequest, lambda m: tell(Asked(m.target, m.outcome)))
-        subscribe(topics.STRUCTURE, ContainerStructure, lambda m: tell(_structure(m)))
+        subscribe(topics.REQUEST, OutcomeRequest, lambda m: report(Asked(m.target, m.outcome)))
+        subscribe(topics.STRUCTURE, ContainerStructure, lambda m: report(_structure(m)))
         subscribe(topics.FEEDBACK, CommandFeedback, self._take_feedback)
-        subscribe(topics.LOG, BehaviorLog, lambda m: tell_log(_log_line(m)))
-        threading.Thread(target=self._look, name="engine", daemon=True).start()
+        subscribe(topics.LOG, BehaviorLog, lambda m: report_line(_log_line(m)))
+        threading.Thread(target=self._watch, name="engine", daemon=True).start()
 
     @property
     def is_followed(self) -> bool:
@@ -119,20 +121,20 @@ class EngineLink:
             raise CommandError(f"the engine does not return its userdata: {error}") from error
         return tuple((d.state, d.key, d.type, d.data) for d in answer.userdata)
 
-    def _look(self) -> None:
-        while not self._stop.wait(_LOOK_EVERY_S):
+    def _watch(self) -> None:
+        while not self._stop.wait(_POLL_S):
             # One that has just come may be heard before it hears what it is sent.
             hears = self._publishers[topics.START].get_num_connections() > 0
             is_there = hears and self._heartbeat.get_num_connections() > 0
             if is_there != self._was_there:
                 self._was_there = is_there
-                self._tell(EngineSeen(is_there))
+                self._report(EngineSeen(is_there))
 
     def _take_status(self, message: BEStatus) -> None:
-        self._tell(Told(message.code, message.behavior_id, tuple(message.args)))
+        self._report(EngineStatus(message.code, message.behavior_id, tuple(message.args)))
 
     def _take_feedback(self, message: CommandFeedback) -> None:
-        self._tell(Acknowledged(message.command, tuple(message.args)))
+        self._report(Acknowledged(message.command, tuple(message.args)))
 
 
 def _messages(order: orders.Order) -> tuple[tuple[str, Message], ...]:

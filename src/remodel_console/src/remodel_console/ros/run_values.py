@@ -22,7 +22,7 @@ def use_case_of(message: msg.UseCaseState, copy: TaskCopy) -> UseCase:
     has_tasks = copy.series == message.series
     return UseCase(
         phase=Phase(message.phase),
-        told_s=message.stamp.to_sec(),
+        stamp_s=message.stamp.to_sec(),
         message=message.message,
         cell=message.cell,
         run=message.run,

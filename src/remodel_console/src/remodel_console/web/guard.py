@@ -80,10 +80,7 @@ class Guard:
         text = scope["query_string"] if scope["method"] == "GET" else await _body(receive)
         given = parse_qs(text.decode(errors="replace")).get("token", [""])[0].strip()
         if self._door.role_of(given) is None:
-            return _ask(
-                "Wrong token. The terminal in which the console was started shows the token.",
-                "wrong",
-            )
+            return _ask(_WRONG, "wrong")
         answer = RedirectResponse("/", 303)
         answer.set_cookie(TOKEN_COOKIE, given, httponly=True, samesite="strict")
         return answer

@@ -36,7 +36,7 @@ def main(arguments: list[str] | None = None) -> int:
         if not verdict.valid:
             print("\n".join(("the plan is not valid:", *verdict.violations)))
             return 1
-        write_text(options.output, draw_plan(problem, plan))
+        write_text(options.output, draw_plan(problem, plan, verdict))
     except PlannerError as error:
         print(f"draw: {error}", file=sys.stderr)
         return 3

@@ -6,6 +6,7 @@ import argparse
 import re
 import sys
 from collections import Counter
+from contextlib import closing
 from pathlib import Path
 
 from remodel_planner.commands.options.database_option import add_database_option
@@ -56,11 +57,8 @@ def main(arguments: list[str] | None = None) -> int:
         imported = _read(options, name)
         order = laid_out(imported.order)
         preferences = _preferences(options, order)
-        database = ProductionDatabase(options.database)
-        try:
+        with closing(ProductionDatabase(options.database)) as database:
             database.add_order(order, preferences, read_abilities())
-        finally:
-            database.close()
     except PlannerError as error:
         print(f"import: {error}", file=sys.stderr)
         return 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 from remodel_planner.commands.options.database_option import add_database_option
@@ -35,11 +36,8 @@ def main(arguments: list[str] | None = None) -> int:
     add_database_option(parser)
     options = parser.parse_args(arguments)
     try:
-        database = ProductionDatabase(options.database)
-        try:
+        with closing(ProductionDatabase(options.database)) as database:
             entries = tuple(_entries(database, options.serial))
-        finally:
-            database.close()
         text = as_csv(entries) if options.format == "csv" else as_json(options.serial, entries)
         if options.output is None:
             sys.stdout.write(text)

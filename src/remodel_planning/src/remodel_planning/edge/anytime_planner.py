@@ -140,15 +140,3 @@ class AnytimePlanner:
             makespan=decoded.makespan,
             penalty=decoded.penalty,
         )
-
-
-def remaining_order(old: Planned, tables: Tables) -> tuple[Integers, Integers]:
-    """Return an old plan's order and modes in the numbers of a problem that follows from it."""
-    number = {name: i for i, name in enumerate(tables.wires)}
-    names = [old.tables.wires[i] for i in old.order]
-    order = np.array([number[name] for name in names if name in number], np.int32)
-    modes = np.full(len(tables.wires), -1, np.int32)
-    for name, mode in zip(old.tables.wires, old.modes.tolist(), strict=True):
-        if name in number:
-            modes[number[name]] = mode
-    return order, modes

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
-
-import jsonschema
 
 from remodel_planning.core.use_case.designs import DesignKind
 from remodel_planning.core.use_case.model import UseCase
 from remodel_planning.core.use_case.reading import use_case_from
-from remodel_planning.edge.json_file import read_json
-from remodel_planning.edge.package_files import use_case_folder, use_case_schema
 from remodel_planning.edge.yaml_file import read_yaml
 from remodel_planning.errors import UseCaseError
+from remodel_production.edge.package_files import package_folder
 from remodel_production.errors import InstanceError
+from remodel_states.core.schema_problems import schema_problems
 
 # Folders with use cases of the user's own, before those of the package; separated as PATH is.
 VARIABLE = "REMODEL_USE_CASES"
@@ -52,6 +51,15 @@ def default_use_case(kind: DesignKind) -> UseCase:
     )
 
 
+def use_case_folder() -> Path:
+    """Return the folder of the package's use cases."""
+    return _config() / "use_cases"
+
+
+def _config() -> Path:
+    return package_folder("remodel_planning") / "config"
+
+
 def _files() -> list[Path]:
     folders = [Path(part) for part in os.environ.get(VARIABLE, "").split(os.pathsep) if part]
     return [f for folder in [*folders, use_case_folder()] for f in sorted(folder.glob("*.yaml"))]
@@ -64,8 +72,8 @@ def read_use_case(file: Path) -> UseCase:
         UseCaseError: naming the file, and what is wrong where.
     """
     data = _parsed(file)
-    schema = jsonschema.Draft202012Validator(read_json(use_case_schema()))
-    findings = [_message(error) for error in sorted(schema.iter_errors(data), key=_place)]
+    schema = json.loads((_config() / "use_case.schema.json").read_text(encoding="utf-8"))
+    findings = list(schema_problems(data, schema))
     if not findings and data["name"] != file.stem:
         findings = [f"name: expected {file.stem}, as the file is called, found {data['name']}"]
     if findings:
@@ -81,12 +89,3 @@ def _parsed(file: Path) -> object:
         return read_yaml(file)
     except InstanceError as error:
         raise UseCaseError(f"{file}: {error}") from error
-
-
-def _message(error: jsonschema.ValidationError) -> str:
-    deepest = jsonschema.exceptions.best_match([error])
-    return f"{_place(deepest) or 'the document'}: {deepest.message}"
-
-
-def _place(error: jsonschema.ValidationError) -> str:
-    return ".".join(map(str, error.absolute_path))

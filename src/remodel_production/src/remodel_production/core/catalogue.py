@@ -111,19 +111,31 @@ class Catalogue:
         return self.wires[section_mm2]
 
 
-def catalogue_from(parsed: object) -> Catalogue:
-    """Build a catalogue from the parsed YAML file.
+def catalogue_from(data: Mapping[str, Any]) -> Catalogue:
+    """Build a catalogue from a document in the form of config/catalogue.schema.json.
 
     Raises:
-        CatalogueError: naming the first key that is missing or malformed.
+        CatalogueError: if a role has no rule for terminals of any part.
     """
-    where = "the file"
-    try:
-        data = _mapping(parsed)
-        where = "placement"
-        placement = tuple((rule["pattern"], Place(rule["place"])) for rule in data["placement"])
-        where = "wires"
-        wires = {
+    terminals = tuple(
+        TerminalRule(
+            Role(row["role"]), row["part"], float(row["force_limit"]), float(row["clearance"])
+        )
+        for row in data["terminals"]
+    )
+    for role in Role:
+        if not any(rule.role is role and rule.part == "*" for rule in terminals):
+            raise CatalogueError(
+                f"terminals: no rule with part '*' for role {role.value}: add one at the end"
+            )
+    return Catalogue(
+        placement=tuple((rule["pattern"], Place(rule["place"])) for rule in data["placement"]),
+        colour_names=data["colour_names"],
+        colour_values=data["colour_values"],
+        colour_codes=frozenset(data["colour_codes"]),
+        default_colour=data["default_colour"],
+        default_section=float(data["default_section"]),
+        wires={
             float(section): WireType(
                 float(row["diameter"]),
                 float(row["density"]),
@@ -131,42 +143,6 @@ def catalogue_from(parsed: object) -> Catalogue:
                 float(row["ferrule"]),
             )
             for section, row in data["wires"].items()
-        }
-        where = "terminals"
-        terminals = tuple(_terminal_rule(row) for row in data["terminals"])
-        for role in Role:
-            if not any(rule.role is role and rule.part == "*" for rule in terminals):
-                raise ValueError(f"no rule with part '*' for role {role.value}")
-        where = "colours and defaults"
-        return Catalogue(
-            placement,
-            dict(data["colour_names"]),
-            dict(data["colour_values"]),
-            frozenset(map(str, data["colour_codes"])),
-            default_colour=str(data["default_colour"]),
-            default_section=float(data["default_section"]),
-            wires=wires,
-            terminals=terminals,
-        )
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise CatalogueError(f"catalogue: {where}: {error!r}") from error
-
-
-def _terminal_rule(row: Mapping[str, Any]) -> TerminalRule:
-    """Return a rule whose values a terminal can have; ValueError if they cannot be."""
-    rule = TerminalRule(
-        Role(row["role"]), str(row["part"]), float(row["force_limit"]), float(row["clearance"])
+        },
+        terminals=terminals,
     )
-    if not (rule.force_limit_n > 0 and rule.clearance_m >= 0):
-        raise ValueError(
-            f"force_limit {rule.force_limit_n:g}, clearance {rule.clearance_m:g}: the one must be "
-            "above 0, the other at least 0"
-        )
-    return rule
-
-
-def _mapping(parsed: object) -> Mapping[str, Any]:
-    """Return the data if it is a mapping; TypeError if not."""
-    if not isinstance(parsed, Mapping):
-        raise TypeError(f"expected a mapping, found {type(parsed).__name__}")
-    return parsed

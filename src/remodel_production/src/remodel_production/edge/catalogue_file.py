@@ -1,21 +1,29 @@
 """Read the catalogue from its YAML file."""
 
+import json
 from pathlib import Path
 
 import yaml
 
 from remodel_production.core.catalogue import Catalogue, catalogue_from
-from remodel_production.errors import CatalogueError
+from remodel_production.edge.package_files import package_folder
+from remodel_production.errors import CatalogueError, blamed
+from remodel_states.core.schema_problems import schema_problems
 
 
 def read_catalogue(path: Path) -> Catalogue:
     """Return the catalogue in a file.
 
     Raises:
-        CatalogueError: if the file is no YAML or not of the catalogue's form.
+        CatalogueError: if the file is no YAML or not of the catalogue's form, with each problem.
     """
     try:
         data = yaml.safe_load(path.read_text(encoding="utf-8"))
     except (OSError, yaml.YAMLError) as error:
         raise CatalogueError(f"{path}: {error}") from error
-    return catalogue_from(data)
+    schema = package_folder("remodel_production") / "config/catalogue.schema.json"
+    problems = list(schema_problems(data, json.loads(schema.read_text(encoding="utf-8"))))
+    if problems:
+        raise CatalogueError(f"{path}: " + "\n  ".join(problems))
+    with blamed(path):
+        return catalogue_from(data)

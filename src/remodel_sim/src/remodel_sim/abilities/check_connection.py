@@ -161,7 +161,7 @@ def _observations(
     places = [shot.component.world_from_component for shot in shots if shot.component is not None]
     if not places:
         return []
-    return [_observation(context, goal, component, shot, places[-1]) for shot in shots]
+    return [_observation(context, goal, component, shot, elsewhere=places[-1]) for shot in shots]
 
 
 def _observation(

@@ -142,4 +142,11 @@ def detect_cable(context: RobotContext, goal: DetectGoal) -> Steps[CableDetected
     ends = " and ".join(end.value for end in wanted)
     tips = tuple(context.belief.tips[end] for end in wanted)
     message = f"loose end {ends} of {wire.id} seen, and {length * 1e3:.0f} mm of the wire"
-    return CableDetected(message, line, tips, length, confidence, False)
+    return CableDetected(
+        message=message,
+        centreline=line,
+        tips=tips,
+        length=length,
+        confidence=confidence,
+        truncated=False,
+    )

@@ -102,7 +102,13 @@ def _extract(context: RobotContext, terminal: TerminalKey) -> Steps[None]:
     if belief.engaged is None and component_id not in belief.seen:
         yield from locate_gearbox_component(context, LocateGoal(component_id, terminal_id))
     socket = belief.engaged or opening_of(terminal, context.panel, belief.seen)
-    goal = ExtractGoal(context.name, context.wire.id, component_id, terminal_id, socket)
+    goal = ExtractGoal(
+        robot_name=context.name,
+        cable_id=context.wire.id,
+        component_id=component_id,
+        terminal_id=terminal_id,
+        socket=socket,
+    )
     try:
         yield from extract_cable(context, goal)
     except AbilityError as error:
@@ -126,7 +132,7 @@ def _pick_an_end(context: RobotContext, above_bin: ToolPose) -> Steps[None]:
     for end in sorted(loose_ends(context), key=away):
         socket = _toward(above_bin, context, end)
         try:
-            yield from pick_end(context, end, 0.0, socket, (0.5, 0.7))
+            yield from pick_end(context, end, 0.0, socket, shares=(0.5, 0.7))
         except AbilityError as error:
             failures.append(error)
         else:
@@ -148,9 +154,9 @@ def _drop(context: RobotContext, above_bin: ToolPose) -> Steps[None]:
     free, now = context.force, context.commanded
     context.lower_fork()
     yield from rise(context, above_bin.z)
-    yaw = nearest_hand_yaw(context.arm, above_bin.x, above_bin.y, now.yaw, now.yaw)
+    yaw = nearest_hand_yaw(context.arm, above_bin.x, above_bin.y, now.yaw, near=now.yaw)
     over = ToolPose(above_bin.x, above_bin.y, context.commanded.z, yaw)
-    yield from carry(context, over, CARRY_SPEED, free, MAX_PULL_N)
+    yield from carry(context, over, CARRY_SPEED, free, most=MAX_PULL_N)
     check_grip(context)
     context.report("dropping the wire", 0.95)
     context.drive_fingers(HAND_OPEN_M)

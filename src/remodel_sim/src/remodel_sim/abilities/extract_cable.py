@@ -56,11 +56,11 @@ class CableExtracted:
 
 def _goal(message: Any) -> ExtractGoal:  # noqa: ANN401 - messages have no types
     return ExtractGoal(
-        message.robot_name,
-        message.cable_id,
-        message.component_id,
-        message.terminal_id,
-        pose_from("socket_pose", message.socket_pose),
+        robot_name=message.robot_name,
+        cable_id=message.cable_id,
+        component_id=message.component_id,
+        terminal_id=message.terminal_id,
+        socket=pose_from("socket_pose", message.socket_pose),
     )
 
 
@@ -137,13 +137,15 @@ def _grasp_at_opening(context: RobotContext, end: End, socket: Pose, inside: flo
     """Grasp the wire just outside an opening; `inside` [m] of it are in the terminal."""
     then = context.belief.picked_at[end]
     distance = inside + OUTSIDE_M
-    place = tool_before(socket, Grip(end, distance, 0.0, 0.0, then.tool), inside)
+    place = tool_before(
+        socket, Grip(end=end, distance=distance, height=0.0, flip=0.0, tool=then.tool), inside
+    )
     flip = choose_flip(
         context.arm,
         (place.x, place.y),
         socket.yaw,
         (then.tool.x, then.tool.y),
-        then.tool.yaw + then.flip,
+        then_tip_yaw=then.tool.yaw + then.flip,
     )
     tool = ToolPose(place.x, place.y, place.z, socket.yaw - flip)
     yield from clear_hand(context)
@@ -152,7 +154,9 @@ def _grasp_at_opening(context: RobotContext, end: End, socket: Pose, inside: flo
     yield from move_to(context, tool.at(z=tool.z + 0.03), FREE_SPEED)
     yield from move_to(context, tool, APPROACH_SPEED)
     picked = context.belief.picked_at[end]
-    yield from close_on_wire(context, Grip(end, distance, 0.0, flip, tool))
+    yield from close_on_wire(
+        context, Grip(end=end, distance=distance, height=0.0, flip=flip, tool=tool)
+    )
     context.belief.picked_at[end] = picked
     context.belief.engaged = socket
 

@@ -30,11 +30,11 @@ class CableFixed:
 
 def _goal(message: Any) -> FixGoal:  # noqa: ANN401 - messages have no types
     return FixGoal(
-        message.robot_name,
-        message.cable_id,
-        message.component_id,
-        message.terminal_id,
-        message.pull_test_force,
+        robot_name=message.robot_name,
+        cable_id=message.cable_id,
+        component_id=message.component_id,
+        terminal_id=message.terminal_id,
+        pull_test_force=message.pull_test_force,
     )
 
 

@@ -38,13 +38,13 @@ class CableInserted:
 
 def _goal(message: Any) -> InsertGoal:  # noqa: ANN401 - messages have no types
     return InsertGoal(
-        message.robot_name,
-        message.cable_id,
-        parse_end(message.cable_end),
-        message.component_id,
-        message.terminal_id,
-        pose_from("socket_pose", message.socket_pose),
-        message.force_limit,
+        robot_name=message.robot_name,
+        cable_id=message.cable_id,
+        end=parse_end(message.cable_end),
+        component_id=message.component_id,
+        terminal_id=message.terminal_id,
+        socket=pose_from("socket_pose", message.socket_pose),
+        force_limit=message.force_limit,
     )
 
 
@@ -53,7 +53,7 @@ def insert_cable(context: RobotContext, goal: InsertGoal) -> Steps[CableInserted
     """Pick the end if the hand is empty, push it into the opening, judge by travel and force."""
     yield from disengage(context)
     if context.belief.grip is None:
-        yield from pick_end(context, goal.end, 0.0, goal.socket, (0.0, 0.45))
+        yield from pick_end(context, goal.end, 0.0, goal.socket, shares=(0.0, 0.45))
     context.report(f"carrying end {goal.end.value} to {goal.component_id}/{goal.terminal_id}", 0.5)
     yield from bring_before(context, goal.socket)
     check_grip(context)

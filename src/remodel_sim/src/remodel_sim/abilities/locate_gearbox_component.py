@@ -68,7 +68,7 @@ def locate_gearbox_component(context: RobotContext, goal: LocateGoal) -> Steps[C
         yield from park(context)
         picture = context.take_overhead_picture()
         yield
-        above = _see(context, "overhead", picture, component, goal, coarse, [])
+        above = _see(context, "overhead", picture, component, goal=goal, near=coarse, views=[])
         if above is None:
             code = Code.COMPONENT_NOT_FOUND
         else:
@@ -105,7 +105,7 @@ def _observe_from_hand(
     views: list[LabelView] = []
     for tool in label_views(context, label, goes_to, goal.view):
         picture = yield from go_and_see(context, tool)
-        seen = _see(context, "wrist", picture, component, goal, coarse, views)
+        seen = _see(context, "wrist", picture, component, goal=goal, near=coarse, views=views)
         observation = seen or observation
         if len(views) == VIEWS:
             return observation

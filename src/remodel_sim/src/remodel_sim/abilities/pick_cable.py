@@ -39,7 +39,7 @@ def _goal(message: Any) -> PickGoal:  # noqa: ANN401 - messages have no types
 def pick_cable(context: RobotContext, goal: PickGoal) -> Steps[CablePicked]:
     """Find the end, grasp it so that the hand can insert it where it belongs, and lift it."""
     socket = WORLD_FROM_PANEL @ context.panel.panel_from_socket(*context.wire.goes_to(goal.end))
-    yield from pick_end(context, goal.end, goal.grasp_distance, socket, (0.0, 1.0))
+    yield from pick_end(context, goal.end, goal.grasp_distance, socket, shares=(0.0, 1.0))
     gap = context.finger_gap
     message = f"end {goal.end.value} of {goal.cable_id} held, {gap * 1e3:.1f} mm between the pads"
     return CablePicked(message, context.belief.picked_at[goal.end].tool, gap)

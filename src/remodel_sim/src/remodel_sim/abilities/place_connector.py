@@ -49,13 +49,13 @@ class ConnectorPlaced:
 
 def _goal(message: Any) -> ConnectGoal:  # noqa: ANN401 - messages have no types
     return ConnectGoal(
-        message.robot_name,
-        message.connector_id,
-        message.cable_id,
-        message.component_id,
-        message.terminal_id,
-        pose_from("socket_pose", message.socket_pose),
-        message.force_limit,
+        robot_name=message.robot_name,
+        connector_id=message.connector_id,
+        cable_id=message.cable_id,
+        component_id=message.component_id,
+        terminal_id=message.terminal_id,
+        socket=pose_from("socket_pose", message.socket_pose),
+        force_limit=message.force_limit,
     )
 
 
@@ -68,14 +68,14 @@ def place_connector(context: RobotContext, goal: ConnectGoal) -> Steps[Connector
     where = f"'{goal.component_id}/{goal.terminal_id}'"
     yield from disengage(context)
     if belief.grip is None:
-        yield from pick_end(context, connector.end, 0.0, goal.socket, (0.0, 0.45))
+        yield from pick_end(context, connector.end, 0.0, goal.socket, shares=(0.0, 0.45))
     context.report(f"carrying {connector.id} to {where}", 0.5)
     yield from bring_before(context, goal.socket)
     check_grip(context)
     context.report("pushing", 0.75)
     belief.engaged = goal.socket
     bottom, limit = connector.pin_length, goal.force_limit
-    push = yield from push_in(context, goal.socket, bottom, limit, CONNECTOR)
+    push = yield from push_in(context, goal.socket, bottom, limit, manner=CONNECTOR)
     check_grip(context)
     header = context.panel.component(goal.component_id).terminal(goal.terminal_id)
     judge_alignment(push, opening_of(key, context.panel, belief.seen), header, where)

@@ -87,13 +87,13 @@ class Hand:
 
 def _goal(message: Any) -> PlacePinGoal:  # noqa: ANN401 - messages have no types
     return PlacePinGoal(
-        message.robot_1_name,
-        message.robot_2_name,
-        message.path_space,
-        message.connector_space,
-        message.centered,
-        message.rotate,
-        message.show_in_TF,
+        robot_1=message.robot_1_name,
+        robot_2=message.robot_2_name,
+        path_space=message.path_space,
+        connector_space=message.connector_space,
+        centered=message.centered,
+        rotate=message.rotate,
+        show_in_tf=message.show_in_TF,
     )
 
 
@@ -160,7 +160,7 @@ def _distance(hand: Hand) -> float:
 
 def _pick(hand: Hand) -> Steps[None]:
     if hand.context.belief.grip is None:
-        yield from pick_end(hand.context, hand.end, 0.0, hand.pin, (0.1, 0.45))
+        yield from pick_end(hand.context, hand.end, 0.0, hand.pin, shares=(0.1, 0.45))
 
 
 def _grip(hand: Hand) -> Grip:
@@ -208,8 +208,7 @@ def _draw(hand: Hand) -> Steps[None]:
     for tick in range(1, math.ceil(DRAW_M / DRAW_SPEED / context.tick_s) + 1):
         if tick * context.tick_s > BLIND_S and axial(context.force - rest, out) > TAUT_N:
             break
-        x, y, _ = (float(v) for v in start.position + tick * DRAW_SPEED * context.tick_s * out)
-        context.drive(ToolPose(x, y, start.z, start.yaw))
+        context.drive(start.moved(out, tick * DRAW_SPEED * context.tick_s))
         yield
     check_grip(context)
 

@@ -1,4 +1,4 @@
-"""What goes wrong in the cell."""
+"""Errors of the cell."""
 
 from typing import Any
 
@@ -57,11 +57,11 @@ class FilmError(CellError):
 
 
 class MemoryFileError(CellError):
-    """What a cell has kept of its world cannot be read or written."""
+    """The memory of a cell cannot be read or written."""
 
 
 class PictureFileError(CellError):
-    """A file is no picture, or not all of one."""
+    """A file is no picture, or is truncated."""
 
 
 class CellFileError(CellError):

@@ -1,1 +1,1 @@
-"""The room for files."""
+"""Files that the cell reads and writes."""

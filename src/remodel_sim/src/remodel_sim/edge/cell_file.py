@@ -59,23 +59,27 @@ def _design(parsed: dict[str, Any]) -> CellDesign:
     overhead, scene = parsed["cameras"]["overhead"], parsed["cameras"]["scene"]
     table, fork, fixtures = parsed["table"], parsed["feeder"]["fork"], parsed["fixtures"]
     return CellDesign(
-        parsed["name"],
-        tuple(_robot(robot) for robot in parsed["robots"]),
-        View(
+        name=parsed["name"],
+        robots=tuple(_robot(robot) for robot in parsed["robots"]),
+        overhead=View(
             _lens(overhead),
             looking_down(*_point(overhead["at"]), math.radians(overhead["up_yaw_deg"])),
         ),
-        View(
+        scene=View(
             _lens(scene),
             looking_at(np.array(_point(scene["at"])), np.array(_point(scene["looks_at"]))),
         ),
-        Table(*(float(table[key]) for key in ("x", "y", "length", "width"))),
-        Feeder(
+        table=Table(*(float(table[key]) for key in ("x", "y", "length", "width"))),
+        feeder=Feeder(
             float(parsed["feeder"]["overlap"]),
             *(float(fork[key]) for key in ("behind_tip", "length", "height", "post", "clearance")),
         ),
-        tuple(Clip(**{**clip, "pose": _flat_pose(clip["pose"])}) for clip in fixtures["clips"]),
-        tuple(Duct(**{**duct, "pose": _flat_pose(duct["pose"])}) for duct in fixtures["ducts"]),
+        clips=tuple(
+            Clip(**{**clip, "pose": _flat_pose(clip["pose"])}) for clip in fixtures["clips"]
+        ),
+        ducts=tuple(
+            Duct(**{**duct, "pose": _flat_pose(duct["pose"])}) for duct in fixtures["ducts"]
+        ),
     )
 
 
@@ -86,13 +90,15 @@ def _robot(parsed: dict[str, Any]) -> RobotDesign:
     )
     camera = parsed["camera"]
     return RobotDesign(
-        parsed["name"],
-        Arm(ARM_MODELS[parsed["arm"]], _placed(parsed["base"]), lower, upper),
-        ToolPose(*_placed(parsed["home"])),
-        Gripper(float(parsed["gripper"]["grip_force"]), float(parsed["gripper"]["pad_friction"])),
-        WristCamera(camera["name"], _lens(camera)),
-        parsed["prefix"],
-        ToolPose(*_placed(parsed["scrap_bin"])) if "scrap_bin" in parsed else None,
+        name=parsed["name"],
+        arm=Arm(ARM_MODELS[parsed["arm"]], _placed(parsed["base"]), lower, upper),
+        home=ToolPose(*_placed(parsed["home"])),
+        gripper=Gripper(
+            float(parsed["gripper"]["grip_force"]), float(parsed["gripper"]["pad_friction"])
+        ),
+        camera=WristCamera(camera["name"], _lens(camera)),
+        prefix=parsed["prefix"],
+        scrap_bin=ToolPose(*_placed(parsed["scrap_bin"])) if "scrap_bin" in parsed else None,
     )
 
 

@@ -1,4 +1,4 @@
-"""What a cell that is killed finds again: placed wires, as a real one does, its owner, the time.
+"""What a cell restores after a restart: placed wires, as a real one does, its owner, the time.
 
 The live wire is not among it: who handled it is dead, and the feeder presents a new one.
 """

@@ -1,1 +1,1 @@
-"""The edge of the simulation: the only room that knows PyBullet."""
+"""The physics of the cell: the only folder that imports PyBullet."""

@@ -38,9 +38,9 @@ class LiveWire:
     def watch_headers(
         self, world: World, headers_of: Callable[[Connector], Sequence[Header]]
     ) -> None:
-        """Let the headers that the wire's connectors fit into latch."""
+        """Monitor the headers that the wire's connectors fit into, so that they latch."""
         self.latches = tuple(
-            Latch(world, self.cable, connector, headers_of(connector), self.clamps)
+            Latch(world, self.cable, connector, headers_of(connector), clamps=self.clamps)
             for connector in self.wire.connectors
         )
 

@@ -53,7 +53,7 @@ PLUG_FROM_M = 0.005
 
 
 class Plant:
-    """The world of one cell. Everything random comes from the seed and the order of what is asked.
+    """The world of one cell. Everything random follows from the seed and the order of requests.
 
     Attributes:
         design: of the cell.
@@ -86,7 +86,7 @@ class Plant:
         self.load(panel)
 
     def load(self, panel: Panel) -> None:
-        """Build a panel from nothing.
+        """Build a panel without wires.
 
         Raises PanelError and changes nothing when it breaks the rules.
         """
@@ -154,7 +154,13 @@ class Plant:
         self._build(tools)
         lying = [other.nodes for other in self.parked.values()] if self._solid_parked else []
         cable, laying, self._fork = lay(
-            self.world, self.design.feeder, self.panel, wire, channel, lying, self._noise
+            self.world,
+            self.design.feeder,
+            self.panel,
+            wire,
+            channel=channel,
+            parked=lying,
+            noise=self._noise,
         )
         self.live = LiveWire(wire, cable)
         self.live.watch_headers(self.world, self._headers)
@@ -246,7 +252,9 @@ class Plant:
         terminal = self.panel.component(component_id).terminal(terminal_id)
         socket = self.world_from_socket(component_id, terminal_id)
         housing = self._scene.body_of(component_id)
-        clamp = close_clamp(self.world, self.live.cable, terminal, housing, socket)
+        clamp = close_clamp(
+            self.world, self.live.cable, terminal, housing, world_from_socket=socket
+        )
         if clamp is None:
             return False
         tips = {end: self.live.cable.tip(end)[0] for end in End}

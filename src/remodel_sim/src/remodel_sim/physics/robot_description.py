@@ -78,15 +78,15 @@ def _replace_finger(link: ElementTree.Element, side: int) -> None:
     stem_y = side * (PAD_THICKNESS_M + STEM_THICKNESS_M / 2 - 0.001)
     pad = (PAD_LENGTH_M, PAD_THICKNESS_M, PAD_HEIGHT_M)
     stem = (0.012, STEM_THICKNESS_M, stem_length)
-    _add_box(link, "visual", (0, stem_y, stem_length / 2), stem, (0.82, 0.83, 0.85))
-    _add_box(link, "visual", (0, pad_y, tip - PAD_HEIGHT_M / 2), pad, (0.15, 0.15, 0.16))
+    _add_box(link, "visual", (0, stem_y, stem_length / 2), stem, rgb=(0.82, 0.83, 0.85))
+    _add_box(link, "visual", (0, pad_y, tip - PAD_HEIGHT_M / 2), pad, rgb=(0.15, 0.15, 0.16))
     _add_box(link, "collision", (0, stem_y, stem_length / 2), stem)
     _add_box(link, "collision", (0, pad_y, tip - PAD_HEIGHT_M / 2), pad)
 
 
 def _add_camera(hand: ElementTree.Element) -> None:
     x, y, z = CAMERA_MOUNT
-    _add_box(hand, "visual", (x, y - 0.006, z - 0.016), (0.05, 0.022, 0.024), (0.2, 0.2, 0.22))
+    _add_box(hand, "visual", (x, y - 0.006, z - 0.016), (0.05, 0.022, 0.024), rgb=(0.2, 0.2, 0.22))
 
 
 def _add_box(

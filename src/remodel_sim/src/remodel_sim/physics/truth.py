@@ -1,4 +1,4 @@
-"""Where the wires really are. Only tests, reports and scores may ask."""
+"""Ground truth: where the wires really are. Only tests, reports and scores use it."""
 
 from __future__ import annotations
 
@@ -60,8 +60,8 @@ def ground_truth(plant: Plant, wire_ids: list[str]) -> list[WireTruth]:
             nodes, fixed = parked.nodes, parked.fixed
         else:
             continue
-        a = _end_truth(plant, wire_id, End.A, nodes[0], fixed)
-        b = _end_truth(plant, wire_id, End.B, nodes[-1], fixed)
+        a = _end_truth(plant, wire_id, End.A, nodes[0], fixed=fixed)
+        b = _end_truth(plant, wire_id, End.B, nodes[-1], fixed=fixed)
         truths.append(WireTruth(wire_id, a, b))
     return truths
 

@@ -60,7 +60,7 @@ class World:
         self._before_step.append(action)
 
     def remove_before_step(self, action: Callable[[], None]) -> None:
-        """Call `action` no more."""
+        """Stop calling `action`."""
         self._before_step.remove(action)
 
     def step(self) -> None:

@@ -1,1 +1,1 @@
-"""The only room that knows ROS."""
+"""Servers, services and publishers: the only folder that imports ROS."""

@@ -35,7 +35,7 @@ class CellAbilityServer(AbilityServer):
         super().__init__(ability)
 
     def schedule(self, take: Callable[[], None]) -> None:
-        """Have a new goal taken between two ticks."""
+        """Queue a new goal, to be accepted between two ticks."""
         self._owner.post(take)
 
     def prepare(self, goal: Message) -> tuple[list[RobotContext], Goal]:
@@ -45,9 +45,9 @@ class CellAbilityServer(AbilityServer):
         return contexts, self._checked(goal, contexts)
 
     def start(self, running: RunningGoal, prepared: tuple[list[RobotContext], Goal]) -> None:
-        """Have a goal done by the owner of the plant."""
+        """Queue a goal for the owner of the plant."""
         finish, keep = partial(self.finish, running), self._owner.cell.keep
-        self._owner.jobs.append(Job(self._steps, running, *prepared, keep, finish))
+        self._owner.jobs.append(Job(self._steps, running, *prepared, keep=keep, finish=finish))
 
     def elapsed(self) -> Callable[[], float]:
         """Return the plant's clock, from now on."""
@@ -88,7 +88,7 @@ class CellAbilityServer(AbilityServer):
     def _checked(self, message: Message, contexts: Sequence[RobotContext]) -> Goal:
         """Return the goal of a message; raises AbilityError when it cannot be taken."""
         require(bool(message.id.strip()), "id is empty; it must name the goal")
-        require_number("timeout", message.timeout, 0.1, MAX_TIMEOUT_S, "s")
+        require_number("timeout", message.timeout, 0.1, MAX_TIMEOUT_S, unit="s")
         goal = self._steps.parse(message)
         for context in contexts:
             goal.check(context.panel, context.belief)

@@ -69,17 +69,30 @@ def panel_from(message: PanelMsg, materials: WireMaterials) -> Panel:
     if problems:
         raise PanelError(message.name, tuple(problems))
     return Panel(
-        message.name,
-        (message.size.x, message.size.y, message.size.z),
-        tuple(_component_from(c) for c in message.components),
-        tuple(Channel(c.id, c.x, c.width, c.y_min, c.y_max) for c in message.channels),
-        tuple(wires),
-        tuple(
-            Clip(c.id, _pose2d(c.pose), c.wire_diameter, c.height, c.length, c.retention_force)
+        name=message.name,
+        size=(message.size.x, message.size.y, message.size.z),
+        components=tuple(_component_from(c) for c in message.components),
+        channels=tuple(
+            Channel(id=c.id, x=c.x, width=c.width, y_min=c.y_min, y_max=c.y_max)
+            for c in message.channels
+        ),
+        wires=tuple(wires),
+        clips=tuple(
+            Clip(
+                id=c.id,
+                pose=_pose2d(c.pose),
+                wire_diameter=c.wire_diameter,
+                height=c.height,
+                length=c.length,
+                retention_force=c.retention_force,
+            )
             for c in message.clips
         ),
-        tuple(Duct(d.id, _pose2d(d.pose), d.length, d.width, d.height) for d in message.ducts),
-        message.serial,
+        ducts=tuple(
+            Duct(id=d.id, pose=_pose2d(d.pose), length=d.length, width=d.width, height=d.height)
+            for d in message.ducts
+        ),
+        serial=message.serial,
     )
 
 
@@ -108,26 +121,26 @@ def _component_from(message: object) -> Component:
     size = message.size
     terminals = tuple(
         Terminal(
-            t.id,
-            (t.mouth.x, t.mouth.y, t.mouth.z),
-            t.insertion_yaw,
-            t.bore,
-            t.depth,
-            t.chamfer,
-            t.retention_force,
-            max(1, t.ways),
-            t.pitch,
+            id=t.id,
+            mouth=(t.mouth.x, t.mouth.y, t.mouth.z),
+            insertion_yaw=t.insertion_yaw,
+            bore=t.bore,
+            depth=t.depth,
+            chamfer=t.chamfer,
+            retention_force=t.retention_force,
+            ways=max(1, t.ways),
+            pitch=t.pitch,
         )
         for t in message.terminals
     )
     return Component(
-        message.id,
-        message.kind,
-        message.marker_id,
-        message.marker_size,
-        _pose2d(message.pose),
-        (size.x, size.y, size.z),
-        terminals,
+        id=message.id,
+        kind=message.kind,
+        marker_id=message.marker_id,
+        marker_size=message.marker_size,
+        pose=_pose2d(message.pose),
+        size=(size.x, size.y, size.z),
+        terminals=terminals,
     )
 
 
@@ -145,12 +158,12 @@ def observation(detected: CableDetected, cable_id: str) -> CableObservation:
     """Return what DetectCable saw as a message."""
     tips = [pose_stamped(Pose.level(*(float(v) for v in t.tip), t.out_yaw)) for t in detected.tips]
     return CableObservation(
-        cable_id,
-        [Point(*(float(v) for v in point)) for point in detected.centreline],
-        tips,
-        detected.length,
-        detected.confidence,
-        detected.truncated,
+        cable_id=cable_id,
+        centreline=[Point(*(float(v) for v in point)) for point in detected.centreline],
+        tips=tips,
+        length=detected.length,
+        confidence=detected.confidence,
+        truncated=detected.truncated,
     )
 
 
@@ -173,7 +186,16 @@ def _field(value: object) -> object:
 def truth_message(truth: WireTruth) -> WireTruthMsg:
     """Return the truth about a wire as a message."""
     a, b = truth.a, truth.b
-    return WireTruthMsg(truth.wire_id, truth.placed, a.at, b.at, a.depth, b.depth, a.fixed, b.fixed)
+    return WireTruthMsg(
+        wire_id=truth.wire_id,
+        placed=truth.placed,
+        a_at=a.at,
+        b_at=b.at,
+        a_depth=a.depth,
+        b_depth=b.depth,
+        a_fixed=a.fixed,
+        b_fixed=b.fixed,
+    )
 
 
 def image(rgb: np.ndarray, frame_id: str, stamp: rospy.Time) -> Image:

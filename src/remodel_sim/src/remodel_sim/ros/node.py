@@ -13,7 +13,7 @@ from genpy import MessageException
 
 from flexbe_core.ros.master import join, spin
 from remodel_sim.abilities.ability import cell_abilities
-from remodel_sim.abilities.execution.robot_context import Observers
+from remodel_sim.abilities.execution.observers import Observers
 from remodel_sim.cell import Cell
 from remodel_sim.core.cell.cell_design import CellDesign
 from remodel_sim.core.errors import CellError

@@ -50,11 +50,11 @@ class Owner:
         return next((job for job in self.jobs if robot in job.robots), None)
 
     def post(self, action: Callable[[], None]) -> None:
-        """Have an action done between two ticks; from any thread, returns at once."""
+        """Queue an action for the time between two ticks; from any thread, returns at once."""
         self._requests.put(action)
 
     def ask(self, question: Callable[[], T], timeout_s: float) -> T:
-        """Have a question answered between two ticks; from any thread but the owner's.
+        """Evaluate a function between two ticks; from any thread but the owner's.
 
         Raises:
             CellError: when there is no answer in time, or what the question itself raises.

@@ -136,7 +136,7 @@ class Probe:
                         time.monotonic(),
                         message.status.status,
                         message.status.text,
-                        message.result,
+                        message=message.result,
                     )
                 )
             self._changed.notify_all()

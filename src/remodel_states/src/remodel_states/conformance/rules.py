@@ -53,7 +53,7 @@ def answers_once(exchange: Exchange) -> Iterator[Fault]:
     for result in exchange.results[:1]:
         if result.status not in TERMINAL:
             name = STATUS_NAMES.get(result.status, result.status)
-            yield Fault("open-status", f"the result came with status {name}, which is no end")
+            yield Fault("open-status", f"the result came with status {name}, which is not terminal")
 
 
 def echoes_the_id(exchange: Exchange) -> Iterator[Fault]:
@@ -150,7 +150,9 @@ def keeps_its_timeout(exchange: Exchange) -> Iterator[Fault]:
             f"timeout {limit_s:g} s; the goal ended after {exchange.took_s:.1f} s",
         )
     elif exchange.took_s >= limit_s and not result.message.success:
-        yield from _has_code(result, ErrorCode.TIMEOUT, "TIMEOUT", "timeout-code", "its timeout")
+        yield from _has_code(
+            result, ErrorCode.TIMEOUT, "TIMEOUT", "timeout-code", cause="its timeout"
+        )
 
 
 def ends_when_cancelled(exchange: Exchange) -> Iterator[Fault]:
@@ -166,7 +168,7 @@ def ends_when_cancelled(exchange: Exchange) -> Iterator[Fault]:
     if result.status not in CANCELLED:
         name = STATUS_NAMES.get(result.status, result.status)
         yield Fault("cancel-status", f"a cancelled goal ended {name}; it ends PREEMPTED")
-    yield from _has_code(result, ErrorCode.PREEMPTED, "PREEMPTED", "cancel-code", "a cancel")
+    yield from _has_code(result, ErrorCode.PREEMPTED, "PREEMPTED", "cancel-code", cause="a cancel")
 
 
 def refuses_invalid_goal(field: str) -> Rule:

@@ -110,7 +110,9 @@ def abilities_from(
 def _ability(package: str, row: Mapping[str, Any], action: Action) -> Ability:
     state = _state(row["state"], action) if "state" in row else None
     errors = tuple(row["errors"])
-    return Ability(package, action, errors, state, row.get("colour", ""), row.get("fake", {}))
+    return Ability(
+        package, action, errors, state, colour=row.get("colour", ""), fake=row.get("fake", {})
+    )
 
 
 def _state(row: Mapping[str, Any], action: Action) -> AbilityState:
@@ -122,8 +124,8 @@ def _state(row: Mapping[str, Any], action: Action) -> AbilityState:
         row["means"],
         tuple(goal[name] for name in row.get("inputs", [])),
         tuple(sorted(parameters, key=lambda parameter: not parameter.is_required)),
-        {key: result[name] for key, name in row.get("outputs", {}).items()},
-        float(row["timeout_s"]),
+        outputs={key: result[name] for key, name in row.get("outputs", {}).items()},
+        timeout_s=float(row["timeout_s"]),
     )
 
 
@@ -143,7 +145,7 @@ def _mistakes(row: Mapping[str, Any], action: Action, codes: Collection[str]) ->
     results = [item.name for item in action.result if item.name not in COMMON_RESULT]
     for name in row["errors"]:
         if name not in codes:
-            yield f"errors: {name} is no error code; list it in a faults.yaml"
+            yield f"errors: {name} is not an error code; list it in a faults.yaml"
     yield from _unknown("fake", row.get("fake", {}), results, "result")
     if "state" in row:
         yield from _state_mistakes(row["state"], action, results)
@@ -170,4 +172,4 @@ def _unknown(
 ) -> Iterator[str]:
     for name in names:
         if name not in known:
-            yield f"{place}: {name} is no field of the {part}; there are: {', '.join(known)}"
+            yield f"{place}: {name} is not a field of the {part}; there are: {', '.join(known)}"

@@ -60,7 +60,7 @@ def join_fault_tables(
     by_name = {row["fault"]: row for row in rows}
     problems = [*_wrong_numbers(listed), *_repeated(listed, rows)]
     problems += [
-        f"fault {row['fault']}: after.fault {row['after']['fault']} is no fault with codes"
+        f"fault {row['fault']}: after.fault {row['after']['fault']} is not a fault with codes"
         for row in rows
         if "after" in row and "codes" not in by_name.get(row["after"]["fault"], {})
     ]
@@ -75,7 +75,7 @@ def join_fault_tables(
 def _codes(package: str, table: Row) -> Iterable[Code]:
     groups = [table.get("no_fault", []), *(row.get("codes", []) for row in table.get("faults", []))]
     for row in (row for group in groups for row in group):
-        yield Code(row["code"], row["name"], row["meaning"], row["remedy"], package)
+        yield Code(row["code"], row["name"], row["meaning"], row["remedy"], package=package)
 
 
 def _names(row: Row, by_name: Mapping[str, Row]) -> list[str]:

@@ -24,9 +24,15 @@ def schema_problems(parsed: object, schema: dict[str, Any]) -> Iterator[str]:
     """Yield each problem: its place in the document, what was found and what is allowed."""
     errors = jsonschema.Draft7Validator(schema).iter_errors(parsed)
     for error in sorted(errors, key=lambda error: [str(part) for part in error.absolute_path]):
-        place = error.json_path.removeprefix("$").lstrip(".") or "the file"
-        yield f"{place}: {_explanation(error)}"
+        # Of alternatives (anyOf), the one that fits best.
+        deepest = jsonschema.exceptions.best_match([error])
+        yield f"{_place(deepest) or 'the file'}: {_explanation(deepest)}"
     yield from _not_finite(parsed, "")
+
+
+def _place(error: jsonschema.ValidationError) -> str:
+    parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in error.absolute_path)
+    return "".join(parts).lstrip(".")
 
 
 def _explanation(error: jsonschema.ValidationError) -> str:

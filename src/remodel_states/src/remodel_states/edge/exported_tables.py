@@ -44,7 +44,7 @@ def read_abilities() -> dict[str, Ability]:
     codes = _faults_of(folders).codes
     found: dict[str, Ability] = {}
     for package, file in _exported(folders, "abilities").items():
-        abilities = abilities_in(package, file, folders[package], codes, folders[CONTRACT])
+        abilities = abilities_in(package, file, folders[package], codes, contract=folders[CONTRACT])
         if twice := [name for name in abilities if name in found]:
             others = ", ".join(f"{name} of {found[name].package}" for name in twice)
             raise TableError(str(file), [f"there is {others} already; choose another name"])
@@ -65,7 +65,7 @@ def read_abilities_of(folder: Path) -> tuple[str, dict[str, Ability]]:
     if name not in files:
         raise TableError(str(folder / "package.xml"), ["it exports no table of abilities"])
     codes = _faults_of(folders).codes
-    return name, abilities_in(name, files[name], folder, codes, folders[CONTRACT])
+    return name, abilities_in(name, files[name], folder, codes, contract=folders[CONTRACT])
 
 
 def exporting_packages() -> dict[str, Path]:

@@ -130,7 +130,7 @@ class CellAbility(AbilityServer):
         cell = self._site.cell
         with self._site.file.change() as draft:
             admitted(draft.owners, cell, owner_of(goal.id))  # it may have lost the cell since
-            effect = perform(self.ability.name, draft.world, cell, goal, code)
+            effect = perform(self.ability.name, draft.world, cell, goal, code=code)
             draft.world = effect.world
             draft.entries += effect.entries
         return effect

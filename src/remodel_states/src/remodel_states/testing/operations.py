@@ -146,7 +146,7 @@ def _fix(world: World, cell: str, goal: Any) -> Effect:  # noqa: ANN401
             f"the screw of {terminal!r} met nothing: end {end} is not in it; insert it first",
         )
     after = _release(world, cell).with_seat(goal.cable_id, end, Seat(terminal, True))
-    entry = Entry(Deed.FIX, cell, goal.cable_id, end, terminal, goal.id)
+    entry = Entry(Deed.FIX, cell, goal.cable_id, end, terminal=terminal, goal=goal.id)
     return Effect(after, f"end {end} of {goal.cable_id} fixed in {terminal}", (entry,))
 
 
@@ -156,7 +156,7 @@ def _extract(world: World, cell: str, goal: Any) -> Effect:  # noqa: ANN401
     after = _release(world, cell).with_seat(goal.cable_id, end, None)
     if seat is None or not seat.fixed:
         return Effect(after, f"end {end} of {goal.cable_id} laid down")
-    entry = Entry(Deed.LOOSEN, cell, goal.cable_id, end, seat.terminal, goal.id)
+    entry = Entry(Deed.LOOSEN, cell, goal.cable_id, end, terminal=seat.terminal, goal=goal.id)
     return Effect(after, f"end {end} of {goal.cable_id} out of {seat.terminal}", (entry,))
 
 
@@ -237,7 +237,7 @@ def perform(ability: str, world: World, cell: str, goal: Any, code: int = 0) -> 
         AbilityError: if it fails as the world is.
     """
     operation = operation_of(ability)
-    done = Effect(fail(world, cell, ability, code, goal), "") if code else None
+    done = Effect(fail(world, cell, ability, code, goal=goal), "") if code else None
     effect = done or operation.do(world, cell, goal)
     if operation.observes or code in _UNMOVED:
         return effect

@@ -42,9 +42,9 @@ def panel_from(message: remodel_msgs.Panel) -> Panel:
         wires,
         {wire.id: wire.length for wire in message.wires},
         places,
-        openings,
-        tuple(channel.id for channel in message.channels),
-        message.serial,
+        openings=openings,
+        channels=tuple(channel.id for channel in message.channels),
+        serial=message.serial,
     )
 
 
@@ -80,7 +80,14 @@ def _opening(component: Place, terminal: remodel_msgs.Terminal) -> Place:
 
 def _observation(cable_id: str, length_m: float, loose_ends: int) -> CableObservation:
     tips = [_pose((0.0, 0.0, 0.0, 0.0)) for _ in range(loose_ends)]
-    return CableObservation(cable_id, [], tips, length_m, 1.0, False)
+    return CableObservation(
+        cable_id=cable_id,
+        centreline=[],
+        tips=tips,
+        length=length_m,
+        confidence=1.0,
+        truncated=False,
+    )
 
 
 def _pose(place: Place) -> PoseStamped:

@@ -162,8 +162,8 @@ def _world(panel: Panel, world: dict[str, Any]) -> World:
         tuple(world["fed"]),
         world["untouched"],
         {end: Seat(*seat) for end, seat in world["seats"].items()},
-        {cell: Hand(*hand) for cell, hand in world["hands"].items()},
-        world["loaded_by"],
+        hands={cell: Hand(*hand) for cell, hand in world["hands"].items()},
+        loaded_by=world["loaded_by"],
     )
 
 

@@ -48,7 +48,7 @@ def trace(
         charts: of the behaviors nested in it, by type.
         error_names: error codes by the names that `ext:on_error` uses.
     """
-    return _follow(chart, "", iter(operations), charts, error_names)
+    return _follow(chart, "", iter(operations), charts, error_names=error_names)
 
 
 def _follow(
@@ -72,7 +72,7 @@ def _follow(
             event = "exhausted"
         elif isinstance(node, Behavior | Container):
             inner = node.body if isinstance(node, Container) else charts[node.type]
-            child = _follow(inner, f"{path}/{node.id}", operations, charts, error_names)
+            child = _follow(inner, f"{path}/{node.id}", operations, charts, error_names=error_names)
             children.append(child)
             event = child.outcome
         else:
@@ -87,7 +87,7 @@ def _follow(
                     event = route_event(route)
                     targets[event] = route.target
         if not event or event not in targets:
-            return Trace(chart, path, tuple(steps), None, tuple(children))
+            return Trace(chart, path, tuple(steps), None, children=tuple(children))
         steps.append((current, event))
         current = targets[event]
-    return Trace(chart, path, tuple(steps), current, tuple(children))
+    return Trace(chart, path, tuple(steps), current, children=tuple(children))

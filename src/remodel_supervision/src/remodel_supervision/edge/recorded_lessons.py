@@ -79,7 +79,7 @@ def _recorded_calls(connection: Connection) -> tuple[Call, ...]:
             features[about] = own | terminals.get(place, {})
         found = numbers_from(given.items())
         numbers = settings.setdefault(tuple(found.items()), found)
-        calls.append(Call(ability, features[about], code, elapsed_s, numbers))
+        calls.append(Call(ability, features[about], code, elapsed_s, parameters=numbers))
     return tuple(calls)
 
 

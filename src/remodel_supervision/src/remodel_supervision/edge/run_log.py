@@ -26,7 +26,7 @@ from remodel_production.edge.database.production_models import (
 from remodel_production.errors import OrderError, OwnerError, PlannerError
 from remodel_supervision.core.learning.learned_responses import TriedResponse
 from remodel_supervision.core.runs.events import Event, RunBegun
-from remodel_supervision.core.runs.fold import applied, state_after
+from remodel_supervision.core.runs.fold import apply_event, state_after
 from remodel_supervision.core.runs.state import RunState
 from remodel_supervision.core.runs.state_form import snapshot_of, state_from
 from remodel_supervision.edge.event_rows import KeptEvent, add_event, events_between, now
@@ -174,14 +174,14 @@ class RunLog:
             LostError: if the database does not answer.
             RecordLostError: if the run is gone, or has not the events that led to `before`.
         """
-        after = applied(event, before)
+        after = apply_event(event, before)
         with self._database.transaction() as connection:
             asked = {"run": run, "owner": owner, "events": before.events}
             count = connection.scalar(_COUNT_EVENT, asked)
             if count is None:
                 raise _refusal(connection, run, owner, before.events)
             add_event(connection, run, count - 1, event)
-            project(connection, run, event, before, after)
+            project(connection, run, event, before, after=after)
             if count % SNAPSHOT_EVERY == 0:
                 _store_snapshot(connection, run, count, after)
         return after

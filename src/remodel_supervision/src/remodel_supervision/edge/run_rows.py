@@ -90,7 +90,7 @@ def project(
             _add_execution(connection, run, current, *end)
         elif after.tasks[current.name].stage is not Stage.RUNNING:
             ended_s = max([current.began_s, *(o.ended_s for o in current.operations)])
-            _add_execution(connection, run, current, INTERRUPTED, ended_s, False)
+            _add_execution(connection, run, current, INTERRUPTED, ended_s=ended_s, placed=False)
     match event:
         case Decided():
             _add_decision(connection, run, event)

@@ -181,7 +181,7 @@ class WorkPlanner:
                     step.features,
                     operation.error_code,
                     operation.elapsed_s,
-                    numbers_from(operation.parameters),
+                    parameters=numbers_from(operation.parameters),
                 )
             )
 

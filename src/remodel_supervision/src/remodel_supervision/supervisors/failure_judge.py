@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from remodel_planning.core.use_case.fault import Do
-from remodel_supervision.core.recovery.judge import failure_of, judged
+from remodel_supervision.core.recovery.judge import decide_recovery, failure_of
 from remodel_supervision.core.recovery.notice import NoticeKind, QuestionNotice
 from remodel_supervision.core.recovery.question import question_about
 from remodel_supervision.core.runs.events import Asked, Escalated
 from remodel_supervision.core.runs.gate import Gate
 from remodel_supervision.core.runs.state import SERVER_TROUBLE
 from remodel_supervision.core.runs.step import Ask, Decide
-from remodel_supervision.supervisors.ports import Abilities, EventLoop, Log
+from remodel_supervision.supervisors.ports import Abilities, EventLoop
 from remodel_supervision.supervisors.run_record import RunRecord
 from remodel_supervision.supervisors.work import Work
 
@@ -27,7 +27,6 @@ class FailureJudge:
         self,
         record: RunRecord,
         loop: EventLoop,
-        log: Log,
         work: Work,
         abilities: Abilities,
         gate: Gate,
@@ -38,7 +37,6 @@ class FailureJudge:
         Args:
             record: of the run.
             loop: time, and what arrives.
-            log: of all runs.
             work: what the run is about.
             abilities: whose servers are waited for.
             gate: ends the waiting when it halts.
@@ -46,7 +44,6 @@ class FailureJudge:
         """
         self._record = record
         self._loop = loop
-        self._log = log
         self._work = work
         self._abilities = abilities
         self._gate = gate
@@ -70,10 +67,19 @@ class FailureJudge:
         policy = planner.use_case.recovery
         bounds = planner.task(name, task.decisions).bounds(failure.state_path)
         unpromising = planner.experience.unpromising(
-            failure.fault.name, possible, self._record.insist(self._log.tried_responses)
+            failure.fault.name, possible, self._record.tried_responses()
         )
         faults = self._work.faults
-        decided = judged(state, name, faults, policy, possible, now_s, bounds, unpromising)
+        decided = decide_recovery(
+            state,
+            name,
+            faults,
+            policy,
+            possible=possible,
+            at_s=now_s,
+            bounds=bounds,
+            unpromising=unpromising,
+        )
         self._record.append_if_next(Decide(name), decided, while_paused=True)
 
     def await_server(self, name: str) -> None:
@@ -103,7 +109,9 @@ class FailureJudge:
         """Ask an operator about a task."""
         policy = self._work.planner.use_case.recovery
         now_s, limit_s = self._loop.now_s(), policy.question.timeout_s
-        asked = question_about(self._record.state, name, self._work.faults, now_s, limit_s)
+        asked = question_about(
+            self._record.state, name, self._work.faults, now_s, timeout_s=limit_s
+        )
         self._record.append_if_next(Ask(name), asked)
         self._notify(NoticeKind.ASKED, asked)
 
@@ -125,11 +133,13 @@ class FailureJudge:
             state.cell,
             state.order,
             self._record.run,
-            asked.task,
-            asked.number,
-            asked.text,
-            tuple(choice.value for choice in asked.choices),
-            asked.timeout_s,
-            self._work.planner.use_case.recovery.unanswered_for(self._work.faults[fault]).value,
+            task=asked.task,
+            question=asked.number,
+            text=asked.text,
+            choices=tuple(choice.value for choice in asked.choices),
+            timeout_s=asked.timeout_s,
+            then=self._work.planner.use_case.recovery.unanswered_for(
+                self._work.faults[fault]
+            ).value,
         )
         self._work.notify(notice.data())

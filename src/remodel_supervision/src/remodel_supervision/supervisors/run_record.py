@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
 from remodel_production.errors import LostError
+from remodel_supervision.core.learning.learned_responses import TriedResponse
+from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import Event
+from remodel_supervision.core.runs.gate_decision import late_stop_event
 from remodel_supervision.core.runs.state import RunState
 from remodel_supervision.core.runs.step import Step, next_step
 from remodel_supervision.errors import HaltedError
@@ -35,8 +38,6 @@ class RunRecord:
         state: RunState,
         log: Log,
         loop: EventLoop,
-        on_state: Callable[[], None],
-        on_wait: Callable[[str], None],
     ) -> None:
         """Continue the record of a run.
 
@@ -46,19 +47,26 @@ class RunRecord:
             state: what is known of it.
             log: keeps its events.
             loop: on which the database is waited for.
-            on_state: called when the state was replaced.
-            on_wait: called with what is waited for.
         """
         self.run = run
         self.owner = owner
         self.state = state
         self._log = log
         self._loop = loop
-        self._on_state = on_state
-        self._on_wait = on_wait
+        self._on_state: Callable[[], None] = lambda: None
+        self._on_wait: Callable[[str], None] = lambda text: None
         # An event of which it is not known whether it was kept, and those that turned out to be.
         self._unsure: Event | None = None
         self._kept: list[Event] = []
+
+    def watch(self, on_state: Callable[[], None], on_wait: Callable[[str], None]) -> None:
+        """Have changes reported.
+
+        Args:
+            on_state: called when the state was replaced.
+            on_wait: called with what is waited for, for a person.
+        """
+        self._on_state, self._on_wait = on_state, on_wait
 
     def append(self, event: Event) -> None:
         """Keep an event, however long the database takes to answer."""
@@ -99,6 +107,16 @@ class RunRecord:
 
         self.insist(attempt)
         self._kept.clear()
+
+    def report_stop(self, operation: Operation) -> None:
+        """Keep how an operation of an earlier behavior ended, which a person is to answer first."""
+        self.catch_up()
+        if event := late_stop_event(self.state, operation):
+            self.append_now(event)
+
+    def tried_responses(self) -> Sequence[TriedResponse]:
+        """Return what was done about faults in any run, however long the database takes."""
+        return self.insist(self._log.tried_responses)
 
     def insist(self, ask: Callable[[], T]) -> T:
         """Return what the database answers, however long it takes to answer."""

@@ -7,9 +7,9 @@ from collections.abc import Callable
 
 from remodel_production.errors import LostError, PlannerError
 from remodel_states.core.codes import Code
+from remodel_states.core.goal_owner import owner_of
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.gate import FEEDER, Gate, Permit
-from remodel_supervision.core.runs.goal_owner import owner_of
 from remodel_supervision.core.runs.state import FINISHED, PERSON_FIRST, PREEMPTED, SERVER_GONE
 from remodel_supervision.supervisors.ports import (
     Abilities,

@@ -6,10 +6,9 @@ from collections.abc import Mapping
 
 from flexbe_core.core.preemptable_state_machine import PreemptableStateMachine
 from flexbe_core.core.state import State
-from flexbe_core.core.state_machine import StateMachine
+from flexbe_core.core.state_machine import opened_container
 from flexbe_core.engine.definitions.definition import Definition, Kind
 from flexbe_core.engine.definitions.structure import definitions_below
-from flexbe_core.engine.errors import StateMachineError
 from flexbe_core.engine.migration import MigratingState, attach_state
 from flexbe_core.engine.supervision.in_force import DEFAULT_AUTONOMY, PREEMPTED, UNSUPERVISED
 from flexbe_core.engine.userdata.user_data import UserData
@@ -53,17 +52,13 @@ class OperatableStateMachine(PreemptableStateMachine):
             StateMachineError: if no container is open or the label cannot be used.
             StateError: if the state is in a container already.
         """
-        container = StateMachine.get_opened_container()
-        if container is None:
-            raise StateMachineError(
-                f"cannot add {label!r}: no container is open; add states inside `with container:`"
-            )
+        container = opened_container(label)
         container._add(
             label,
             state,
             {**transitions, PREEMPTED: PREEMPTED},
             dict.fromkeys(transitions, 0) if autonomy is None else dict(autonomy),
-            dict(remapping or {}),
+            remapping=dict(remapping or {}),
         )
 
     @property

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from flexbe_core.engine.definitions.definition import Kind
 from flexbe_core.engine.definitions.rate import Rate
 from flexbe_core.engine.errors import StateError
 from flexbe_core.engine.userdata.user_data import UserData
-
-if TYPE_CHECKING:
-    from flexbe_core.core.state_machine import StateMachine
 
 
 class State:
@@ -56,7 +53,7 @@ class State:
         self._input_keys = _names([*_names(input_keys, "input_keys"), *io], "input_keys")
         self._output_keys = _names([*_names(output_keys, "output_keys"), *io], "output_keys")
         self._name: str | None = None
-        self._parent: StateMachine | None = None
+        self._parent: State | None = None
 
     @property
     def outcomes(self) -> list[str]:
@@ -89,11 +86,11 @@ class State:
         self._name = value
 
     @property
-    def parent(self) -> StateMachine | None:
+    def parent(self) -> State | None:
         """The container of the state."""
         return self._parent
 
-    def set_parent(self, value: StateMachine) -> None:
+    def set_parent(self, value: State) -> None:
         """Put the state into a container, once.
 
         Raises:

@@ -24,6 +24,19 @@ class _Opened(threading.local):
 _opened = _Opened()
 
 
+def opened_container(label: str) -> StateMachine:
+    """Return the container that is open, to add a state with this label.
+
+    Raises:
+        StateMachineError: if there is none.
+    """
+    if not _opened.containers:
+        raise StateMachineError(
+            f"cannot add {label!r}: no container is open; add states inside `with container:`"
+        )
+    return _opened.containers[-1]
+
+
 class StateMachine(State):
     """States, and which follows which."""
 
@@ -83,12 +96,8 @@ class StateMachine(State):
             StateMachineError: if no container is open or the label cannot be used.
             StateError: if the state is in a container already.
         """
-        container = StateMachine.get_opened_container()
-        if container is None:
-            raise StateMachineError(
-                f"cannot add {label!r}: no container is open; add states inside `with container:`"
-            )
-        container._add(label, state, dict(transitions or {}), {}, dict(remapping or {}))
+        container = opened_container(label)
+        container._add(label, state, dict(transitions or {}), {}, remapping=dict(remapping or {}))
 
     @property
     def _states(self) -> list[State]:

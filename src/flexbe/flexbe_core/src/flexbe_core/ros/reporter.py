@@ -82,54 +82,54 @@ class Reporter:
 
     @singledispatchmethod
     def _publish(self, event: Event) -> None:
-        raise TypeError(f"no way to publish {event!r}")
+        raise TypeError(f"cannot publish {event!r}")
 
     @_publish.register
-    def _(self, event: Entered) -> None:
+    def _publish_entered(self, event: Entered) -> None:
         # A supervised behavior is followed by a mirror, which publishes this itself. What is
-        # executed by hand has no id, and is no behavior.
+        # executed by hand has no id, and is not a behavior.
         if not self._root._is_controlled and getattr(self._root, "id", None) is not None:
             self._send(topics.BEHAVIOR_UPDATE, String(event.path))
 
     @_publish.register
-    def _(self, event: Left) -> None:
+    def _publish_left(self, event: Left) -> None:
         self._send(topics.MIRROR_OUTCOME, UInt8(event.index))
         self._send(topics.CURRENT_STATE, String(f"{event.path} > {event.outcome}"))
 
     @_publish.register
-    def _(self, event: Requested) -> None:
+    def _publish_requested(self, event: Requested) -> None:
         self._send(topics.OUTCOME_REQUEST, OutcomeRequest(event.index, event.path))
         if StateLogger.enabled and event.index != NO_OUTCOME:
-            self._record_request(event)
+            self._log_request(event)
 
     @_publish.register
-    def _(self, event: Forced) -> None:
+    def _publish_forced(self, event: Forced) -> None:
         about = {"type": "forced", "forced": event.outcome, "requested": event.requested}
         StateLogger.log("flexbe.operator", definition_at(self._root, event.path), **about)
 
     @_publish.register
-    def _(self, event: Ended) -> None:
+    def _publish_ended(self, event: Ended) -> None:
         state = definition_at(self._root, event.path)
         StateLogger.log("flexbe.outcomes", state, outcome=event.outcome)
 
     @_publish.register
-    def _(self, event: Answered) -> None:
+    def _publish_answered(self, event: Answered) -> None:
         self._send(topics.COMMAND_FEEDBACK, CommandFeedback(event.command, list(event.args)))
 
     @_publish.register
-    def _(self, event: Synced) -> None:
+    def _publish_synced(self, event: Synced) -> None:
         self._send(topics.MIRROR_SYNC, BehaviorSync(self._behavior_id(), checksum(event.path)))
 
     @_publish.register
-    def _(self, event: Shown) -> None:
+    def _publish_shown(self, event: Shown) -> None:
         self._send(topics.ACTIVE_STATE, String(event.path))
 
     @_publish.register
-    def _(self, event: Refused) -> None:
+    def _publish_refused(self, event: Refused) -> None:
         Logger.logwarn("%s", event.text)
 
     @_publish.register
-    def _(self, event: Raised) -> None:
+    def _publish_raised(self, event: Raised) -> None:
         error = event.error
         text = f"{type(error).__name__}: {error}"
         last, at = self._logged.get(event.path, ("", 0.0))
@@ -141,7 +141,7 @@ class Reporter:
         Logger.logerr("%s: %s%s", event.path or "root", text, then)
         Logger.local(trace, Logger.REPORT_ERROR)
 
-    def _record_request(self, event: Requested) -> None:
+    def _log_request(self, event: Requested) -> None:
         state: State = definition_at(self._root, event.path)
         outcome = state.outcomes[event.index]
         levels = getattr(state.parent, "_autonomy", {}).get(state.name, {})

@@ -109,7 +109,7 @@ class Session:
         self._take_commands()
         self.engine.begin(userdata)
         self._driver = Driver(
-            self.engine, self._inbox, self._command, self._refresh, self._reporter.report
+            self.engine, self._inbox, self._command, self._refresh, report=self._reporter.report
         )
         try:
             return self._driver.drive()

@@ -16,8 +16,8 @@ gets the structure late, does not know the active state and asks for it.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import Enum
 
+from flexbe_core.engine.status_code import StatusCode
 from flexbe_mirror.core.tree import Tree
 
 # [s] The structure arrives by itself with a behavior that an operator starts; otherwise the mirror
@@ -27,17 +27,6 @@ ASK_AGAIN_S = 1.0
 
 # [s] The engine beats once per second.
 SILENCE_S = 5.0
-
-
-class Code(Enum):
-    """Codes of flexbe_msgs/BEStatus."""
-
-    STARTED = 0
-    FINISHED = 1
-    FAILED = 2
-    SWITCHING = 6
-    ERROR = 11
-    READY = 20
 
 
 @dataclass(frozen=True)
@@ -61,7 +50,7 @@ class AskWhere:
 
 Action = Show | AskForStructure | AskWhere
 
-_ENDS = {Code.FINISHED.value, Code.FAILED.value, Code.SWITCHING.value, Code.READY.value}
+_ENDS = {StatusCode.FINISHED, StatusCode.FAILED, StatusCode.SWITCHING, StatusCode.READY}
 
 
 class Mirror:
@@ -95,11 +84,11 @@ class Mirror:
     ) -> list[Action]:
         """Take a status of the engine; `now` [s] is wall time."""
         self._heard_at, self._lost = now, None
-        if code == Code.STARTED.value:
+        if code == StatusCode.STARTED:
             return self._begin(behavior_id, args[0] if args else None, now)
         if self._behavior_id is None:
             return self._show("") if self._is_new else []
-        is_end = code in _ENDS or (code == Code.ERROR.value and behavior_id == self._behavior_id)
+        is_end = code in _ENDS or (code == StatusCode.ERROR and behavior_id == self._behavior_id)
         return self._end() if is_end else []
 
     def on_structure(self, behavior_id: int, tree: Tree) -> list[Action]:

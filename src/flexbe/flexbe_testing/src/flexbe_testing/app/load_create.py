@@ -48,7 +48,7 @@ class CreateSection:
         }
 
     def private(self) -> dict[str, str]:
-        """Return all variables that are no container."""
+        """Return all variables that are not containers."""
         found = dict(_ASSIGNED.findall(self._text))
         return {name: value for name, value in found.items() if name not in self._definitions}
 
@@ -108,7 +108,9 @@ class CreateSection:
             self._lost.append(f"the App loses the position of '{inner}'")
         maps = {name: self._map(name, arguments[2:], inner) for name in _MAPS}
         internal = {name: value.strip() for name, value in _INTERNAL.findall(found[3] or "")}
-        content = self._content(arguments[1], inner, above, (*maps["transitions"],), internal)
+        content = self._content(
+            arguments[1], inner, above, (*maps["transitions"],), internal=internal
+        )
         place: Point = _DEFAULT_PLACE if found[1] is None else (int(found[1]), int(found[2]))
         return Child(label, place, content, *(maps[name] for name in _MAPS))
 
@@ -134,7 +136,7 @@ class CreateSection:
         internal: dict[str, str],
     ) -> StateUse | BehaviorUse | Container:
         if text in above:
-            raise AppLoadError(f"'{path}' is a container that it lies in itself")
+            raise AppLoadError(f"'{path}' contains itself")
         if text in self._definitions:
             return self._container(text, path, above)
         called = re.match(r"([\w.]+)\(", text)
@@ -143,7 +145,7 @@ class CreateSection:
         arguments = cut.items(cut.bracketed(text, called.end() - 1) or "")
         if called[1] == "self.use_behavior":
             return self._behavior(arguments, path)
-        return self._state(called[1], arguments, path, used, internal)
+        return self._state(called[1], arguments, path, used, internal=internal)
 
     def _state(
         self,
@@ -224,7 +226,9 @@ def _definition(found: re.Match[str]) -> Container:
         keyword, _, value = argument.partition("=")
         listed = cut.names(value)
         if listed is None:
-            raise AppLoadError(f"{found[2]} has another argument than a list of names: {argument}")
+            raise AppLoadError(
+                f"{found[2]} has an argument that is not a list of names: {argument}"
+            )
         lists[keyword.strip()] = tuple(listed)
     conditions = _conditions(found) if found.re is _CONCURRENT else ()
     places = re.findall(r"x:(-?\d+) y:(-?\d+)", found[1] or "")
@@ -233,8 +237,8 @@ def _definition(found: re.Match[str]) -> Container:
         lists.get("outcomes", ()),
         lists.get("input_keys", ()),
         lists.get("output_keys", ()),
-        tuple((int(x), int(y)) for x, y in places),
-        conditions,
+        places=tuple((int(x), int(y)) for x, y in places),
+        conditions=conditions,
     )
 
 

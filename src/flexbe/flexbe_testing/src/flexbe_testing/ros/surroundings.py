@@ -23,7 +23,7 @@ from flexbe_testing.errors import CaseError
 _READY_LIMIT_S = 30.0
 _END_LIMIT_S = 15.0
 
-_LOOK_EVERY_S = 0.05
+_CHECK_EVERY_S = 0.05
 
 
 @contextmanager
@@ -55,7 +55,7 @@ def _wait(case: Case, process: subprocess.Popen[bytes]) -> None:
             raise CaseError(f"what was launched ended before {case.wait_cond!r} was true")
         if time.monotonic() > end:
             raise CaseError(f"{case.wait_cond!r} is not true after {_READY_LIMIT_S:g} s")
-        time.sleep(_LOOK_EVERY_S)
+        time.sleep(_CHECK_EVERY_S)
 
 
 def _is_true(condition: str) -> bool:
@@ -64,7 +64,7 @@ def _is_true(condition: str) -> bool:
     try:
         return bool(eval(condition, names))
     except SyntaxError as error:
-        raise CaseError(f"wait_cond {condition!r} is no Python: {error}") from error
+        raise CaseError(f"wait_cond {condition!r} is not Python: {error}") from error
     except Exception as error:  # noqa: BLE001 - what it looks at is perhaps not there yet
         rospy.logdebug("wait_cond %s: %s", condition, error)
         return False

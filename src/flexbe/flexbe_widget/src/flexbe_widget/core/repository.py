@@ -97,10 +97,19 @@ def repository(name: str) -> dict[str, str]:
     states, behaviors = f"{name}_flexbe_states", f"{name}_flexbe_behaviors"
     top = f"{name}_behaviors"
     return {
-        **_package(top, states, f"States of {name}.", "flexbe_msgs", "flexbe_states", "tests"),
+        **_package(
+            top, states, f"States of {name}.", "flexbe_msgs", export="flexbe_states", folder="tests"
+        ),
         f"{top}/{states}/src/{states}/example_state.py": _STATE,
         f"{top}/{states}/tests/example.test": _CASE.format(name=states),
-        **_package(top, behaviors, f"Behaviors of {name}.", states, "flexbe_behaviors", "manifest"),
+        **_package(
+            top,
+            behaviors,
+            f"Behaviors of {name}.",
+            states,
+            export="flexbe_behaviors",
+            folder="manifest",
+        ),
         f"{top}/{behaviors}/manifest/.gitkeep": "",
     }
 

@@ -17,6 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+from flexbe_core.engine.status_code import StatusCode
 from flexbe_core.engine.supervision.in_force import PREEMPTED
 
 # [s] Wall time without a heartbeat (1 Hz) after which the engine counts as gone.
@@ -32,17 +33,6 @@ FAILED_TEXT = "failed: "
 NOT_STARTED_TEXT = "not started: "
 ENGINE_LOST_TEXT = "engine lost: "
 SERVER_ENDED_TEXT = "action server ended: "
-
-
-class Code(Enum):
-    """Codes of flexbe_msgs/BEStatus that matter here."""
-
-    STARTED = 0
-    FINISHED = 1
-    FAILED = 2
-    SWITCHING = 6
-    ERROR = 11
-    READY = 20
 
 
 class End(Enum):
@@ -80,21 +70,21 @@ class RunWatch:
 
     def on_status(self, code: int, behavior_id: int, args: tuple[str, ...]) -> Ending | None:
         """Return how the run ended, if a status says so."""
-        if code == Code.READY.value:
+        if code == StatusCode.READY:
             return Ending(End.RESTARTED)
-        if self._is_switching and code == Code.STARTED.value:
+        if self._is_switching and code == StatusCode.STARTED:
             self._behavior_id, self._is_switching = behavior_id, False
         if not self.concerns(behavior_id):
             return None
-        if code == Code.STARTED.value:
+        if code == StatusCode.STARTED:
             self.is_running = True
-        elif code == Code.SWITCHING.value:
+        elif code == StatusCode.SWITCHING:
             self._is_switching = True
-        elif code == Code.ERROR.value and not self.is_running:
+        elif code == StatusCode.ERROR and not self.is_running:
             return Ending(End.REFUSED)
-        elif self.is_running and code == Code.FAILED.value:
+        elif self.is_running and code == StatusCode.FAILED:
             return Ending(End.FAILED)
-        elif self.is_running and code == Code.FINISHED.value:
+        elif self.is_running and code == StatusCode.FINISHED:
             outcome = args[0] if args else ""
             return Ending(End.PREEMPTED if outcome == PREEMPTED else End.FINISHED, outcome)
         return None
@@ -118,4 +108,4 @@ class RunWatch:
 
 def is_busy(code: int) -> bool:
     """Return whether an engine whose last status this is runs a behavior."""
-    return code in (Code.STARTED.value, Code.SWITCHING.value)
+    return code in (StatusCode.STARTED, StatusCode.SWITCHING)

@@ -37,6 +37,7 @@ from flexbe_msgs.msg import (
 )
 
 from flexbe_core import BehaviorLibrary
+from flexbe_core.engine.status_code import StatusCode
 from flexbe_core.engine.supervision.in_force import PREEMPTED
 from flexbe_core.ros.steady_action_server import SteadyActionServer
 from flexbe_widget.core.run_watch import (
@@ -46,7 +47,6 @@ from flexbe_widget.core.run_watch import (
     SERVER_ENDED_TEXT,
     SILENCE_S,
     START_LIMIT_S,
-    Code,
     End,
     Ending,
     RunWatch,
@@ -238,7 +238,7 @@ class BehaviorActionServer:
         given_up.on_status(status.code, status.behavior_id, status.args)
         if not is_busy(status.code) or not given_up.concerns(status.behavior_id):
             self._given_up = None
-        elif status.code == Code.STARTED.value:
+        elif status.code == StatusCode.STARTED:
             self._link.preempt()
 
     def _stop(self, run: _Run) -> None:

@@ -54,7 +54,11 @@ class RequestServer:
         parameters = [_parameter(key, value) for key, value in pairs]
         try:
             request = start_request(
-                self._library, message.behavior_name, parameters, (), message.autonomy_level
+                self._library,
+                message.behavior_name,
+                parameters,
+                (),
+                autonomy_level=message.autonomy_level,
             )
             self._wait_for_engine()
         except RequestError as error:

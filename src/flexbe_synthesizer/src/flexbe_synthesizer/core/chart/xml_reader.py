@@ -59,15 +59,6 @@ class Document:
     problems: tuple[Problem, ...]
 
 
-def read_xml(source: str | bytes, file: str) -> Document:
-    """Return the document that the source holds.
-
-    Raises:
-        ChartError: if the source is not well-formed XML in a known encoding, or has a DOCTYPE.
-    """
-    return read_utf8(as_utf8(source, file), file)
-
-
 def read_utf8(data: bytes, file: str) -> Document:
     """Return the document that `as_utf8` gave the bytes of.
 

@@ -19,7 +19,8 @@ from collections.abc import Iterator, Mapping
 from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.model import When
 from flexbe_synthesizer.core.chart.problem import Code, Problem
-from flexbe_synthesizer.core.library.resolve import ResolvedChart, label
+from flexbe_synthesizer.core.library.resolve import ResolvedChart
+from flexbe_synthesizer.core.library.use import label
 
 
 def check_conditions(resolved: ResolvedChart) -> Iterator[Problem]:

@@ -9,8 +9,9 @@ from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.model import Connection, Input, Output
 from flexbe_synthesizer.core.chart.problem import Code, Position, Problem
 from flexbe_synthesizer.core.library.data_flow import DataFlow, Wiring
-from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode, label
+from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode
 from flexbe_synthesizer.core.library.signature import Port, fits
+from flexbe_synthesizer.core.library.use import label
 
 
 def check_connections(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:

@@ -15,7 +15,8 @@ from flexbe_synthesizer.core.chart.problem import Code, Problem
 from flexbe_synthesizer.core.library.data_flow import DataFlow
 from flexbe_synthesizer.core.library.definite_assignment import Values
 from flexbe_synthesizer.core.library.graph import Edge, path_text, shortest_path
-from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode, label
+from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode
+from flexbe_synthesizer.core.library.use import label
 
 _MOST_PATHS = 50  # problems of a chart that are told with their path; each is a search
 _MOST_WRITERS = 12  # named in a message

@@ -9,7 +9,8 @@ from flexbe_synthesizer.core.chart.error_routes import codes_of_routes, is_named
 from flexbe_synthesizer.core.chart.model import AnyNode, Container, ContainerKind, walk_nodes
 from flexbe_synthesizer.core.chart.names import ERROR_CODE, FAILED
 from flexbe_synthesizer.core.chart.problem import Code, Problem
-from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode, label
+from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode
+from flexbe_synthesizer.core.library.use import label
 
 
 def check_extensions(entry: ResolvedNode, resolved: ResolvedChart) -> Iterator[Problem]:

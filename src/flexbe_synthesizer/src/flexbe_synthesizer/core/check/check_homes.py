@@ -13,7 +13,8 @@ from flexbe_synthesizer.core.chart.model import State
 from flexbe_synthesizer.core.chart.names import ERROR_CODE
 from flexbe_synthesizer.core.chart.problem import Code, Problem
 from flexbe_synthesizer.core.library.data_flow import DataFlow
-from flexbe_synthesizer.core.library.resolve import ResolvedChart, label
+from flexbe_synthesizer.core.library.resolve import ResolvedChart
+from flexbe_synthesizer.core.library.use import label
 
 
 def check_homes(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:

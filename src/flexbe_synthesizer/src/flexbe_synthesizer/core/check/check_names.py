@@ -15,8 +15,9 @@ from flexbe_synthesizer.core.chart.model import (
     State,
 )
 from flexbe_synthesizer.core.chart.problem import Code, Problem
-from flexbe_synthesizer.core.library.resolve import ResolvedChart, label
+from flexbe_synthesizer.core.library.resolve import ResolvedChart
 from flexbe_synthesizer.core.library.signature import TYPES, is_type
+from flexbe_synthesizer.core.library.use import label
 from flexbe_synthesizer.core.machine.expanded_labels import added_labels
 
 

@@ -8,13 +8,7 @@ from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.literal import Literal, format_literal, type_of
 from flexbe_synthesizer.core.chart.model import Behavior, Input, Node, Output, State
 from flexbe_synthesizer.core.chart.problem import Code, Position, Problem
-from flexbe_synthesizer.core.library.resolve import (
-    ResolvedChart,
-    ResolvedNode,
-    arguments,
-    given_values,
-    label,
-)
+from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode, given_values
 from flexbe_synthesizer.core.library.signature import (
     FromParameter,
     Port,
@@ -22,6 +16,7 @@ from flexbe_synthesizer.core.library.signature import (
     StateClass,
     fits,
 )
+from flexbe_synthesizer.core.library.use import arguments, label
 from flexbe_synthesizer.core.machine.predicates import PARAMETER, PREDICATES
 
 

@@ -8,7 +8,8 @@ from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.names import EXHAUSTED
 from flexbe_synthesizer.core.chart.problem import Code, Problem
 from flexbe_synthesizer.core.library.graph import Graph, reachable
-from flexbe_synthesizer.core.library.resolve import ResolvedChart, label
+from flexbe_synthesizer.core.library.resolve import ResolvedChart
+from flexbe_synthesizer.core.library.use import label
 
 _MOST_LISTED = 50  # dead ends that are told with all that they lead to
 _MORE = "states that do not end either"

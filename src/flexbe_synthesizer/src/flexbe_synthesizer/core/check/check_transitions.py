@@ -8,7 +8,8 @@ from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.model import Transition
 from flexbe_synthesizer.core.chart.names import EXHAUSTED, TIMED_OUT
 from flexbe_synthesizer.core.chart.problem import Code, Problem
-from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode, label
+from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode
+from flexbe_synthesizer.core.library.use import label
 
 _ADDED_BY = {EXHAUSTED: "attempts", TIMED_OUT: "timeout_s"}
 

@@ -6,8 +6,9 @@ from collections.abc import Container, Iterator
 
 from flexbe_synthesizer.core.chart.problem import Code, Problem
 from flexbe_synthesizer.core.library.data_flow import DataFlow
-from flexbe_synthesizer.core.library.resolve import ResolvedChart, label
+from flexbe_synthesizer.core.library.resolve import ResolvedChart
 from flexbe_synthesizer.core.library.signature import StateClass
+from flexbe_synthesizer.core.library.use import label
 
 
 def check_use(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from flexbe_synthesizer.core.chart.model import Behavior, Chart, walk_nodes
-from flexbe_synthesizer.core.library.definite_assignment import outcome_effects
 from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.core.library.lookup import resolve_chart
 from flexbe_synthesizer.core.library.resolve import ResolvedChart, included_path
@@ -77,7 +76,7 @@ class NestedBehaviors:
             return ()
         resolved = self.resolved(behavior)
         if resolved is not None:
-            return outcome_effects(resolved)
+            return resolved.effects
         outputs = frozenset(port.name for port in behavior.outputs)
         return tuple(Effect(outcome, frozenset(), outputs) for outcome in behavior.outcomes)
 

@@ -19,7 +19,6 @@ from flexbe_synthesizer.core.chart.quick import quick
 from flexbe_synthesizer.core.check.check import CheckedChart
 from flexbe_synthesizer.core.check.nested import NestedBehaviors
 from flexbe_synthesizer.core.check.visits import Bound, most_visits
-from flexbe_synthesizer.core.library.definite_assignment import outcome_effects
 from flexbe_synthesizer.core.library.graph import Graph
 from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode, scopes
 from flexbe_synthesizer.core.library.signature import BehaviorClass, Effect, StateClass
@@ -97,7 +96,7 @@ def certify(checked: CheckedChart, package: str) -> Certificate:
     resolved = checked.resolved
     times = _Times(checked.nested)
     outcomes = [outcome.name for outcome in resolved.chart.outcomes]
-    effects = {effect.outcome: effect for effect in outcome_effects(resolved)}
+    effects = {effect.outcome: effect for effect in resolved.effects}
     nothing: frozenset[str] = frozenset()
     return Certificate(
         resolved.chart.name,

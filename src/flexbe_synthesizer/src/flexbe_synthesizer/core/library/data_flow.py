@@ -13,13 +13,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.model import Connection
-
-if TYPE_CHECKING:
-    from flexbe_synthesizer.core.library.resolve import ResolvedChart
+from flexbe_synthesizer.core.library.use import Scope
 
 
 @dataclass(frozen=True)
@@ -51,17 +48,17 @@ class Wiring:
     mistake is not reported a second time as an input that nothing feeds.
     """
 
-    def __init__(self, resolved: ResolvedChart) -> None:
+    def __init__(self, scope: Scope) -> None:
         """Sort the connections."""
-        chart_name = resolved.chart.name
+        chart_name = scope.chart.name
         self.into_state: dict[tuple[str, str], Connection] = {}
         self.into_machine: dict[tuple[str, str], Connection] = {}
         self.passed_through: set[str] = set()
         self.connected_outputs: set[str] = set()
-        for connection in resolved.chart.connections:
+        for connection in scope.chart.connections:
             taker, name = connection.input_state_id, connection.input
             if taker != chart_name:
-                entry = resolved.by_id.get(taker)
+                entry = scope.by_id.get(taker)
                 if entry is not None and name not in entry.use.inputs:
                     name = names.misspelt(name, entry.use.inputs) or name
                 self.into_state.setdefault((taker, name), connection)
@@ -74,13 +71,13 @@ class Wiring:
                 self.passed_through.add(name)
 
 
-def bind_data(resolved: ResolvedChart) -> DataFlow:
+def bind_data(scope: Scope) -> DataFlow:
     """Return where each value of the chart lives."""
-    wiring = Wiring(resolved)
-    binding = _Binding(resolved, wiring)
+    wiring = Wiring(scope)
+    binding = _Binding(scope, wiring)
     inputs: dict[str, dict[str, str]] = {}
     defaulted: list[tuple[str, str]] = []
-    for node, entry in resolved.by_id.items():
+    for node, entry in scope.by_id.items():
         if entry.use.inputs:
             inputs[node] = homes = {}
             for name, port in entry.use.inputs.items():
@@ -95,17 +92,17 @@ def bind_data(resolved: ResolvedChart) -> DataFlow:
 class _Binding:
     """The search for homes; each is found once."""
 
-    def __init__(self, resolved: ResolvedChart, wiring: Wiring) -> None:
-        self._chart_name = resolved.chart.name
-        self._by_id = resolved.by_id
+    def __init__(self, scope: Scope, wiring: Wiring) -> None:
+        self._chart_name = scope.chart.name
+        self._by_id = scope.by_id
         self._into_state = wiring.into_state
         self._into_machine = wiring.into_machine
-        self._machine_inputs = {port.name for port in resolved.chart.inputs}
-        machine_outputs = {port.name for port in resolved.chart.outputs}
+        self._machine_inputs = {port.name for port in scope.chart.inputs}
+        machine_outputs = {port.name for port in scope.chart.outputs}
         self._fed_by_name = machine_outputs - wiring.connected_outputs
         self._taken = self._machine_inputs | machine_outputs
         self._homes: dict[str, dict[str, str]] = {
-            node: {} for node, entry in resolved.by_id.items() if entry.use.outputs
+            node: {} for node, entry in scope.by_id.items() if entry.use.outputs
         }
 
     def output_homes(self) -> Mapping[str, Mapping[str, str]]:

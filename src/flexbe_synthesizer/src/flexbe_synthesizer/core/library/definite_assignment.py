@@ -13,15 +13,13 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property, reduce
 from heapq import heappop, heappush
 from operator import and_, or_
-from typing import TYPE_CHECKING
 
 from flexbe_synthesizer.core.chart.model import State
 from flexbe_synthesizer.core.chart.names import EXHAUSTED
+from flexbe_synthesizer.core.library.data_flow import DataFlow
 from flexbe_synthesizer.core.library.graph import Edge, Graph, condition_edges
 from flexbe_synthesizer.core.library.signature import Effect
-
-if TYPE_CHECKING:
-    from flexbe_synthesizer.core.library.resolve import ResolvedChart
+from flexbe_synthesizer.core.library.use import Scope
 
 
 class Values:
@@ -30,11 +28,11 @@ class Values:
     Only homes that are outputs, or that an input reads, are distinguished.
     """
 
-    def __init__(self, resolved: ResolvedChart) -> None:
+    def __init__(self, scope: Scope, flow: DataFlow, graph: Graph) -> None:
         """Sort the outputs by home and by state."""
-        flow, self.graph = resolved.flow, resolved.graph
-        self._by_id = resolved.by_id
-        known = flow.read | {port.name for port in resolved.chart.outputs}
+        self.graph = graph
+        self._by_id = scope.by_id
+        known = flow.read | {port.name for port in scope.chart.outputs}
         self.writers: dict[str, list[str]] = {}
         self._bits: dict[str, int] = {}
         self._own: dict[str, int] = {}
@@ -53,7 +51,7 @@ class Values:
                 self._own[node] = own
         self._limited: dict[str, dict[str, tuple[int, int]]] = {}
         for node in self._own:
-            signature = resolved.by_id[node].use.signature
+            signature = scope.by_id[node].use.signature
             if signature is not None and signature.effects:
                 homes = flow.outputs[node]
                 self._limited[node] = {
@@ -271,20 +269,15 @@ def _narrow(homes: dict[str, int], name: str, arriving: int) -> bool:
     return new != old
 
 
-def outcome_effects(resolved: ResolvedChart) -> tuple[Effect, ...]:
-    """Return what each outcome of a chart, or of the content of a container, writes.
+def outcome_effects(scope: Scope, outputs: frozenset[str], values: Values) -> tuple[Effect, ...]:
+    """Return which of its outputs each outcome of a chart, or of a container's content, writes.
 
     An outcome that nothing leads to never happens, so that nothing is left out with it.
     """
-    chart = resolved.chart
-    outputs = frozenset(port.name for port in chart.outputs if port.name)
-    if not outputs:
-        return ()
-    values = resolved.values
     known = outputs & values.writers.keys()
-    if resolved.is_concurrent:
-        certain = _written_by_conditions(resolved, values)
-        everything = reduce(or_, map(values.touched_in, resolved.by_id), 0)
+    if scope.is_concurrent:
+        certain = _written_by_conditions(scope, values)
+        everything = reduce(or_, map(values.touched_in, scope.by_id), 0)
         possible: Mapping[str, int] = dict.fromkeys(certain, everything)
     else:
         certain, possible = values.written_before, values.touched_before(known)
@@ -296,14 +289,14 @@ def outcome_effects(resolved: ResolvedChart) -> tuple[Effect, ...]:
         )
         if name in certain
         else Effect(name, outputs, frozenset())
-        for name in dict.fromkeys(outcome.name for outcome in chart.outcomes)
+        for name in dict.fromkeys(outcome.name for outcome in scope.chart.outcomes)
     )
 
 
-def _written_by_conditions(resolved: ResolvedChart, values: Values) -> Mapping[str, int]:
+def _written_by_conditions(scope: Scope, values: Values) -> Mapping[str, int]:
     """Return the homes written with each outcome of a concurrency container."""
     causes: dict[str, int] = {}
-    for condition in resolved.chart.conditions:
-        written = (values.written_on(edge) for edge in condition_edges(condition, resolved))
+    for condition in scope.chart.conditions:
+        written = (values.written_on(edge) for edge in condition_edges(condition, scope))
         _narrow(causes, condition.outcome, reduce(or_, written, 0))
     return causes

@@ -7,14 +7,12 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.model import AnyNode, Chart, Condition
 from flexbe_synthesizer.core.chart.names import EXHAUSTED, FAILED
-
-if TYPE_CHECKING:
-    from flexbe_synthesizer.core.library.resolve import ResolvedChart
+from flexbe_synthesizer.core.library.use import Scope
 
 _STEPS_SHOWN = 10  # of a path, at its beginning and at its end
 
@@ -147,27 +145,27 @@ class Graph:
         return Graph(self.initial, self.ids, leaving)
 
 
-def chart_graph(resolved: ResolvedChart) -> Graph:
+def chart_graph(scope: Scope) -> Graph:
     """Return the graph of a chart, or of the content of a container.
 
     A misspelt target or initial state stands for the name that was meant, so that one mistake is
     not reported a second time as an unreachable state. What is in a concurrency container has no
     order: its edges are the events that its conditions wait for, and lead to its outcomes.
     """
-    chart, ids = resolved.chart, tuple(resolved.by_id)
+    chart, ids = scope.chart, tuple(scope.by_id)
     leaving: dict[str, list[Edge]] = {}
-    counted = [name for name, entry in resolved.by_id.items() if entry.node.attempts is not None]
-    if resolved.is_concurrent:
+    counted = [name for name, entry in scope.by_id.items() if entry.node.attempts is not None]
+    if scope.is_concurrent:
         for condition in chart.conditions:
-            for edge in condition_edges(condition, resolved):
+            for edge in condition_edges(condition, scope):
                 leaving.setdefault(edge.source, []).append(edge)
         return Graph("", ids, leaving, counted)
 
-    known = set(resolved.targets)
-    for source, entry in resolved.by_id.items():
+    known = set(scope.targets)
+    for source, entry in scope.by_id.items():
         node, added = entry.node, entry.use.added_events
         is_last = node.attempts is not None and not entry.use.has_own(EXHAUSTED)
-        is_last = is_last and not resolved.is_repeated
+        is_last = is_last and not scope.is_repeated
         edges = [
             Edge(
                 source,
@@ -182,18 +180,18 @@ def chart_graph(resolved: ResolvedChart) -> Graph:
             leaving[source] = edges
             if not all([edge.target in known for edge in edges]):
                 leaving[source] = [
-                    edge if edge.target in known else _mended(edge, resolved) for edge in edges
+                    edge if edge.target in known else _mended(edge, scope) for edge in edges
                 ]
     initial = chart.initial
-    if initial not in resolved.by_id:
-        initial = names.misspelt(initial, resolved.ids) or initial
+    if initial not in scope.by_id:
+        initial = names.misspelt(initial, scope.ids) or initial
     ordered = tuple(sorted(ids, key=lambda name: name != initial))
     return Graph(initial, ordered, leaving, counted)
 
 
-def _mended(edge: Edge, resolved: ResolvedChart) -> Edge:
+def _mended(edge: Edge, scope: Scope) -> Edge:
     """Return an edge that leads to the target that was meant."""
-    return edge._replace(target=names.misspelt(edge.target, resolved.targets) or edge.target)
+    return edge._replace(target=names.misspelt(edge.target, scope.targets) or edge.target)
 
 
 def looping_nodes(chart: Chart) -> frozenset[str]:
@@ -211,10 +209,10 @@ def _leads(node: AnyNode) -> list[tuple[str, str]]:
     return leads
 
 
-def condition_edges(condition: Condition, resolved: ResolvedChart) -> Iterator[Edge]:
+def condition_edges(condition: Condition, scope: Scope) -> Iterator[Edge]:
     """Yield the events that a condition of a concurrency container waits for, as edges."""
     for when in condition.all_of:
-        entry = resolved.by_id.get(when.state)
+        entry = scope.by_id.get(when.state)
         if entry is not None:
             executed = when.event not in entry.use.added_events
             yield Edge(when.state, when.event, condition.outcome, executed)

@@ -20,15 +20,11 @@ from flexbe_synthesizer.core.chart.model import (
 )
 from flexbe_synthesizer.core.chart.names import EXHAUSTED, PREEMPTED, TIMED_OUT
 from flexbe_synthesizer.core.chart.problem import Code, Problem
-from flexbe_synthesizer.core.library.definite_assignment import outcome_effects
 from flexbe_synthesizer.core.library.graph import looping_nodes
 from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.core.library.resolve import (
     ResolvedChart,
     ResolvedNode,
-    Support,
-    Use,
-    arguments,
     included_path,
     scopes,
 )
@@ -42,6 +38,7 @@ from flexbe_synthesizer.core.library.signature import (
     behavior_signature,
     state_signature,
 )
+from flexbe_synthesizer.core.library.use import Support, Use, arguments
 
 _Found = TypeVar("_Found", StateClass, BehaviorClass)
 
@@ -103,10 +100,10 @@ class _Lookup:
         error_names = self._library.error_names
         return ResolvedChart(
             chart,
-            nodes,
+            by_id,
             runs=runs,
+            nodes=nodes,
             support=support,
-            by_id=by_id,
             error_names=error_names,
             is_inner=is_inner,
             is_repeated=is_repeated,
@@ -193,7 +190,7 @@ def _body_signature(node: Container, body: ResolvedChart) -> Signature:
         inputs=tuple(Port(port.name, port.type) for port in node.body.inputs if port.name),
         outputs=tuple(Port(port.name, port.type) for port in node.body.outputs if port.name),
         parameters=(),
-        effects=outcome_effects(body),
+        effects=body.effects,
     )
 
 

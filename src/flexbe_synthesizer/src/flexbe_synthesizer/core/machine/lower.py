@@ -20,11 +20,11 @@ from flexbe_synthesizer.core.library.data_flow import DataFlow
 from flexbe_synthesizer.core.library.resolve import (
     ResolvedChart,
     ResolvedNode,
-    Support,
     given_values,
     scopes,
 )
 from flexbe_synthesizer.core.library.signature import BehaviorClass, StateClass
+from flexbe_synthesizer.core.library.use import Support
 from flexbe_synthesizer.core.machine import machine
 from flexbe_synthesizer.core.machine.expanded_labels import (
     OTHER,

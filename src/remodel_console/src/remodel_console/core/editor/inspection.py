@@ -9,7 +9,8 @@ from flexbe_synthesizer.core.chart.model import AnyNode, Chart
 from flexbe_synthesizer.core.chart.problem import Problem, errors_in
 from flexbe_synthesizer.core.check.check import CheckedChart
 from flexbe_synthesizer.core.export.certificate import Certificate, certify
-from flexbe_synthesizer.core.library.resolve import ResolvedChart, Use
+from flexbe_synthesizer.core.library.resolve import ResolvedChart
+from flexbe_synthesizer.core.library.use import Use
 
 
 @dataclass(frozen=True)

@@ -97,7 +97,9 @@ def _child(by_path: dict[str, Instantiation], path: str, library: Library) -> Ch
         return Child(label, BehaviorUse(behavior[0], pairs, ()), exits, homes)
     state = library.find_states(entry.state_class)
     if len(state) != 1 or not isinstance(state[0], StateClass):
-        raise ValueError(f"'{label}' is a '{entry.state_class}', which is not installed once here")
+        raise ValueError(
+            f"'{label}' is a '{entry.state_class}', which is not installed in exactly one package"
+        )
     return Child(label, StateUse(state[0], entry.state_class, pairs), exits, homes)
 
 

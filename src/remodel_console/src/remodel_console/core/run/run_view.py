@@ -46,7 +46,7 @@ class EngineSeen:
 
 
 @dataclass(frozen=True)
-class Told:
+class EngineStatus:
     """A status of the engine."""
 
     code: int
@@ -93,7 +93,9 @@ class Ordered:
     source_checksum: int | None = None
 
 
-Event: TypeAlias = EngineSeen | Told | Entered | Left | Asked | Acknowledged | Structure | Ordered
+Event: TypeAlias = (
+    EngineSeen | EngineStatus | Entered | Left | Asked | Acknowledged | Structure | Ordered
+)
 
 
 @dataclass(frozen=True)
@@ -164,7 +166,7 @@ def step(view: RunView, event: Event) -> RunView:
     """Return the view after an event."""
     if isinstance(event, EngineSeen):
         return _on_engine(view, event)
-    if isinstance(event, Told):
+    if isinstance(event, EngineStatus):
         return _on_status(view, event)
     if isinstance(event, Entered):
         return _on_entered(view, event)
@@ -187,7 +189,7 @@ def _on_engine(view: RunView, event: EngineSeen) -> RunView:
     return replace(view, phase=Phase.IDLE) if view.phase is Phase.AWAY else view
 
 
-def _on_status(view: RunView, event: Told) -> RunView:
+def _on_status(view: RunView, event: EngineStatus) -> RunView:
     if event.code == Status.STARTED:
         is_ours = view.ordered.source_checksum == event.behavior_id
         return RunView(
@@ -221,7 +223,7 @@ def _on_status(view: RunView, event: Told) -> RunView:
     )
 
 
-def _ending(event: Told) -> tuple[str, bool]:
+def _ending(event: EngineStatus) -> tuple[str, bool]:
     """Return how a run ended in words, and whether badly."""
     if event.code == Status.FINISHED:
         outcome = event.args[0] if event.args else ""

@@ -153,7 +153,7 @@ class UseCase:
     """
 
     phase: Phase
-    told_s: float = 0.0
+    stamp_s: float = 0.0
     message: str = ""
     cell: str = ""
     run: int = 0
@@ -220,9 +220,9 @@ _LEVEL_WORDS = {
 
 def level_rows(use_case: UseCase) -> Iterator[tuple[str, Level | None]]:
     """Yield the four levels, what an operator calls them and what they do; None: idle."""
-    told = {level.level: level for level in use_case.levels}
+    known = {level.level: level for level in use_case.levels}
     for level, word in _LEVEL_WORDS.items():
-        yield word, told.get(level)
+        yield word, known.get(level)
 
 
 _DECISION_WORDS = {

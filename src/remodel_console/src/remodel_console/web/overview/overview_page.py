@@ -138,7 +138,7 @@ class OverviewPage(Page):
                     ui.label(choice.meaning).classes("meaning")
 
     def _show_time_left(self, now: UseCase) -> None:
-        left_s = now.question.left_s(now.told_s) if now.question else None
+        left_s = now.question.left_s(now.stamp_s) if now.question else None
         if self._time_left is not None and left_s is not None:
             self._time_left.text = (
                 f"{duration_words(left_s)} left to answer; after that the question escalates, and "
@@ -157,7 +157,7 @@ class OverviewPage(Page):
                         continue
                     ui.label(level.doing).classes("soft")
                     if level.since_s:
-                        time_s = now.told_s - level.since_s
+                        time_s = now.stamp_s - level.since_s
                         ui.label(f"for {duration_words(time_s)}").classes("soft")
 
     def _show_failures(self, now: UseCase) -> None:

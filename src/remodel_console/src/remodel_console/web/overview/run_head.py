@@ -96,7 +96,7 @@ def _progress_words(now: UseCase) -> str:
         return ""
     words = f"{now.done} of {now.total} tasks done"
     words += f", {now.set_aside} skipped" if now.set_aside else ""
-    words += f"; {duration_words(now.told_s - now.started_s)} so far"
+    words += f"; {duration_words(now.stamp_s - now.started_s)} so far"
     return words + (f", about {duration_words(now.left_s)} left" if now.left_s else "")
 
 

@@ -127,10 +127,10 @@ class ReplayPage(Page):
         self._now.clear()
         with self._now:
             ui.label(f"Task {moment.task}" if moment.task else "Between tasks").classes("title")
-            entry, told = moment.entry, moment.feedback
+            entry, feedback = moment.entry, moment.feedback
             ui.label(f"{KIND_WORDS[entry.kind]}: {entry_words(entry)}").classes("entry-words")
-            if told is not None and told is not entry:
-                ui.label(f"{KIND_WORDS[told.kind]}: {entry_words(told)}").classes("soft")
+            if feedback is not None and feedback is not entry:
+                ui.label(f"{KIND_WORDS[feedback.kind]}: {entry_words(feedback)}").classes("soft")
 
     def _show_reasons(self, reasons: tuple[Entry, ...]) -> None:
         self._reasons.clear()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -115,12 +116,9 @@ def _read_stored(
     # SQLAlchemy takes longer to load than most problems to plan, and files do not need it.
     from remodel_production.edge.database.production_database import ProductionDatabase
 
-    database = ProductionDatabase(options.database)
-    try:
+    with closing(ProductionDatabase(options.database)) as database:
         stored = database.order(options.order)
         preferences = database.preferences(options.order)
-    finally:
-        database.close()
     if preferences is not None:
         documents = [(f"preferences of order {stored.name}", preferences), *documents]
     with blamed(f"order {stored.name}"):

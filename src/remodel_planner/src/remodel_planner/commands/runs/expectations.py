@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections import Counter
+from contextlib import closing
 
 from remodel_planner.commands.options.database_option import add_database_option
 from remodel_planning.core.use_case.bounds import frozen_setting
@@ -31,11 +32,8 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     try:
         use_case = find_use_case(options.use_case)
-        database = ProductionDatabase(options.database)
-        try:
+        with closing(ProductionDatabase(options.database)) as database:
             calls = ability_calls(database)
-        finally:
-            database.close()
     except PlannerError as error:
         print(f"expectations: {error}", file=sys.stderr)
         return 1

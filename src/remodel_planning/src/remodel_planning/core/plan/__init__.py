@@ -1,7 +1,6 @@
-"""Plans: checked, explained, drawn, and continued.
+"""Plans: checked, explained and drawn.
 
 checker      the checker of plans, which shares no code with the search
 explanation  a plan explained as text; drawing draws it
 listing      a plan's wires in their order
-progress     the problem that is left when part of a plan is executed, and something has failed
 """

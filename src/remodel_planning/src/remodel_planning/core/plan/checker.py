@@ -30,11 +30,13 @@ class Verdict:
 
     Attributes:
         violations: empty for a valid plan; each names the action by its place in the plan.
+        durations: [ticks] of the actions; 0 of one that is impossible.
         makespan: [ticks] from the problem's start to the end of the last action.
         penalties: by the name of their weight, `soft` for violated soft constraints.
     """
 
     violations: tuple[str, ...]
+    durations: tuple[int, ...]
     makespan: int
     penalties: dict[str, int]
 
@@ -58,7 +60,10 @@ def check(problem: Problem, plan: Plan) -> Verdict:
     if plan.problem != problem.name:
         violations.insert(0, f"the plan is for {plan.problem}, the problem is {problem.name}")
     return Verdict(
-        tuple(violations), simulation.end - problem.start_ticks, _penalties(problem, simulation)
+        tuple(violations),
+        tuple(simulation.durations),
+        simulation.end - problem.start_ticks,
+        _penalties(problem, simulation),
     )
 
 
@@ -110,6 +115,7 @@ class _Simulation:
         self.end = start
         self.violations: list[str] = []
         self._index = 0
+        self.durations: list[int] = []
         self._unders: dict[str, list[str]] = {}
         for under in problem.unders:
             self._unders.setdefault(under.after, []).append(under.before)
@@ -122,6 +128,7 @@ class _Simulation:
     def check(self, index: int, action: Action) -> None:
         """Check one action, and apply its effects."""
         self._index = index
+        self.durations.append(0)
         try:
             if action.arm not in self.arms:
                 raise _RefusedError(f"no arm {action.arm}")
@@ -171,6 +178,7 @@ class _Simulation:
     ) -> int:
         self._move(action, action.arm, at)
         end = action.start_ticks + ticks
+        self.durations[-1] = ticks
         state = self.arms[action.arm]
         state.position, state.free_at = to or at, end
         self.end = max(self.end, end)

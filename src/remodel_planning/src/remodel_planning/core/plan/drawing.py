@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from xml.sax.saxutils import escape, quoteattr
 
-from remodel_planning.core.plan.progress import action_ticks
+from remodel_planning.core.plan.checker import Verdict
 from remodel_planning.core.problem.problem import Action, ActionKind, End, Plan, Point, Problem
 
 # Pixels of the drawing.
@@ -47,8 +47,8 @@ class _View:
         return x, self.top + self.scale * (self.top_mm - point[1])
 
 
-def draw_plan(problem: Problem, plan: Plan) -> str:
-    """Return the SVG of a valid plan."""
+def draw_plan(problem: Problem, plan: Plan, verdict: Verdict) -> str:
+    """Return the SVG of a valid plan, with the verdict on it."""
     chart_height = _MARGIN + _LANE * len(problem.arms) + _AXIS + _LEGEND
     points = [terminal.position_mm for terminal in problem.terminals] or [(0, 0)]
     xs, ys = zip(*points, strict=True)
@@ -60,16 +60,15 @@ def draw_plan(problem: Problem, plan: Plan) -> str:
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height:.0f}" '
             'font-family="sans-serif" font-size="10">',
             f'<rect width="{_WIDTH}" height="{height:.0f}" fill="white"/>',
-            *_chart(problem, plan),
+            *_chart(problem, plan, verdict.durations),
             *_panel(problem, plan, view),
             "</svg>\n",
         )
     )
 
 
-def _chart(problem: Problem, plan: Plan) -> Iterator[str]:
+def _chart(problem: Problem, plan: Plan, ticks: tuple[int, ...]) -> Iterator[str]:
     """Draw a lane for each arm, with its actions on an axis of time."""
-    ticks = action_ticks(problem, plan)
     starts = [action.start_ticks - problem.start_ticks for action in plan.actions]
     end = max((start + length for start, length in zip(starts, ticks, strict=True)), default=1)
     per_tick = (_WIDTH - 2 * _MARGIN) / max(1, end)

@@ -99,15 +99,10 @@ def _live_owners(url: str) -> tuple[LiveOwner, ...]:
     if target.get_backend_name() == "sqlite" and not _file_of(target).stat().st_size:
         return ()  # opened, it would become a new database, which a waiting supervisor takes
     try:
-        database = ProductionDatabase(url)
+        with contextlib.closing(ProductionDatabase(url)) as database:
+            return live_owners(database)
     except PlannerError:
         return ()
-    try:
-        return live_owners(database)
-    except PlannerError:
-        return ()
-    finally:
-        database.close()
 
 
 def _file_of(url: URL) -> Path:

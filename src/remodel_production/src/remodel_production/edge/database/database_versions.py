@@ -1,4 +1,4 @@
-"""Bring a database to this program's version, by migrations/versions."""
+"""Bring a database to this program's version: a new one from the models, others by migrations."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ from pathlib import Path
 from sqlalchemy import inspect, text
 from sqlalchemy.engine import Connection
 
+from remodel_production.edge.database.production_models import Base
 from remodel_production.errors import OrderError
 
 NEWEST = "0006"
 _VERSION_TABLE = "alembic_version"
+_MIGRATIONS = Path(__file__).parent / "migrations"
 # Any number that no other program takes a lock by, in one database.
 _LOCK = 5_151_002
 
@@ -24,7 +26,7 @@ def version_of(connection: Connection) -> str | None:
 
 
 def upgrade(connection: Connection) -> None:
-    """Bring a database to the newest version, from any that it knows or from nothing.
+    """Bring a database to the newest version: an empty one, or of any version that is known.
 
     Args:
         connection: with a transaction that the migrations become part of.
@@ -44,10 +46,14 @@ def upgrade(connection: Connection) -> None:
     from alembic.script import ScriptDirectory
 
     config = Config()
-    config.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
+    config.set_main_option("script_location", str(_MIGRATIONS))
     config.attributes["connection"] = connection
+    if version is None:
+        Base.metadata.create_all(connection, checkfirst=False)
+        command.stamp(config, "head")
+        return
     known = {script.revision for script in ScriptDirectory.from_config(config).walk_revisions()}
-    if version is not None and version not in known:
+    if version not in known:
         raise OrderError(
             f"is of version {version}; this program knows versions {', '.join(sorted(known))}: "
             "use the program that made it, or give another database (--database)"

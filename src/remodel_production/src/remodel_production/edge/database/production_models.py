@@ -1,7 +1,7 @@
 """The tables of the production knowledge database; docs/production-database.md draws them.
 
-Every table and column has a comment, which PostgreSQL keeps. A change here needs a migration in
-edge/database/migrations/versions, and `tools/draw_database.py`.
+New databases are created from them. Every table and column has a comment, which PostgreSQL keeps. A
+change here needs a migration in edge/database/migrations/versions, and `tools/draw_database.py`.
 """
 
 from __future__ import annotations

@@ -5,13 +5,11 @@ The arm, its sensors, the cameras, the clamps' drives, the panel's drawing and t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Generator, Mapping
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
-import numpy as np
-import numpy.typing as npt
-
+from remodel_sim.abilities.execution.observers import Image, Observers
 from remodel_sim.core.belief.belief_state import BeliefState, Feed, Grip
 from remodel_sim.core.camera import Picture, View
 from remodel_sim.core.cell.cell_design import RobotDesign
@@ -38,28 +36,6 @@ T = TypeVar("T")
 # result.
 Steps = Generator[None, None, T]
 
-Image = npt.NDArray[np.uint8]
-# Called after every observation: camera, picture, and what was found drawn into it (None before it
-# is known).
-OnObservation = Callable[[str, Picture, Image | None], None]
-
-
-# Called with poses in the world, by the names of their frames, that a goal asks to be shown.
-OnFrames = Callable[[Mapping[str, Pose]], None]
-
-
-@dataclass(frozen=True)
-class Observers:
-    """Callbacks that receive what abilities observe and intend; they change nothing.
-
-    Attributes:
-        on_observation: called after every observation.
-        on_frames: called with the poses that a goal asks to show.
-    """
-
-    on_observation: OnObservation | None = None
-    on_frames: OnFrames | None = None
-
 
 class AbilityResult(Protocol):
     """What an ability returns: what it did, and fields named as in its action's result."""
@@ -69,7 +45,7 @@ class AbilityResult(Protocol):
 
 @dataclass
 class Progress:
-    """How far an ability is; the share only grows.
+    """The progress of an ability; its share never decreases.
 
     Attributes:
         message: the step being done.
@@ -140,32 +116,32 @@ class RobotContext:
         self.busy, self.progress = True, Progress()
 
     def end(self) -> None:
-        """Note that the robot has stopped; it needs no more room than it takes up."""
+        """Note that the robot has stopped, and release all space but that of its posture."""
         self.busy = False
         self.wait_for(None)
         self.stand()
 
     def claim(self, postures: Array) -> RobotContext | None:
-        """Ask for the room of a path, (n, 7) [rad]; return who is in the way, if anybody is."""
+        """Claim the space of a path, (n, 7) [rad]; return the robot in the way, if there is one."""
         if len(self.robots) == 1:
             return None
         other = self._traffic.claim(self.name, volume_of(self.arm, postures))
         return None if other is None else self.robots[other]
 
     def has_room(self, tool: ToolPose) -> bool:
-        """Return whether no other robot is in the way where the arm would stand."""
+        """Return whether no other robot obstructs the arm at a tool pose."""
         if len(self.robots) == 1:
             return True
         there = volume_of(self.arm, self.arm.joints_for(tool))
         return self._traffic.in_the_way(self.name, there) is None
 
     def stand(self) -> None:
-        """Give up all room but that of the arm where it was sent last."""
+        """Release all claimed space but that of the commanded posture."""
         here = volume_of(self.arm, self.arm.joints_for(self.commanded))
         self._traffic.stand(self.name, here)
 
     def wait_for(self, other: RobotContext | None) -> None:
-        """Note whom the robot waits for."""
+        """Note which robot this one waits for."""
         self._traffic.waits_for.pop(self.name, None)
         if other is not None:
             self._traffic.waits_for[self.name] = other.name
@@ -195,7 +171,7 @@ class RobotContext:
         self.progress = Progress(message, max(self.progress.share, share))
 
     def drive(self, tool: ToolPose) -> None:
-        """Command a tool pose by feel; raises UNREACHABLE, or ROBOT_IN_THE_WAY and stops."""
+        """Command a tool pose near contact; raises UNREACHABLE, or ROBOT_IN_THE_WAY and stops."""
         if len(self.robots) > 1:
             here = volume_of(self.arm, self.arm.joints_for(tool))
             other = self._traffic.in_the_way(self.name, here)
@@ -207,7 +183,7 @@ class RobotContext:
         self.follow(tool)
 
     def follow(self, tool: ToolPose) -> None:
-        """Command a tool pose on a path whose room is claimed; raises UNREACHABLE."""
+        """Command a tool pose on a path whose space is claimed; raises UNREACHABLE."""
         self._robot.drive(self.arm.joints_for(tool))
         self.commanded = tool
 

@@ -12,13 +12,13 @@ T = TypeVar("T")
 
 
 def advance(plant: Plant, context: RobotContext) -> None:
-    """Let one tick pass."""
+    """Advance the plant by one tick."""
     for _ in range(context.steps_per_tick):
         plant.step()
 
 
 def occupy(contexts: Sequence[RobotContext], steps: Steps[T]) -> Steps[T]:
-    """Do an ability's steps, its robots busy until it ends."""
+    """Run an ability's steps, its robots marked busy until it ends."""
     for context in contexts:
         context.begin()
     try:

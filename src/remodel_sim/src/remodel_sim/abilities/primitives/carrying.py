@@ -1,4 +1,4 @@
-"""Carry a held wire and feel whether it hangs on something, as steps of an ability."""
+"""Carry a held wire and stop when it snags, as steps of an ability."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ TIGHTEST_BEND_M = 0.020
 def carry(
     context: RobotContext, tool: ToolPose, speed: float, free: Array, most: float | None = None
 ) -> Steps[None]:
-    """Move as `move_to`; raises SNAGGED, the arm standing, when the wire pulls back.
+    """Move as `move_to`; raises SNAGGED, the arm stopped, when the wire pulls back.
 
     Args:
         context: the cell, a wire in its hand.

@@ -113,7 +113,11 @@ def _bring_into(context: RobotContext, clip: Clip, held_at: Array, slack: float)
     for place in (grasp, beside):
         over = _lifted(place, held_at, _clear_height(clip))
         yield from carry(
-            context, _tool(context, over, float(over.position[2])), SWING_SPEED, free, MAX_PULL_N
+            context,
+            _tool(context, over, float(over.position[2])),
+            SWING_SPEED,
+            free,
+            most=MAX_PULL_N,
         )
     lowest = _tool(context, beside, PAD_BELOW_TOOL_M + FLOOR_CLEARANCE_M)
     yield from _press_to(context, lowest, ENOUGH * clip.retention_force)
@@ -147,7 +151,9 @@ def _lifted(place: Pose, held_at: Array, height: float) -> Pose:
 
 def _tool(context: RobotContext, place: Pose, z: float) -> ToolPose:
     x, y, _ = (float(v) for v in place.position)
-    return ToolPose(x, y, z, nearest_hand_yaw(context.arm, x, y, place.yaw, context.commanded.yaw))
+    return ToolPose(
+        x, y, z, nearest_hand_yaw(context.arm, x, y, place.yaw, near=context.commanded.yaw)
+    )
 
 
 def _find(context: RobotContext, clip: Clip, held_at: Array, slack: float) -> Steps[Pose]:
@@ -160,7 +166,7 @@ def _find(context: RobotContext, clip: Clip, held_at: Array, slack: float) -> St
     picture = yield from go_and_see(context, tool)
     wire = context.wire
     likelihood = wire_likelihood(picture.rgb, wire.colour)
-    turned = wire_around(held_at[:2], radius, towards, picture, likelihood, wire)
+    turned = wire_around(held_at[:2], radius, towards, picture, likelihood=likelihood, wire=wire)
     drawing = Drawing(picture.rgb, picture.view)
     if turned is None:
         drawing.title(f"{wire.id} not seen before clip {clip.id}")

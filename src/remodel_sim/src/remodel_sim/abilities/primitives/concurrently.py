@@ -1,4 +1,4 @@
-"""Do several things at once, tick by tick."""
+"""Run several steps at once, tick by tick."""
 
 from __future__ import annotations
 

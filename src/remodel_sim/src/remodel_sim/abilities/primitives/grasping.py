@@ -70,7 +70,9 @@ def pick_end(
     yield from move_to(context, tool, APPROACH_SPEED)
     height = float(seen.point[2]) - tool.z
     context.belief.tips.pop(end, None)
-    yield from close_on_wire(context, Grip(end, distance, height, flip, tool))
+    yield from close_on_wire(
+        context, Grip(end=end, distance=distance, height=height, flip=flip, tool=tool)
+    )
     if context.belief.ends[end.other] is not EndState.LOOSE:
         context.lower_fork()  # it has nothing more to keep, and the wire could hang on it
     context.report(f"lifting end {end.value}", first + 0.9 * (last - first))
@@ -106,7 +108,9 @@ def _grasp_pose(
     x, y, z = (float(v) for v in seen.point)
     into = unit_x(socket)
     then = socket.position - into * distance
-    flip = choose_flip(arm, (x, y), seen.tip_yaw, (float(then[0]), float(then[1])), socket.yaw)
+    flip = choose_flip(
+        arm, (x, y), seen.tip_yaw, (float(then[0]), float(then[1])), then_tip_yaw=socket.yaw
+    )
     return ToolPose(x, y, max(z, PAD_BELOW_TOOL_M + FLOOR_CLEARANCE_M), seen.tip_yaw - flip), flip
 
 

@@ -30,6 +30,8 @@ WAIT_S = 0.1
 TRACKING_TOLERANCE_M = 0.003
 # The servo lags by up to 8 mm at full speed; more means that something is in the way.
 MAX_LAG_M = 0.015
+# A held end is pulled so far out of an opening.
+CLEAR_OF_OPENING_M = 0.008
 
 
 def move_to(context: RobotContext, target: ToolPose, speed: float) -> Steps[None]:
@@ -88,7 +90,7 @@ def swing_to(context: RobotContext, target: ToolPose) -> Steps[None]:
 
 
 def wait(context: RobotContext, seconds: float) -> Steps[None]:
-    """Let time pass."""
+    """Wait for a time [s]."""
     for _ in range(math.ceil(seconds / context.tick_s)):
         yield
 
@@ -115,7 +117,7 @@ def clear_hand(context: RobotContext) -> Steps[None]:
 
 
 def clear_path(context: RobotContext, postures: Array) -> Steps[None]:
-    """Wait until no other robot is in the way of a path, (n, 7) [rad], and claim its room.
+    """Wait until no other robot is in the way of a path, (n, 7) [rad], and claim its space.
 
     A robot that does nothing and holds nothing is sent home.
 
@@ -190,12 +192,8 @@ def disengage(context: RobotContext) -> Steps[None]:
     grip, at = context.belief.grip, context.commanded
     ahead = float((at.position - socket.position) @ into) + grip.distance
     back = max(0.0, ahead + CLEAR_OF_OPENING_M)
-    target = ToolPose(at.x - back * into[0], at.y - back * into[1], at.z, at.yaw)
-    yield from move_to(context, target, APPROACH_SPEED / 2)
+    yield from move_to(context, at.moved(into, -back), APPROACH_SPEED / 2)
     context.belief.engaged = None
-
-
-CLEAR_OF_OPENING_M = 0.008
 
 
 def choose_flip(
@@ -208,8 +206,8 @@ def choose_flip(
     """Return how to hold a wire, tip along the hand's x axis (0) or against it (pi).
 
     The hand grasps at one place and turns the wire to another direction at a second one; joint 7
-    must reach both, and turn the short way between them. Of two ways the one further from joint 7's
-    limits is taken.
+    must reach both, and turn the short way between them. Of two possible holds it takes
+    the one further from joint 7's limits.
 
     Raises:
         AbilityError: UNREACHABLE.

@@ -53,7 +53,7 @@ class OverheadObservation:
 
 
 def loose_ends(context: RobotContext) -> list[End]:
-    """Return the ends of the live wire that lie about."""
+    """Return the ends of the live wire that are neither in a terminal nor in a hand."""
     belief = context.belief
     held = {grip.end for grip in belief.hands.values()}
     return [e for e, state in belief.ends.items() if state is EndState.LOOSE and e not in held]
@@ -143,7 +143,7 @@ def observe_from_aside(
     expected = context.belief.expected[end]
     tools = views_around(context, expected, math.pi / 2, view=view)
     for tool in tools if view else tools[1:]:
-        seen = yield from _search(context, tool, end, expected, GRASP_DISTANCE_M)
+        seen = yield from _search(context, tool, end, expected, distance=GRASP_DISTANCE_M)
         if seen is not None:
             return seen
     return None
@@ -155,7 +155,7 @@ def _observe_closely(context: RobotContext, end: End, distance: float) -> Steps[
     out = np.array([math.cos(coarse.out_yaw), math.sin(coarse.out_yaw)])
     middle = coarse.tip[:2] - out * distance / 2
     for tool in views_around(context, middle, coarse.out_yaw):
-        seen = yield from _search(context, tool, end, coarse.tip[:2], distance)
+        seen = yield from _search(context, tool, end, coarse.tip[:2], distance=distance)
         if seen is not None:
             return seen
     del context.belief.tips[end]

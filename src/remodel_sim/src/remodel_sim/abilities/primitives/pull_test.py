@@ -6,8 +6,7 @@ from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.motions import wait
 from remodel_sim.abilities.primitives.pushing import axial
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.geometry import Pose
 from remodel_sim.core.workpiece.panel import unit_x
 from remodel_states.core.codes import Code
 
@@ -37,7 +36,7 @@ def pull_test(context: RobotContext, socket: Pose, newtons: float, where: str) -
     travel, taken_up, force = 0.0, None, 0.0
     while force < newtons and travel < PULL_TRAVEL_M:
         travel += PULL_SPEED * context.tick_s
-        context.drive(_shifted(start, out, travel))
+        context.drive(start.moved(out, travel))
         yield
         # The push left the end under load; the pull counts from the free hand.
         force = axial(context.force - context.free_force, out)
@@ -54,12 +53,3 @@ def pull_test(context: RobotContext, socket: Pose, newtons: float, where: str) -
     context.drive(start)
     yield from wait(context, 0.15)
     return slip
-
-
-def _shifted(tool: ToolPose, direction: Array, distance: float) -> ToolPose:
-    return ToolPose(
-        tool.x + distance * float(direction[0]),
-        tool.y + distance * float(direction[1]),
-        tool.z,
-        tool.yaw,
-    )

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.motions import wait
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.geometry import Pose
 from remodel_sim.core.workpiece.panel import unit_x
 from remodel_states.core.codes import Code
 
@@ -42,7 +39,7 @@ def pull_out(context: RobotContext, socket: Pose, most_n: float) -> Steps[float]
     length = max(0.0, ahead) + CLEAR_M
     peak = 0.0
     for tick in range(1, math.ceil(length / PULL_SPEED / context.tick_s) + 1):
-        context.drive(_shifted(start, out, min(length, tick * PULL_SPEED * context.tick_s)))
+        context.drive(start.moved(out, min(length, tick * PULL_SPEED * context.tick_s)))
         yield
         force = float((context.force - context.free_force) @ out)
         peak = max(peak, force)
@@ -54,8 +51,3 @@ def pull_out(context: RobotContext, socket: Pose, most_n: float) -> Steps[float]
             )
     context.belief.engaged = None
     return peak
-
-
-def _shifted(tool: ToolPose, direction: Array, distance: float) -> ToolPose:
-    x, y = np.array([tool.x, tool.y]) + distance * direction[:2]
-    return ToolPose(float(x), float(y), tool.z, tool.yaw)

@@ -48,7 +48,7 @@ class RouteObservation:
 
     def at(self, place: Pose, aside: float) -> Passing | None:
         """Return how the wire passes a place up to so far aside [m]."""
-        return wire_past(place, aside, self.picture, self.likelihood, self.wire)
+        return wire_past(place, aside, self.picture, self.likelihood, wire=self.wire)
 
 
 def observe_route(context: RobotContext) -> Steps[RouteObservation]:

@@ -96,7 +96,7 @@ def camera_above(context: RobotContext, point: Array, yaw: float, z: float = CAM
     arm, near_yaw = context.arm, context.commanded.yaw
     reached = []
     for turn in (0.0, math.pi / 2):
-        near = nearest_hand_yaw(arm, float(point[0]), float(point[1]), yaw + turn, near_yaw)
+        near = nearest_hand_yaw(arm, float(point[0]), float(point[1]), yaw + turn, near=near_yaw)
         for candidate in (near, near + math.pi):
             x, y = point - _camera_offset(candidate)
             tool = ToolPose(float(x), float(y), z, candidate)
@@ -140,7 +140,7 @@ def label_views(
     """
     grip, now = context.belief.grip, context.commanded
     if grip is None:
-        return views_around(context, label.mean(axis=0)[:2], 0.0, LABEL_VIEWS, view)
+        return views_around(context, label.mean(axis=0)[:2], 0.0, LABEL_VIEWS, view=view)
     turns = EITHER_WAY
     if socket_yaw is not None:
         turns = np.linspace(0.0, wrap_angle(socket_yaw - grip.flip - now.yaw), 5)

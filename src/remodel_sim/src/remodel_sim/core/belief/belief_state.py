@@ -73,7 +73,13 @@ class Grip:
     def of_tip(end: End, tip: Pose) -> Grip:
         """Return the grip that lays a tip down at a pose, x out of the wire, world frame."""
         x, y, z = (float(v) for v in tip.apply(np.array([-GRASP_DISTANCE_M, 0.0, 0.0])))
-        return Grip(end, GRASP_DISTANCE_M, 0.0, 0.0, ToolPose(x, y, z, tip.yaw))
+        return Grip(
+            end=end,
+            distance=GRASP_DISTANCE_M,
+            height=0.0,
+            flip=0.0,
+            tool=ToolPose(x, y, z, tip.yaw),
+        )
 
 
 @dataclass

@@ -1,4 +1,4 @@
-"""Wires that have their place, as a cell remembers them."""
+"""Placed wires, as a cell stores them."""
 
 from __future__ import annotations
 

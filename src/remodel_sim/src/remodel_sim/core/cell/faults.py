@@ -1,4 +1,4 @@
-"""Faults by their physical causes: the table of kinds, and the check of what is asked for."""
+"""Faults by their physical causes: the table of kinds, and the check of requests."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ class Stray:
 
 @dataclass(frozen=True)
 class Disturbances:
-    """What is wrong with the cell, until its panel is rebuilt.
+    """The disturbances of the cell, until its panel is rebuilt.
 
     Attributes:
         friction: share of the pads' friction.

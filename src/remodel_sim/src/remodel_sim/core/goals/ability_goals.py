@@ -201,7 +201,7 @@ class InsertGoal:
         """Refuse unknown robots, tilted poses, and forces that the grip does not hold."""
         require_robot(self.robot_name)
         require_pose("socket_pose", self.socket)
-        require_number("force_limit", self.force_limit, 1.0, MAX_FORCE_N, "N")
+        require_number("force_limit", self.force_limit, 1.0, MAX_FORCE_N, unit="N")
 
     def check(self, panel: Panel, belief: BeliefState) -> None:
         """Raise when the end cannot go there."""
@@ -233,7 +233,7 @@ class ConnectGoal:
         """Refuse unknown robots, tilted poses, and forces that the grip does not hold."""
         require_robot(self.robot_name)
         require_pose("socket_pose", self.socket)
-        require_number("force_limit", self.force_limit, 1.0, MAX_MATING_FORCE_N, "N")
+        require_number("force_limit", self.force_limit, 1.0, MAX_MATING_FORCE_N, unit="N")
 
     def check(self, panel: Panel, belief: BeliefState) -> None:
         """Raise when the connector does not fit, or cannot go there."""
@@ -263,7 +263,7 @@ class FixGoal:
     def __post_init__(self) -> None:
         """Refuse unknown robots and forces that the grip does not hold."""
         require_robot(self.robot_name)
-        require_number("pull_test_force", self.pull_test_force, 0.0, MAX_FORCE_N, "N")
+        require_number("pull_test_force", self.pull_test_force, 0.0, MAX_FORCE_N, unit="N")
 
     def check(self, panel: Panel, belief: BeliefState) -> None:
         """Raise when nothing is held."""
@@ -290,7 +290,7 @@ class ExtractGoal:
     def check(self, panel: Panel, belief: BeliefState) -> None:
         """Raise when the wire or the socket is not there."""
         check_live(self.cable_id, panel, belief)
-        check_socket(self.component_id, self.terminal_id, self.socket, panel, belief)
+        check_socket(self.component_id, self.terminal_id, self.socket, panel, belief=belief)
 
 
 def check_free(goal: InsertGoal | ConnectGoal, end: End, panel: Panel, belief: BeliefState) -> None:

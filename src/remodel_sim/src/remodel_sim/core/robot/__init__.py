@@ -1,1 +1,1 @@
-"""The robot: kinematics, the volume it occupies, its motions and what it feels."""
+"""The robot: kinematics, the volume it occupies, its motions and the forces of a push."""

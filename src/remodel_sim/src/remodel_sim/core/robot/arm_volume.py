@@ -1,4 +1,4 @@
-"""The room that an arm takes up: capsules around its links, its hand and what is bolted to it.
+"""The space that an arm occupies: capsules around its links, its hand and what is bolted to it.
 
 Capsules hold the whole of what they stand for, so a gap between capsules is never wider than the
 real one. The numbers were measured on the meshes; test_arm_volume.py measures them again.
@@ -49,7 +49,7 @@ class Volume:
 
 
 def volume_of(arm: Arm, postures: Array) -> Volume:
-    """Return the room that an arm takes up in downward postures, (m, 7) [rad], all of them."""
+    """Return the space that an arm occupies in downward postures, (m, 7) [rad], all of them."""
     q1, q2, _, q4, _, _, q7 = np.atleast_2d(postures).T
     model = arm.model
     heading, lean, fore = arm.base[3] + q1, q2, q2 - q4

@@ -61,7 +61,7 @@ class Line:
         )
 
     def postures(self, arm: Arm) -> Array:
-        """Return the arm's postures along the way, (n, 7) [rad].
+        """Return the arm's postures along the path, (n, 7) [rad].
 
         Raises UNREACHABLE if one does not exist.
         """

@@ -1,1 +1,1 @@
-"""From pictures to things: OpenCV and numpy only."""
+"""From pictures to poses and shapes: OpenCV and numpy only."""

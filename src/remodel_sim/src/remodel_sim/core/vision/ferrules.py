@@ -71,12 +71,21 @@ def _fit(pixels: Array, likelihood: npt.NDArray[np.float32]) -> Ferrule:
     values, vectors = np.linalg.eigh(np.cov(pixels.T, bias=True) + np.eye(2) / 12)
     width, length = BAR * np.sqrt(values)
     axis = vectors[:, 1]
-    behind = {sign: _strip(centre, -sign * axis, length, width, likelihood) for sign in (-1, 1)}
+    behind = {
+        sign: _strip(centre, -sign * axis, length, width, likelihood=likelihood) for sign in (-1, 1)
+    }
     sign = max(behind, key=lambda s: behind[s])
     height, columns = likelihood.shape
     low, high = pixels.min(axis=0), pixels.max(axis=0)
     truncated = bool(low.min() <= 1 or high[0] >= columns - 2 or high[1] >= height - 2)
-    return Ferrule(centre, sign * axis, float(length), float(width), behind[sign], truncated)
+    return Ferrule(
+        centre=centre,
+        out=sign * axis,
+        length=float(length),
+        width=float(width),
+        wire_likelihood=behind[sign],
+        truncated=truncated,
+    )
 
 
 def _strip(

@@ -100,7 +100,11 @@ def locate_component(component: Component, views: Sequence[LabelView]) -> Compon
     pose = best.world_from_label @ Pose.level(0.0, 0.0, -height)
     corners = views[-1].picture.view.project(pose.apply(label_corners(component)))
     return ComponentObservation(
-        pose, best is upright, best.residual, float(best.explained.mean()), corners
+        world_from_component=pose,
+        upright=best is upright,
+        residual=best.residual,
+        shown=float(best.explained.mean()),
+        corners=corners,
     )
 
 
@@ -186,7 +190,13 @@ def _compare(
         normal += change.T @ (weight[:, None] * change)
         pull += change.T @ (weight * rest)
     residual = math.sqrt(edges[0] / max(edges[1], 1e-12))
-    return _Fit(pose, normal, pull, np.concatenate(rests), residual)
+    return _Fit(
+        world_from_label=pose,
+        normal=normal,
+        pull=pull,
+        rest=np.concatenate(rests),
+        residual=residual,
+    )
 
 
 def _fitted(basis: Array, target: Array, weight: Array) -> Array:

@@ -200,7 +200,7 @@ def observe_opening(
     else:
         beyond = strip.along > ferrule + CLEAR_OF_FERRULE_M
         occupancy = _whose(strip.rgb[object_mask & beyond[:, None]], wire, light)
-    return _at_height(occupancy, strip, object_mask, world_from_socket, wire)
+    return _at_height(occupancy, strip, object_mask, world_from_socket, wire=wire)
 
 
 def _sampled(image: npt.NDArray[np.integer[Any] | np.floating[Any]], pixels: Array) -> Array:

@@ -1,4 +1,4 @@
-r"""Fixtures that hold wires along their way: clips whose lips snap, and ducts.
+r"""Fixtures that hold wires along their route: clips whose lips snap, and ducts.
 
 Seen along the wire, a clip is a channel under two round lips that slide apart against a force:
 
@@ -65,23 +65,18 @@ def lip_top(clip: Clip) -> float:
     return lips.height + lips.radius
 
 
-def resting_height(clip: Clip) -> float:
-    """Return the height of a wire's axis that lies on the closed lips, above the plate [m]."""
-    return 2 * lips_of(clip).height - clip.height - PLAY_M
-
-
 def lips_of(clip: Clip) -> Lips:
-    """Return the lips that let a wire go at the clip's retention force."""
+    """Return the lips that release a wire at the clip's retention force."""
     radius = LIP_RADIUS_SHARE * clip.wire_diameter
     aside = GAP_SHARE * clip.wire_diameter / 2 + radius
     apart = clip.wire_diameter / 2 + radius
     angle, rubbing = math.acos(aside / apart), math.atan(LIP_FRICTION * WIRE_FRICTION)
     return Lips(
-        radius,
-        aside,
-        clip.height + PLAY_M + math.sqrt(apart**2 - aside**2),
-        clip.wire_diameter / 2,
-        clip.retention_force / (2 * math.tan(angle + rubbing)),
+        radius=radius,
+        aside=aside,
+        height=clip.height + PLAY_M + math.sqrt(apart**2 - aside**2),
+        travel=clip.wire_diameter / 2,
+        force=clip.retention_force / (2 * math.tan(angle + rubbing)),
     )
 
 

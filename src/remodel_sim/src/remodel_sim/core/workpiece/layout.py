@@ -85,7 +85,7 @@ MARKER_IDS = 250
 
 
 def find_problems(panel: Panel, arms: Sequence[Arm] = (PANDA_AT_ORIGIN,)) -> tuple[str, ...]:
-    """Return every way in which a panel breaks the rules, one sentence each.
+    """Return every violation of the rules by a panel, one sentence each.
 
     None: it can be built. Each terminal must be within reach of one of the arms.
     """
@@ -341,7 +341,9 @@ def _wire(wire: Wire, panel: Panel) -> Iterator[str]:
         sockets[end] = component.panel_from_component @ terminal.component_from_socket
         connector = wire.connector_at(end)
         if terminal.is_header or connector is not None:
-            yield from _mates(name, end, connector, terminal, f"'{component_id}/{terminal_id}'")
+            yield from _mates(
+                name, end, connector, terminal, where=f"'{component_id}/{terminal_id}'"
+            )
             continue
         yield from _clearance(name, terminal, wire.diameter, f"'{component_id}/{terminal_id}'")
         if terminal.depth < wire.ferrule_length + DEPTH_BEYOND_FERRULE_M - 1e-9:

@@ -1,4 +1,4 @@
-"""What wires are like, by construction and section: the form of config/wire_materials.yaml."""
+"""Properties of wires by construction and section: the form of config/wire_materials.yaml."""
 
 from __future__ import annotations
 

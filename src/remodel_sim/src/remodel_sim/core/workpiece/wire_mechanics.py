@@ -177,16 +177,16 @@ def chain(wire: Wire, pieces: Sequence[Piece], time_step: float) -> CableModel:
     about = INERTIA_STEPS * time_step**2 * _stiffer(torsion)
     along = np.maximum(masses * wire.radius**2 / 2, about)
     return CableModel(
-        wire.radius,
-        wire.friction,
-        lengths,
-        masses,
-        np.column_stack([across, across, along]),
-        spans,
-        stiffness,
-        wire.yield_curvature * spans,
-        wire.hardening,
-        DAMPING_STEPS * time_step,
+        radius=wire.radius,
+        friction=wire.friction,
+        lengths=lengths,
+        masses=masses,
+        inertias=np.column_stack([across, across, along]),
+        spans=spans,
+        stiffness=stiffness,
+        yield_angles=wire.yield_curvature * spans,
+        hardening=wire.hardening,
+        damping_s=DAMPING_STEPS * time_step,
     )
 
 

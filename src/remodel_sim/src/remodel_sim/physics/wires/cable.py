@@ -159,16 +159,16 @@ def _bolt(world: World, before: CableBody, after: CableBody) -> int:
     last = len(before.model.spans) - 1
     bullet.setCollisionFilterPair(before.body, after.body, last, -1, 0)
     bolt = bullet.createConstraint(
-        before.body,
-        last,
-        after.body,
-        -1,
-        bullet.JOINT_FIXED,
-        [0, 0, 0],
-        [0, 0, before.model.lengths[-1] / 2],
-        [0, 0, -after.model.lengths[0] / 2],
-        IDENTITY,
-        IDENTITY,
+        parentBodyUniqueId=before.body,
+        parentLinkIndex=last,
+        childBodyUniqueId=after.body,
+        childLinkIndex=-1,
+        jointType=bullet.JOINT_FIXED,
+        jointAxis=[0, 0, 0],
+        parentFramePosition=[0, 0, before.model.lengths[-1] / 2],
+        childFramePosition=[0, 0, -after.model.lengths[0] / 2],
+        parentFrameOrientation=IDENTITY,
+        childFrameOrientation=IDENTITY,
     )
     bullet.changeConstraint(bolt, maxForce=BOLT_FORCE_N)
     return bolt

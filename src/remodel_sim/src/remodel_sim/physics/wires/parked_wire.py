@@ -1,4 +1,4 @@
-"""A wire that has its place: it stays at the shape it had, as a picture or as a solid.
+"""A placed wire, which keeps its shape, as an image or as a solid.
 
 Live wires lie on a solid one and slide along it; it yields to them softly, as a slack wire does,
 but returns. The hand passes through it: it would push a real wire aside for good.

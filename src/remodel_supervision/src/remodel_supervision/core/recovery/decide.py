@@ -64,14 +64,14 @@ def decide(
     if reason:
         last = responses[-1].do
         ending = last if last.is_lasting else policy.unattended_for(failure.fault)
-        return _lasting(failure, ending, reason, policy, possible)
+        return _lasting(failure, ending, reason, policy, possible=possible)
     spared = [each.do for each in responses if each.do in unpromising and each.do in possible]
     without = f"; {_listed(spared)} spared, which hardly ever helps" if spared else ""
     for response in responses:
         done = same.count(response.do)
         if response.do.is_lasting:
             tried = f"{', '.join(_counted(same))} did not help" if same else "nothing else fits"
-            return _lasting(failure, response.do, f"{tried}{without}", policy, possible)
+            return _lasting(failure, response.do, f"{tried}{without}", policy, possible=possible)
         if response.do in possible and response.do not in spared and done < response.times:
             change = _changed(response, failure, done)
             if response.do is Do.RETRY_WITH and not change:
@@ -81,7 +81,7 @@ def decide(
             because = f"answer {done + 1} of {response.times} to {failure.fault.name}{without}"
             return Decision(failure, response.do, change, because)
     unattended = policy.unattended_for(failure.fault)
-    return _lasting(failure, unattended, f"no response is left{without}", policy, possible)
+    return _lasting(failure, unattended, f"no response is left{without}", policy, possible=possible)
 
 
 def _views(earlier: Sequence[tuple[str, Do]]) -> int:

@@ -43,17 +43,17 @@ def failure_of(
     cause = cause_of(task.operations)
     if task.unseen or cause is None:
         text = task.unseen or f"the behavior ended {task.outcome}"
-        return Failure(task.name, fault, task.codes[-1], "", "", text, at_s)
+        return Failure(task.name, fault, task.codes[-1], "", state_path="", text=text, at_s=at_s)
     return Failure(
         task.name,
         fault,
         cause.error_code,
         cause.ability,
-        cause.state_path,
-        cause.text,
-        at_s,
-        _parameters(task, cause),
-        tuple(bounds.items()),
+        state_path=cause.state_path,
+        text=cause.text,
+        at_s=at_s,
+        parameters=_parameters(task, cause),
+        bounds=tuple(bounds.items()),
     )
 
 
@@ -66,7 +66,7 @@ def _parameters(task: TaskProgress, cause: Operation) -> tuple[tuple[str, str], 
     return tuple({**values, **dict(cause.parameters)}.items())
 
 
-def judged(
+def decide_recovery(
     state: RunState,
     name: str,
     faults: FaultTable,
@@ -92,7 +92,7 @@ def judged(
     failure = failure_of(task, faults, at_s, bounds)
     spent = Spent(task.attempts - task.interruptions, task.cell_s, state.failures, state.cell_s)
     earlier = [(decision.fault, decision.do) for decision in task.decisions]
-    decision = decide(failure, earlier, spent, policy, possible, unpromising)
+    decision = decide(failure, earlier, spent, policy, possible=possible, unpromising=unpromising)
     do, because, by = decision.do, decision.because, POLICY
     if failure.code in PERSON_FIRST and do is not Do.STOP:
         do = Do.ASK_OPERATOR if Do.ASK_OPERATOR in possible else Do.STOP
@@ -107,11 +107,11 @@ def judged(
         failure.fault.name,
         failure.code,
         failure.ability,
-        failure.state_path,
-        failure.text,
-        do,
-        decision.change if do is decision.do else (),
-        because,
-        by,
-        at_s,
+        state_path=failure.state_path,
+        text=failure.text,
+        do=do,
+        change=decision.change if do is decision.do else (),
+        because=because,
+        by=by,
+        at_s=at_s,
     )

@@ -33,4 +33,6 @@ def question_about(
     choices = [Answer.RETRY, Answer.FIXED, Answer.MARK_DONE, Answer.SKIP]
     if state.waiting:
         choices.append(Answer.REPLAN)
-    return Asked(state.questions + 1, name, text, (*choices, Answer.STOP), at_s, timeout_s)
+    return Asked(
+        state.questions + 1, name, text, (*choices, Answer.STOP), at_s=at_s, timeout_s=timeout_s
+    )

@@ -67,15 +67,15 @@ class Attempts:
                 if not begun.part.is_attempt and event.placed:
                     _note_placed(ended, event.task)
                 execution = _execution(
-                    begun, event.outcome, event.placed, event.at_s, self._operations
+                    begun, event.outcome, event.placed, event.at_s, operations=self._operations
                 )
                 ended.append(
-                    Attempt(execution, begun.part, begun.chart, event.path, event.pictures)
+                    Attempt(execution, begun.part, begun.chart, event.path, pictures=event.pictures)
                 )
                 self._begun = None
             case Interrupted() if begun is not None:
                 at_s = max([begun.at_s, *(operation.ended_s for operation in self._operations)])
-                execution = _execution(begun, INTERRUPTED, False, at_s, self._operations)
+                execution = _execution(begun, INTERRUPTED, False, at_s, operations=self._operations)
                 ended.append(Attempt(execution, begun.part, begun.chart, because=event.because))
                 self._begun = None
             case Decided() if ended and ended[-1].execution.wire == event.task:
@@ -105,8 +105,8 @@ def _execution(
         begun.behavior,
         begun.attempt,
         outcome,
-        placed,
-        begun.at_s,
-        at_s,
-        tuple(operations),
+        placed=placed,
+        started_s=begun.at_s,
+        ended_s=at_s,
+        operations=tuple(operations),
     )

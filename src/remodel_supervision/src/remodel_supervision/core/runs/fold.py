@@ -59,22 +59,22 @@ def state_after(events: Iterable[Event], state: RunState | None = None) -> RunSt
     """Return what is known after some events."""
     state = state or RunState()
     for event in events:
-        state = applied(event, state)
+        state = apply_event(event, state)
     return state
 
 
-def applied(event: Event, state: RunState) -> RunState:
+def apply_event(event: Event, state: RunState) -> RunState:
     """Return the state after an event."""
-    return replace(_applied(event, state), events=state.events + 1)
+    return replace(_apply(event, state), events=state.events + 1)
 
 
 @singledispatch
-def _applied(event: Event, state: RunState) -> RunState:
+def _apply(event: Event, state: RunState) -> RunState:
     raise TypeError(f"no event: {event!r}")
 
 
-@_applied.register
-def _(event: RunBegun, state: RunState) -> RunState:
+@_apply.register
+def _apply_run_begun(event: RunBegun, state: RunState) -> RunState:
     tasks = {name: TaskProgress(name) for name in event.tasks}
     return replace(
         state,
@@ -90,21 +90,23 @@ def _(event: RunBegun, state: RunState) -> RunState:
     )
 
 
-@_applied.register
-def _(_: PanelLoaded, state: RunState) -> RunState:
+@_apply.register
+def _apply_panel_loaded(_: PanelLoaded, state: RunState) -> RunState:
     return replace(state, keep_panel=True)
 
 
-@_applied.register
-def _(event: PartRequested, state: RunState) -> RunState:
+@_apply.register
+def _apply_part_requested(event: PartRequested, state: RunState) -> RunState:
     task = replace(state.tasks[event.task], stage=Stage.READY, piece=True)
     return replace(_under_way(state, task), fed=event.task)
 
 
-@_applied.register
-def _(event: FeedRefused, state: RunState) -> RunState:
+@_apply.register
+def _apply_feed_refused(event: FeedRefused, state: RunState) -> RunState:
     task = state.tasks[event.task]
-    refused = Operation("", "FeedWire", "refused", event.code, event.text, event.at_s, 0.0)
+    refused = Operation(
+        "", "FeedWire", "refused", event.code, text=event.text, ended_s=event.at_s, elapsed_s=0.0
+    )
     task = replace(
         task,
         stage=Stage.FAILED,
@@ -117,13 +119,13 @@ def _(event: FeedRefused, state: RunState) -> RunState:
     return state.with_task(task, failures=state.failures + 1)
 
 
-@_applied.register
-def _(event: Planned, state: RunState) -> RunState:
+@_apply.register
+def _apply_planned(event: Planned, state: RunState) -> RunState:
     return replace(state, waiting=event.tasks, to_plan="")
 
 
-@_applied.register
-def _(event: TaskBegun, state: RunState) -> RunState:
+@_apply.register
+def _apply_task_begun(event: TaskBegun, state: RunState) -> RunState:
     task = replace(
         state.tasks[event.task],
         stage=Stage.RUNNING,
@@ -138,8 +140,8 @@ def _(event: TaskBegun, state: RunState) -> RunState:
     return _under_way(state, task)
 
 
-@_applied.register
-def _(event: OperationEnded, state: RunState) -> RunState:
+@_apply.register
+def _apply_operation_ended(event: OperationEnded, state: RunState) -> RunState:
     task, operation = state.tasks[event.task], event.operation
     failed = operation.error_code not in (0, Code.PREEMPTED)
     operations = (*task.operations, operation)
@@ -148,8 +150,8 @@ def _(event: OperationEnded, state: RunState) -> RunState:
     )
 
 
-@_applied.register
-def _(event: StopReported, state: RunState) -> RunState:
+@_apply.register
+def _apply_stop_reported(event: StopReported, state: RunState) -> RunState:
     task = replace(state.tasks[event.task], stopped_by=event.operation)
     if task.stage is Stage.RUNNING:
         return state.with_task(task)  # its behavior is stopped first
@@ -157,8 +159,8 @@ def _(event: StopReported, state: RunState) -> RunState:
     return _for_a_person(replace(state, question=None), task)
 
 
-@_applied.register
-def _(event: TaskEnded, state: RunState) -> RunState:
+@_apply.register
+def _apply_task_ended(event: TaskEnded, state: RunState) -> RunState:
     task = state.tasks[event.task]
     took_s = max(0.0, event.at_s - task.began_s)
     task = replace(task, outcome=event.outcome, cell_s=task.cell_s + took_s)
@@ -181,8 +183,8 @@ def _(event: TaskEnded, state: RunState) -> RunState:
     return _failed(state, task)
 
 
-@_applied.register
-def _(event: Interrupted, state: RunState) -> RunState:
+@_apply.register
+def _apply_interrupted(event: Interrupted, state: RunState) -> RunState:
     state = replace(state, interruptions=state.interruptions + 1)
     if not state.current or state.tasks[state.current].stage is not Stage.RUNNING:
         return state
@@ -197,8 +199,8 @@ def _(event: Interrupted, state: RunState) -> RunState:
     return state.with_task(replace(task, stage=Stage.READY, part=Part.CLEAR, then=then))
 
 
-@_applied.register
-def _(event: Settled, state: RunState) -> RunState:
+@_apply.register
+def _apply_settled(event: Settled, state: RunState) -> RunState:
     task = replace(state.tasks[event.task], connected=event.connected, unseen=event.unseen)
     if not event.left and not event.unseen:
         return _leave(state, replace(task, stage=Stage.DONE, then=None))
@@ -211,19 +213,19 @@ def _(event: Settled, state: RunState) -> RunState:
     return state.with_task(replace(task, stage=Stage.READY, part=part))
 
 
-@_applied.register
-def _(event: Decided, state: RunState) -> RunState:
+@_apply.register
+def _apply_decided(event: Decided, state: RunState) -> RunState:
     task = state.tasks[event.task]
     return _act(event.do, state, replace(task, decisions=(*task.decisions, event)), event.because)
 
 
-@_applied.register
-def _(event: Asked, state: RunState) -> RunState:
+@_apply.register
+def _apply_asked(event: Asked, state: RunState) -> RunState:
     return replace(state, question=event, questions=event.number)
 
 
-@_applied.register
-def _(event: Answered, state: RunState) -> RunState:
+@_apply.register
+def _apply_answered(event: Answered, state: RunState) -> RunState:
     if state.question is None:
         return state
     task = replace(state.tasks[state.question.task], stuck_hand=0, stopped_by=None)
@@ -234,8 +236,8 @@ def _(event: Answered, state: RunState) -> RunState:
     return _act(_ANSWERED[event.choice], state, task, because)
 
 
-@_applied.register
-def _(event: Escalated, state: RunState) -> RunState:
+@_apply.register
+def _apply_escalated(event: Escalated, state: RunState) -> RunState:
     if state.question is None or state.question.number != event.number:
         return state
     because = f"nobody answered question {event.number} in time"
@@ -243,8 +245,8 @@ def _(event: Escalated, state: RunState) -> RunState:
     return _act(event.do, replace(state, question=None), task, because)
 
 
-@_applied.register
-def _(event: Commanded, state: RunState) -> RunState:
+@_apply.register
+def _apply_commanded(event: Commanded, state: RunState) -> RunState:
     match event.command:
         case Command.PAUSE:
             return replace(state, paused=True)
@@ -289,8 +291,8 @@ def _then_of_skipped(state: RunState, task: TaskProgress) -> Do | None:
     return Do.SET_ASIDE if task.name in state.skipped else task.then
 
 
-@_applied.register
-def _(event: TaskElsewhere, state: RunState) -> RunState:
+@_apply.register
+def _apply_task_elsewhere(event: TaskElsewhere, state: RunState) -> RunState:
     task = state.tasks[event.task]
     stop = state.stop
     if task.stopped_by or (task.stage is Stage.RUNNING and task.needs_person):
@@ -298,20 +300,20 @@ def _(event: TaskElsewhere, state: RunState) -> RunState:
     return _leave(state, replace(task, stage=_AS_LEFT[event.as_left], stopped_by=None), stop=stop)
 
 
-@_applied.register
-def _(event: TaskReturned, state: RunState) -> RunState:
+@_apply.register
+def _apply_task_returned(event: TaskReturned, state: RunState) -> RunState:
     task = replace(state.tasks[event.task], stage=Stage.DOUBTFUL, part=Part.AGAIN, piece=True)
     waiting = tuple(name for name in state.waiting if name != task.name)
     return state.with_task(task, waiting=(*waiting, task.name))
 
 
-@_applied.register
-def _(event: Blocked, state: RunState) -> RunState:
+@_apply.register
+def _apply_blocked(event: Blocked, state: RunState) -> RunState:
     return replace(state, stop=event.because)
 
 
-@_applied.register
-def _(event: RunEnded, state: RunState) -> RunState:
+@_apply.register
+def _apply_run_ended(event: RunEnded, state: RunState) -> RunState:
     return replace(state, ended=event)
 
 

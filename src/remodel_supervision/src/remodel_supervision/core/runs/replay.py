@@ -35,7 +35,7 @@ from remodel_supervision.core.runs.events import (
     TaskEnded,
     TaskReturned,
 )
-from remodel_supervision.core.runs.fold import applied
+from remodel_supervision.core.runs.fold import apply_event
 from remodel_supervision.core.runs.state import PREEMPTED, SERVER_GONE, RunState, Stage
 from remodel_supervision.core.runs.step import (
     Ask,
@@ -81,7 +81,7 @@ def replayed(events: Sequence[Event]) -> Iterator[Frame]:
     state = RunState()
     for event in events:
         differs = _difference(event, state)
-        state = applied(event, state)
+        state = apply_event(event, state)
         yield Frame(event, state, differs)
 
 
@@ -107,20 +107,16 @@ def path_difference(
     entered = [path for path in attempt.path if path in set(asked)]
     if operations and operations[-1].error_code in SERVER_GONE:
         # What would begin after it is refused, which leaves no record.
-        return (
-            ""
-            if entered[: len(asked)] == asked
-            else f"the engine entered {entered}, operations are of {asked}"
-        )
+        return "" if entered[: len(asked)] == asked else _path_text(entered, asked)
     if attempt.path and entered != asked:
-        return f"the engine entered {entered}, operations are of {asked}"
+        return _path_text(entered, asked)
     outcome = trace(chart, operations, nested, error_names).outcome
     if outcome != execution.outcome:
         return f"the chart leads to {outcome}, the behavior ended {execution.outcome}"
     return ""
 
 
-def _differing(entered: list[str], asked: list[str]) -> str:
+def _path_text(entered: list[str], asked: list[str]) -> str:
     return f"the engine entered {entered}, operations are of {asked}"
 
 

@@ -10,10 +10,10 @@ import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 
 from remodel_states.core.codes import Code
+from remodel_states.core.goal_owner import owner_of
 from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.serving.ability_messages import message_class
 from remodel_supervision.core.run import Operation
-from remodel_supervision.core.runs.goal_owner import owner_of
 from remodel_supervision.core.runs.state import PERSON_FIRST
 from remodel_supervision.supervisors.ports import Doing, server_of
 
@@ -127,7 +127,16 @@ class AbilityWatch:
         at_s, goal_id = header.stamp.to_sec(), result.id or message.status.goal_id.id  # type: ignore[attr-defined]
         took_s, text = result.elapsed_time, result.error_message
         self._stops.append(
-            Operation("", ability, "", result.error_code, text, at_s, took_s, goal_id)
+            Operation(
+                "",
+                ability,
+                "",
+                result.error_code,
+                text=text,
+                ended_s=at_s,
+                elapsed_s=took_s,
+                goal_id=goal_id,
+            )
         )
 
     def _on_feedback(self, message: object, ability: str) -> None:

@@ -77,16 +77,16 @@ class _Writer:
         raise TypeError(f"no event: {event!r}")
 
     @_of.register
-    def _(self, event: RunBegun) -> Iterable[RunEntry]:
+    def _of_run_begun(self, event: RunBegun) -> Iterable[RunEntry]:
         return [RunEntry(kind=RunEntry.RUN, text=f"begun: {len(event.tasks)} tasks")]
 
     @_of.register
-    def _(self, event: Planned) -> Iterable[RunEntry]:
+    def _of_planned(self, event: Planned) -> Iterable[RunEntry]:
         text = f"planned: {' '.join(event.tasks)}"
         return [RunEntry(kind=RunEntry.DECISION, text=text, because=event.because)]
 
     @_of.register
-    def _(self, event: TaskBegun) -> Iterable[RunEntry]:
+    def _of_task_begun(self, event: TaskBegun) -> Iterable[RunEntry]:
         self.now_s, self.name = event.at_s, event.behavior
         learned = [f"{each.parameter} {each.value:g} at {each.step}" for each in event.chosen]
         text = ", ".join([f"attempt {event.attempt}: {event.part.value}", *learned])
@@ -95,17 +95,17 @@ class _Writer:
         return [entry]
 
     @_of.register
-    def _(self, event: OperationEnded) -> Iterable[RunEntry]:
+    def _of_operation_ended(self, event: OperationEnded) -> Iterable[RunEntry]:
         self.now_s = event.operation.ended_s
         self.behavior += self._operation(event.task, event.operation)
         return []
 
     @_of.register
-    def _(self, event: StopReported) -> Iterable[RunEntry]:
+    def _of_stop_reported(self, event: StopReported) -> Iterable[RunEntry]:
         return self._operation(event.task, event.operation)
 
     @_of.register
-    def _(self, event: TaskEnded) -> Iterable[RunEntry]:
+    def _of_task_ended(self, event: TaskEnded) -> Iterable[RunEntry]:
         self.now_s = event.at_s
         pictures = [self._picture(event.task, name) for name in event.pictures]
         told = sorted((*self.behavior, *pictures), key=lambda entry: entry.stamp.to_sec())
@@ -115,18 +115,18 @@ class _Writer:
         return [*told, left, ended]
 
     @_of.register
-    def _(self, event: Interrupted) -> Iterable[RunEntry]:
+    def _of_interrupted(self, event: Interrupted) -> Iterable[RunEntry]:
         told, self.behavior = self.behavior, []
         return [*told, RunEntry(kind=RunEntry.RUN, text=f"interrupted: {event.because}")]
 
     @_of.register
-    def _(self, event: Settled) -> Iterable[RunEntry]:
+    def _of_settled(self, event: Settled) -> Iterable[RunEntry]:
         seen = event.unseen or f"connected: {' '.join(event.connected) or 'no end'}"
         text = f"inspected: {seen}"
         return [RunEntry(kind=RunEntry.TASK, task=event.task, text=text, error_code=event.code)]
 
     @_of.register
-    def _(self, event: Decided) -> Iterable[RunEntry]:
+    def _of_decided(self, event: Decided) -> Iterable[RunEntry]:
         self.now_s = event.at_s
         failure = RunEntry(
             kind=RunEntry.FAILURE,
@@ -148,54 +148,54 @@ class _Writer:
         return [failure, decision]
 
     @_of.register
-    def _(self, event: Asked) -> Iterable[RunEntry]:
+    def _of_asked(self, event: Asked) -> Iterable[RunEntry]:
         return [RunEntry(kind=RunEntry.OPERATOR, task=event.task, text=f"asked: {event.text}")]
 
     @_of.register
-    def _(self, event: Answered) -> Iterable[RunEntry]:
+    def _of_answered(self, event: Answered) -> Iterable[RunEntry]:
         text = f"answered: {event.choice.value}"
         return [RunEntry(kind=RunEntry.OPERATOR, text=text, because=event.by)]
 
     @_of.register
-    def _(self, event: Escalated) -> Iterable[RunEntry]:
+    def _of_escalated(self, event: Escalated) -> Iterable[RunEntry]:
         text = f"nobody answered in time: {event.do.value}"
         return [RunEntry(kind=RunEntry.OPERATOR, task=event.task, text=text)]
 
     @_of.register
-    def _(self, event: PanelLoaded) -> Iterable[RunEntry]:
+    def _of_panel_loaded(self, event: PanelLoaded) -> Iterable[RunEntry]:
         return [RunEntry(kind=RunEntry.RUN, text=f"panel of {event.serial or 'the order'} loaded")]
 
     @_of.register
-    def _(self, event: PartRequested) -> Iterable[RunEntry]:
+    def _of_part_requested(self, event: PartRequested) -> Iterable[RunEntry]:
         return [RunEntry(kind=RunEntry.TASK, task=event.task, text="a new piece is presented")]
 
     @_of.register
-    def _(self, event: FeedRefused) -> Iterable[RunEntry]:
+    def _of_feed_refused(self, event: FeedRefused) -> Iterable[RunEntry]:
         self.now_s = event.at_s
         text = f"no piece was presented: {event.text}"
         return [RunEntry(kind=RunEntry.TASK, task=event.task, text=text, error_code=event.code)]
 
     @_of.register
-    def _(self, event: Commanded) -> Iterable[RunEntry]:
+    def _of_commanded(self, event: Commanded) -> Iterable[RunEntry]:
         text = event.command.value
         return [RunEntry(kind=RunEntry.OPERATOR, task=event.task, text=text, because=event.by)]
 
     @_of.register
-    def _(self, event: TaskElsewhere) -> Iterable[RunEntry]:
+    def _of_task_elsewhere(self, event: TaskElsewhere) -> Iterable[RunEntry]:
         left = "has it" if event.as_left is AsLeft.RUNNING else f"left it {event.as_left.value}"
         return [RunEntry(kind=RunEntry.TASK, task=event.task, text=f"cell {event.cell} {left}")]
 
     @_of.register
-    def _(self, event: TaskReturned) -> Iterable[RunEntry]:
+    def _of_task_returned(self, event: TaskReturned) -> Iterable[RunEntry]:
         text = f"taken over from cell {event.cell}"
         return [RunEntry(kind=RunEntry.TASK, task=event.task, text=text)]
 
     @_of.register
-    def _(self, event: Blocked) -> Iterable[RunEntry]:
+    def _of_blocked(self, event: Blocked) -> Iterable[RunEntry]:
         return [RunEntry(kind=RunEntry.RUN, text=f"cannot go on: {event.because}")]
 
     @_of.register
-    def _(self, event: RunEnded) -> Iterable[RunEntry]:
+    def _of_run_ended(self, event: RunEnded) -> Iterable[RunEntry]:
         text = f"ended {event.ending.value}"
         return [RunEntry(kind=RunEntry.RUN, text=text, because=event.because)]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable
 
 import rospy
 from remodel_msgs.msg import AbilityRecord
@@ -27,10 +26,9 @@ from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import Answer, Answered, Command, Commanded
 from remodel_supervision.core.runs.gate import Permit
 from remodel_supervision.ros.event_loop import RosEventLoop
+from remodel_supervision.supervisors.cell.run_commands import RunCommands
 from remodel_supervision.supervisors.commands import Reply
 from remodel_supervision.supervisors.ports import Abilities
-from remodel_supervision.supervisors.run_commands import RunCommands
-from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor
 
 RECORDER = "remodel/keep_record"
 RECORDER_PARAMETER = "remodel/recorder"
@@ -58,27 +56,19 @@ class RunServices:
     def __init__(
         self,
         loop: RosEventLoop,
-        active: Callable[[], UseCaseSupervisor | None],
-        why_closed: Callable[[], str],
         abilities: Abilities,
     ) -> None:
         """Advertise all services, and listen to safety controllers.
 
         Args:
             loop: on which requests are processed.
-            active: returns the supervisor of the run under way; None without a run.
-            why_closed: returns why this node takes nothing now; empty if it does.
             abilities: that a protective stop cancels, run or no run.
         """
         self._loop = loop
-        self._active = active
-        self._why_closed = why_closed
         self._abilities = abilities
         self.commands = RunCommands(
             loop,
             abilities,
-            active,
-            why_closed,
             rospy.get_param(STOPPED_PARAMETER, []),
             lambda persons: rospy.set_param(STOPPED_PARAMETER, list(persons)),
         )
@@ -107,21 +97,22 @@ class RunServices:
         record = request.record
 
         def keep() -> tuple[bool, str]:
-            supervisor = self._active()
+            supervisor = self.commands.active
             if supervisor is not None:
                 return supervisor.tasks.keep_record(record.behavior, operation_of(record))
-            closed = self._why_closed()
+            closed = self.commands.closed
             return not closed, closed or "of no run; it is not kept"
 
         return KeepRecordResponse(*self._loop.call(keep, (False, "this node is shutting down")))
 
     def _on_begin(self, request: BeginOperationRequest) -> BeginOperationResponse:
         def begin() -> BeginOperationResponse:
-            supervisor = self._active()
+            supervisor = self.commands.active
             if supervisor is None:
-                held = BeginOperationResponse.HELD, 0, self._why_closed()
+                closed = self.commands.closed
+                held = BeginOperationResponse.HELD, 0, closed
                 refused = BeginOperationResponse.REFUSED, 0, "no run is under way"
-                return BeginOperationResponse(*(held if self._why_closed() else refused))
+                return BeginOperationResponse(*(held if closed else refused))
             permit, why = supervisor.tasks.begin_operation(
                 request.behavior, request.state_path, request.ability
             )
@@ -159,7 +150,7 @@ class RunServices:
         known = {answer.value for answer in Answer}
 
         def do(reply: Reply) -> None:
-            supervisor = self._active()
+            supervisor = self.commands.active
             if choice not in known:
                 reply(False, f"{choice!r} is no answer; there are {', '.join(sorted(known))}")
             elif supervisor is None:
@@ -188,12 +179,12 @@ def operation_of(record: AbilityRecord) -> Operation:
         record.ability,
         record.outcome,
         record.error_code,
-        record.error_message or record.message,
-        record.stamp.to_sec(),
-        record.elapsed_time,
-        record.goal_id,
-        _pairs(record.parameters),
-        _pairs(record.measurements),
+        text=record.error_message or record.message,
+        ended_s=record.stamp.to_sec(),
+        elapsed_s=record.elapsed_time,
+        goal_id=record.goal_id,
+        parameters=_pairs(record.parameters),
+        measurements=_pairs(record.measurements),
     )
 
 

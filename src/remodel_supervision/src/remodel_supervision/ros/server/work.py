@@ -77,7 +77,7 @@ class WorkMaker:
         use_case.recovery.require_known(self.faults)
         order, panel, channels = _in_cell(stored, use_case)
         experience = Experience(use_case, ability_calls(self.database), explore=self.explore)
-        leases = TaskLeases(self.database, name, self.cell, self.lease_s, owner)
+        leases = TaskLeases(self.database, name, self.cell, self.lease_s, token=owner)
         self.descriptions = {
             wire.name: f"{wire.a} to {wire.b}, {wire.colour}, {wire.section_mm2:g} mm2"
             for wire in stored.wires

@@ -75,7 +75,7 @@ def _walk(definition: Definition, path: str, parent: Definition, label: str) -> 
         children,
         outcomes,
         tuple(transitions.get(outcome, "") for outcome in outcomes) if parent else (),
-        tuple(autonomy.get(outcome, 0) for outcome in outcomes) if parent else (),
+        autonomy=tuple(autonomy.get(outcome, 0) for outcome in outcomes) if parent else (),
     )
     for child in children:
         yield from _walk(definition._labels[child], f"{path}/{child}", definition, child)

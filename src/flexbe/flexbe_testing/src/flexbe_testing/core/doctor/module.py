@@ -73,7 +73,7 @@ class Module:
     def finding(self, node: ast.AST | int, rule: str, severity: Severity, text: str) -> Finding:
         """Return a finding at a node or line."""
         line = node if isinstance(node, int) else getattr(node, "lineno", 1)
-        return Finding(self.file, line, rule, severity, text)
+        return Finding(self.file, line, rule, severity, text=text)
 
     def dotted(self, node: ast.AST) -> str:
         """Return what an expression of names and attributes stands for; empty if it is another."""
@@ -92,7 +92,7 @@ def parse_module(file: str, text: str) -> Module:
         SyntaxError: if it is not Python 3.
     """
     tree = ast.parse(text, file)
-    module = Module(file, text, tree, _imported(tree), [])
+    module = Module(file, text, tree, _imported(tree), classes=[])
     kinds: dict[str, Kind] = {}
     for node in ast.walk(tree):
         if isinstance(node, ast.ClassDef) and (kind := _kind(module, node, kinds)):

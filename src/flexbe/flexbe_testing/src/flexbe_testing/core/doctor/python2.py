@@ -38,9 +38,9 @@ def unparsable(file: str, text: str, error: SyntaxError) -> Finding:
     source = lines[line - 1] if 0 < line <= len(lines) else ""
     for pattern, what in _STATEMENTS:
         if pattern.search(source):
-            return Finding(file, line, "python2", Severity.ERROR, f"Python 2: {what}")
+            return Finding(file, line, "python2", Severity.ERROR, text=f"Python 2: {what}")
     text = f"the file is not Python 3: {error.msg}"
-    return Finding(file, line, "syntax", Severity.ERROR, text)
+    return Finding(file, line, "syntax", Severity.ERROR, text=text)
 
 
 def check_python2(module: Module) -> Iterator[Finding]:

@@ -48,11 +48,11 @@ def construct(
         constructed += result["constructed"]
         if not result["at"]:
             break
-        # User code ended the process: report the module, and go on after it in another process.
+        # User code ended the process: report the module, and continue after it in another process.
         index = [name for name, _ in rest].index(result["at"])
         file = rest[index][1]
         text = f"importing or constructing it {ended}; keep such code out of module and constructor"
-        findings.append(Finding(file, 1, "construction", Severity.ERROR, text))
+        findings.append(Finding(file, 1, "construction", Severity.ERROR, text=text))
         rest = rest[index + 1 :]
     return findings, constructed
 
@@ -101,4 +101,4 @@ def _watch(child: subprocess.Popen[bytes], result: Path, limit_s: float) -> str:
 
 def _finding(row: dict) -> Finding:
     severity = Severity(row["severity"])
-    return Finding(row["file"], row["line"], row["rule"], severity, row["text"])
+    return Finding(row["file"], row["line"], row["rule"], severity, text=row["text"])

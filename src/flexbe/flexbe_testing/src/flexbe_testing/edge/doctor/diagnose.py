@@ -56,7 +56,7 @@ def diagnose(workspace: Path, is_static: bool = False, limit_s: float = 20.0) ->
                 importable.append((_dotted(package, file), str(file)))
     constructed = 0
     if not is_static:
-        # What cannot be imported for a reason that is known already is no second finding.
+        # What cannot be imported for a reason that is known already is not reported twice.
         broken = {f.file for f in findings if f.rule in ("unknown-import", "python2")}
         sound = [(name, file) for name, file in importable if file not in broken]
         new, constructed = construct(found, sound, limit_s)
@@ -67,7 +67,7 @@ def diagnose(workspace: Path, is_static: bool = False, limit_s: float = 20.0) ->
         tuple(package.name for package in found),
         sum(count(module, Kind.STATE) for module in modules),
         sum(count(module, Kind.BEHAVIOR) for module in modules),
-        constructed,
+        constructed=constructed,
     )
 
 
@@ -80,7 +80,7 @@ def _known(found: Sequence[Package]) -> tuple[Known, list[Finding]]:
         except (OSError, ValueError) as error:
             text = f"not all of package {package.name} can be read: {error}"
             file = str(package.folder / "package.xml")
-            findings.append(Finding(file, 1, "package", Severity.ERROR, text))
+            findings.append(Finding(file, 1, "package", Severity.ERROR, text=text))
             continue
         states += known.states
         behaviors += known.behaviors
@@ -101,7 +101,7 @@ def _examine(file: Path, engine: Engine, known: Known) -> tuple[list[Finding], M
         text = file.read_text()
     except UnicodeDecodeError as error:
         text = f"the file is not UTF-8: {error.reason} at byte {error.start}"
-        return [Finding(str(file), 1, "syntax", Severity.ERROR, text)], None
+        return [Finding(str(file), 1, "syntax", Severity.ERROR, text=text)], None
     return examine(str(file), text, engine, known)
 
 

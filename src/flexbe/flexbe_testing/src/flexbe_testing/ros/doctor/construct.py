@@ -49,7 +49,7 @@ class Construction:
             return
         for package in sorted(self._finder.stubbed - stubbed):
             text = f"package {package} is not on this computer; its messages were stubbed"
-            self._put(file, _line_of(file, package), "missing-messages", _NOTE, text)
+            self._put(file, _line_of(file, package), "missing-messages", _NOTE, text=text)
         for found in vars(module).values():
             if isinstance(found, type) and found.__module__ == name:
                 self._construct(found, file)
@@ -68,7 +68,7 @@ class Construction:
                 found()
         except (Exception, SystemExit) as error:  # noqa: BLE001 - user code
             what = f"{found.__name__} cannot be constructed: {type(error).__name__}: {error}"
-            self._add(error, file, line, "construction", what)
+            self._add(error, file, line, "construction", text=what)
             return
         self.constructed += 1
 
@@ -79,7 +79,7 @@ class Construction:
         for frame in traceback.extract_tb(error.__traceback__):
             if frame.filename.startswith(tuple(f"{folder}/" for folder in self._folders)):
                 file, line = frame.filename, frame.lineno or line
-        self._put(file, line, rule, _ERROR, text)
+        self._put(file, line, rule, _ERROR, text=text)
 
     def _put(self, file: str, line: int, rule: str, severity: str, text: str) -> None:
         found = {"file": file, "line": line, "rule": rule, "severity": severity, "text": text}

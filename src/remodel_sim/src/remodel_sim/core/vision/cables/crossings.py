@@ -111,12 +111,12 @@ def _crossing(
     evidence = (misfit[1] - misfit[0]) / (misfit[0] + misfit[1] + NOISE)
     upper, lower = (first, second) if evidence >= 0 else (second, first)
     return Crossing(
-        point,
-        upper[0],
-        lower[0],
-        upper[1] / (len(cables[upper[0]].centreline) - 1),
-        lower[1] / (len(cables[lower[0]].centreline) - 1),
-        min(abs(evidence) / SURE, 1.0),
+        point=point,
+        upper=upper[0],
+        lower=lower[0],
+        upper_at=upper[1] / (len(cables[upper[0]].centreline) - 1),
+        lower_at=lower[1] / (len(cables[lower[0]].centreline) - 1),
+        confidence=min(abs(evidence) / SURE, 1.0),
     )
 
 

@@ -162,4 +162,11 @@ def _cable(rgb: Pixels, refined: Refined, confidence: float) -> Cable:
     spline = fit(points, weight, max(KNOTS_WIDTHS * width, KNOTS_PX))
     line = spline.at(np.linspace(0, 1, max(8, int(arc[-1] / 2))))
     red, green, blue = median_colour(refined.sections.middle).tolist()
-    return Cable(line, spline, (first, last), width, (red, green, blue), confidence)
+    return Cable(
+        centreline=line,
+        spline=spline,
+        tips=(first, last),
+        width=width,
+        colour=(red, green, blue),
+        confidence=confidence,
+    )

@@ -1,4 +1,4 @@
-"""What the detector answers."""
+"""The result of the detector."""
 
 from __future__ import annotations
 

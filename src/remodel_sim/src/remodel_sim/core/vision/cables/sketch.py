@@ -24,10 +24,10 @@ def sketch(rgb: Pixels, found: Detection) -> Pixels:
         for colour, width in ((INK, 3.0), (COLOURS[i % len(COLOURS)], 1.4)):
             cv2.polylines(drawn, [line], False, colour, round(width * unit), cv2.LINE_AA, SHIFT)
         for tip in cable.tips:
-            _ring(drawn, tip.point, 6 * unit, ENDS[tip.end], unit)
+            _ring(drawn, tip.point, 6 * unit, ENDS[tip.end], unit=unit)
         _note(drawn, f"{i}", cable.tips[0].point + 9 * unit, unit)
     for crossing in found.crossings:
-        _ring(drawn, crossing.point, 4 * unit, PAPER, unit)
+        _ring(drawn, crossing.point, 4 * unit, PAPER, unit=unit)
         sure = "" if crossing.confidence > 0.5 else "?"
         _note(drawn, f"{crossing.upper}{sure}", crossing.point + 6 * unit, unit)
     return drawn

@@ -34,7 +34,9 @@ class _Goal:
         self._client = actionlib.ActionClient(topics.EXECUTE_ACTION, BehaviorExecutionAction)
         if not self._client.wait_for_server(rospy.Duration(bench.limit_s)):
             raise ViolationError(f"{topics.EXECUTE_ACTION} does not connect")
-        goal = BehaviorExecutionGoal(name, list(args), list(args.values()), [], [])
+        goal = BehaviorExecutionGoal(
+            behavior_name=name, arg_keys=list(args), arg_values=list(args.values())
+        )
         self._handle = self._client.send_goal(goal, self._on_transition, self._on_feedback)
 
     def cancel(self) -> None:

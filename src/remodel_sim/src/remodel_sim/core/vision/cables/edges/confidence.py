@@ -87,13 +87,13 @@ def weigh(refined: Refined, spread: float) -> Evidence:
     usual = median(rim)
     long = float(arc_lengths(refined.points)[-1]) / refined.width
     return Evidence(
-        min(ramp(usual / spread, CONTRAST_SPREADS), ramp(usual, CONTRAST_LEVELS)),
-        ramp(float(refined.weight.mean()) / 2, EDGES),
-        ramp(float(alike.mean()), RIDGE),
-        ramp(long, LENGTH_WIDTHS),
-        ramp(refined.spread, UNEVEN),
-        _of_one_hue(sections.middle, contrast),
-        min(
+        contrast=min(ramp(usual / spread, CONTRAST_SPREADS), ramp(usual, CONTRAST_LEVELS)),
+        edges=ramp(float(refined.weight.mean()) / 2, EDGES),
+        ridge=ramp(float(alike.mean()), RIDGE),
+        length=ramp(long, LENGTH_WIDTHS),
+        even=ramp(refined.spread, UNEVEN),
+        hue=_of_one_hue(sections.middle, contrast),
+        clear=min(
             ramp(float(np.mean(sections.shadow < DEEP)), SHADOWS),
             ramp(
                 float(np.mean(_other_hue(sections.inside[:, 0], sections.inside[:, 1], contrast))),
@@ -101,7 +101,7 @@ def weigh(refined: Refined, spread: float) -> Evidence:
             ),
             _sharp(refined),
         ),
-        usual,
+        levels=usual,
     )
 
 

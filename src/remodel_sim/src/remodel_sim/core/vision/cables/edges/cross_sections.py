@@ -89,13 +89,13 @@ class CrossSections:
     def part(self, of: slice) -> CrossSections:
         """Return some of the profiles."""
         return CrossSections(
-            self.edges[of],
-            self.contrast[of],
-            self.middle[of],
-            self.inside[of],
-            self.beside[of],
-            self.shadow[of],
-            self.softness[of],
+            edges=self.edges[of],
+            contrast=self.contrast[of],
+            middle=self.middle[of],
+            inside=self.inside[of],
+            beside=self.beside[of],
+            shadow=self.shadow[of],
+            softness=self.softness[of],
         )
 
 
@@ -143,13 +143,13 @@ def find_edges(
     softness = (contrast / slope).reshape(2, -1).max(axis=0) * (STEP * width)
     half = len(points)
     return CrossSections(
-        np.stack([-width * edge[:half], width * edge[half:]], axis=1),
-        contrast.reshape(2, -1).T,
-        middle.T,
-        insides.T.reshape(2, half, 3).transpose(1, 0, 2),
-        np.stack([left.T, right.T], axis=1),
-        shadow,
-        softness,
+        edges=np.stack([-width * edge[:half], width * edge[half:]], axis=1),
+        contrast=contrast.reshape(2, -1).T,
+        middle=middle.T,
+        inside=insides.T.reshape(2, half, 3).transpose(1, 0, 2),
+        beside=np.stack([left.T, right.T], axis=1),
+        shadow=shadow,
+        softness=softness,
     )
 
 

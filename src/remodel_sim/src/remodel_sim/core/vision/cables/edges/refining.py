@@ -80,12 +80,12 @@ def _round(
     counts = [len(line) for line in lines]
     across = [normals(line) for line in lines]
     sections = find_edges(
-        rgb, np.vstack(lines), np.vstack(across), np.repeat(widths, counts), np.array(counts)
+        rgb, np.vstack(lines), np.vstack(across), np.repeat(widths, counts), counts=np.array(counts)
     )
     refined, start = [], 0
     for line, normal, width in zip(lines, across, widths, strict=True):
         own = sections.part(slice(start, start + len(line)))
-        refined.append(_centre(line, normal, own, width, limits))
+        refined.append(_centre(line, normal, own, width, limits=limits))
         start += len(line)
     return refined
 
@@ -119,4 +119,10 @@ def _centre(
     shift = (shares[good, 0] * shifts[good, 0] + shares[good, 1] * shifts[good, 1]) / weight[good]
     offset = np.interp(np.arange(len(line)), good, shift)
     points = line + offset[:, None] * normal
-    return Refined(points, weight * (weight > FAINT), width, spread, sections)
+    return Refined(
+        points=points,
+        weight=weight * (weight > FAINT),
+        width=width,
+        spread=spread,
+        sections=sections,
+    )

@@ -86,7 +86,15 @@ def find_foreground(rgb: Pixels) -> Foreground:
         mask = _cables_without_shadows(distance, lit)
         mask[_foreign_objects(_reach(mask), half_width) > 0] = 0
         reach = _reach(mask)
-    return Foreground(mask, reach, foreign_objects, half_width, spread, covered, distance)
+    return Foreground(
+        mask=mask,
+        reach=reach,
+        foreign_objects=foreign_objects,
+        half_width=half_width,
+        spread=spread,
+        covered=covered,
+        distance=distance,
+    )
 
 
 def _table(rgb: Pixels) -> Pixels:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 
 from remodel_supervision.core.runs.events import Command, Commanded
+from remodel_supervision.supervisors.cell.unresumed_run import UnresumedRun
 from remodel_supervision.supervisors.commands import PendingReplies, Reply
 from remodel_supervision.supervisors.ports import Abilities, EventLoop
-from remodel_supervision.supervisors.unresumed_run import UnresumedRun
 from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor
 
 # [s] wall time between two checks whether what was cancelled rests.
@@ -20,7 +20,9 @@ class RunCommands:
     """Passes commands on to the run under way, and holds the cell between runs.
 
     Attributes:
+        active: supervisor of the run under way; None without a run.
         unresumed: a run that waits for a person to be resumed; None if there is none.
+        closed: why no goal is taken now; empty if one is, or a run is under way.
 
     Safety controllers stop the cell by the topic, persons by the service. Each stop holds this run
     and all later ones: controllers release their own stops, `resume` releases those of persons.
@@ -30,8 +32,6 @@ class RunCommands:
         self,
         loop: EventLoop,
         abilities: Abilities,
-        active: Callable[[], UseCaseSupervisor | None],
-        why_closed: Callable[[], str],
         persons: Collection[str] = (),
         keep: Callable[[Collection[str]], None] = lambda persons: None,
     ) -> None:
@@ -40,16 +40,14 @@ class RunCommands:
         Args:
             loop: on which all calls come.
             abilities: that a protective stop cancels, run or no run.
-            active: returns the supervisor of the run under way; None without a run.
-            why_closed: returns why this node takes nothing now; empty if it does.
             persons: who have stopped the cell by the service, and have not released it.
             keep: keeps these names beyond this process.
         """
+        self.active: UseCaseSupervisor | None = None
         self.unresumed: UnresumedRun | None = None
+        self.closed = ""
         self._loop = loop
         self._abilities = abilities
-        self._active = active
-        self._why_closed = why_closed
         self._controllers: set[str] = set()
         self._persons = set(persons)
         self._keep = keep
@@ -96,7 +94,7 @@ class RunCommands:
 
     def stop_if_unsafe(self) -> None:
         """Stop the run under way if a protective stop is in force, from before the run or now."""
-        supervisor = self._active()
+        supervisor = self.active
         by = self.stopped_by
         if supervisor is not None and by and supervisor.state.protective != by:
             stop = Commanded(Command.PROTECTIVE_STOP, "", by)
@@ -104,7 +102,7 @@ class RunCommands:
 
     def _stop(self, event: Commanded, reply: Reply) -> None:
         self._set_persons(self._persons | {event.by})
-        supervisor = self._active()
+        supervisor = self.active
         if supervisor is not None and supervisor.state.ended is None:
             supervisor.command(event, _adding(HELD, reply))
             return
@@ -113,21 +111,21 @@ class RunCommands:
     def _resume(self, event: Commanded, reply: Reply) -> None:
         if self._controllers:
             reply(False, self.safety)
-        elif self._active() is None and self.unresumed is None and self._persons:
+        elif self.active is None and self.unresumed is None and self._persons:
             self._set_persons(())
             reply(True, "the protective stop is released; no run is under way")
         else:
             self._pass_on(event, self._releasing(reply))
 
     def _pass_on(self, event: Commanded, reply: Reply) -> None:
-        supervisor = self._active()
+        supervisor = self.active
         if supervisor is not None:
             supervisor.command(event, reply)
         elif self.unresumed is not None:
             is_stop = event.command is Command.STOP
             self.unresumed.command(event, self._at_rest(reply) if is_stop else reply)
         else:
-            reply(False, self._why_closed() or "no run is under way")
+            reply(False, self.closed or "no run is under way")
 
     def _at_rest(self, reply: Reply) -> Reply:
         """Return a reply whose success comes when nothing moves any more."""

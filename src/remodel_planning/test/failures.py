@@ -1,9 +1,11 @@
-"""The problem that is left when part of a plan has been executed, and something has failed."""
+"""Failures: the problem that is left when part of a plan has been executed."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from remodel_planning.core.problem.problem import (
     Action,
@@ -17,6 +19,8 @@ from remodel_planning.core.problem.problem import (
     Stage,
     Wire,
 )
+from remodel_planning.core.search.planned import Planned
+from remodel_planning.core.search.tables import Integers, Tables
 
 # How much longer a wire's route becomes when its terminal is moved [mm/tick]: the speed of routing.
 _ROUTE_MM_PER_TICK = 10
@@ -63,10 +67,16 @@ def after_move(
     return replace(left, wires=wires, terminals=terminals, located=left.located - {component})
 
 
-def action_ticks(problem: Problem, plan: Plan) -> tuple[int, ...]:
-    """Return the duration of each action of a valid plan [ticks]."""
-    state = _state_at_start(problem)
-    return tuple(_execute(problem, state, action) for action in plan.actions)
+def remaining_order(old: Planned, tables: Tables) -> tuple[Integers, Integers]:
+    """Return an old plan's order and modes in the numbers of a problem that follows from it."""
+    number = {name: i for i, name in enumerate(tables.wires)}
+    names = [old.tables.wires[i] for i in old.order]
+    order = np.array([number[name] for name in names if name in number], np.int32)
+    modes = np.full(len(tables.wires), -1, np.int32)
+    for name, mode in zip(old.tables.wires, old.modes.tolist(), strict=True):
+        if name in number:
+            modes[number[name]] = mode
+    return order, modes
 
 
 def _begun(plan: Plan, index: int, until: int) -> list[Action]:

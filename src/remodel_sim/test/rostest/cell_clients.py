@@ -1,0 +1,90 @@
+"""What the ROS tests of running cells share: clients of abilities and services."""
+
+import subprocess
+import time
+import unittest
+
+import actionlib
+import rospy
+from remodel_msgs import msg, srv
+from std_srvs.srv import Trigger
+
+WALL_LIMIT_S = 180.0
+STOP_LIMIT_S = 0.2
+
+
+def wait_until(condition, limit_s=WALL_LIMIT_S):
+    """Wait for a condition by the wall's clock; returns whether it came true."""
+    end = time.monotonic() + limit_s
+    while not condition():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.005)
+    return True
+
+
+class Client:
+    """Sends goals to one ability and waits by the wall's clock."""
+
+    def __init__(self, name):
+        self.name = name
+        self.client = actionlib.SimpleActionClient(
+            f"remodel_abilities/{name.lower()}", getattr(msg, f"{name}Action")
+        )
+        self.feedback = []
+        assert wait_until(lambda: self.client.wait_for_server(rospy.Duration(0.1)))
+
+    def send(self, **fields):
+        goal = getattr(msg, f"{self.name}Goal")(id=f"test-{self.name}", timeout=120.0)
+        for key, value in fields.items():
+            setattr(goal, key, value)
+        self.feedback = []
+        self.client.send_goal(goal, feedback_cb=self.feedback.append)
+
+    def ended(self):
+        # The goal's status may arrive before its result; this is when the result is there.
+        return self.client.simple_state == actionlib.SimpleGoalState.DONE
+
+    def wait(self):
+        assert wait_until(self.ended), f"{self.name} did not end"
+        return self.client.get_result()
+
+    def do(self, **fields):
+        self.send(**fields)
+        return self.wait()
+
+
+def call(name, service_class, /, **fields):
+    """Call a service of the cell; return its response, which must not report a failure."""
+    rospy.wait_for_service(f"cell/{name}", 10)
+    response = rospy.ServiceProxy(f"cell/{name}", service_class)(**fields)
+    assert getattr(response, "success", True), response
+    return response
+
+
+class CellTestCase(unittest.TestCase):
+    """Begins each test with wire W1 fed to an otherwise empty panel.
+
+    Attributes:
+        abilities: names of those that the tests use.
+        on: their clients by name.
+    """
+
+    abilities = ()
+
+    @classmethod
+    def setUpClass(cls):
+        cls.on = {name: Client(name) for name in cls.abilities}
+
+    def setUp(self):
+        call("reset", Trigger)
+        call("feed_wire", srv.FeedWire, wire_id="W1", channel_id="A")
+
+    def check_conformance(self, ability, goal):
+        """Check a server against the contract of all abilities; return what was reported."""
+        topic = f"remodel_abilities/{ability.lower()}"
+        line = ["rosrun", "remodel_states", "conformance", topic, ability, "--goal", goal]
+        done = subprocess.run(line, capture_output=True, text=True, timeout=WALL_LIMIT_S)
+        report = done.stdout + done.stderr
+        self.assertEqual(done.returncode, 0, report)
+        return report

@@ -1,0 +1,115 @@
+"""Publishes the run under way: by topics, to the client of its goal, and to the states."""
+
+from __future__ import annotations
+
+import contextlib
+
+import actionlib
+import rospy
+
+from remodel_production.errors import PlannerError, RecordLostError
+from remodel_supervision.core.runs.state import RunState
+from remodel_supervision.ros.event_loop import RosEventLoop
+from remodel_supervision.ros.server.active_run import ActiveRun
+from remodel_supervision.ros.server.run_messages import RunView
+from remodel_supervision.ros.server.run_services import RunServices
+from remodel_supervision.ros.server.state_publisher import StatePublisher
+from remodel_supervision.ros.server.work import WorkMaker
+from remodel_supervision.supervisors.cell.cell_runs import STARTING
+from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor
+from remodel_supervision.supervisors.work import Peers
+
+# [s] wall time between two publications.
+_PUBLISH_EVERY_S = 0.25
+
+
+class RunPublication:
+    """Publishes what happens to the runs of a cell; see RunObserver.
+
+    Attributes:
+        active: the run under way; None without one.
+    """
+
+    def __init__(
+        self, loop: RosEventLoop, maker: WorkMaker, peers: Peers, services: RunServices
+    ) -> None:
+        """Publish that this node is starting.
+
+        Args:
+            loop: on which everything is done.
+            maker: makes what a run is about.
+            peers: processes that runs need.
+            services: by which states reach the run under way.
+        """
+        self.active: ActiveRun | None = None
+        self._maker = maker
+        self._peers = peers
+        self._services = services
+        # The goal of a run that has not begun, by the run's number.
+        self._goals: dict[int, actionlib.ServerGoalHandle] = {}
+        self._publisher = StatePublisher()
+        self._publisher.idle(maker.cell, STARTING, starting=True)
+        loop.every(_PUBLISH_EVERY_S, self._publish)
+
+    def expect(self, supervisor: UseCaseSupervisor, handle: actionlib.ServerGoalHandle) -> None:
+        """Note the goal that asked for a run; its client is answered when the run has ended."""
+        self._goals[supervisor.run] = handle
+
+    def on_idle(self, text: str, *, starting: bool) -> None:
+        """Publish that there is no run, and log why none can begin."""
+        if starting:
+            rospy.logerr("%s", text)
+        by = "" if starting else self._services.commands.stopped_by
+        self._publisher.idle(self._maker.cell, text, starting=starting, stopped_by=by)
+
+    def on_resume(self, run: int, state: RunState) -> None:
+        """Log that a run is about to be resumed."""
+        rospy.loginfo("resuming run %d of order %s", run, state.order)
+
+    def on_begin(self, supervisor: UseCaseSupervisor) -> None:
+        """Have all states ask this supervisor before they begin."""
+        handle = self._goals.pop(supervisor.run, None)
+        self.active = ActiveRun(supervisor, handle, rospy.Time.now())
+        self._services.ask_to_be_asked()
+
+    def on_change(self) -> None:
+        """Publish what has changed in the run under way."""
+        if self.active is not None:
+            self._publisher.publish(self._view(self.active))
+
+    def on_end(self, supervisor: UseCaseSupervisor) -> None:
+        """Publish how the run under way has ended, and answer the client of its goal."""
+        self._services.ask_no_more()
+        self.on_change()
+        active, self.active = self.active, None
+        assert active is not None, "only called during a run"
+        active.answer(supervisor.state)
+
+    def on_give_up(self, error: PlannerError) -> None:
+        """Answer the client of the goal why its run is not supervised any more."""
+        if self.active is not None:
+            self.active.abort(str(error))
+        self.active = None
+        if isinstance(error, RecordLostError):
+            self._services.ask_no_more()
+
+    def _publish(self) -> None:
+        with contextlib.suppress(rospy.ROSException):  # at shutdown topics are closed
+            self._publisher.flush()
+            if self.active is not None:
+                self.on_change()
+                self.active.feed_back(self._view(self.active))
+
+    def _view(self, active: ActiveRun) -> RunView:
+        supervisor = active.supervisor
+        return RunView(
+            run=supervisor.run,
+            state=supervisor.state,
+            doing=supervisor.doing,
+            doing_now=self._peers.abilities.latest,
+            state_path=self._peers.engine.state_path,
+            started=active.begun,
+            expected_s=supervisor.work.planner.expected_s,
+            descriptions=self._maker.descriptions,
+            moving=supervisor.is_moving,
+        )
