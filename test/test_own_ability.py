@@ -1,8 +1,10 @@
 """A package that create_ability makes in another workspace builds, and its own test passes."""
 
 import os
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -55,6 +57,10 @@ def test_a_new_ability_out_of_tree_keeps_the_contract_at_once(tmp_path):
     assert found == "['id', 'target_id', 'force_limit', 'timeout'] {'peak_force': 5.0}\n1000\n"
     ran = run(tmp_path, sourced, "rostest crimp_ferrule crimp_ferrule.test")
     assert "TESTS: 4" in ran
+    run(tmp_path, 'catkin_make --no-color -DPYTHON_EXECUTABLE="$PYTHON" install')
+    share = tmp_path / "install/share/crimp_ferrule"
+    written = ("manifest/crimp_ferrule.xml", "certificate/crimp_ferrule.yaml")
+    assert [name for name in written if not (share / name).is_file()] == []
 
 
 def known_to_charts(path):
@@ -103,3 +109,13 @@ def test_charts_know_the_codes_that_states_know(tmp_path, monkeypatch, exports):
     assert 1000 in found[RECOVERABLE]
     assert ("JAW_WORN" in found) == (exports != "one element")
     assert found == known_to_states()
+
+
+def test_charts_know_the_codes_in_the_table_of_the_workspace_own_abilities(tmp_path, monkeypatch):
+    messages = Path(__file__).parents[1] / "src/remodel_msgs"
+    copy = shutil.copytree(messages, tmp_path / "remodel_msgs")
+    table = copy / "config/abilities.yaml"
+    table.write_text(table.read_text() + SECOND_TABLE.replace("1001", "499"))
+    monkeypatch.setenv("ROS_PACKAGE_PATH", path := f"{copy}:{os.environ['ROS_PACKAGE_PATH']}")
+    assert known_to_charts(path)["JAW_WORN"] == (499,)
+    assert known_to_charts(path) == known_to_states()
