@@ -43,7 +43,7 @@ def commands() -> str:
         names = "`Pause`, `Resume`" if command.__name__ == "Pause" else f"`{command.__name__}`"
         handler = _HANDLERS.get(command)
         where = (
-            f"`supervision/apply_commands.py` `{handler.__name__}`"
+            f"`engine/supervision/apply_commands.py` `{handler.__name__}`"
             if handler
             else "`engine/engine.py` `handle`"
         )
