@@ -129,7 +129,7 @@ class Invariants:
             self._discards.add(event.task)
         elif isinstance(event, TaskBegun) and event.part is Part.WHOLE:
             self._discards.discard(event.task)
-        if after.stop.startswith("somebody stopped"):
+        if after.stop.endswith("by another client of the engine"):
             self.simulation.violated(f"run {run}: {after.stop}, though nobody did")
         before = self.states.get(run)
         self.states[run] = after

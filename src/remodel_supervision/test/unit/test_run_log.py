@@ -263,7 +263,7 @@ def test_a_task_that_is_retried_can_be_claimed(keep, database, owner):
     keep(Planned(("W1", "W2"), ""), skip)
     assert leases.claim("W1").holding is Holding.SET_ASIDE
     keep(Planned(("W1", "W2"), ""), skip, retry)
-    assert leases.claim("W1").holding is Holding.MINE_IN_DOUBT
+    assert leases.claim("W1").holding is Holding.MINE_UNVERIFIED
 
 
 def test_a_task_that_another_cell_has_taken_over_is_not_ended_for_it(keep, database, url):
@@ -360,7 +360,7 @@ def test_a_task_is_one_cells_until_its_lease_runs_out(database):
     taken = other.claim("W1")
     assert (taken.holding, taken.cell) == (Holding.ELSEWHERE, "mine")
     assert mine.renew("W1")
-    wait_until(lambda: other.claim("W1").holding is Holding.MINE_IN_DOUBT)
+    wait_until(lambda: other.claim("W1").holding is Holding.MINE_UNVERIFIED)
     assert not mine.renew("W1")
     other.give_back("W1")
     assert mine.claim("W1").holding is Holding.MINE
@@ -372,7 +372,7 @@ def test_a_task_is_taken_over_a_third_of_a_lease_after_it_ran_out(database, url)
     mine = TaskLeases(database, "house", "mine", 30.0, owner_of(database, "mine", "a"))
     other = TaskLeases(database, "house", "other", 30.0, owner_of(database, "other", "b"))
     mine.claim("W1")
-    for since_s, holding in ((9.0, Holding.ELSEWHERE), (11.0, Holding.MINE_IN_DOUBT)):
+    for since_s, holding in ((9.0, Holding.ELSEWHERE), (11.0, Holding.MINE_UNVERIFIED)):
         with database.transaction() as connection:
             until = database_time_s(connection) - since_s
             connection.execute(text(f"UPDATE tasks SET lease_until = {until} WHERE cell = 'mine'"))
@@ -448,7 +448,7 @@ def test_cells_share_an_order_and_one_that_dies_loses_nothing(url, cells):
                 left.remove(name)
                 if holding is Holding.DONE:
                     continue
-                assert (holding is Holding.MINE_IN_DOUBT) == (name == "W3")
+                assert (holding is Holding.MINE_UNVERIFIED) == (name == "W3")
                 with lock:
                     done[name] += 1
                 begin = TaskBegun(name, 1, Part.WHOLE, name, "", 0.0)

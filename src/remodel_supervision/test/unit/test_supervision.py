@@ -325,7 +325,7 @@ def test_a_new_piece_is_placed_when_the_old_one_is_discarded(run):
     run.add(Settled("W1", ("a",), 2))
     assert run.next == Execute("W2", Part.WHOLE), "what is connected is left as it is"
     run.begin("W2")
-    assert run.end("W2") == End(Ending.INCOMPLETE, "set aside: W1")
+    assert run.end("W2") == End(Ending.INCOMPLETE, "skipped: W1")
 
 
 def test_a_server_that_was_lost_may_have_left_something_in_the_hand(run):
@@ -434,7 +434,7 @@ def test_an_operator_pauses_skips_tries_again_and_stops(run):
     assert run.next == Execute("W1", Part.CLEAR), "its hand may hold the wire"
     assert run.clear("W1") == Settle("W1")
     run.add(Settled("W1", (), 5))
-    assert run.discard("W1") == End(Ending.INCOMPLETE, "set aside: W1")
+    assert run.discard("W1") == End(Ending.INCOMPLETE, "skipped: W1")
     assert run.add(Commanded(Command.STOP, "", "ann")) == End(Ending.STOPPED, "ann stopped it")
 
 
@@ -495,7 +495,7 @@ def test_a_skipped_task_that_ended_against_the_evidence_is_not_attempted_again(r
 def test_a_behavior_that_somebody_stops_stops_the_run(run):
     run.begin("W1")
     assert run.end("W1", "preempted") == End(
-        Ending.STOPPED, "somebody stopped the behavior of task W1"
+        Ending.STOPPED, "the behavior of task W1 was stopped by another client of the engine"
     )
 
 

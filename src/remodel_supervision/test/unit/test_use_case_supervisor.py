@@ -703,7 +703,7 @@ def test_commands_that_make_no_sense_are_refused(bench):
     assert [granted for granted, _ in refused] == [False] * 3
     texts = [text for _, text in refused]
     assert texts[0] == "there is no task 'W9'; there are W1, W2"
-    assert "only a task set aside can be retried" in texts[1]
+    assert "only a skipped task can be retried" in texts[1]
     assert texts[2] == "question 1 is not open; open is none"
     assert bench.events(Commanded) == []
 

@@ -1,4 +1,4 @@
-"""Notify somebody who is not at the console: a command or a webhook gets each event as JSON.
+"""Notify persons who are not at the console: a command or a webhook gets each event as JSON.
 
 Events wait in a queue of their own for one thread, so that neither a slow pager nor a dead network
 holds up or fails a run.

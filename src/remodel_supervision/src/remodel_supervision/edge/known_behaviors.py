@@ -53,7 +53,7 @@ def _changed_ns(folder: Path) -> int:
 
 
 def _parsed(file: Path) -> etree._Element | None:
-    """Return a file's root; None if it is no XML: somebody else's, or half written."""
+    """Return a file's root; None if it is not XML, or not completely written yet."""
     try:
         return etree.parse(str(file), _PARSER).getroot()
     except (OSError, etree.XMLSyntaxError):

@@ -93,8 +93,8 @@ class RunLog:
     def begin(self, event: RunBegun, owner: int, *, again: bool = False) -> tuple[int, RunBegun]:
         """Begin a run, and return its number and its first event, completed.
 
-        Alone on its order, it tries again what was set aside. Beside runs of other cells it
-        leaves all tasks as they are. The event is completed with the serial number, and whether
+        If no other cell works on the order, the tasks that were skipped are tried again; otherwise
+        all tasks stay as they are. The event is completed with the serial number, and whether
         wires of that product may be on its panel already.
 
         Args:

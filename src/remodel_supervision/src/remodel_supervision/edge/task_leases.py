@@ -45,12 +45,12 @@ _BEGUN_ELSEWHERE = (
 class Holding(Enum):
     """What a cell learns when it asks for a task.
 
-    MINE: it has it, and nobody has begun it before. MINE_IN_DOUBT: it has it, and a cell has begun
-    it before. ELSEWHERE: another cell has it. DONE, SET_ASIDE: it is, by some cell.
+    MINE: it has it, and no cell has begun it before. MINE_UNVERIFIED: it has it, and a cell has
+    begun it before. ELSEWHERE: another cell has it. DONE, SET_ASIDE: it is, by some cell.
     """
 
     MINE = "mine"
-    MINE_IN_DOUBT = "mine in doubt"
+    MINE_UNVERIFIED = "mine, unverified"
     ELSEWHERE = "elsewhere"
     DONE = "done"
     SET_ASIDE = "set aside"
@@ -114,10 +114,10 @@ class TaskLeases:
             }
             connection.execute(_CHANGE, {"number": row.id, **taken})
             is_begun = row.state == "begun"
-            return Claim(Holding.MINE_IN_DOUBT if is_begun else Holding.MINE, row.cell)
+            return Claim(Holding.MINE_UNVERIFIED if is_begun else Holding.MINE, row.cell)
 
     def begun_elsewhere(self) -> bool:
-        """Return whether another cell has begun, done or set aside a task of the order."""
+        """Return whether another cell has begun, done or skipped a task of the order."""
         with self._database.reading() as connection:
             asked = {"order": self._order, "mine": self._cell}
             return connection.execute(_BEGUN_ELSEWHERE, asked).first() is not None
@@ -149,7 +149,7 @@ class TaskLeases:
         return connection.execute(_IS_OWNER, asked).first() is not None
 
     def _locked(self, connection: Connection, task: str) -> Row:
-        """Return the row of a task, which nobody else changes before the transaction has ended."""
+        """Return the row of a task, locked until the transaction has ended."""
         row = connection.execute(_TASK, {"order": self._order, "task": task}).first()
         if row is None:
             order_row(connection, self._order)

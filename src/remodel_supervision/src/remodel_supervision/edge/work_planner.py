@@ -166,7 +166,7 @@ class WorkPlanner:
         return place.prepared.decomposition(name, place.mode).duration_s if place else 0.0
 
     def has_other_method(self, name: str, decisions: Sequence[Decided], state_path: str) -> bool:
-        """Tell whether the step of a task that a state is of can be done by another method."""
+        """Return whether the step of a task that a state is of can be done by another method."""
         return self._otherwise(self.task(name, decisions), state_path) is not None
 
     def learn(self, name: str, operation: Operation) -> None:

@@ -13,12 +13,12 @@ from genpy import Message
 
 from remodel_production.errors import LostError
 
-# [s] wall time between two looks whether a server is there.
-_LOOK_S = 0.02
+# [s] wall time between two checks whether a server is there.
+_CHECK_S = 0.02
 
 
 class ActionServer:
-    """An action server, which may go and come again.
+    """An action server, which may be restarted meanwhile.
 
     On `actionlib.ActionClient`: `SimpleActionClient` loses a status that arrives while it sends.
     """
@@ -56,7 +56,7 @@ class ActionServer:
                     f"action {rospy.resolve_name(self._name)} is not there after {limit_s:.0f} s: "
                     f"start {self._node}"
                 )
-            time.sleep(_LOOK_S)
+            time.sleep(_CHECK_S)
 
     def ended(
         self,
@@ -78,7 +78,7 @@ class ActionServer:
         self.wait(limit_s)
         sent = self.send(goal, on_feedback)
         end = time.monotonic() + limit_s
-        while not sent.wait(_LOOK_S):
+        while not sent.wait(_CHECK_S):
             if not self.is_there or time.monotonic() > end:
                 sent.cancel()
                 what = "has gone" if not self.is_there else f"took more than {limit_s:.0f} s"
@@ -88,7 +88,7 @@ class ActionServer:
         return sent
 
     def cancel_all(self) -> None:
-        """Ask the server to stop all goals, whoever sent them."""
+        """Ask the server to stop all goals, from all clients."""
         self._client.cancel_all_goals()
 
     def send(

@@ -86,9 +86,22 @@ def require_sense(event: Commanded, state: RunState) -> None:
     stage = state.tasks[event.task].stage
     if event.command is Command.RETRY:
         if stage is not Stage.SET_ASIDE:
-            raise CellError(f"{event.task} is {stage.value}; only a task set aside can be retried")
+            raise CellError(
+                f"{event.task} is {_in_words(stage)}; only a skipped task can be retried"
+            )
     elif stage.is_lasting or stage in (Stage.ELSEWHERE, Stage.ASKING):
-        raise CellError(f"{event.task} is {stage.value}; it cannot be skipped")
+        raise CellError(f"{event.task} is {_in_words(stage)}; it cannot be skipped")
+
+
+def _in_words(stage: Stage) -> str:
+    match stage:
+        case Stage.SET_ASIDE:
+            return "skipped"
+        case Stage.ELSEWHERE:
+            return "being done by another cell"
+        case Stage.ASKING:
+            return "waiting for an operator's answer"
+    return stage.value
 
 
 def require_open(event: Answered, state: RunState) -> None:

@@ -116,7 +116,7 @@ class FailureJudge:
         self._notify(NoticeKind.ASKED, asked)
 
     def escalate(self) -> None:
-        """Act on a question that nobody has answered in time."""
+        """Act on a question that was not answered in time."""
         state = self._record.state
         asked = state.question
         if asked is not None and 0 < asked.timeout_s < self._loop.now_s() - asked.at_s:
@@ -126,7 +126,7 @@ class FailureJudge:
             self._notify(NoticeKind.TIMED_OUT, asked)
 
     def _notify(self, event: NoticeKind, asked: Asked) -> None:
-        """Notify whoever is to know of a question, wherever they are."""
+        """Notify persons who are not at the console of a question."""
         state, fault = self._record.state, self._record.state.tasks[asked.task].decisions[-1].fault
         notice = QuestionNotice(
             event,

@@ -67,7 +67,7 @@ class LeaseKeeper:
         claim = self._record.insist(lambda: self._leases.claim(name))
         if claim.holding is Holding.MINE:
             return True
-        if claim.holding is Holding.MINE_IN_DOUBT:
+        if claim.holding is Holding.MINE_UNVERIFIED:
             is_known = task.stage is Stage.DOUBTFUL or (
                 task.attempts > 0 and claim.cell == state.cell
             )

@@ -98,7 +98,7 @@ class Engine(Protocol):
         """Have a behavior run."""
 
     def cancel(self, *, own_only: bool = False) -> None:
-        """Have every behavior stopped, whoever started it, or only the one started last here."""
+        """Have every behavior stopped, from all clients, or only the one started last here."""
 
     def path(self) -> tuple[str, ...]:
         """Return the paths of the states that the behavior started last has entered."""

@@ -123,7 +123,7 @@ class TaskSupervisor:
             keep: keeps each operation when it has ended; the behavior goes on when it has.
 
         Raises:
-            LostError: if engine or action server are lost; what the behavior did is in doubt.
+            LostError: if engine or action server are lost; the progress of its task is unverified.
             LeavingError: if this process is to end.
         """
         self.halted = self._gate.halt or self.report_stops()

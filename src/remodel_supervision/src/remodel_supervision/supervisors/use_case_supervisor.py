@@ -271,7 +271,7 @@ class UseCaseSupervisor:
         self._on_change()
 
     def _recover(self, because: str, *, is_resumed: bool = True) -> None:
-        """Wait for what was lost, and stop what runs; what it was doing is in doubt."""
+        """Wait for what was lost, and stop what runs; its progress is unverified."""
         # With the launch everything ends at once, this process not first: that is no event.
         self._loop.run_until(lambda: False, _GRACE_S)
         if is_resumed:

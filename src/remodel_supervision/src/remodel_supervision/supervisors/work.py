@@ -30,7 +30,7 @@ class Work:
         leases: on the tasks.
         attended: whether there is an operator who can be asked.
         reconnect_s: [s] wall time that a process that is lost or silent gets to answer again.
-        notify: is called with each question, and when nobody answers it in time; returns at once.
+        notify: is called with each question, and when it is not answered in time; returns at once.
     """
 
     planner: WorkPlanner

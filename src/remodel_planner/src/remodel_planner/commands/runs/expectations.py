@@ -45,7 +45,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _print_expectations(use_case: UseCase, calls: tuple[Call, ...]) -> None:
     learned = LearnedExpectations(use_case.expectations, calls)
-    informative = [call for call in calls if call.tells]
+    informative = [call for call in calls if call.is_informative]
     counts = Counter((call.ability, call.features["section_mm2"]) for call in informative)
     print(f"{'ability':<24}{'mm2':>5}{'calls':>7}   {'stated':<16}learned")
     for ability in use_case.expectations.stated:

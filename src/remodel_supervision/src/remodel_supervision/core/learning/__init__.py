@@ -9,5 +9,5 @@
     learned_responses.py     which responses to a fault are worth trying
     experience.py            all of it for one use case, as a supervisor asks for it
 
-All models are folds over records in their order: the same records give the same model.
+All models are computed from records in their order: the same records give the same model.
 """

@@ -54,7 +54,7 @@ class DurationModel:
         self._sums: dict[Context, _Sums] = {}
 
     def learn(self, context: Context, duration_s: float) -> None:
-        """Take in one duration [s]; those that are not positive tell nothing."""
+        """Take in one duration [s]; those that are not positive are ignored."""
         if duration_s > 0:
             for length in range(1, len(context) + 1):
                 self._sums.setdefault(context[:length], _Sums()).add(math.log(duration_s))
@@ -63,7 +63,7 @@ class DurationModel:
         """Return what is believed about a context.
 
         Args:
-            context: what to look at.
+            context: of the ability.
             stated_s: [s] mean that the use case states, > 0.
         """
         mean = math.log(stated_s) - _STATED_DEVIATION**2 / 2

@@ -1,8 +1,8 @@
 """What recorded runs have taught, for one use case; it follows what happens on line.
 
 Durations and successes are learned always: they decide the order of tasks and which method is
-cheaper. Parameters, such as forces, are chosen only on request, and responses are passed over only
-on request: otherwise the robot does with each wire exactly what its use case and the table of
+cheaper. Parameters, such as forces, are chosen only on request, and responses are skipped only on
+request: otherwise the robot does with each wire exactly what its use case and the table of
 faults state.
 """
 
@@ -36,7 +36,7 @@ class Experience:
             use_case: what it states counts until calls have taught better.
             calls: recorded.
             explore: choose parameters by what was learned, trying others than the frozen ones, and
-                pass over responses to faults that have hardly ever helped.
+                skip responses to faults that have hardly ever helped.
         """
         self.expectations = LearnedExpectations(use_case.expectations)
         self._bounds = use_case.learned

@@ -17,7 +17,7 @@ from remodel_supervision.core.learning.duration_model import DurationModel
 from remodel_supervision.core.learning.success_model import SuccessModel
 
 # The codes of calls that tell nothing about an ability.
-TELL_NOTHING = frozenset({Code.PREEMPTED, Code.INVALID_GOAL, Code.SERVER_LOST, Code.BUSY})
+UNINFORMATIVE = frozenset({Code.PREEMPTED, Code.INVALID_GOAL, Code.SERVER_LOST, Code.BUSY})
 
 
 @dataclass(frozen=True)
@@ -38,9 +38,9 @@ class Call:
     parameters: Mapping[str, float] = field(default_factory=dict)
 
     @property
-    def tells(self) -> bool:
-        """Whether it tells anything about the ability."""
-        return self.error_code not in TELL_NOTHING
+    def is_informative(self) -> bool:
+        """Whether anything about the ability can be learned from it."""
+        return self.error_code not in UNINFORMATIVE
 
 
 class LearnedExpectations:
@@ -56,8 +56,8 @@ class LearnedExpectations:
             self.learn(call)
 
     def learn(self, call: Call) -> None:
-        """Take in a call; those that tell nothing, or are of no stated ability, are left out."""
-        if call.ability not in self._stated.stated or not call.tells:
+        """Take in a call; ignored are uninformative ones, and those of unstated abilities."""
+        if call.ability not in self._stated.stated or not call.is_informative:
             return
         self.calls += 1
         context = context_of(call.ability, call.features)

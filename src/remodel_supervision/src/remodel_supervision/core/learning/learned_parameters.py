@@ -48,8 +48,8 @@ class LearnedParameters:
             self.learn(call)
 
     def learn(self, call: Call) -> None:
-        """Take in a call; those that tell nothing are left out."""
-        if not call.tells:
+        """Take in a call; uninformative ones are ignored."""
+        if not call.is_informative:
             return
         self._calls.setdefault(call.ability, []).append(call)
         for (ability, bounds), choice in self._choices.items():
@@ -68,7 +68,7 @@ class LearnedParameters:
             seed: of what is left to chance, such as run, task and attempt.
 
         Raises:
-            ValueError: if the bounds allow more settings than can be told apart.
+            ValueError: if the bounds allow more settings than can be distinguished.
         """
         context = context_of(ability, features)
         random = Random(f"{seed} {context}")

@@ -1,7 +1,7 @@
 """Which responses to a fault are worth trying, by how often they helped.
 
-The order of the responses is the policy's; learning only passes over those that hardly ever help.
-One that is passed over is forgotten about, and gets another chance when that has gone far enough.
+The order of the responses is the policy's; learning only skips those that hardly ever help. What
+is known about one that is skipped is forgotten by and by, until it gets another chance.
 """
 
 from __future__ import annotations
@@ -44,9 +44,9 @@ def tried_responses(
     """Return the responses that the decisions about one task were.
 
     Args:
-        decisions: fault and response, in their order; what follows one tells whether it helped.
+        decisions: fault and response, in their order; what follows one shows whether it helped.
         finished: whether the task was done after the last one; if not, it is still under way, and
-            nobody knows yet.
+            whether it helped is unknown.
     """
     later = [fault for fault, _ in decisions[1:]]
     responses = [
@@ -68,7 +68,7 @@ class LearnedResponses:
             self.learn(response)
 
     def learn(self, response: TriedResponse) -> None:
-        """Take in a response; lasting ones tell nothing."""
+        """Take in a response; lasting ones are ignored."""
         if response.do not in self._models:
             return
         for do, model in self._models.items():

@@ -8,7 +8,7 @@ The guard rail is an account of what trials of other settings than the frozen on
 charged the success that the frozen setting would have had, at the upper end of what is believed
 about it, less the success that came. With every trial the debt falls by the share that learning may
 cost, never below zero: earlier gains are no credit. While the debt, with some allowance for luck,
-is too high, the frozen setting is used, which also tells how good it is now.
+is too high, the frozen setting is used, which also shows how good it is now.
 
 What is believed about the frozen setting ages fast: untried for a while, it counts as nearly
 perfect again, and the account sends trials to it. When trials fail more often than was believed of
@@ -116,7 +116,7 @@ class ParameterChoice(Generic[S]):
         return max(drawn, key=drawn.__getitem__)
 
     def learn(self, context: Context, setting: S, success: bool) -> None:
-        """Take in one trial; settings that are not among the safe ones tell nothing."""
+        """Take in one trial; settings that are not among the safe ones are ignored."""
         if setting not in self._models:
             return
         if setting == self.frozen:

@@ -62,7 +62,7 @@ class SuccessModel:
         """Return what is believed about a context.
 
         Args:
-            context: what to look at.
+            context: of the ability.
             stated: probability that the use case states, 0 to 1.
             weight: [trials] of what is stated.
         """

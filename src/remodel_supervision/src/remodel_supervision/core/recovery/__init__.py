@@ -5,5 +5,5 @@ failure.py    one failure of a task, with all that is known about it
 decide.py     failure, what was done before, and policy -> decision, with its reason
 changed_parameters.py  the chart of a task that is tried again with other parameters
 question.py   what an operator is asked
-notice.py     what somebody who is not at the console is notified of
+notice.py     what persons who are not at the console are notified of
 """

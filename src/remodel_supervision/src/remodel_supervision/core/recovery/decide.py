@@ -43,7 +43,7 @@ def decide(
     """Return what to do about a failure.
 
     The responses to its fault are taken in order, each as often as stated; those that are not
-    possible now, or hardly ever help, are passed over. A task or run beyond its limits is ended,
+    possible now, or hardly ever help, are skipped. A task or run beyond its limits is ended,
     and so is a task for which an operator would be asked and none is there: nothing is tried again
     in place of an answer.
 
@@ -52,7 +52,7 @@ def decide(
         earlier: what was done about this task's failures so far, each with its fault's name.
         spent: attempts and time so far, this failure's attempt included.
         policy: the use case's.
-        possible: what can be done now; asking is not if nobody is there.
+        possible: what can be done now; without an operator, asking is not.
         unpromising: what has hardly ever helped against this fault.
     """
     reason = _run_is_over(spent, policy.limits)

@@ -1,4 +1,4 @@
-"""What somebody who is not at the console is notified of."""
+"""What persons who are not at the console are notified of."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The behaviors of a run, as its events tell of them, with what was decided about each."""
+"""The behaviors of a run, from its events, with what was decided about each."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Attempt:
     Attributes:
         part: of the task that it did.
         chart: of the behavior, XML.
-        path: of the states that were entered, as the engine told them.
+        path: of the states that were entered, as the engine published them.
         pictures: names of files in the run's folder.
         because: of the interruption; empty if it ended.
         decision: what was done about its failure; None if nothing was.

@@ -1,6 +1,6 @@
 """Events as plain data, and back: what the production database keeps of a run.
 
-A run has tens of thousands of events, so what is known of a type is looked up once.
+A run has tens of thousands of events, so the fields of a type are determined once.
 """
 
 from __future__ import annotations

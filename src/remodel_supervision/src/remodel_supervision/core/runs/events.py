@@ -210,19 +210,19 @@ class TaskEnded:
 
 @dataclass(frozen=True)
 class Interrupted:
-    """Something that the run needs was lost; what the task under way has done is in doubt."""
+    """Something that the run needs was lost; the progress of the task under way is unverified."""
 
     because: str
 
 
 @dataclass(frozen=True)
 class Settled:
-    """It was looked what of a task is done.
+    """The progress of a task was inspected.
 
     Attributes:
         connected: letters of the ends that were seen in their terminals.
         left: how many steps of the task are left after them.
-        code: remodel_msgs/ErrorCode of the look that failed; 0 if none did.
+        code: remodel_msgs/ErrorCode of the inspection that failed; 0 if none did.
         unseen: why it could not be seen; empty if it was.
     """
 
@@ -276,7 +276,7 @@ class Asked:
 
 @dataclass(frozen=True)
 class Escalated:
-    """Nobody answered a question in time.
+    """A question was not answered in time.
 
     Attributes:
         do: what is done instead.
@@ -320,7 +320,7 @@ class TaskElsewhere:
 
 @dataclass(frozen=True)
 class TaskReturned:
-    """The cell that had this task has gone silent: what it has done of it is in doubt."""
+    """The cell that had this task has gone silent: the progress of the task is unverified."""
 
     task: str
     cell: str

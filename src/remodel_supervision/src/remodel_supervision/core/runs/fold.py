@@ -240,7 +240,7 @@ def _apply_answered(event: Answered, state: RunState) -> RunState:
 def _apply_escalated(event: Escalated, state: RunState) -> RunState:
     if state.question is None or state.question.number != event.number:
         return state
-    because = f"nobody answered question {event.number} in time"
+    because = f"question {event.number} was not answered in time"
     task = replace(state.tasks[event.task], stopped_by=None)
     return _act(event.do, replace(state, question=None), task, because)
 
@@ -358,7 +358,7 @@ def _failed(state: RunState, task: TaskProgress) -> RunState:
     code = cause.error_code if cause else UNTOLD
     stop = state.stop
     if task.outcome == PREEMPTED and not stop and task.name not in state.skipped:
-        stop = f"somebody stopped the behavior of task {task.name}"
+        stop = f"the behavior of task {task.name} was stopped by another client of the engine"
     if task.part is Part.CLEAR:
         task = replace(task, stuck_hand=task.stuck_hand + 1)
         if task.stuck_hand <= STUCK_HAND_LIMIT and code not in PERSON_FIRST:
@@ -437,7 +437,7 @@ def _under_way(state: RunState, task: TaskProgress) -> RunState:
 
 
 def _leave(state: RunState, task: TaskProgress, **changes: object) -> RunState:
-    """Return the state after a task was done, set aside, or begun by another cell."""
+    """Return the state after a task was done, skipped, or begun by another cell."""
     if task.stage is Stage.DONE:
         task = replace(task, operations=())  # the log has them; a long run need not carry them
     waiting = tuple(name for name in state.waiting if name != task.name)

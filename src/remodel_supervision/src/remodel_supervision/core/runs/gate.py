@@ -1,9 +1,9 @@
 """The one gate through which everything passes that makes a cell move.
 
-Whoever is about to begin an operation asks; a pause holds it, everything else that closes the gate
-(stop, skip, protective stop, shutdown, a lost lease) halts it, and what runs is cancelled besides.
-From the permission to the end of the operation the gate counts it as moving. A command that
-closes the gate is answered when nothing moves.
+A state or supervisor asks before it begins an operation; a pause holds it, everything else that
+closes the gate (stop, skip, protective stop, shutdown, a lost lease) halts it, and what runs is
+cancelled besides. From the permission to the end of the operation the gate counts it as moving. A
+command that closes the gate is answered when nothing moves.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ FEEDER = "feeder"
 
 
 class Permit(Enum):
-    """What somebody learns who asks to begin.
+    """The answer to a request to begin.
 
     HELD: not now, ask again. REFUSED: not at all.
     """

@@ -43,7 +43,7 @@ NOTHING_TO_LAY_DOWN = frozenset({Code.NOTHING_HELD, Code.WIRE_NOT_FED})
 # Of a task that failed though no ability reported an error.
 UNTOLD = Code.INTERNAL
 
-# Outcomes of a task's behavior: it did what it should; somebody stopped it.
+# Outcomes of a task's behavior: it did what it should; it was stopped.
 FINISHED = "finished"
 PREEMPTED = "preempted"
 
@@ -52,7 +52,7 @@ class Stage(Enum):
     """How far a task is.
 
     WAITING: for its turn. READY: its next behavior may begin. RUNNING: its behavior runs.
-    DOUBTFUL: what is done of it is to be inspected. FAILED: what to do is to be decided.
+    `DOUBTFUL`: its progress is to be inspected. FAILED: what to do is to be decided.
     ASKING: an operator is to decide. ELSEWHERE: another cell has it.
     """
 
@@ -154,7 +154,7 @@ class RunState:
         to_plan: why the order of the waiting tasks is to be decided again; empty if it is not.
         paused: whether nothing new may begin.
         protective: who asked for the protective stop that is in force; empty if none is.
-        skipped: names of tasks that an operator wants to be set aside, by whom.
+        skipped: names of tasks that an operator wants to be skipped, by whom.
         stop: why the run is to end; empty if it is not.
         fed: name of the task whose piece was requested last; empty if none was.
         question: that an operator is to answer; None if there is none.

@@ -1,7 +1,7 @@
 """A run's state as plain data, and back: a snapshot, from which a long run is resumed.
 
 The events remain what is true: a snapshot that was made by another version of the state is not
-read, and the state is folded from all events.
+read, and the state is computed from all events.
 """
 
 from __future__ import annotations

@@ -112,7 +112,7 @@ def next_step(state: RunState) -> Step | None:
         return Wait(f"other cells have {', '.join(elsewhere)}")
     aside = state.in_stage(Stage.SET_ASIDE)
     if aside:
-        return End(Ending.INCOMPLETE, f"set aside: {', '.join(aside)}")
+        return End(Ending.INCOMPLETE, f"skipped: {', '.join(aside)}")
     return End(Ending.COMPLETE, "all tasks are done")
 
 

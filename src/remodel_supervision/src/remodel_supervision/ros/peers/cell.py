@@ -17,7 +17,7 @@ from remodel_production.errors import LostError
 from remodel_supervision.errors import RefusedError
 
 # [s] wall time between two checks whether a service is there.
-_LOOK_S = 0.1
+_CHECK_S = 0.1
 
 _SERVICES = {
     "load_panel": LoadPanel,
@@ -115,11 +115,11 @@ def _wait(limit_s: float) -> None:
                     f"service {rospy.resolve_name(f'cell/{name}')} is not there after "
                     f"{limit_s:.0f} s: start the cell (roslaunch remodel_sim cell.launch)"
                 )
-            time.sleep(_LOOK_S)
+            time.sleep(_CHECK_S)
 
 
 def _address(name: str) -> str:
-    """Return where a service answers; empty if nobody does: the master remembers dead nodes."""
+    """Return where a service answers; empty if it does not: the master remembers dead nodes."""
     try:
         uri = rospy.get_master().lookupService(rospy.resolve_name(f"cell/{name}"))[2]
         _, _, address = uri.partition("://")

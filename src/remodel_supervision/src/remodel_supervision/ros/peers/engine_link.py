@@ -111,7 +111,7 @@ class EngineLink:
         self._goal = self._server.send(goal, on_end=lambda: self._loop.post(lambda: None))
 
     def cancel(self, *, own_only: bool = False) -> None:
-        """Have every behavior stopped, whoever started it, or only the one started last here."""
+        """Have every behavior stopped, from all clients, or only the one started last here."""
         if own_only:
             if self._goal is not None:
                 self._goal.cancel()

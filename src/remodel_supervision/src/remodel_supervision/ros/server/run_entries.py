@@ -42,6 +42,12 @@ from remodel_supervision.core.runs.picture_name import seen_by
 # Units of what operations measure, by the name of the result's field.
 _UNITS = {"depth": "m", "peak_force": "n", "slip": "m", "residual": "m", "travelled": "m"}
 
+_AS_LEFT = {
+    AsLeft.RUNNING: "has it",
+    AsLeft.DONE: "has done it",
+    AsLeft.SET_ASIDE: "has skipped it",
+}
+
 
 def entries_of(events: Sequence[Event]) -> list[RunEntry]:
     """Return the entries of a run; a picture's entry has its file's name in `because`."""
@@ -57,7 +63,7 @@ class _Writer:
     """Writes entries, event by event.
 
     Attributes:
-        now_s: [s] ROS time that was told last.
+        now_s: [s] ROS time of the latest event that has one.
         behavior: entries of the behavior that runs.
     """
 
@@ -158,7 +164,7 @@ class _Writer:
 
     @_of.register
     def _of_escalated(self, event: Escalated) -> Iterable[RunEntry]:
-        text = f"nobody answered in time: {event.do.value}"
+        text = f"not answered in time: {event.do.value}"
         return [RunEntry(kind=RunEntry.OPERATOR, task=event.task, text=text)]
 
     @_of.register
@@ -182,8 +188,8 @@ class _Writer:
 
     @_of.register
     def _of_task_elsewhere(self, event: TaskElsewhere) -> Iterable[RunEntry]:
-        left = "has it" if event.as_left is AsLeft.RUNNING else f"left it {event.as_left.value}"
-        return [RunEntry(kind=RunEntry.TASK, task=event.task, text=f"cell {event.cell} {left}")]
+        text = f"cell {event.cell} {_AS_LEFT[event.as_left]}"
+        return [RunEntry(kind=RunEntry.TASK, task=event.task, text=text)]
 
     @_of.register
     def _of_task_returned(self, event: TaskReturned) -> Iterable[RunEntry]:

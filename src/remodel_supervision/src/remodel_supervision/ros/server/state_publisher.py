@@ -83,7 +83,7 @@ class StatePublisher:
             cell: name of this cell.
             text: why, for a person; empty if it waits for an order.
             starting: an order cannot be taken yet.
-            stopped_by: who has stopped the cell protectively; empty if nobody has.
+            stopped_by: who has stopped the cell protectively; empty if it is not stopped.
         """
         has_ended = self._published is not None and self._published.view.state.ended is not None
         if has_ended and not text and not starting:

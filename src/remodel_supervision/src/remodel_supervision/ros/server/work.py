@@ -44,7 +44,7 @@ class WorkMaker:
         search_s: [s] wall time that the search for the best order of tasks gets.
         explore: try parameters other than those the use case states, and spare responses that
             hardly ever help, both as recorded runs have taught.
-        escalation: is notified of questions; None: nobody is.
+        escalation: is notified of questions; None: they are only shown at the console.
         descriptions: of the tasks made last, for a person, by name.
     """
 

@@ -56,7 +56,7 @@ class RunCommands:
 
     @property
     def stopped_by(self) -> str:
-        """Who has stopped the cell; empty if nobody has."""
+        """Who has stopped the cell; empty if it is not stopped."""
         return ", ".join(sorted(self._controllers | self._persons))
 
     @property

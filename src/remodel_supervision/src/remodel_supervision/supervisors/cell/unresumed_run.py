@@ -14,7 +14,7 @@ class UnresumedRun:
 
     Attributes:
         text: why it is not resumed, and what to do.
-        is_over: whether to look for an unfinished run again.
+        is_over: whether a person has had it resumed, or ended.
     """
 
     def __init__(self, run: int, owner: int, state: RunState, log: Log, because: str) -> None:
