@@ -135,8 +135,11 @@ def sources():
     for path in sorted(ROOT.glob("src/**/src/**/*.py")):
         if "test" not in path.relative_to(ROOT).parts:
             yield path, python_prose
-    for suffix in ("css", "html", "js", "vue"):  # whose few names are no banned words
-        for path in sorted(ROOT.glob(f"src/**/src/**/*.{suffix}")):
+    for pattern in (
+        *("src/**/src/**/*.css", "src/**/src/**/*.html", "src/**/src/**/*.js"),
+        *("src/**/src/**/*.vue", "src/**/launch/*.launch", "src/**/nodes/*"),
+    ):  # whose few names are no banned words
+        for path in filter(Path.is_file, sorted(ROOT.glob(pattern))):
             yield path, str
 
 

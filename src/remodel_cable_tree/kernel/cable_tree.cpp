@@ -160,7 +160,7 @@ class FeasibilitySearch {
     return true;
   }
 
-  // Write an order that obeys what is known; return a disjunction that it breaks, or -1.
+  // Write an order that satisfies what is known; return a disjunction that it breaks, or -1.
   int complete(const Precedence& known) {
     std::vector<int> place(t_.ends, -1);
     int count = 0;

@@ -1,7 +1,7 @@
 // Cable Tree Wiring: the order in which the ends of a harness's cables are inserted.
 //
 // There are k ends; the first 2 b belong to b two-sided cables, ends i and i + b to cable i. Counted
-// from 0 here. What an order must obey and what it costs is told in core/problem.py.
+// from 0 here. core/problem.py explains what an order must satisfy, core/order.py what it costs.
 #pragma once
 
 #include <cstdint>
@@ -61,13 +61,13 @@ class CableTree {
   const CableTreeTables t;
   std::vector<char> direct;                       // by end
   std::vector<std::vector<int>> disjunctives_of;  // by end
-  std::vector<std::int8_t> soft;                  // (ends, ends) 1: wished before, -1: after
+  std::vector<std::int8_t> soft;                  // (ends, ends) 1: preferred before, -1: after
 };
 
 // Put all into `known` that follows from the constraints without trying. False on a contradiction.
 bool draw_conclusions(const CableTree& tree, Precedence& known);
 
-// Whether any order obeys the constraints: kFound writes one, kNone is a proof, kUndecided means
+// Whether any order satisfies the constraints: kFound writes one, kNone is a proof, kUndecided means
 // that `most_nodes` of the search were not enough.
 enum class Feasibility { kNone, kFound, kUndecided };
 Feasibility find_order(const CableTree& tree, const Precedence& known, std::int64_t most_nodes,

@@ -27,7 +27,7 @@ Session* remodel_cable_tree_new(const remodel::CableTreeTables* tables) {
 
 void remodel_cable_tree_delete(Session* session) { delete session; }
 
-// Look for an order that obeys the constraints: 0 there is none, 1 found and written, 2 undecided.
+// Search an order that satisfies the constraints: 0 there is none, 1 found and written, 2 undecided.
 std::int32_t remodel_cable_tree_find(Session* session, std::int64_t most_nodes,
                                      std::int32_t* order) {
   if (!session->consistent) return 0;
@@ -47,7 +47,8 @@ void remodel_cable_tree_adopt(Session* session, const std::int32_t* order, std::
       std::make_unique<CableTreeSearch>(session->tree, session->known, order, seed);
 }
 
-// weights: of broken constraints, stored cables, open cables, the longest time, broken wishes.
+// weights: of violated constraints, stored cables, open cables, the longest time, violated soft
+// constraints.
 std::int64_t remodel_cable_tree_anneal(Session* session, std::int64_t moves, double from, double to,
                                        const double* weights) {
   session->search->anneal(moves, from, to,

@@ -16,9 +16,9 @@ void CableTreeSearch::return_to_best() {
   order_ = best_;
   for (int i = 0; i < k_; ++i) place_[order_[i]] = i;
   for (int end = 0; end < k_; ++end) recount_disjunctions(end);
-  cost_.wishes = 0;
+  cost_.soft = 0;
   for (int i = 0; i < tree_.t.softs; ++i)
-    cost_.wishes += place_[tree_.t.soft[2 * i]] > place_[tree_.t.soft[2 * i + 1]];
+    cost_.soft += place_[tree_.t.soft[2 * i]] > place_[tree_.t.soft[2 * i + 1]];
   count_order();
 }
 
@@ -121,8 +121,8 @@ void CableTreeSearch::reverse_pair(int at) {
   std::swap(place_[order_[at]], place_[order_[at + 1]]);
 }
 
-// The change of broken wishes when the items pass those between.
-int CableTreeSearch::passed_wishes(int from, int count, int to) const {
+// The change of violated soft constraints when the items pass those between.
+int CableTreeSearch::passed_soft(int from, int count, int to) const {
   const int first = to < from ? to : from + count;
   const int last = to < from ? from : to + count;
   int sum = 0;
@@ -139,7 +139,7 @@ void CableTreeSearch::anneal(std::int64_t moves, double from, double to, const W
   double temperature = from;
   const auto energy = [&w](const OrderCost& c) {
     return w.broken * c.broken + w.stored * c.stored + w.open * c.open + w.longest * c.longest +
-           w.wishes * c.wishes;
+           w.soft * c.soft;
   };
   for (std::int64_t i = 0; i < moves; ++i) {
     if (i % step == 0) temperature = from * std::pow(to / from, static_cast<double>(i) / moves);
@@ -147,11 +147,11 @@ void CableTreeSearch::anneal(std::int64_t moves, double from, double to, const W
     bool reversed;
     if (!propose(at, count, target, reversed)) continue;
     const OrderCost old = cost_;
-    const int wishes = target == at ? 0 : passed_wishes(at, count, target);
+    const int soft = target == at ? 0 : passed_soft(at, count, target);
     if (target != at) shift(at, count, target);
-    cost_.wishes += wishes;
+    cost_.soft += soft;
     if (reversed) {
-      cost_.wishes += tree_.soft[static_cast<std::size_t>(order_[target]) * k_ + order_[target + 1]];
+      cost_.soft += tree_.soft[static_cast<std::size_t>(order_[target]) * k_ + order_[target + 1]];
       reverse_pair(target);
     }
     for (int j = target; j < target + count; ++j) recount_disjunctions(order_[j]);

@@ -1,9 +1,9 @@
 // Annealing on the orders of a cable tree.
 //
 // An order keeps to all that propagation knows of precedence; disjunctions and direct successors
-// may be broken on the way, at a price. A move takes one end, or the two neighbouring ends of a
+// may be violated meanwhile, at a price. A move takes one end, or the two neighbouring ends of a
 // cable, to another place within the span that precedence leaves. Costs are counted in one pass over
-// the order, wishes and disjunctions by what the move passes.
+// the order, soft constraints and disjunctions by what the move passes.
 #pragma once
 
 #include <cstdint>
@@ -20,22 +20,22 @@ struct OrderCost {
   int stored = 0;    // cables whose ends do not follow each other
   int open = 0;      // most cables hanging open at an insertion
   int longest = 0;   // longest time between the ends of a cable, less one
-  int wishes = 0;    // broken
+  int soft = 0;      // violated
 
   std::int64_t total(int ends) const {
-    return ((static_cast<std::int64_t>(stored) * ends + open) * ends + longest) * ends + wishes;
+    return ((static_cast<std::int64_t>(stored) * ends + open) * ends + longest) * ends + soft;
   }
 };
 
 class CableTreeSearch {
  public:
-  // Start from an order that obeys all constraints.
+  // Start from an order that satisfies all constraints.
   CableTreeSearch(const CableTree& tree, const Precedence& known, const int* order,
                   std::uint64_t seed);
 
   // How much each part weighs while annealing; see core/rounds.py.
   struct Weights {
-    double broken, stored, open, longest, wishes;
+    double broken, stored, open, longest, soft;
   };
   void anneal(std::int64_t moves, double from, double to, const Weights& weights);
   void return_to_best();
@@ -49,7 +49,7 @@ class CableTreeSearch {
   bool must_stay_before(int end, int from, int count) const;
   void shift(int from, int count, int to);
   void reverse_pair(int at);
-  int passed_wishes(int from, int count, int to) const;
+  int passed_soft(int from, int count, int to) const;
   void recount_disjunctions(int end);
   void count_order();
 

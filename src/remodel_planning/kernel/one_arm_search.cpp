@@ -111,8 +111,8 @@ int OneArmSearch::cost_of(const int* order) const {
     picked[wire] = 1;
     if (p_.t.heavy[wire] && light && p_.t.stage[wire] == kStored) cost += p_.t.heavy_weight;
     light = light || !p_.t.heavy[wire];
-    for (const Wish& wish : p_.wished_before[wire])
-      if (!picked[wish.wire]) cost += wish.weight;
+    for (const SoftConstraint& soft : p_.soft_before[wire])
+      if (!picked[soft.wire]) cost += soft.weight;
     last = wire;
   }
   for (const Ranking& ranking : p_.rankings) {
@@ -196,14 +196,14 @@ int OneArmSearch::change(const Exchange& move) const {
             e = s[move.right], f = s[move.right + 1];
   int loss = arcs_.cost(a, d) + arcs_.cost(e, b) + arcs_.cost(c, f) - arcs_.cost(a, b) -
              arcs_.cost(c, d) - arcs_.cost(e, f);
-  if (p_.t.softs) loss += change_of_wishes(move);
+  if (p_.t.softs) loss += change_of_soft_constraints(move);
   if (p_.t.rankings) loss += change_of_rankings(move);
   if (first_light_ >= move.left)
     loss -= p_.t.heavy_weight * (first_light_after(move) - first_light_);
   return loss;
 }
 
-int OneArmSearch::change_of_wishes(const Exchange& move) const {
+int OneArmSearch::change_of_soft_constraints(const Exchange& move) const {
   const bool left_shorter = move.middle - move.left < move.right - move.middle;
   const int from = left_shorter ? move.left : move.middle + 1;
   const int to = left_shorter ? move.middle : move.right;
@@ -212,10 +212,10 @@ int OneArmSearch::change_of_wishes(const Exchange& move) const {
   int loss = 0;
   for (int i = from; i <= to; ++i) {
     const int wire = sequence_[i];
-    for (const Wish& wish : p_.wished_after[wire])
-      if (position_[wish.wire] >= low && position_[wish.wire] <= high) loss += wish.weight;
-    for (const Wish& wish : p_.wished_before[wire])
-      if (position_[wish.wire] >= low && position_[wish.wire] <= high) loss -= wish.weight;
+    for (const SoftConstraint& soft : p_.soft_after[wire])
+      if (position_[soft.wire] >= low && position_[soft.wire] <= high) loss += soft.weight;
+    for (const SoftConstraint& soft : p_.soft_before[wire])
+      if (position_[soft.wire] >= low && position_[soft.wire] <= high) loss -= soft.weight;
   }
   return left_shorter ? loss : -loss;
 }

@@ -1,10 +1,11 @@
 // Order of the wires for one arm: sequential ordering with side costs.
 //
 // With one arm a plan is an order: first ends are chosen per arc (arcs.hpp). What is minimised is
-// the sum of the arcs, the wishes broken, and the heavy wires picked after a light one. The one move
-// exchanges two neighbouring blocks of the order; its cost is found without making it: three arcs,
-// the wishes and ranks between the blocks, and the place of the first light wire. It is allowed if no wire of
-// the left block must be done before one of the right block, which direct successors decide.
+// the sum of the arcs, the violated soft constraints, and the heavy wires picked after a light one.
+// The one move exchanges two neighbouring blocks of the order; its cost is found without making it:
+// three arcs, the soft constraints and ranks between the blocks, and the place of the first light
+// wire. It is allowed if no wire of the left block must be done before one of the right block, which
+// direct successors decide.
 #pragma once
 
 #include <memory>
@@ -21,7 +22,7 @@ class OneArmSearch final : public Search {
  public:
   OneArmSearch(const Problem& problem, std::uint64_t seed);
 
-  // Greedy orders from each tool, with and without heavy wires first, with and without a look at
+  // Greedy orders from each tool, with and without heavy wires first, with and without regard to
   // the ranks; the cheapest is taken.
   bool construct() override;
   bool adopt(const int* order, const int* modes) override;
@@ -40,7 +41,7 @@ class OneArmSearch final : public Search {
   bool propose(Exchange& move);
   bool allowed(const Exchange& move) const;
   int change(const Exchange& move) const;
-  int change_of_wishes(const Exchange& move) const;
+  int change_of_soft_constraints(const Exchange& move) const;
   int change_of_rankings(const Exchange& move) const;
   int first_light_after(const Exchange& move) const;
   void make(const Exchange& move);

@@ -8,8 +8,8 @@ Problem::Problem(const WiringTables& tables)
       after(t.wires),
       under(t.wires),
       pins{std::vector<std::vector<End>>(t.wires), std::vector<std::vector<End>>(t.wires)},
-      wished_before(t.wires),
-      wished_after(t.wires),
+      soft_before(t.wires),
+      soft_after(t.wires),
       ends_at(t.components) {
   for (int i = 0; i < t.unders; ++i) {
     const int* row = t.under + 2 * i;
@@ -25,8 +25,8 @@ Problem::Problem(const WiringTables& tables)
   }
   for (int i = 0; i < t.softs; ++i) {
     const int* row = t.soft + 3 * i;
-    wished_before[row[1]].push_back({row[0], row[2]});
-    wished_after[row[0]].push_back({row[1], row[2]});
+    soft_before[row[1]].push_back({row[0], row[2]});
+    soft_after[row[0]].push_back({row[1], row[2]});
   }
   for (int i = 0; i < t.rankings; ++i)
     rankings.emplace_back(t.rank + static_cast<std::ptrdiff_t>(i) * t.wires, t.wires, t.rank_weight[i]);

@@ -1,7 +1,7 @@
 // The wiring problem as the kernel sees it: tables of integers, filled by Python.
 //
 // Only wires that are not yet fixed appear. Times are in ticks, positions in mm, both integer. An
-// end of a wire is 0 (a) or 1 (b). What a name means is told in remodel_planning/core/problem.
+// end of a wire is 0 (a) or 1 (b). remodel_planning/core/problem explains the names.
 #pragma once
 
 #include <algorithm>
@@ -75,7 +75,7 @@ struct End {
   int wire, end;
 };
 
-struct Wish {
+struct SoftConstraint {
   int wire, weight;
 };
 
@@ -105,8 +105,8 @@ class Problem {
   std::vector<std::vector<int>> before, after;    // wires that must be done before, after
   std::vector<std::vector<int>> under;            // wires that must be routed before
   std::vector<std::vector<End>> pins[2];          // ends that must be in before this end
-  std::vector<std::vector<Wish>> wished_before;   // wires whose pick should come before
-  std::vector<std::vector<Wish>> wished_after;    // wires whose pick should come after
+  std::vector<std::vector<SoftConstraint>> soft_before;   // wires whose pick should come before
+  std::vector<std::vector<SoftConstraint>> soft_after;    // wires whose pick should come after
   std::vector<std::vector<End>> ends_at;          // by component
   std::vector<Ranking> rankings;
 

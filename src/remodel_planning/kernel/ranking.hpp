@@ -1,8 +1,8 @@
-// Wishes for an order of many wires: every pair picked against its ranks costs the weight.
+// Rankings of many wires: every pair picked against its ranks costs the weight.
 //
-// A wish for each pair would be n^2 / 2 of them. Ranks say the same in n numbers, and the pairs that
-// an order breaks are counted as inversions, in O(n log n), or between two blocks by comparing
-// numbers that lie side by side.
+// A soft constraint for each pair would be n^2 / 2 of them. Ranks say the same in n numbers, and the
+// pairs that an order violates are counted as inversions, in O(n log n), or between two blocks by
+// comparing numbers that lie side by side.
 #pragma once
 
 #include <cstdint>

@@ -10,7 +10,7 @@ class Search {
   virtual ~Search() = default;
   // Build a first plan. False if there is none: the arms would wait for each other.
   virtual bool construct() = 0;
-  // Start from an order of the wires and the mode of each; the order must obey the constraints.
+  // Start from an order of the wires and the mode of each; the order must satisfy the constraints.
   virtual bool adopt(const int* order, const int* modes) = 0;
   // Anneal for some moves, from one temperature to another [tick].
   virtual void anneal(std::int64_t moves, double from, double to) = 0;

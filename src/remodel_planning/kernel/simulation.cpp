@@ -204,7 +204,7 @@ bool Simulator::located(int component) const {
   return located_stamp_[component] == run_ || located_before(*list_, component, block_);
 }
 
-// The earliest start of an arm's next action, as far as the actions begun so far tell.
+// The earliest start of an arm's next action, as far as the actions begun so far show.
 int Simulator::earliest(Arm& arm, int index) {
   if (arm.phase == Phase::idle || arm.phase == Phase::receive) return kNever;
   const Arm& other = arms_[1 - index];
@@ -219,7 +219,7 @@ int Simulator::earliest(Arm& arm, int index) {
   int start = std::max(arm.base, order);
   if (p_.t.arms > 1) {
     start = wait_for_other(arm, other, start);
-    // The other arm may begin its next action before this one starts; then this is all that tells.
+    // The other arm may begin its next action before this one starts; then this alone decides.
     if (start > order) arm.base = start;
   }
   return start;
@@ -374,8 +374,8 @@ void Simulator::count_pick(int wire, int index) {
   entry_.light = entry_.light || !t.heavy[wire];
   if (t.preferred_arm[wire] >= 0 && t.preferred_arm[wire] != index) cost_.penalty += t.arm_weight;
   picked_[wire] = 1;
-  for (const Wish& wish : p_.wished_before[wire])
-    if (list_->block[wish.wire] == block_ && !picked_[wish.wire]) cost_.penalty += wish.weight;
+  for (const SoftConstraint& soft : p_.soft_before[wire])
+    if (list_->block[soft.wire] == block_ && !picked_[soft.wire]) cost_.penalty += soft.weight;
   for (std::size_t k = 0; k < picked_ranks_.size(); ++k) {
     const int rank = p_.rankings[k].of(wire);
     if (rank < 0) continue;

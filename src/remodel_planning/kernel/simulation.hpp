@@ -4,7 +4,7 @@
 // modes give it, in the list's order; whichever arm can start its next action first, starts it (a
 // tie goes to the first arm). An action waits for its arm's travel, for the ends and routes that
 // must be there before, and for the action of the other arm that excludes it. A component is
-// located by the arm that needs it first, just before the insertion. If the list obeys the order of
+// located by the arm that needs it first, just before the insertion. If the list satisfies the order of
 // the wires, one of the arms can always go on.
 //
 // A handover needs both arms, all wires before it in the list are then done or in hand, and none
@@ -59,7 +59,7 @@ struct WireList {
   }
 };
 
-// What a list costs for wishes and ranks between wires of different blocks.
+// What a list costs for soft constraints and ranks between wires of different blocks.
 int broken_across_blocks(const Problem& problem, const WireList& list);
 
 class Simulator {

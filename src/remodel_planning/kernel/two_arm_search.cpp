@@ -64,9 +64,9 @@ bool TwoArmSearch::evaluate_all() {
   renumber(0, n_ - 1);
   replaced_.clear();
   cost_ = 0;
-  wishes_ = broken_across_blocks(p_, list_);
+  soft_cost_ = broken_across_blocks(p_, list_);
   if (!simulate_marked(0)) return false;
-  cost_ += wishes_;
+  cost_ += soft_cost_;
   return true;
 }
 
@@ -93,7 +93,7 @@ void TwoArmSearch::mark(int block) {
   marked_to_ = std::max(marked_to_, block);
 }
 
-// Simulate the marked blocks from the first on; cost_ and replaced_ tell what has changed.
+// Simulate the marked blocks from the first on; cost_ and replaced_ hold what has changed.
 bool TwoArmSearch::simulate_marked(int from) {
   for (int b = from; b <= marked_to_; ++b) {
     if (!marked_[b]) continue;
@@ -262,13 +262,13 @@ bool TwoArmSearch::try_move(const Move& move, double allowance) {
   const int high = list_.second_block(list_.order[move.right]);
   if (part.hands_over && high - low > kMostBlocks) return false;
 
-  const int old_cost = cost_, old_wishes = wishes_;
+  const int old_cost = cost_, old_soft_cost = soft_cost_;
   make(move);
   renumber(move.left, move.right);
   replaced_.clear();
   if (mark_touched(part, low, high)) {
-    wishes_ = broken_across_blocks(p_, list_);
-    cost_ += wishes_ - old_wishes;
+    soft_cost_ = broken_across_blocks(p_, list_);
+    cost_ += soft_cost_ - old_soft_cost;
   }
   if (simulate_marked(low) && cost_ - old_cost <= allowance) return true;
 
@@ -281,7 +281,7 @@ bool TwoArmSearch::try_move(const Move& move, double allowance) {
     blocks_[b].cost = old.cost;
   }
   cost_ = old_cost;
-  wishes_ = old_wishes;
+  soft_cost_ = old_soft_cost;
   return false;
 }
 

@@ -76,7 +76,7 @@ class TwoArmSearch final : public Search {
   std::vector<std::pair<int, Block>> replaced_;
   std::vector<char> marked_;
   int marked_to_ = -1;
-  int wishes_ = 0, cost_ = 0, best_cost_ = 0;
+  int soft_cost_ = 0, cost_ = 0, best_cost_ = 0;
   std::vector<int> best_order_, best_modes_;
 };
 

@@ -8,7 +8,7 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flexbe_synthesizer.core.chart.model import Chart, Outcome, State, Transition
+from flexbe_synthesizer.core.chart.model import Chart, Outcome, Param, State, Transition
 from flexbe_synthesizer.core.chart.problem import Code, errors_in
 from flexbe_synthesizer.core.check.check import check_chart
 from flexbe_synthesizer.core.check.visits import most_visits
@@ -163,6 +163,31 @@ def test_the_certificate_of_a_golden_chart_says_what_its_chart_bounds(golden, ce
     assert (locate["visits"], locate["visit_s"], locate["longest_s"]) == (3, 5.0, 15.0)
     assert rows(found, "states")["Fix"]["visit_s"] == 12.5  # by the timer beside it
     assert found["longest_s"] == sum(row["longest_s"] for row in found["states"])
+
+
+LIMITED = StateClass(
+    "Limited",
+    "p",
+    module="p.limited",
+    parameters=(Parameter("timeout_s", "float", required=False, default=5.0, grace_s=2.0),),
+    outcomes=("done",),
+    inputs=(),
+    outputs=(),
+)
+
+
+@pytest.mark.parametrize(
+    ("limit", "visit_s"),
+    [({}, 7.0), ({"timeout_s": 3.0}, 5.0), ({"params": (Param("timeout_s", 4.0),)}, 6.0)],
+)
+def test_a_visit_may_last_as_long_as_its_class_allows_beyond_the_limit(limit, visit_s):
+    node = State("N0", "Limited", (Transition("done", "end"),), **limit)
+    checked = check_chart(
+        Chart("Task", "N0", (Outcome("end"),), (node,)), Library(states=(LIMITED,)), {}
+    )
+    assert errors_in(checked.problems) == ()
+    found = certify(checked, "p")
+    assert (found.states[0].visit_s, found.longest_s) == (visit_s, visit_s)
 
 
 CONTAINER = """<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="Task" initial="Box">

@@ -69,7 +69,8 @@ def test_a_table_gives_the_names_of_its_codes_and_classes():
     ("table", "reason"),
     [
         ([], "a list of 'faults'"),
-        ({"faults": {}}, "a list of 'faults'"),
+        ({"faults": {}}, "'faults' is {}; allowed: a list"),
+        ({"no_fault": "NONE"}, "'no_fault' is 'NONE'; allowed: a list"),
         ({"faults": ["JAMMED"]}, "'JAMMED' is no fault"),
         ({"faults": [{"codes": ["JAMMED"]}]}, "no 'name'"),
         ({"faults": [{"codes": [{"name": "two words", "code": 1}]}]}, "no 'name'"),
@@ -80,6 +81,10 @@ def test_a_table_gives_the_names_of_its_codes_and_classes():
 def test_what_is_no_table_is_refused_with_the_reason(table, reason):
     with pytest.raises(ValueError, match=reason):
         read_error_table(table)
+
+
+def test_a_table_of_abilities_without_codes_of_its_own_gives_none():
+    assert read_error_table({"abilities": {"CrimpFerrule": {"errors": ["JAMMED"]}}}) == ()
 
 
 def test_the_classes_of_several_tables_are_joined_and_the_first_code_of_a_name_counts():

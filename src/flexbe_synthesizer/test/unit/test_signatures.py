@@ -55,6 +55,32 @@ def test_a_state_class_is_read_with_what_its_outcomes_write():
     )
 
 
+LIMITED = """
+    class SomeState(EventState):
+        '''Do it.
+
+        -- name       string  of what
+        -- timeout_s  float   [s] ROS time that it gets;
+            its server ends later [{grace}]
+        <= done       it is
+        '''
+        def __init__(self, name, timeout_s=5.0):
+            super().__init__(outcomes=['done'])
+"""
+
+
+@pytest.mark.parametrize(("grace", "grace_s"), [("grace 2 s", 2.0), ("grace 0.5 s", 0.5), ("s", 0)])
+def test_a_time_limit_is_read_with_the_time_beyond_it(grace, grace_s):
+    name, limit = state(LIMITED.format(grace=grace)).parameters
+    assert (name.grace_s, limit.grace_s) == (0.0, grace_s)
+
+
+@pytest.mark.parametrize("grace", ["grace two s", "grace 2", "grace -1 s"])
+def test_a_time_beyond_a_limit_that_is_no_time_is_refused(grace):
+    reason = state(LIMITED.format(grace=grace)).reason
+    assert f"its docstring has '[{grace}]' at '-- timeout_s'; allowed: seconds" in reason
+
+
 def test_a_state_class_that_documents_what_it_lacks_is_refused():
     assert "lets 'failed' write 'cod'" in state(WRITING.format(keys="cod")).reason
     text = WRITING.format(keys="code").replace("<= failed", "<= fails")

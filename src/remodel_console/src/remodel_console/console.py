@@ -73,10 +73,10 @@ class Console:
     """Everything that a page needs.
 
     Attributes:
-        pictures: what the cell's cameras see.
-        steering: the way to the engine.
-        supervisor: None until ROS is there.
-        recorder: None until ROS is there.
+        pictures: the newest ones of the cell's cameras.
+        steering: commands to the engine.
+        supervisor: None until ROS is running.
+        recorder: None until ROS is running.
     """
 
     def __init__(

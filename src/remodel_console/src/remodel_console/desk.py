@@ -1,4 +1,4 @@
-"""Where people give commands: who may, what becomes of it, and the record of it."""
+"""Commands of pages: who may give them, their execution, and their record."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ class Journal(Protocol):
     """The record of commands."""
 
     def write(self, actor: Actor, answer: Answer) -> None:
-        """Record a command and what became of it."""
+        """Record a command and its answer."""
 
 
 class Desk:
-    """Takes the commands of all pages."""
+    """Executes the commands of all pages."""
 
     def __init__(self, journal: Journal) -> None:
-        """Record what is commanded in a journal."""
+        """Record commands in a journal."""
         self._journal = journal
 
     def give(self, actor: Actor, command: str, deed: Callable[[], str | None]) -> Answer:
-        """Carry a command out, record it, and return what became of it.
+        """Execute a command, record it, and return the answer.
 
         Args:
             actor: who gives it.
@@ -48,7 +48,7 @@ class Desk:
 def answer_of(
     command: str, deed: Callable[[], str | None], log_error: Callable[..., object]
 ) -> Answer:
-    """Carry a command out and return the answer; a defect is logged with its trace."""
+    """Execute a command and return the answer; a defect is logged with its trace."""
     try:
         return Answer(DONE, command, deed() or "")
     except CommandError as error:

@@ -30,12 +30,12 @@ START = "start"  # what the deliverable's command line writes for "where the cha
 
 
 class Session:
-    """What is edited, and where in it; shared by all who give commands.
+    """The edited behavior, and the open container in it; shared by pages and commands.
 
     Attributes:
         is_saved: nothing has changed since it was loaded or saved.
         on_change: called after each command that was carried out.
-        ask_server: the way to a synthesis server; None until ROS is there.
+        ask_server: calls a synthesis server; None until ROS is running.
     """
 
     def __init__(self, workspace: Workspace, settings: Callable[[], Settings] = Settings) -> None:

@@ -13,7 +13,7 @@ from remodel_console.session import Session
 
 
 class Engine(Protocol):
-    """The way to the engine."""
+    """Commands to the engine."""
 
     def send(self, order: Order) -> None:
         """Send an order."""

@@ -29,7 +29,7 @@ class EngineLinkTest(unittest.TestCase):
     def test_an_order_waits_until_the_engine_has_subscribed_to_its_topic(self):
         events, attached = [], []
         link = EngineLink(events.append, lambda line: None)
-        with self.assertRaisesRegex(CommandError, "no behavior engine is there"):
+        with self.assertRaisesRegex(CommandError, "no behavior engine is running"):
             link.send(Attach(1))
         heartbeat = rospy.Publisher(topics.HEARTBEAT, Empty, queue_size=1)
         start = rospy.Subscriber(topics.START, BehaviorSelection)

@@ -10,7 +10,7 @@ import pytest
 from remodel_sim.core.vision.cables import End, detect_cables
 from remodel_sim.core.vision.cables.curves.polyline import arc_lengths
 from remodel_sim.core.vision.cables.curves.spline import basis, fit
-from remodel_sim.core.vision.cables.strands.pairing import Arm, best_pairs, join_prices
+from remodel_sim.core.vision.cables.strands.pairing import StrandEnd, best_pairs, join_prices
 from remodel_sim.core.vision.cables.strands.skeleton import find_strands, thin
 
 RED, BLUE, TABLE = (190, 30, 30), (30, 60, 190), (150, 140, 120)
@@ -177,8 +177,8 @@ def test_strands_of_a_cross_meet_in_the_middle():
     assert len({node for s in strands for node in s.nodes}) == 5
 
 
-def arm(number, place, heading, colour=(0, 0, 0)):
-    return Arm(
+def strand_end(number, place, heading, colour=(0, 0, 0)):
+    return StrandEnd(
         end=(number, 1),
         place=np.array(place, float),
         heading=np.array(heading, float),
@@ -188,20 +188,20 @@ def arm(number, place, heading, colour=(0, 0, 0)):
 
 
 def test_strands_go_straight_on_and_keep_their_colour():
-    east, west = arm(0, (-9, 0), (1, 0)), arm(1, (9, 0), (-1, 0))
-    north, south = arm(2, (0, -9), (0, 1)), arm(3, (0, 9), (0, -1))
+    east, west = strand_end(0, (-9, 0), (1, 0)), strand_end(1, (9, 0), (-1, 0))
+    north, south = strand_end(2, (0, -9), (0, 1)), strand_end(3, (0, 9), (0, -1))
     pairs, margin = best_pairs([east, west, north, south])
     assert {frozenset(pair) for pair in pairs} == {
         frozenset({east.end, west.end}),
         frozenset({north.end, south.end}),
     }
     assert margin > 0.5
-    red = arm(4, (9, 0), (-1, 0), (0, 60, 40))
+    red = strand_end(4, (9, 0), (-1, 0), (0, 60, 40))
     price = join_prices([east, west, red])
     assert price[0, 1] < 0.01 < price[0, 2]
 
 
 def test_an_end_beside_a_passing_strand_stays_alone():
-    east, west = arm(0, (-9, 0), (1, 0)), arm(1, (9, 0), (-1, 0))
-    pairs, _ = best_pairs([east, west, arm(2, (0, -9), (0, 1))])
+    east, west = strand_end(0, (-9, 0), (1, 0)), strand_end(1, (9, 0), (-1, 0))
+    pairs, _ = best_pairs([east, west, strand_end(2, (0, -9), (0, 1))])
     assert pairs == [(east.end, west.end)]

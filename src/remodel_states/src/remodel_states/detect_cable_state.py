@@ -11,7 +11,7 @@ class DetectCableState(EventState):
     """Find a wire and its loose ends by camera.
 
     -- view  int  From where it is observed: 0 the usual viewpoint, 1 and up others (modulo the viewpoints of the cell).
-    -- timeout_s  float  [s] ROS time that the ability gets.
+    -- timeout_s  float  [s] ROS time that the ability gets [grace 2 s].
     -- topic  string  Action topic of the ability server.
 
     ># cable_id  string  Wire that the feeder presented, such as "W1".

@@ -10,7 +10,7 @@ class DiscardCableState(EventState):
     """Take a wire off the panel and drop it into the scrap bin; ends that are connected are released first.
 
     -- robot_name  string  Arm that does it, such as "robot_1".
-    -- timeout_s  float  [s] ROS time that the ability gets.
+    -- timeout_s  float  [s] ROS time that the ability gets [grace 2 s].
     -- topic  string  Action topic of the ability server.
 
     ># cable_id  string  Wire of the loaded panel, such as "W1"; empty: the wire that the hand holds.

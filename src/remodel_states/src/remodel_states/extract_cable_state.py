@@ -10,7 +10,7 @@ class ExtractCableState(EventState):
     """Open the terminal, pull the wire's end out, and lay it down in front.
 
     -- robot_name  string  Arm that does it, such as "robot_1".
-    -- timeout_s  float  [s] ROS time that the ability gets.
+    -- timeout_s  float  [s] ROS time that the ability gets [grace 2 s].
     -- topic  string  Action topic of the ability server.
 
     ># cable_id  string  Wire of the loaded panel, such as "W1".

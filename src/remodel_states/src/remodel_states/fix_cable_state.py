@@ -11,7 +11,7 @@ class FixCableState(EventState):
 
     -- robot_name  string  Arm that does it, such as "robot_1".
     -- pull_test_force  float  [N] >= 0: the pull that the end must withstand; 0: no test.
-    -- timeout_s  float  [s] ROS time that the ability gets.
+    -- timeout_s  float  [s] ROS time that the ability gets [grace 2 s].
     -- topic  string  Action topic of the ability server.
 
     ># cable_id  string  Wire of the loaded panel, such as "W1".

@@ -11,7 +11,7 @@ class LocateGearboxComponentState(EventState):
     """Find a component on the panel, and one of its terminals, by camera.
 
     -- view  int  From where it is observed: 0 the usual viewpoint, 1 and up others (modulo the viewpoints of the cell).
-    -- timeout_s  float  [s] ROS time that the ability gets.
+    -- timeout_s  float  [s] ROS time that the ability gets [grace 2 s].
     -- topic  string  Action topic of the ability server.
 
     ># component_id  string  Component on the loaded panel, such as "Q1".

@@ -11,7 +11,7 @@ class PickCableState(EventState):
 
     -- robot_name  string  Arm that picks, such as "robot_1".
     -- grasp_distance  float  [m] from the tip to the centre of the grasp, along the wire; 0: the cell's default.
-    -- timeout_s  float  [s] ROS time that the ability gets.
+    -- timeout_s  float  [s] ROS time that the ability gets [grace 2 s].
     -- topic  string  Action topic of the ability server.
 
     ># cable_id  string  Wire of the loaded panel, such as "W1".

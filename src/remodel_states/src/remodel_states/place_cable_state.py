@@ -12,7 +12,7 @@ class PlaceCableState(EventState):
 
     -- target  list  [x, y, z, yaw] in the panel frame [m, rad], of the tool centre at release.
     -- robot_name  string  Arm that does it, such as "robot_1".
-    -- timeout_s  float  [s] ROS time that the ability gets.
+    -- timeout_s  float  [s] ROS time that the ability gets [grace 2 s].
     -- topic  string  Action topic of the ability server.
 
     ># cable_id  string  Wire of the loaded panel, such as "W1"; empty: the wire that the hand holds.

@@ -12,7 +12,7 @@ class PlaceConnectorState(EventState):
     -- connector_id  string  Connector at the end of the cable, such as "P1".
     -- robot_name  string  Arm that does it, such as "robot_1".
     -- force_limit  float  [N] > 0: axial force at which the push stops.
-    -- timeout_s  float  [s] ROS time that the ability gets.
+    -- timeout_s  float  [s] ROS time that the ability gets [grace 2 s].
     -- topic  string  Action topic of the ability server.
 
     ># cable_id  string  Wire of the loaded panel, such as "W1".

@@ -20,7 +20,7 @@ class PlacePinState(EventState):
     -- centered  bool  True centers all poses.
     -- rotate  bool  True puts the long axis in Y.
     -- show_in_TF  bool  True broadcasts the poses as TF frames.
-    -- timeout_s  float  [s] ROS time that the ability gets.
+    -- timeout_s  float  [s] ROS time that the ability gets [grace 2 s].
     -- topic  string  Action topic of the ability server.
 
     ># placepin_id  string  Identifier for traceability.

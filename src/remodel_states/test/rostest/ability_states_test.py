@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Every ability state, alone, against fake servers."""
 
+import inspect
 import os
 import re
 import signal
@@ -29,9 +30,11 @@ from flexbe_core import Logger
 from flexbe_core.core import UserData
 from flexbe_core.proxy import ProxyActionClient
 from flexbe_core.testing import wait_until
+from flexbe_synthesizer.core.library.state_source import read_state_class
 from remodel_states.calling import record_keeping
 from remodel_states.core.ability_tables import POSE as POSE_TYPE
 from remodel_states.core.ability_tables import POSES as POSES_TYPE
+from remodel_states.core.contract_times import GRACE_S
 from remodel_states.core.state_source import module_name
 from remodel_states.count_attempts_state import CountAttemptsState
 from remodel_states.edge.exported_tables import read_abilities
@@ -226,6 +229,24 @@ class AbilityStatesTest(unittest.TestCase):
         self.assertEqual(run(self.state("FixCable", timeout_s=0.3), data), "failed")
         self.assertEqual(data["error_code"], ErrorCode.SERVER_HUNG)
         self.assertTrue(wait_until(lambda: self.fakes["FixCable"].cancelled))
+
+    def test_a_server_that_ignores_the_cancel_too_keeps_the_bound_of_the_certificate(self):
+        topic = "stubborn/fixcable"
+        FakeAbility("FixCable", [Answer(hang=True)], topic)
+        state = self.state("FixCable", timeout_s=0.3, topic=topic)
+        source = inspect.getsource(import_module(type(state).__module__))
+        read = read_state_class(source, "remodel_states", type(state).__module__)
+        (limit,) = (each for each in read.parameters if each.name == "timeout_s")
+        data = userdata()
+        with mock.patch.object(FakeAbility, "cancel"):
+            started = time.monotonic()
+            self.assertEqual(run(state, data), "failed")
+            took_s = time.monotonic() - started
+            state.on_exit(data)
+        self.assertEqual(data["error_code"], ErrorCode.SERVER_HUNG)
+        self.assertGreater(took_s, 0.3 + GRACE_S)
+        # The engine's cycle in which the state ends may begin later, on a busy machine even more.
+        self.assertLess(took_s, 0.3 + limit.grace_s + 1.0)
 
     def test_a_result_that_contradicts_itself_is_not_believed(self):
         self.fakes["FixCable"].script(Answer(ErrorCode.PULLED_OUT, contradict=True))

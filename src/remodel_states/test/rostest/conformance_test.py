@@ -338,7 +338,10 @@ class ConformanceTest(unittest.TestCase):
     def test_what_cannot_be_tried_is_told(self):
         for words, told in (
             (("conformance/none", "PlaceCable"), "start the server"),
-            (("conformance/none", "Nonesuch"), "there is no action remodel_msgs/Nonesuch"),
+            (
+                ("conformance/none", "Nonesuch"),
+                "no action remodel_msgs/Nonesuch; give one of another package as package/Name",
+            ),
             (("conformance/none", "PlaceCable", "--goal", "{cable: W1}"), "cable"),
             (("conformance/none", "PlaceCable", "--goal", "[1"), "cannot read the goal"),
         ):

@@ -78,13 +78,13 @@ def test_its_state_sends_every_field_and_writes_the_outputs():
 @pytest.mark.parametrize(
     ("changes", "problem"),
     [
-        ({"inputs": ["ferrule"]}, "state.inputs: ferrule is no field of the goal; there are: "),
+        ({"inputs": ["ferrule"]}, "state.inputs: ferrule is not a field of the goal; there are: "),
         ({"inputs": ["marks"]}, "state: field ferrule_id of the goal is given 0 times"),
         (
             {"inputs": ["ferrule_id", "force", "marks"]},
             "state: field force of the goal is given 2 times; allowed: once",
         ),
-        ({"outputs": {"x": "width"}}, "state.outputs: width is no field of the result"),
+        ({"outputs": {"x": "width"}}, "state.outputs: width is not a field of the result"),
         (
             {"inputs": ["ferrule_id"], "parameters": {"marks": None}},
             "state.parameters: marks is of type geometry_msgs/Point[]; allowed: string, bool",
@@ -101,8 +101,8 @@ def test_unknown_actions_codes_and_results_are_reported():
     assert problems == ["abilities.Crimp: no action/Crimp.action; there are: CrimpFerrule"]
     _, problems = abilities(CrimpFerrule={"errors": ["NO_FERRULE"], "fake": {"size": 1}})
     assert problems == [
-        "abilities.CrimpFerrule.errors: NO_FERRULE is no error code; list it in a faults.yaml",
-        "abilities.CrimpFerrule.fake: size is no field of the result; there are: height",
+        "abilities.CrimpFerrule.errors: NO_FERRULE is not an error code; list it in a faults.yaml",
+        "abilities.CrimpFerrule.fake: size is not a field of the result; there are: height",
     ]
 
 

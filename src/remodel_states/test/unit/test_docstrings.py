@@ -8,6 +8,7 @@ import pytest
 
 from flexbe_testing.app.judge_state import judge_state
 from flexbe_testing.app.states import read_state
+from remodel_states.core.contract_times import GRACE_S
 
 FILES = sorted((Path(__file__).parents[2] / "src" / "remodel_states").glob("*_state.py"))
 
@@ -44,6 +45,15 @@ def test_docstring_and_code_agree(file):
     assert documented(text, ">#") == keywords["input_keys"]
     assert documented(text, "#>") == keywords["output_keys"]
     assert documented(text, "<=") == keywords["outcomes"]
+
+
+CALLING = [file for file in FILES if "AbilityCall(" in file.read_text()]
+
+
+@pytest.mark.parametrize("file", CALLING, ids=lambda file: file.stem)
+def test_each_ability_state_documents_the_time_beyond_its_timeout(file):
+    limit = re.search(r"-- timeout_s .*", ast.get_docstring(state_class(file)))
+    assert f"[grace {GRACE_S:g} s]" in limit[0]
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)

@@ -91,7 +91,7 @@ def test_a_faulty_table_is_reported_with_its_file(tmp_path, own, problem):
 def test_after_names_a_fault_with_codes(tmp_path):
     own = changed(after={"fault": "none", "times": 2})
     del own["faults"][0]["codes"]
-    with pytest.raises(TableError, match=r"after\.fault none is no fault with codes"):
+    with pytest.raises(TableError, match=r"after\.fault none is not a fault with codes"):
         tables_with(tmp_path, own)
 
 

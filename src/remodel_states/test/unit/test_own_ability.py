@@ -42,7 +42,7 @@ def test_a_state_that_is_out_of_date_is_reported_and_written_again(tmp_path, cap
     assert generate_states(["--check", str(folder)]) == 0
     table.write_text(table.read_text().replace("[target_id]", "[target]"))
     assert generate_states([str(folder)]) == 1
-    assert "state.inputs: target is no field of the goal" in capsys.readouterr().err
+    assert "state.inputs: target is not a field of the goal" in capsys.readouterr().err
 
 
 def test_a_folder_that_is_no_package_is_reported(tmp_path, capsys):

@@ -72,7 +72,7 @@ def test_what_is_lost_is_reported_with_its_file(package, capsys):
     assert main([str(package)]) == LOSSES
     assert capsys.readouterr().out.splitlines() == [
         f"{package}/src/my_cell/move_state.py: line 2: the App does not see the arguments speed of "
-        "MoveState: all must stand behind 'def __init__(self, ' on one line, without annotations "
+        "MoveState: all must follow 'def __init__(self, ' on one line, without annotations "
         "and inner ')'",
         f"{package}/src/my_cell/move_twice_sm.py: the App loses parameter speed of '/Move', which "
         "MoveState hides",
@@ -88,7 +88,7 @@ def test_what_is_wrong_with_a_manifest_is_reported(package, capsys):
 @pytest.mark.parametrize(
     ("file", "text", "complaint"),
     [
-        ("manifest/move_twice.xml", "<behavior", "move_twice.xml is no XML"),
+        ("manifest/move_twice.xml", "<behavior", "move_twice.xml is not XML"),
         ("src/my_cell/move_state.py", "class", "invalid syntax"),
         (None, "", "there is no ROS package 'nothing'"),
     ],

@@ -54,7 +54,7 @@ def test_a_topic_is_a_message_if_the_case_has_a_bag_and_text_otherwise():
 
 
 def test_a_function_that_is_no_python_is_told():
-    with pytest.raises(CaseError, match="'lambda x' is no Python function"):
+    with pytest.raises(CaseError, match="'lambda x' is not a Python function"):
         value_of("lambda x", None)
 
 

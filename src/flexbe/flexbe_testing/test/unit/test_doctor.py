@@ -108,7 +108,7 @@ def test_files_that_cannot_be_read_are_findings(tmp_path):
         ("healthy_states/src/healthy_states/latin_state.py", "syntax"),
         ("torn_states/package.xml", "package"),
     }
-    assert "torn.xml is no XML" in found.findings[0].text
+    assert "torn.xml is not XML" in found.findings[0].text
 
 
 @pytest.mark.parametrize(

@@ -90,7 +90,7 @@ class LauncherTest(unittest.TestCase):
     def test_a_senseless_command_line_is_explained(self):
         code, printed = self.launch("-b", "Quick Test", "hello")
         self.assertEqual(code, ExitCode.USAGE)
-        self.assertIn("'hello' is no option", printed)
+        self.assertIn("'hello' is neither an option", printed)
 
     def test_a_stopped_behavior_has_an_exit_code(self):
         stop = rospy.Publisher("flexbe/commands/preempt", Empty, queue_size=1)

@@ -43,13 +43,13 @@ def test_what_roslaunch_adds_is_left_alone():
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        (["hello"], "'hello' is no option and not of the form key:=value"),
-        ([":=5"], "':=5' is no option"),
-        (["-i", "x"], "'x' is no option and not of the form key=value"),
-        (["-a", "300"], "'300' is no level from 0 to 255"),
-        (["-a", "high"], "'high' is no level"),
-        (["-w", "-1"], "'-1' is no number of seconds"),
-        (["-w", "nan"], "'nan' is no number of seconds"),
+        (["hello"], "'hello' is neither an option nor of the form key:=value"),
+        ([":=5"], "':=5' is neither an option"),
+        (["-i", "x"], "'x' is neither an option nor of the form key=value"),
+        (["-a", "300"], "'300' is not a level from 0 to 255"),
+        (["-a", "high"], "'high' is not a level"),
+        (["-w", "-1"], "'-1' is not a number of seconds"),
+        (["-w", "nan"], "'nan' is not a number of seconds"),
         (["--no-such-option"], "unrecognized arguments"),
     ],
 )

@@ -46,7 +46,7 @@ def test_a_file_is_found_from_home_and_in_packages(file, monkeypatch):
         ("no_such_package/x.yaml", "there is no ROS package 'no_such_package'"),
         ("{file}:other", "has no entry 'other'; at 'other' there are: outer, number"),
         ("{file}:number/deeper", "at 'deeper' there are: no entries"),
-        ("{broken}:x", "is no YAML"),
+        ("{broken}:x", "is not YAML"),
         ("{binary}", "cannot read file"),
     ],
 )

@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 
 # Files that are remembered as they were read last: those of orders with thousands of tasks as well.
 _REMEMBERED = 1 << 14
+_TABLES = "remodel_states"  # the export whose attributes are files of tables
+_LISTING_CODES = ("faults", "abilities")  # the attributes whose files may list error codes
 _LARGEST_MANIFEST = 2**20  # [bytes]; what is larger is something else
 
 _Content = TypeVar("_Content")
@@ -47,14 +49,15 @@ class Package:
         folder: of its package.xml.
         has_states: it exports `<flexbe_states/>`.
         has_behaviors: it exports `<flexbe_behaviors/>`.
-        faults: the file of `<remodel_states faults="..."/>`, a table of faults and error codes.
+        code_tables: the files of `<remodel_states faults="..." abilities="..."/>`, which list error
+            codes.
     """
 
     name: str
     folder: Path
     has_states: bool = False
     has_behaviors: bool = False
-    faults: Path | None = None
+    code_tables: tuple[Path, ...] = ()
 
     @property
     def module_folder(self) -> Path:
@@ -81,17 +84,26 @@ def read_package(folder: Path) -> Package:
     name = (root.findtext("name") or "").strip()
     if not name:
         raise ValueError(f"{folder / 'package.xml'} names no package")
-    exports = {child.tag: child for export in root.iter("export") for child in export}
-    tables = exports.get("remodel_states")
-    path = None if tables is None else tables.get("faults")
-    faults = Path(path.replace("${prefix}", str(folder))) if path else None
+    exports = {child.tag for export in root.iter("export") for child in export}
     return Package(
         name,
         folder,
         has_states="flexbe_states" in exports,
         has_behaviors="flexbe_behaviors" in exports,
-        faults=faults,
+        code_tables=tuple(_code_tables(root, folder)),
     )
+
+
+def _code_tables(root: ElementTree.Element, folder: Path) -> Iterator[Path]:
+    """Yield the tables of error codes that a package.xml exports.
+
+    A table of abilities may list codes, too. remodel_states reads the same files.
+    """
+    exported = {
+        key: path for each in root.findall(f"export/{_TABLES}") for key, path in each.items()
+    }
+    for path in filter(None, map(exported.get, _LISTING_CODES)):
+        yield Path(path.replace("${prefix}", str(folder)))
 
 
 def find_packages(
@@ -236,15 +248,15 @@ def _read_error_codes(
     packages: Iterable[Package], warnings: list[str], seen: Stamps
 ) -> Iterator[ListedCode]:
     """Yield the error codes of each package that exports some."""
-    for path in (package.faults for package in packages if package.faults is not None):
+    for path in (path for package in packages for path in package.code_tables):
         try:
-            yield from _read(_read_faults, path, seen)
+            yield from _read(_read_code_table, path, seen)
         except (OSError, ValueError) as error:
             warnings.append(f"{path} cannot be read: {error}; its error codes are left out")
 
 
 @lru_cache(maxsize=_REMEMBERED)
-def _read_faults(path: Path, _version: Stamp | None) -> tuple[ListedCode, ...]:
+def _read_code_table(path: Path, _version: Stamp | None) -> tuple[ListedCode, ...]:
     """Return the error codes that a version of a file has."""
     try:
         return read_error_table(yaml.safe_load(read_regular_text(path)))

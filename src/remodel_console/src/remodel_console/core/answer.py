@@ -13,7 +13,7 @@ DONE, FAILED, REFUSED = "done", "failed", "refused"
 
 @dataclass(frozen=True)
 class Answer:
-    """What became of a command: `state` is DONE, FAILED or REFUSED."""
+    """The result of a command: `state` is DONE, FAILED or REFUSED."""
 
     state: str
     command: str

@@ -11,7 +11,7 @@ from remodel_console.core.answer import Answer
 
 @dataclass(frozen=True)
 class Entry:
-    """One command: when it was given (ISO 8601, UTC), by whom, and what became of it."""
+    """One command: when it was given (ISO 8601, UTC), by whom, and its answer."""
 
     time: str
     actor: Actor

@@ -16,14 +16,14 @@ _ROW = 22  # [pixels] of a bar with its name
 
 
 def line_plot(names: Sequence[str], shares: Sequence[float]) -> Options:
-    """Return shares, 0 to 1, of things in a row as a line."""
+    """Return shares, 0 to 1, as a line with a point for each name."""
     line = {"type": "line", "data": [round(100 * share, 1) for share in shares]}
     scale = {"max": 100, "interval": 50, "axisLabel": {"formatter": "{value} %"}}
     return _plot(_names(names), _values(scale), line, unit="%")
 
 
 def bar_plot(names: Sequence[str], values: Sequence[float], unit: str) -> Options:
-    """Return an upright bar for each of some things in a row."""
+    """Return an upright bar for each name."""
     bars = {"type": "bar", "data": [round(value, 1) for value in values], "barMaxWidth": 28}
     scale = {"splitNumber": 2, "axisLabel": {"formatter": f"{{value}} {unit}"}}
     return _plot(_names(names), _values(scale), bars, unit=unit)
@@ -93,7 +93,7 @@ def _plot(x_axis: Options, y_axis: Options, series: Options, unit: str = "") -> 
 
 
 def _names(names: Sequence[str]) -> Options:
-    """Return an axis of things in a row, with as many names as there is room for."""
+    """Return an axis of names, of which it shows as many as there is room for."""
     return _axis({"type": "category", "data": list(names), "splitLine": {"show": False}})
 
 

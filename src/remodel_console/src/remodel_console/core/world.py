@@ -20,7 +20,7 @@ class Notice:
 
 @dataclass(frozen=True)
 class World:
-    """What is there, and the run.
+    """Which nodes are running, and the run.
 
     Attributes:
         has_master: the ROS master answers.

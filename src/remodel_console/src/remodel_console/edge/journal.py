@@ -26,7 +26,7 @@ class Journal:
         path.open("a").close()
 
     def write(self, actor: Actor, answer: Answer) -> None:
-        """Record a command and what became of it."""
+        """Record a command and its answer."""
         now = datetime.now(UTC).isoformat(timespec="milliseconds")
         line = Entry(now, actor, answer).line()
         with self._lock, self.path.open("a", encoding="utf-8") as file:

@@ -25,7 +25,7 @@ def picture(chart: Chart, room: tuple[float, float]) -> str:
         room: width and height that the page has for it on a common screen [pixels].
 
     Raises:
-        CommandError: if Graphviz is not there or fails.
+        CommandError: if Graphviz is not installed or fails.
     """
     try:
         drawings = (_svg(chart_to_dot(chart, direction=direction)) for direction in _DIRECTIONS)

@@ -22,11 +22,11 @@ from remodel_console.pictures import Pictures
 from remodel_console.ros import topics
 from remodel_console.ros.call_service import call_service
 
-LOOKS = ("overhead", "wrist")
+CAMERAS = ("overhead", "wrist")
 SCENE = "scene"
 _EVERY_S = 0.2  # between two pictures of one camera, at least
 _SCENE_EVERY_S = 2.0
-_LOOK_EVERY_S = 0.2
+_POLL_S = 0.2
 # Of the cell's time, at most so much goes into pictures for people.
 _SHARE_AT_WORK, _SHARE_AT_REST = 0.1, 0.5
 
@@ -49,7 +49,7 @@ class CameraLink:
         self._end = end
         self._waiting: dict[str, Image] = {}
         self._has_new = threading.Event()
-        for camera in LOOKS:
+        for camera in CAMERAS:
             for topic in ("image_raw", "detections"):
                 rospy.Subscriber(
                     f"{topics.CELL}/{camera}/{topic}",
@@ -70,7 +70,7 @@ class CameraLink:
         while not self._end.wait(_EVERY_S):
             if self._has_new.wait(_EVERY_S):
                 self._has_new.clear()
-                for camera in LOOKS:
+                for camera in CAMERAS:
                     message = self._waiting.pop(camera, None)
                     if message is not None:
                         self._keep(camera, message)
@@ -84,7 +84,7 @@ class CameraLink:
 
     def _watch_scene(self) -> None:
         begin_s = took_s = 0.0
-        while not self._end.wait(_LOOK_EVERY_S):
+        while not self._end.wait(_POLL_S):
             share = _SHARE_AT_WORK if self._is_at_work() else _SHARE_AT_REST
             is_soon = time.monotonic() < begin_s + max(_SCENE_EVERY_S, took_s / share)
             if is_soon or not self._pictures.are_wanted:

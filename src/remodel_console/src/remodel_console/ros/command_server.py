@@ -20,11 +20,11 @@ from remodel_console.ros import topics
 from remodel_console.ros.runtime import Runtime
 from remodel_console.session import Session
 
-_MOST_WAITING = 64  # commands; nobody types faster than they are carried out
+_MOST_WAITING = 64  # commands; more than an operator types before they are executed
 
 
 class CommandServer:
-    """Carries out the commands that arrive, in a thread of its own."""
+    """Executes the commands that arrive, in a thread of its own."""
 
     def __init__(
         self,
@@ -37,8 +37,8 @@ class CommandServer:
 
         Args:
             session: what is edited.
-            runtime: the way to the engine.
-            settings: returns whether commands are taken now, and what they must bring.
+            runtime: commands to the engine.
+            settings: returns whether commands are accepted now, and the key they must contain.
             journal: where commands are recorded.
         """
         self._journal = journal
@@ -72,7 +72,7 @@ class CommandServer:
             self._publish(answer)
 
     def _answer(self, message: UICommand) -> Answer:
-        """Carry one command out and return what became of it."""
+        """Execute one command and return the answer."""
         text, settings = message.command, self._settings()
         if not settings.are_commands_allowed:
             words = "commands of topics are switched off on the console's Configuration page"

@@ -35,7 +35,7 @@ from remodel_console.core.run.structure import Level, Structure
 from remodel_console.errors import CommandError
 from remodel_console.ros import topics
 
-_LOOK_EVERY_S = 0.2  # between two looks whether the engine is there
+_POLL_S = 0.2  # between two checks whether the engine is running
 _CHECK_EVERY_S = 0.01  # while the engine connects
 _CONNECT_S = 5.0  # in which an engine that is there subscribes to each of its topics
 _USERDATA_S = 2.0  # in which the engine answers what its userdata is
@@ -77,7 +77,7 @@ class EngineLink:
         subscribe(topics.STRUCTURE, ContainerStructure, lambda m: report(_structure(m)))
         subscribe(topics.FEEDBACK, CommandFeedback, self._take_feedback)
         subscribe(topics.LOG, BehaviorLog, lambda m: report_line(_log_line(m)))
-        threading.Thread(target=self._look, name="engine", daemon=True).start()
+        threading.Thread(target=self._watch, name="engine", daemon=True).start()
 
     @property
     def is_followed(self) -> bool:
@@ -121,8 +121,8 @@ class EngineLink:
             raise CommandError(f"the engine does not return its userdata: {error}") from error
         return tuple((d.state, d.key, d.type, d.data) for d in answer.userdata)
 
-    def _look(self) -> None:
-        while not self._stop.wait(_LOOK_EVERY_S):
+    def _watch(self) -> None:
+        while not self._stop.wait(_POLL_S):
             # One that has just come may be heard before it hears what it is sent.
             hears = self._publishers[topics.START].get_num_connections() > 0
             is_there = hears and self._heartbeat.get_num_connections() > 0

@@ -13,7 +13,7 @@ from collections.abc import Callable
 import rosgraph
 import rospy
 
-_LOOK_EVERY_S = 0.5
+_POLL_S = 0.5
 _CALLER = "/remodel_console"
 
 
@@ -32,14 +32,14 @@ class MasterWatch:
             if run_id:
                 self._run_id = run_id
                 return True
-            until.wait(_LOOK_EVERY_S)
+            until.wait(_POLL_S)
         return False
 
     def watch(self, until: threading.Event) -> None:
         """Report that it is running, and watch until the event is set."""
         self._report(True)
         was_there = True
-        while not until.wait(_LOOK_EVERY_S):
+        while not until.wait(_POLL_S):
             run_id = _run_id()
             if run_id and run_id != self._run_id:
                 self._run_id = run_id

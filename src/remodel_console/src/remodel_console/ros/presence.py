@@ -23,7 +23,7 @@ from remodel_console.ros.runtime import Runtime
 from remodel_console.ros.synthesis_link import ask_synthesis_server
 from remodel_console.ros.use_case_link import UseCaseLink
 
-_LOOK_EVERY_S = 0.5
+_POLL_S = 0.5
 _ABILITIES = "remodel_abilities/"  # in whose namespace ability servers are
 _CAMERA = f"{topics.CELL}/overhead/image_raw"  # which a cell publishes, and fake abilities do not
 
@@ -32,7 +32,7 @@ def join_ros(console: Console, journal: Journal, end: threading.Event) -> None:
     """Wait for a master, connect, and watch until the event is set.
 
     Args:
-        console: gets what is seen, and the way to the engine.
+        console: receives what is observed, and the connection to the engine.
         journal: records the commands of `/flexbe/uicommand`.
         end: the console ends.
     """
@@ -64,7 +64,7 @@ def _check(
 ) -> None:
     """Check whether the mirror, the supervisor and the cell are running."""
     abilities, camera = rospy.resolve_name(_ABILITIES), rospy.resolve_name(_CAMERA)
-    while not end.wait(_LOOK_EVERY_S):
+    while not end.wait(_POLL_S):
         published = _published()
         console.live.set_presence(
             mirror=link.is_followed,

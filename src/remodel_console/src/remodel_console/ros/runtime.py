@@ -17,7 +17,7 @@ from remodel_console.steering import Steering
 
 _LEVEL = 1  # of autonomy when attaching without one: the FlexBE App's first, Low
 _ANSWER_S = 5.0  # in which an engine that runs acknowledges a command
-_LOOK_EVERY_S = 0.02
+_POLL_S = 0.02
 _WORDS = {
     Verb.ATTACH: "attach",
     Verb.LOCK: "lock",
@@ -74,7 +74,7 @@ class Runtime:
         while phase == _SWITCHED and time.monotonic() < end_s:
             if self._steering.live.world.run.behavior_id == version.source_checksum:
                 return f"'{version.name}' continues in the saved version"
-            time.sleep(_LOOK_EVERY_S)
+            time.sleep(_POLL_S)
         text = f"the engine does not continue in the saved version: {phase.replace('_', ' ')}; "
         raise CommandError(f"{text}its log says why")
 

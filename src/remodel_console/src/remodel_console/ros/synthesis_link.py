@@ -23,7 +23,7 @@ from remodel_console.errors import CommandError
 _FOUND_S = 5.0  # in which a server is found; wall time, as a person waits
 _ANSWER_S = 65.0  # longer than our own server takes at most
 _LOST_S = 1.0  # after the end of a goal, in which its result comes if it does at all
-_LOOK_EVERY_S = 0.05
+_POLL_S = 0.05
 
 
 def ask_synthesis_server(request: ServerRequest) -> tuple[Instantiation, ...]:
@@ -49,7 +49,7 @@ def _wait_for(client: actionlib.ActionClient, topic: str) -> None:
                 "flexbe_synthesizer synthesizer.launch, or leave the action topic empty on the "
                 "Configuration page: then the console itself synthesizes"
             )
-        time.sleep(_LOOK_EVERY_S)
+        time.sleep(_POLL_S)
 
 
 def _result(client: actionlib.ActionClient, request: ServerRequest) -> tuple[Instantiation, ...]:
@@ -95,7 +95,7 @@ def _has_result(handle: actionlib.ClientGoalHandle, end_s: float) -> bool:
             since_s = now_s
         elif now_s - since_s > _LOST_S:
             return False
-        time.sleep(_LOOK_EVERY_S)
+        time.sleep(_POLL_S)
     return True
 
 

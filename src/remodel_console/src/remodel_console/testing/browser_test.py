@@ -18,7 +18,7 @@ from typing import Any, ClassVar
 from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
 
 LIMIT_S = 60.0
-_LOOK_S = 0.02
+_POLL_S = 0.02
 _IN_PASSING = ".q-notifications { display: none; }"  # what a picture leaves out
 _OVERFLOW = "() => document.documentElement.scrollWidth - document.documentElement.clientWidth"
 
@@ -131,7 +131,7 @@ class BrowserTest(unittest.TestCase):
         end_s = time.monotonic() + limit_s
         while not is_so():
             self.assertLess(time.monotonic(), end_s, f"waited {limit_s:.0f} s for {what}")
-            self.page.wait_for_timeout(1000 * _LOOK_S)
+            self.page.wait_for_timeout(1000 * _POLL_S)
 
     # Processes
 
@@ -150,7 +150,7 @@ class BrowserTest(unittest.TestCase):
         while not _listens(port):
             if time.monotonic() > end_s or cls.processes[name].poll() is not None:
                 raise TimeoutError(f"the console does not listen on {port}")
-            threading.Event().wait(_LOOK_S)
+            threading.Event().wait(_POLL_S)
 
     @classmethod
     def start(cls, name: str, *line: str, **environment: str) -> None:

@@ -88,7 +88,7 @@ class Page:
         """Do what a key means on this page."""
 
     async def give(self, command: str, deed: Callable[[], str | None]) -> Answer:
-        """Give a command, report if it could not be carried out, and return what became of it.
+        """Execute a command, show its error if it fails, and return the answer.
 
         Its sender may have closed the dialog, or the page, before the answer comes.
         """

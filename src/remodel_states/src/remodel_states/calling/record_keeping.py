@@ -227,7 +227,7 @@ class RecordKeeper:
             return None
 
     def _is_done(self, request: Request, waiting: list[Request]) -> bool:
-        """Attempt a request, if its turn has come; return whether its answer is final."""
+        """Attempt a request, if its turn is next; return whether its answer is final."""
         if isinstance(request, Permit) and any(_is_of_left_state(other) for other in waiting):
             request.trouble = "the record of a state that was left is not kept yet"
         elif not request.is_final:
@@ -240,7 +240,7 @@ class RecordKeeper:
             if request.trouble:  # the recorder may be another one by now, or none
                 request.recorder = recorder()
             request.is_final = not request.recorder or self._answered(request)
-        except Exception as error:  # noqa: BLE001 - rospy promises no type; the thread goes on
+        except Exception as error:  # noqa: BLE001 - rospy promises no type; the thread must continue
             request.trouble = str(error) or type(error).__name__
             if isinstance(request, Permit):
                 request.is_held = False

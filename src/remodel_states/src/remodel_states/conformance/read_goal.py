@@ -27,7 +27,7 @@ def read_goal(action_type: type[Message], text: str) -> Any:  # noqa: ANN401 - a
         text: YAML mapping of the goal's fields, or the name of a file that holds one.
 
     Raises:
-        GoalError: if it is no such mapping, or the action has no id or no timeout.
+        GoalError: if it is not such a mapping, or the action has no id or no timeout.
     """
     is_file = text.endswith((".yaml", ".yml"))
     try:

@@ -53,7 +53,7 @@ def answers_once(exchange: Exchange) -> Iterator[Fault]:
     for result in exchange.results[:1]:
         if result.status not in TERMINAL:
             name = STATUS_NAMES.get(result.status, result.status)
-            yield Fault("open-status", f"the result came with status {name}, which is no end")
+            yield Fault("open-status", f"the result came with status {name}, which is not terminal")
 
 
 def echoes_the_id(exchange: Exchange) -> Iterator[Fault]:

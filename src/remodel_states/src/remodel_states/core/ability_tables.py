@@ -145,7 +145,7 @@ def _mistakes(row: Mapping[str, Any], action: Action, codes: Collection[str]) ->
     results = [item.name for item in action.result if item.name not in COMMON_RESULT]
     for name in row["errors"]:
         if name not in codes:
-            yield f"errors: {name} is no error code; list it in a faults.yaml"
+            yield f"errors: {name} is not an error code; list it in a faults.yaml"
     yield from _unknown("fake", row.get("fake", {}), results, "result")
     if "state" in row:
         yield from _state_mistakes(row["state"], action, results)
@@ -172,4 +172,4 @@ def _unknown(
 ) -> Iterator[str]:
     for name in names:
         if name not in known:
-            yield f"{place}: {name} is no field of the {part}; there are: {', '.join(known)}"
+            yield f"{place}: {name} is not a field of the {part}; there are: {', '.join(known)}"

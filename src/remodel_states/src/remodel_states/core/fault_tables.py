@@ -60,7 +60,7 @@ def join_fault_tables(
     by_name = {row["fault"]: row for row in rows}
     problems = [*_wrong_numbers(listed), *_repeated(listed, rows)]
     problems += [
-        f"fault {row['fault']}: after.fault {row['after']['fault']} is no fault with codes"
+        f"fault {row['fault']}: after.fault {row['after']['fault']} is not a fault with codes"
         for row in rows
         if "after" in row and "codes" not in by_name.get(row["after"]["fault"], {})
     ]

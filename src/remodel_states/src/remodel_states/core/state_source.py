@@ -17,6 +17,7 @@ from remodel_states.core.ability_tables import (
     AbilityState,
     Parameter,
 )
+from remodel_states.core.contract_times import GRACE_S
 
 _WIDTH = 100
 _BY = "generated from config/abilities.yaml: change that"
@@ -88,7 +89,7 @@ def _imports(ability: Ability, state: AbilityState) -> str:
 
 def _docstring(ability: Ability, state: AbilityState) -> str:
     lines = [f"-- {p.name}  {_documented_type(p)}  {_parameter_text(p)}" for p in state.parameters]
-    lines += ["-- timeout_s  float  [s] ROS time that the ability gets."]
+    lines += [f"-- timeout_s  float  [s] ROS time that the ability gets [grace {GRACE_S:g} s]."]
     lines += ["-- topic  string  Action topic of the ability server.", ""]
     lines += [
         f"># {i.name}  {PLAIN_TYPES.get(i.type, i.type)}  {_text(i.text)}" for i in state.inputs

@@ -104,5 +104,5 @@ def _export(folder: Path) -> Mapping[str, str] | None:
     text = (folder / "package.xml").read_bytes()
     if EXPORT.encode() not in text:
         return None
-    element = ElementTree.fromstring(text).find(f"export/{EXPORT}")
-    return None if element is None else element.attrib
+    elements = ElementTree.fromstring(text).findall(f"export/{EXPORT}")
+    return {key: path for element in elements for key, path in element.items()} or None

@@ -90,7 +90,7 @@ class RunningGoal:
             self._publish()
 
     def check(self) -> None:
-        """Return if the ability may go on.
+        """Return if the ability may continue.
 
         Raises:
             StoppedError: if the goal is cancelled, or its timeout has passed.

@@ -37,7 +37,7 @@ class Manifest:
 
 
 def read_manifest(text: bytes) -> Manifest | None:
-    """Return what a manifest says; None if the file is no manifest.
+    """Return what a manifest says; None if the file is not a manifest.
 
     Raises:
         ManifestError: if it is one, and faulty.

@@ -10,7 +10,7 @@ from rosgraph_msgs.msg import Clock
 
 
 def now() -> float:
-    """Return the ROS time [s]; the wall clock in a process that is no ROS node."""
+    """Return the ROS time [s]; the wall clock in a process that is not a ROS node."""
     return rospy.get_time() if rospy.rostime.is_rostime_initialized() else time.time()
 
 

@@ -87,7 +87,7 @@ class Reporter:
     @_publish.register
     def _publish_entered(self, event: Entered) -> None:
         # A supervised behavior is followed by a mirror, which publishes this itself. What is
-        # executed by hand has no id, and is no behavior.
+        # executed by hand has no id, and is not a behavior.
         if not self._root._is_controlled and getattr(self._root, "id", None) is not None:
             self._send(topics.BEHAVIOR_UPDATE, String(event.path))
 

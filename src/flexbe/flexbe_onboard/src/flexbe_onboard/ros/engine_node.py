@@ -157,7 +157,7 @@ class EngineNode:
             Logger.logerr("behavior failed at %s", failure)
             trace = "".join(traceback.format_exception(failure.cause))
             Logger.local(trace, Logger.REPORT_ERROR)
-        except (Exception, SystemExit) as error:  # noqa: BLE001 - users' code; the engine goes on
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - users' code; the engine must continue
             Logger.logerr("behavior failed: %s: %s", type(error).__name__, error)
             Logger.local(traceback.format_exc(), Logger.REPORT_ERROR)
         return BEStatus.FAILED, []

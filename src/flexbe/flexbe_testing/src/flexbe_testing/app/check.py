@@ -28,7 +28,7 @@ def _check_container(container: Container, path: str, available: Collection[str]
         yield f"container '{title}' has no states"
     for label, count in Counter(child.label for child in container.children).items():
         if count > 1 or label in container.outcomes:
-            yield f"'{label}' in '{title}' is the name of something else there too"
+            yield f"'{label}' in '{title}' is used more than once there"
     writers = _writers_before(container)
     for child in container.children:
         inner = f"{path}/{child.label}"
@@ -52,7 +52,7 @@ def _check_child(child: Child, path: str) -> Iterator[str]:
             yield f"outcome '{outcome}' of '{path}' is not connected"
     for key in (*child.remapping, *child.remapping.values()):
         if not key.isidentifier():
-            yield f"the key '{key}' of '{path}' is no identifier"
+            yield f"the key '{key}' of '{path}' is not an identifier"
     if isinstance(child.content, StateUse):
         for name in child.content.definition.parameters:
             value = child.content.value(name)
@@ -64,7 +64,7 @@ def _check_child(child: Child, path: str) -> Iterator[str]:
     elif isinstance(child.content, Container) and not _variable_part(child.label).isidentifier():
         yield (
             f"it would name a variable '{_variable_part(child.label)}_0' after container "
-            f"'{path}', which is no Python"
+            f"'{path}', which is not Python"
         )
 
 
@@ -76,7 +76,7 @@ def _check_conditions(container: Container, title: str) -> Iterator[str]:
     listed = [pair for _outcome, pairs in container.conditions for pair in pairs]
     for pair, count in Counter(listed).items():
         if count > 1:
-            yield f"outcome '{pair[1]}' of '{title}/{pair[0]}' stands in two conditions"
+            yield f"outcome '{pair[1]}' of '{title}/{pair[0]}' is in two conditions"
     for _outcome, pairs in container.conditions:
         states = [state for state, _ in pairs]
         if len(set(states)) < len(states):

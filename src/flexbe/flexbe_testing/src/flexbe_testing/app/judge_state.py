@@ -18,7 +18,7 @@ def judge_state(text: str, module: str) -> list[str]:
         module: where behaviors import it from.
 
     Raises:
-        SyntaxError: if it is no Python.
+        SyntaxError: if it is not Python.
     """
     seen = read_state(text, module)
     states = [
@@ -46,12 +46,15 @@ def _hidden(state: ast.ClassDef, seen: StateDefinition | None) -> Iterator[tuple
     if hidden:
         yield (
             init.lineno,
-            f"does not see the arguments {', '.join(hidden)} of {state.name}: all must stand "
-            "behind 'def __init__(self, ' on one line, without annotations and inner ')'",
+            f"does not see the arguments {', '.join(hidden)} of {state.name}: all must follow "
+            "'def __init__(self, ' on one line, without annotations and inner ')'",
         )
     for name in seen.parameters:
         if name.startswith("?"):
-            yield init.lineno, f"cannot read the {name[1:]} of {state.name}: they are no plain list"
+            yield (
+                init.lineno,
+                f"cannot read the {name[1:]} of {state.name}: they are not a plain list",
+            )
     if not seen.outcomes:
         yield init.lineno, f"sees no outcome of {state.name}"
     if any(isinstance(node, ast.keyword) and node.arg == "io_keys" for node in ast.walk(init)):

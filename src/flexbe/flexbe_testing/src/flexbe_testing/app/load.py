@@ -99,10 +99,10 @@ def _lost_outside_create(text: str, read: str, init: str) -> Iterator[str]:
     if not _DESCRIPTION.search(read):
         yield "no docstring in triple single quotes, free of apostrophes"
     if _COMMENTS not in init:
-        yield f"__init__ ends early, because ' def ' stands in it, or has no '{_COMMENTS}'"
+        yield f"__init__ ends early, because it contains ' def ', or has no '{_COMMENTS}'"
     for tag in cut.MANUAL_TAGS:
         if text.count(f"# [MANUAL_{tag}]") > 1:
-            yield f"the tags of MANUAL_{tag} stand more than once: the App loses the section"
+            yield f"the tags of MANUAL_{tag} occur more than once: the App loses the section"
     for line in read.splitlines():
         is_import = re.match(r"\s*(from|import)\s", line) and not line.startswith(_CORE_IMPORT)
         if is_import and not _IMPORT.fullmatch(line):

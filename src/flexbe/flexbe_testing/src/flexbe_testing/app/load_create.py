@@ -48,7 +48,7 @@ class CreateSection:
         }
 
     def private(self) -> dict[str, str]:
-        """Return all variables that are no container."""
+        """Return all variables that are not containers."""
         found = dict(_ASSIGNED.findall(self._text))
         return {name: value for name, value in found.items() if name not in self._definitions}
 
@@ -136,7 +136,7 @@ class CreateSection:
         internal: dict[str, str],
     ) -> StateUse | BehaviorUse | Container:
         if text in above:
-            raise AppLoadError(f"'{path}' is a container that it lies in itself")
+            raise AppLoadError(f"'{path}' contains itself")
         if text in self._definitions:
             return self._container(text, path, above)
         called = re.match(r"([\w.]+)\(", text)
@@ -226,7 +226,9 @@ def _definition(found: re.Match[str]) -> Container:
         keyword, _, value = argument.partition("=")
         listed = cut.names(value)
         if listed is None:
-            raise AppLoadError(f"{found[2]} has another argument than a list of names: {argument}")
+            raise AppLoadError(
+                f"{found[2]} has an argument that is not a list of names: {argument}"
+            )
         lists[keyword.strip()] = tuple(listed)
     conditions = _conditions(found) if found.re is _CONCURRENT else ()
     places = re.findall(r"x:(-?\d+) y:(-?\d+)", found[1] or "")

@@ -30,7 +30,7 @@ def value_of(written: Any, message: Callable[[str], Any], has_bag: bool = False)
         has_bag: whether the case names a bag.
 
     Raises:
-        CaseError: if it is a function that is no Python.
+        CaseError: if it is a function that is not Python.
     """
     if isinstance(written, dict):
         return {key: value_of(value, message, has_bag) for key, value in written.items()}
@@ -55,4 +55,4 @@ def _function(text: str) -> Any:  # noqa: ANN401
     try:
         return eval(text, {})
     except SyntaxError as error:
-        raise CaseError(f"{text!r} is no Python function: {error}") from error
+        raise CaseError(f"{text!r} is not a Python function: {error}") from error

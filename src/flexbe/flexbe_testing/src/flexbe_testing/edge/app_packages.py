@@ -21,7 +21,7 @@ def flexbe_packages() -> list[Path]:
     """Return the folders of all packages on the ROS package path that export states or behaviors.
 
     Raises:
-        ValueError: if a package.xml is no XML.
+        ValueError: if a package.xml is not XML.
     """
     ros = rospkg.RosPack()
     folders = [Path(ros.get_path(name)) for name in sorted(ros.list())]
@@ -32,7 +32,7 @@ def read_packages(folders: Iterable[Path]) -> Known:
     """Return what the App finds in the folders of packages that export states or behaviors.
 
     Raises:
-        ValueError: if a package.xml or manifest is no XML.
+        ValueError: if a package.xml or manifest is not XML.
     """
     states: list[StateDefinition] = []
     behaviors: list[BehaviorDefinition] = []
@@ -59,7 +59,7 @@ def behavior_files(folder: Path) -> Iterator[tuple[Path, Path]]:
     """Yield manifest and code of each behavior of a package whose code is there.
 
     Raises:
-        ValueError: if a manifest is no XML.
+        ValueError: if a manifest is not XML.
     """
     for file in sorted((folder / "manifest").glob("*.xml")):
         executable = _parse(file).find("executable")
@@ -94,4 +94,4 @@ def _parse(file: Path) -> ElementTree.Element:
     try:
         return ElementTree.parse(file).getroot()
     except ElementTree.ParseError as error:
-        raise ValueError(f"{file} is no XML: {error}") from error
+        raise ValueError(f"{file} is not XML: {error}") from error

@@ -43,7 +43,7 @@ def load_case(text: str) -> object:
     """Return what the text of a test case holds.
 
     Raises:
-        CaseError: if it is no YAML, or has a tag that is not constructed; with its line.
+        CaseError: if it is not YAML, or has a tag that is not constructed; with its line.
     """
     try:
         return yaml.load(text, _CaseLoader)

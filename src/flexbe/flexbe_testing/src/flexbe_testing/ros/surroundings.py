@@ -64,7 +64,7 @@ def _is_true(condition: str) -> bool:
     try:
         return bool(eval(condition, names))
     except SyntaxError as error:
-        raise CaseError(f"wait_cond {condition!r} is no Python: {error}") from error
+        raise CaseError(f"wait_cond {condition!r} is not Python: {error}") from error
     except Exception as error:  # noqa: BLE001 - what it looks at is perhaps not there yet
         rospy.logdebug("wait_cond %s: %s", condition, error)
         return False

@@ -112,14 +112,14 @@ def _parameter(word: str, parser: argparse.ArgumentParser) -> tuple[str, str]:
 def _pair(word: str, separator: str, parser: argparse.ArgumentParser) -> tuple[str, str]:
     key, found, value = word.partition(separator)
     if not found or not key:
-        parser.error(f"{word!r} is no option and not of the form key{separator}value")
+        parser.error(f"{word!r} is neither an option nor of the form key{separator}value")
     return key, value
 
 
 def _level(word: str) -> int:
     level = int(word) if word.isdigit() else -1
     if not 0 <= level <= UNSUPERVISED:
-        raise argparse.ArgumentTypeError(f"{word!r} is no level from 0 to {UNSUPERVISED}")
+        raise argparse.ArgumentTypeError(f"{word!r} is not a level from 0 to {UNSUPERVISED}")
     return level
 
 
@@ -129,5 +129,5 @@ def _seconds(word: str) -> float:
     except ValueError:
         seconds = -1.0
     if not 0 <= seconds < float("inf"):
-        raise argparse.ArgumentTypeError(f"{word!r} is no number of seconds")
+        raise argparse.ArgumentTypeError(f"{word!r} is not a number of seconds")
     return seconds

@@ -30,7 +30,7 @@ MEANINGS = {
     ExitCode.FAILED_OUTCOME: "it ended with the outcome 'failed'",
     ExitCode.USAGE: "usage error",
     ExitCode.UNKNOWN_BEHAVIOR: "there is no behavior with this name",
-    ExitCode.NO_ENGINE: "no ROS master or behavior engine was there, or the engine free, in time",
+    ExitCode.NO_ENGINE: "no ROS master or no free behavior engine in time",
     ExitCode.REFUSED: "the engine did not start it, see its log",
     ExitCode.FAILED: "a state failed in a way that the behavior does not handle",
     ExitCode.PREEMPTED: "it was stopped",

@@ -74,7 +74,7 @@ def _entry(name: str, text: str, key: str) -> object:
     try:
         found = yaml.safe_load(text)
     except yaml.YAMLError as error:
-        raise RequestError(f"file {name} is no YAML: {error}") from error
+        raise RequestError(f"file {name} is not YAML: {error}") from error
     for part in key.split("/") if key else ():
         if not isinstance(found, dict) or part not in found:
             there = ", ".join(map(str, found)) if isinstance(found, dict) else "no entries"

@@ -49,19 +49,19 @@ def error_names(listed: Iterable[ListedCode]) -> Mapping[str, tuple[int, ...]]:
 
 
 def read_error_table(table: object) -> tuple[ListedCode, ...]:
-    """Return the codes of a table of faults.
+    """Return the codes of a table of faults, or of a table of abilities, which may list some.
 
     Args:
-        table: parsed, in the form of remodel_msgs/config/faults.schema.json; only what names need
-            is read and checked.
+        table: parsed; its sections `no_fault` and `faults`, both optional, have the form of
+            remodel_msgs/config/faults.schema.json. Only what names need is read and checked.
 
     Raises:
         ValueError: if it is no such table.
     """
-    if not isinstance(table, Mapping) or not isinstance(table.get("faults"), list):
-        raise ValueError("a table of error codes has a list of 'faults'")
-    found = [ListedCode(*_checked(row)) for row in table.get("no_fault") or ()]
-    for fault in table["faults"]:
+    if not isinstance(table, Mapping):
+        raise ValueError("a table of error codes is a mapping with a list of 'faults'")
+    found = [ListedCode(*_checked(row)) for row in _section(table, "no_fault")]
+    for fault in _section(table, "faults"):
         if not isinstance(fault, Mapping):
             raise ValueError(f"{fault!r} is no fault with 'codes'")
         for row in fault.get("codes") or ():
@@ -69,6 +69,14 @@ def read_error_table(table: object) -> tuple[ListedCode, ...]:
                 ListedCode(*_checked(row), fault.get("severity"), fault.get("first_level"))
             )
     return tuple(found)
+
+
+def _section(table: Mapping[str, object], name: str) -> Iterable[object]:
+    """Return the rows of a section of a table; none if it is missing."""
+    rows = table.get(name, [])
+    if not isinstance(rows, list):
+        raise ValueError(f"'{name}' is {rows!r}; allowed: a list")
+    return rows
 
 
 def _checked(row: object) -> tuple[str, int]:

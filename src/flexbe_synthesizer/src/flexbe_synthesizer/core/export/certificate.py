@@ -175,10 +175,10 @@ class _Times:
         if limit is None:
             return None
         if entry.node.timeout_s is not None and not entry.use.is_timed:
-            return entry.node.timeout_s
+            return entry.node.timeout_s + limit.grace_s
         value = next((p.value for p in entry.node.params if p.name == limit.name), limit.default)
         is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        return float(value) if is_number and isinstance(value, int | float) else None
+        return value + limit.grace_s if is_number and isinstance(value, int | float) else None
 
     def _behavior(self, behavior: BehaviorClass) -> Seconds:
         if behavior.module not in self._known:

@@ -54,12 +54,18 @@ class Port:
 
 @dataclass(frozen=True)
 class Parameter:
-    """A constructor argument of a state, or a parameter of a behavior; `default` is a number."""
+    """A constructor argument of a state, or a parameter of a behavior.
+
+    Attributes:
+        default: a number; None for any other default.
+        grace_s: [s] that a visit may last beyond this time limit.
+    """
 
     name: str
     type: str | None = None
     required: bool = True
     default: float | None = None
+    grace_s: float = 0.0
 
     @property
     def takes_source(self) -> bool:

@@ -5,7 +5,8 @@ A file counts if a class in it has the base list `(EventState)`. Its constructor
 strings or the name of a constructor argument. The docstring gives the types, one mark a line:
 `-- name type text` argument, `># name type text` input, `#> name type text` output. An argument
 without a type is a string if its default is one. An outcome, `<= name text`, writes all outputs,
-unless its text holds `[writes key, key]` or `[writes nothing]`.
+unless its text holds `[writes key, key]` or `[writes nothing]`. An argument that limits the time of
+a visit, which may last longer, has `[grace 2 s]` in its text.
 """
 
 from __future__ import annotations
@@ -27,6 +28,9 @@ from flexbe_synthesizer.core.library.signature import (
 
 _MARK = re.compile(r"^\s*(--|>#|#>)\s+(\S+)[ \t]+(\S+)", re.MULTILINE)
 _OUTCOME = re.compile(r"^\s*<=\s+(.*?)(?=^\s*(?:--|>#|#>|<=)\s|\Z)", re.MULTILINE | re.DOTALL)
+_ARGUMENT = re.compile(r"^\s*--\s+(\S+)(.*?)(?=^\s*(?:--|>#|#>|<=)\s|\Z)", re.MULTILINE | re.DOTALL)
+_GRACE = re.compile(r"\[grace\s+([^\]]*)\]")
+_SECONDS = re.compile(r"(\d+(?:\.\d+)?) s")
 _WRITES = re.compile(r"\[writes\s+([^\]]*)\]")
 _CANCELS = {"cancel", "cancel_goal", "cancel_all_goals"}
 
@@ -57,7 +61,7 @@ def _read_class(found: ast.ClassDef, package: str, module: str) -> StateClass:
     documented = {
         (mark, name): documented_type(kind) for mark, name, kind in _MARK.findall(docstring)
     }
-    parameters = tuple(_parameters(constructor, documented))
+    parameters = tuple(_parameters(constructor, documented, _graces(docstring)))
     known = {parameter.name for parameter in parameters}
     lists = {
         keyword.arg: _name_list(keyword.arg, keyword.value, known)
@@ -130,8 +134,25 @@ def _constructor(found: ast.ClassDef) -> ast.FunctionDef:
     raise _UnreadableError("it has no __init__ that declares its outcomes")
 
 
+def _graces(docstring: str) -> Mapping[str, float]:
+    """Return how long a visit may last beyond the time limits that the arguments are [s]."""
+    graces = {}
+    for name, text in _ARGUMENT.findall(docstring):
+        if declared := _GRACE.search(text):
+            seconds = _SECONDS.fullmatch(declared[1].strip())
+            if seconds is None:
+                raise _UnreadableError(
+                    f"its docstring has '{declared[0]}' at '-- {name}'; allowed: seconds such as "
+                    "[grace 2 s]"
+                )
+            graces[name] = float(seconds[1])
+    return graces
+
+
 def _parameters(
-    constructor: ast.FunctionDef, documented: Mapping[tuple[str, str], str | None]
+    constructor: ast.FunctionDef,
+    documented: Mapping[tuple[str, str], str | None],
+    graces: Mapping[str, float],
 ) -> Iterator[Parameter]:
     """Yield the constructor's arguments after self."""
     given = constructor.args
@@ -143,7 +164,8 @@ def _parameters(
         kind = documented.get(("--", argument.arg)) or annotation
         if ("--", argument.arg) not in documented and argument.annotation is None:
             kind = "string" if _is_text(default) else None
-        yield Parameter(argument.arg, kind, default is None, _number(default))
+        grace_s = graces.get(argument.arg, 0.0)
+        yield Parameter(argument.arg, kind, default is None, _number(default), grace_s)
 
 
 def _is_text(node: ast.expr | None) -> bool:

@@ -59,7 +59,7 @@ class RunPanel:
             view: the run.
             running: name of the behavior that runs; empty if none does, or it is not known.
             loaded: name of the behavior that is loaded; empty if none is.
-            newer: the way to another version of what runs that is saved; None without one.
+            newer: the switch to another saved version of what runs; None without one.
         """
         shown = (_without_path(view), running, loaded, newer)
         if shown == self._shown:

@@ -5,8 +5,8 @@ store first, then the reference through the remapping. Writing an output key wri
 
     own key --remap--> key of the container          (missing in the map: the same name)
 
-An input key that is no output key may be read, never changed: its fingerprint is taken when it is
-lent out and compared when the view is closed. Values are lent by reference and never copied.
+An input key that is not an output key may be read, never changed: its fingerprint is taken when it
+is lent out and compared when the view is closed. Values are lent by reference and never copied.
 """
 
 from __future__ import annotations

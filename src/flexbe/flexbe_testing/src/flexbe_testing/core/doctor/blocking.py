@@ -82,7 +82,7 @@ def _is_rate_sleep(node: ast.Call, rates: set[str]) -> bool:
 
 
 def _waits_in_loop(module: Module, loop: ast.While) -> bool:
-    """Return whether a loop goes on until something outside changes."""
+    """Return whether a loop continues until something outside changes."""
     tested = {
         module.dotted(node.func) for node in ast.walk(loop.test) if isinstance(node, ast.Call)
     }
@@ -132,7 +132,7 @@ def _check_counting(module: Module, execute: ast.FunctionDef) -> Iterator[Findin
             continue
         if is_self_attribute(node.target) and node.target.attr in compared:
             text = (
-                f"execute counts its executions in self.{node.target.attr}: they are no clock, a "
-                "state is also executed when something arrives; compare rospy.get_time()"
+                f"execute counts its executions in self.{node.target.attr}, which do not measure "
+                "time: a state is also executed when something arrives; compare rospy.get_time()"
             )
             yield module.finding(node, "counts-executions", Severity.WARNING, text)

@@ -48,7 +48,7 @@ def construct(
         constructed += result["constructed"]
         if not result["at"]:
             break
-        # User code ended the process: report the module, and go on after it in another process.
+        # User code ended the process: report the module, and continue after it in another process.
         index = [name for name, _ in rest].index(result["at"])
         file = rest[index][1]
         text = f"importing or constructing it {ended}; keep such code out of module and constructor"

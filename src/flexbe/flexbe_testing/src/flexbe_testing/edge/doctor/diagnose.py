@@ -56,7 +56,7 @@ def diagnose(workspace: Path, is_static: bool = False, limit_s: float = 20.0) ->
                 importable.append((_dotted(package, file), str(file)))
     constructed = 0
     if not is_static:
-        # What cannot be imported for a reason that is known already is no second finding.
+        # What cannot be imported for a reason that is known already is not reported twice.
         broken = {f.file for f in findings if f.rule in ("unknown-import", "python2")}
         sound = [(name, file) for name, file in importable if file not in broken]
         new, constructed = construct(found, sound, limit_s)

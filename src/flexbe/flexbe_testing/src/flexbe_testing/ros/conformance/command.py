@@ -137,7 +137,7 @@ def _seconds(text: str) -> float:
     except ValueError:
         value = 0.0
     if not 0.0 < value <= _LONGEST_S:
-        raise argparse.ArgumentTypeError(f"{text!r} is no time above 0 and up to {_LONGEST_S:g} s")
+        raise argparse.ArgumentTypeError(f"{text!r} is not between 0 and {_LONGEST_S:g} s")
     return value
 
 

@@ -47,7 +47,7 @@ def preempt_while_idle(bench: Bench) -> None:
     bench.finished("failed")
 
 
-@scenario("A paused state is not executed; resumed, it goes on; both are acknowledged", "2.2")
+@scenario("A paused state is not executed; resumed, it continues; both are acknowledged", "2.2")
 def pause_and_resume(bench: Bench) -> None:
     """on_pause and on_resume are called."""
     bench.start_at("/First", CHAIN, 3)

@@ -18,7 +18,9 @@ def _enter_both(bench: Bench, level: int = 255) -> None:
     bench.in_any_order(f"enter {_LEFT}", f"enter {_RIGHT}")
 
 
-@scenario("A concurrency container is left when all outcomes of a condition are there", "2.4")
+@scenario(
+    "A concurrency container is left once all outcomes of a condition have been returned", "2.4"
+)
 def concurrency_waits_for_all(bench: Bench) -> None:
     """One after the other."""
     _enter_both(bench)
@@ -71,7 +73,7 @@ def concurrency_is_preempted(bench: Bench) -> None:
     bench.in_any_order(*(f"stop {path}" for path in (_LEFT, _RIGHT, "/After")))
 
 
-@scenario("A priority container pauses what runs beside it, and lets it go on afterwards", "2.4")
+@scenario("A priority container pauses concurrent states, and resumes them afterwards", "2.4")
 def priority_pauses_siblings(bench: Bench) -> None:
     """The gate of the paused state is open meanwhile."""
     bench.start(PRIORITY)

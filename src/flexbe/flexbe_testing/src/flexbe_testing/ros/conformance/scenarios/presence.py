@@ -26,7 +26,7 @@ def runs_behaviors(bench: Bench) -> None:
     bench.preempt()
 
 
-@scenario("An engine that has run nothing shows READY with behavior_id 0 and no args", "3.2")
+@scenario("An engine that has run nothing publishes READY with behavior_id 0 and no args", "3.2")
 def ready(bench: Bench) -> None:
     """The first status received is the latched one."""
     first = bench.wire.tape.statuses[0]
@@ -36,7 +36,7 @@ def ready(bench: Bench) -> None:
         raise ViolationError(f"READY carries id {first.behavior_id} and args {first.args}")
 
 
-@scenario("The last status is latched: who subscribes later receives it", "3.2")
+@scenario("The last status is latched: a later subscriber receives it", "3.2")
 def status_is_latched(bench: Bench) -> None:
     """Subscribe again after a run."""
     bench.start(CHAIN)

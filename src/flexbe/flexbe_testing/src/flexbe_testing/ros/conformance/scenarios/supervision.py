@@ -31,7 +31,7 @@ def _set_level(bench: Bench, level: int) -> None:
     bench.feedback("autonomy")
 
 
-@scenario("At level 255 no outcome is asked for, and mirrors receive nothing", "2.4")
+@scenario("At level 255 no outcome is requested, and mirrors receive nothing", "2.4")
 def unsupervised_is_silent(bench: Bench) -> None:
     """Leave a state with an outcome that needs Full."""
     bench.require_unwatched()
@@ -52,7 +52,7 @@ def transition_below_level(bench: Bench) -> None:
     bench.finished()
 
 
-@scenario("A transition at the level is asked for once, and the state stays active", "2.2")
+@scenario("A transition at the level is requested once, and the state stays active", "2.2")
 def transition_at_level_asks(bench: Bench) -> None:
     """Low at level 1; the operator then allows it."""
     bench.start_at("/First", CHAIN, 1)
@@ -78,7 +78,7 @@ def level_0_blocks_off(bench: Bench) -> None:
     bench.preempt()
 
 
-@scenario("A raised level takes the transition that was asked for; a lowered one asks", "3.2")
+@scenario("A raised level takes the requested transition; a lowered one requests", "3.2")
 def level_is_changed(bench: Bench) -> None:
     """Raise from 2 to 3, then lower to 0."""
     bench.start_at("/First", CHAIN, 2)
@@ -106,7 +106,7 @@ def request_is_withdrawn(bench: Bench) -> None:
     bench.preempt()
 
 
-@scenario("A state that returns another outcome asks for that one", "2.2")
+@scenario("A state that returns another outcome requests that one", "2.2")
 def request_is_changed(bench: Bench) -> None:
     """From Low to Full at level 1."""
     bench.start_at("/First", CHAIN, 1)
@@ -148,7 +148,7 @@ def forced_outcome_unknown(bench: Bench) -> None:
     bench.preempt()
 
 
-@scenario("Every transition of a state in /flexbe/breakpoints is asked for", "2.2")
+@scenario("Every transition of a state in /flexbe/breakpoints is requested", "2.2")
 def breakpoint(bench: Bench) -> None:
     """Engines may have the master notify them of the parameter: leave it the time to do so."""
     before = rospy.get_param(_BREAKPOINTS, [])

@@ -12,7 +12,7 @@ from flexbe_testing.ros.conformance.bench import Bench
 from flexbe_testing.ros.conformance.scenarios.modules import CHAIN, NEST
 
 
-@scenario("A request for the running behavior switches: its active state goes on, locked", "3.2")
+@scenario("A request for the running behavior switches: its active state continues, locked", "3.2")
 def switch_keeps_the_state(bench: Bench) -> None:
     """Unlock it at the end, as an operator does."""
     bench.start_at("/First", CHAIN, 3)
@@ -56,7 +56,7 @@ def switch_to_another_is_refused(bench: Bench) -> None:
 
 
 @scenario(
-    "A request that cannot be prepared is refused with `failed`; the running one goes on", "3.2"
+    "A request that cannot be prepared is refused with `failed`; the running one continues", "3.2"
 )
 def switch_to_unknown_is_refused(bench: Bench) -> None:
     """An id that no package path has."""

@@ -52,7 +52,7 @@ def get_userdata(bench: Bench) -> None:
     _release(bench)
 
 
-@scenario("flexbe/get_userdata fails for a key that is not there, and while nothing runs", "3.2")
+@scenario("flexbe/get_userdata fails for a key that does not exist, and while nothing runs", "3.2")
 def get_userdata_fails(bench: Bench) -> None:
     """Ask before a run and during one."""
     bench.require_service(topics.USERDATA_SERVICE)

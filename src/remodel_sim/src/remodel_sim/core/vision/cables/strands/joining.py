@@ -14,8 +14,8 @@ from remodel_sim.core.vision.cables.strands.foreground import DEVIATIONS, Foregr
 from remodel_sim.core.vision.cables.strands.network import Network
 from remodel_sim.core.vision.cables.strands.pairing import (
     ALONE,
-    Arm,
     EndId,
+    StrandEnd,
     best_pairs,
     join_prices,
 )
@@ -81,7 +81,7 @@ class _Joints:
     def __init__(self, network: Network, rgb: Pixels) -> None:
         """Join the strands at every place where some meet."""
         self._network = network
-        self._arms: dict[EndId, Arm] = network.arms(rgb)
+        self._strand_ends: dict[EndId, StrandEnd] = network.strand_ends(rgb)
         self._partner: dict[EndId, EndId] = {}
         self._margin: dict[EndId, float] = {}
         self._free: set[EndId] = set()
@@ -89,7 +89,7 @@ class _Joints:
             if len(ends) == 1:
                 self._free.add(ends[0])
                 continue
-            pairs, margin = best_pairs([self._arms[end] for end in ends])
+            pairs, margin = best_pairs([self._strand_ends[end] for end in ends])
             self._margin |= dict.fromkeys(ends, margin)
             for a, b in pairs:
                 self._join(a, b)
@@ -100,16 +100,18 @@ class _Joints:
     def bridge(self, covered: Pixels) -> None:
         """Join free ends that face each other across something that hides the table."""
         width = self._network.width
-        arms = [arm for end, arm in self._arms.items() if end not in self._partner]
-        if len(arms) < 2:
+        strand_ends = [
+            strand_end for end, strand_end in self._strand_ends.items() if end not in self._partner
+        ]
+        if len(strand_ends) < 2:
             return
-        places = np.array([arm.place for arm in arms])
+        places = np.array([strand_end.place for strand_end in strand_ends])
         gaps = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1)) / width
-        costs = join_prices(arms) + (GAP_PRICE / GAP_WIDTHS) * gaps
+        costs = join_prices(strand_ends) + (GAP_PRICE / GAP_WIDTHS) * gaps
         rows, columns = np.nonzero(np.triu((costs < ALONE) & (gaps <= GAP_WIDTHS), 1))
         order = np.argsort(costs[rows, columns], kind="stable")
         for i, j in zip(rows[order].tolist(), columns[order].tolist(), strict=True):
-            a, b = arms[i], arms[j]
+            a, b = strand_ends[i], strand_ends[j]
             if {a.end, b.end} & self._partner.keys():
                 continue
             length = max(3, round(float(gaps[i, j]) * width))
@@ -121,8 +123,8 @@ class _Joints:
         """Return the cables: the first end of each strand, in order."""
         found = []
         used: set[int] = set()
-        starts = [end for end in self._arms if end not in self._partner]
-        for start in [*starts, *self._arms]:
+        starts = [end for end in self._strand_ends if end not in self._partner]
+        for start in [*starts, *self._strand_ends]:
             if start[0] in used:
                 continue
             chain = [start]
@@ -144,12 +146,15 @@ class _Joints:
             high = self._network.undisturbed((i, 1 - e), 0.3) if k < len(chain) - 1 else 0
             points = points[low : len(points) - high]
             if k:
-                before, after = self._arms[chain[k - 1][0], 1 - chain[k - 1][1]], self._arms[i, e]
+                before, after = (
+                    self._strand_ends[chain[k - 1][0], 1 - chain[k - 1][1]],
+                    self._strand_ends[i, e],
+                )
                 start, end = parts[-1][-1], points[0]
                 parts.append(across_gap(start, before.heading, end, -after.heading, step=1.0))
             parts.append(points)
         first, last = chain[0], (chain[-1][0], 1 - chain[-1][1])
-        widths = [self._arms[end].width for end in chain]
+        widths = [self._strand_ends[end].width for end in chain]
         weights = [len(self._network.strands[i].points) for i, _ in chain]
         width = max(1.5, float(np.average(widths, weights=weights)))
         line = smooth(np.vstack(parts), SMOOTHING_WIDTHS * width)

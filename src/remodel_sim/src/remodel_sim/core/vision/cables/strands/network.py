@@ -12,7 +12,7 @@ import numpy as np
 
 from remodel_sim.core.vision.cables.curves.polyline import arc_lengths
 from remodel_sim.core.vision.cables.curves.robust_statistics import median, median_colour
-from remodel_sim.core.vision.cables.strands.pairing import Arm, EndId, heading_at
+from remodel_sim.core.vision.cables.strands.pairing import EndId, StrandEnd, heading_at
 from remodel_sim.core.vision.cables.strands.skeleton import Strand
 from remodel_sim.core.vision.pixels import Pixels
 
@@ -120,9 +120,9 @@ class Network:
         self._parent[self.place((strand, 0))] = self.place((strand, 1))
         self._absorbed.add(strand)
 
-    def arms(self, rgb: Pixels) -> dict[EndId, Arm]:
+    def strand_ends(self, rgb: Pixels) -> dict[EndId, StrandEnd]:
         """Return the ends of the free strands, coloured from a picture (height, width, 3)."""
-        arms = {}
+        strand_ends = {}
         span = max(HEADING_PX, round(HEADING_WIDTHS * self.width))
         for i in self.free_strands():
             at = self._places[i]
@@ -134,7 +134,7 @@ class Network:
                 inward = points if e == 0 else points[::-1]
                 skip = self.undisturbed((i, e), 0.5)
                 place, heading = heading_at(inward[skip : skip + span])
-                arms[i, e] = Arm(
+                strand_ends[i, e] = StrandEnd(
                     end=(i, e), place=place, heading=heading, colour=colour, width=width
                 )
-        return arms
+        return strand_ends

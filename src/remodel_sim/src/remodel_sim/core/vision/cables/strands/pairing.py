@@ -34,7 +34,7 @@ PLANE = np.array([1.0, 1.0j])
 
 
 @dataclass(frozen=True, eq=False)
-class Arm:
+class StrandEnd:
     """An end of a strand.
 
     Attributes:
@@ -52,41 +52,41 @@ class Arm:
     width: float
 
 
-def join_prices(arms: list[Arm]) -> Array:
+def join_prices(strand_ends: list[StrandEnd]) -> Array:
     """Return the prices (n, n) of taking two of n ends for one cable.
 
     The bending energy of the cubic between them is 4 (s^2 + s t + t^2) / l with the headings s, t
     against the chord of length l. Vectors in the plane are complex numbers here.
     """
-    place = np.array([arm.place for arm in arms]) @ PLANE
-    heading = np.array([arm.heading for arm in arms]) @ PLANE
+    place = np.array([strand_end.place for strand_end in strand_ends]) @ PLANE
+    heading = np.array([strand_end.heading for strand_end in strand_ends]) @ PLANE
     chord = place[None] - place[:, None]
     chord = np.where(np.abs(chord) > 1e-6, chord, heading[:, None]).conj()
     s, t = np.angle(heading[:, None] * chord), np.angle(-heading[None] * chord)
-    colour = np.array([arm.colour for arm in arms])
+    colour = np.array([strand_end.colour for strand_end in strand_ends])
     apart = colour[None] - colour[:, None]
     hue = np.einsum("ijk,ijk->ij", apart, apart) / COLOUR_UNIT**2
-    width = np.array([arm.width for arm in arms])
+    width = np.array([strand_end.width for strand_end in strand_ends])
     thicker = (width[None] - width[:, None]) / (width[None] + width[:, None])
     size = np.square(thicker * (2 / WIDTH_UNIT))
-    strand = np.array([arm.end[0] for arm in arms])
+    strand = np.array([strand_end.end[0] for strand_end in strand_ends])
     own = OWN_END * (strand[None] == strand[:, None])
     bend = s * s + s * t + t * t
     return np.asarray(bend + np.minimum(hue, COLOUR_MOST) + np.minimum(size, WIDTH_MOST) + own)
 
 
-def best_pairs(arms: list[Arm]) -> tuple[list[tuple[EndId, EndId]], float]:
+def best_pairs(strand_ends: list[StrandEnd]) -> tuple[list[tuple[EndId, EndId]], float]:
     """Return the cheapest pairing of the ends at one place, and how much dearer the next is."""
-    count = len(arms)
-    price = join_prices(arms).tolist()
+    count = len(strand_ends)
+    price = join_prices(strand_ends).tolist()
     if count > MAX_OPTIMAL:
-        return _greedy_pairs(arms, price), 0.0
+        return _greedy_pairs(strand_ends, price), 0.0
     ranked = sorted(
         (sum(price[i][j] for i, j in pairs) + ALONE * (count - 2 * len(pairs)), pairs)
         for pairs in _pairings(tuple(range(count)))
     )
     margin = ranked[1][0] - ranked[0][0] if len(ranked) > 1 else math.inf
-    return [(arms[i].end, arms[j].end) for i, j in ranked[0][1]], margin
+    return [(strand_ends[i].end, strand_ends[j].end) for i, j in ranked[0][1]], margin
 
 
 def _pairings(items: tuple[int, ...]) -> Iterator[tuple[tuple[int, int], ...]]:
@@ -101,13 +101,15 @@ def _pairings(items: tuple[int, ...]) -> Iterator[tuple[tuple[int, int], ...]]:
             yield ((first, other), *more)
 
 
-def _greedy_pairs(arms: list[Arm], price: list[list[float]]) -> list[tuple[EndId, EndId]]:
+def _greedy_pairs(
+    strand_ends: list[StrandEnd], price: list[list[float]]
+) -> list[tuple[EndId, EndId]]:
     pairs, taken = [], set[int]()
-    options = [(price[i][j], i, j) for i, j in itertools.combinations(range(len(arms)), 2)]
+    options = [(price[i][j], i, j) for i, j in itertools.combinations(range(len(strand_ends)), 2)]
     for cost, i, j in sorted(options):
         if cost < 2 * ALONE and not {i, j} & taken:
             taken |= {i, j}
-            pairs.append((arms[i].end, arms[j].end))
+            pairs.append((strand_ends[i].end, strand_ends[j].end))
     return pairs
 
 
