@@ -188,7 +188,7 @@ class UseCaseSupervisor:
         self._step = step
         self._describe(description_of(step))
         if self._gates.is_overdue and not isinstance(step, End):
-            limit = f"its time of {self.state.timeout_s:g} s has passed"
+            limit = f"the run's time limit of {self.state.timeout_s:g} s has passed"
             self._record.append(Blocked(limit))
             return
         match step:
