@@ -49,7 +49,7 @@ REASONS = {
         "tasks": {"W1": replace(RUNNING, stopped_by=FAULT)}
     },
     "cid skipped the task": {"skipped": {"W1": "cid"}},
-    "its time has passed": {"is_overdue": True},
+    "the run's time limit has passed": {"is_overdue": True},
 }
 
 
@@ -89,7 +89,7 @@ def test_a_pause_holds_and_so_does_a_server_that_does_not_rest():
         ({}, "a protective stop that is over", Circumstances(), True),
         ({"stop": "ben stopped it"}, "ben stopped it", Circumstances(), False),
         ({"skipped": {"W1": "cid"}}, "cid skipped the task", Circumstances(), False),
-        ({"skipped": {"W2": "cid"}}, "its time has passed", Circumstances(), True),
+        ({"skipped": {"W2": "cid"}}, "the run's time limit has passed", Circumstances(), True),
         ({"protective": "ann", "stop": "ben stopped it"}, "", Circumstances(), True),
         ({"stop": "ben stopped it"}, "", Circumstances(disowned="another owner"), True),
         ({"stop": "ben stopped it"}, "", Circumstances(lost_lease="the lease ran out"), True),
@@ -102,8 +102,8 @@ def test_a_behavior_is_cut_short_by_what_is_neither_a_stop_nor_a_skip(
 
 
 def test_a_behavior_that_was_cut_short_is_interrupted_unless_another_cell_has_its_task():
-    assert cut_short_event("W1", "its time has passed", Circumstances()) == Interrupted(
-        "its time has passed"
+    assert cut_short_event("W1", "the run's time limit has passed", Circumstances()) == Interrupted(
+        "the run's time limit has passed"
     )
     taken = Circumstances(lost_lease="another cell has taken over task W1", is_taken_over=True)
     assert cut_short_event("W1", "", taken) == TaskElsewhere("W1", "", AsLeft.RUNNING)

@@ -345,7 +345,7 @@ def test_a_record_of_a_behavior_that_was_stopped_is_dropped(bench):
         found = Operation("/Find wire", "DetectCable", "detected", 0, "", 2.0, 1.0, goal)
         answers.append(bench.supervisor.tasks.keep_record(behavior, found))
 
-    stopped = (True, "of a behavior that was stopped; it is not kept")
+    stopped = (True, "the record is of a behavior that was stopped, and is not kept")
     send(bench.owner)  # before this supervisor has stopped what runs
     bench.run(lambda: send(bench.owner + 1), lambda: send(bench.owner))
     assert answers == [stopped, stopped, (True, "")]
@@ -531,7 +531,7 @@ def test_a_record_that_arrives_after_its_published_stop_is_not_kept_again(attend
 
     bench.loop.every(10.0, answer)
     bench.run(stop)
-    assert answers == [(True, "of an operation that was reported; it is not kept again")]
+    assert answers == [(True, "the operation was reported before; its record is not kept again")]
     assert len(bench.events(StopReported)) == 1
     assert not bench.events(OperationEnded)
 
@@ -812,7 +812,7 @@ def test_the_time_of_a_run_is_limited_also_after_a_restart(house_url):
         bench.loop.wall += 8.0
 
     state = bench.run(take_long)
-    assert state.ended.because == "its time of 5 s has passed"
+    assert state.ended.because == "the run's time limit of 5 s has passed"
     bench.database.close()
 
 

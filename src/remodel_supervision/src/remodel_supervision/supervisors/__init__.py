@@ -11,6 +11,7 @@ panel_loader.py         has the cell build the product's panel
 task_executor.py        runs the behaviors of tasks, and records what they do
 task_inspector.py       inspects what of a task is done
 task_supervisor.py      runs one behavior, grants its operations, keeps what they did
+reconnection.py         stops what runs, and waits for what was lost
 failure_judge.py        decides about failures, asks operators
 commands.py             which commands are allowed, and when they are answered
 cell/                   the runs of one cell, one after the other

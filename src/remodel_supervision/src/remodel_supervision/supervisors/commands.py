@@ -116,4 +116,6 @@ def require_open(event: Answered, state: RunState) -> None:
         raise CellError(f"question {event.number} is not open; open is {open_now}")
     if event.choice not in asked.choices:
         choices = ", ".join(choice.value for choice in asked.choices)
-        raise CellError(f"{event.choice.value} is no answer to it; there are {choices}")
+        raise CellError(
+            f"question {asked.number} has no choice {event.choice.value}; its choices are {choices}"
+        )

@@ -58,7 +58,7 @@ class GateKeeper:
 
     @property
     def is_overdue(self) -> bool:
-        """Whether the run's time has passed."""
+        """Whether the run's time limit has passed."""
         spent_s = self._before_s + self._loop.now_s() - self._begun_s
         return 0 < self._record.state.timeout_s < spent_s
 

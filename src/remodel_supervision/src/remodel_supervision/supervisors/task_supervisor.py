@@ -264,11 +264,13 @@ class TaskSupervisor:
         before anything moves, that is kept.
         """
         if operation.goal_id in self._stops_kept and operation.goal_id not in self._goals:
-            return True, "of an operation that was reported; it is not kept again"
+            return True, "the operation was reported before; its record is not kept again"
         if self._settling or self._is_of_another_owner(operation):
-            return self._keep_stop(operation, "of a behavior that was stopped; it is not kept")
+            return self._keep_stop(
+                operation, "the record is of a behavior that was stopped, and is not kept"
+            )
         if self._keep is None or behavior != self.behavior:
-            return self._keep_stop(operation, "of no task; it is not kept")
+            return self._keep_stop(operation, "the record is of no running task, and is not kept")
         if operation.goal_id not in self._goals:
             try:
                 self._keep(operation)

@@ -11,7 +11,6 @@ from remodel_supervision.core.runs.events import (
     Answered,
     Blocked,
     Commanded,
-    Interrupted,
     Part,
     Planned,
     RunEnded,
@@ -37,8 +36,9 @@ from remodel_supervision.supervisors.gate_keeper import GateKeeper
 from remodel_supervision.supervisors.leases import LeaseKeeper
 from remodel_supervision.supervisors.panel_loader import PanelLoader
 from remodel_supervision.supervisors.ports import EventLoop
+from remodel_supervision.supervisors.reconnection import Reconnection
 from remodel_supervision.supervisors.run_control import RunControl
-from remodel_supervision.supervisors.run_record import RETRY_S, RunRecord
+from remodel_supervision.supervisors.run_record import RunRecord
 from remodel_supervision.supervisors.task_executor import TaskExecutor
 from remodel_supervision.supervisors.task_inspector import TaskInspector
 from remodel_supervision.supervisors.task_supervisor import TaskSupervisor
@@ -49,12 +49,6 @@ _CHECK_S = 0.2
 
 # [s] wall time between two questions to the database whether other cells are done with a task.
 _OTHERS_S = 1.0
-
-# [s] wall time after which something that is gone counts as lost.
-_GRACE_S = 0.2
-
-# [s] wall time that what runs gets to come to rest when this process ends; roslaunch waits for 15.
-_LEAVE_LIMIT_S = 4.0
 
 
 class UseCaseSupervisor:
@@ -122,6 +116,7 @@ class UseCaseSupervisor:
         self._judge = FailureJudge(
             record, loop, work, abilities, gate=gate, describe=self._describe
         )
+        self._reconnection = Reconnection(record, loop, peers, gates, describe=self._describe)
         record.watch(self._on_state, self._describe)
 
     @property
@@ -161,7 +156,7 @@ class UseCaseSupervisor:
         """
         timer = self._loop.every(_CHECK_S, self._tick)
         try:
-            self._recover("the use case supervisor was restarted", is_resumed=self._is_resumed)
+            self._recover("the use case supervisor was restarted", is_interrupted=self._is_resumed)
             while (step := self._next_step()) is not None:
                 try:
                     self._do(step)
@@ -173,7 +168,8 @@ class UseCaseSupervisor:
                 except (CellError, InstanceError, UseCaseError) as error:
                     self._record.append(Blocked(str(error)))
         except BaseException as error:
-            self._come_to_rest(error)
+            restless = self._reconnection.come_to_rest(str(error) or type(error).__name__)
+            self._doing = restless or self._doing
             raise
         finally:
             timer.cancel()
@@ -184,11 +180,7 @@ class UseCaseSupervisor:
 
     def _next_step(self) -> Step | None:
         self._record.insist(self._record.catch_up)
-        while lost := self._disowned():
-            # The lease on the cell ran out during an outage: nothing moves before it is renewed.
-            self._describe(f"waiting, since {lost}")
-            self._record.take_up()
-            self._loop.run_until(lambda: not self._disowned(), RETRY_S)
+        self._reconnection.await_ownership(self._disowned)
         self._gates.update()
         return next_step(self.state)
 
@@ -196,7 +188,7 @@ class UseCaseSupervisor:
         self._step = step
         self._describe(description_of(step))
         if self._gates.is_overdue and not isinstance(step, End):
-            limit = f"its time of {self.state.timeout_s:g} s has passed"
+            limit = f"the run's time limit of {self.state.timeout_s:g} s has passed"
             self._record.append(Blocked(limit))
             return
         match step:
@@ -270,26 +262,9 @@ class UseCaseSupervisor:
         self._doing = text
         self._on_change()
 
-    def _recover(self, because: str, *, is_resumed: bool = True) -> None:
+    def _recover(self, because: str, *, is_interrupted: bool = True) -> None:
         """Wait for what was lost, and stop what runs; its progress is unverified."""
-        # With the launch everything ends at once, this process not first: that is no event.
-        self._loop.run_until(lambda: False, _GRACE_S)
-        if is_resumed:
-            self._record.append(Interrupted(because))
-            self._describe(f"waiting, since {because}")
         self._panel.forget()
-        try:
-            self._peers.wait(self.work.reconnect_s)
-            self.tasks.stop_all(self.work.reconnect_s)
-        except LostError as error:
-            self._record.append(Blocked(str(error)))
-        else:
+        limit_s = self.work.reconnect_s
+        if self._reconnection.recover(because, limit_s, is_interrupted=is_interrupted):
             self._control.note_behavior_end()
-
-    def _come_to_rest(self, error: BaseException) -> None:
-        """Stop what runs before this process, or its ownership, ends."""
-        self._gates.gate.halt = str(error) or type(error).__name__
-        try:
-            self.tasks.stop_own(_LEAVE_LIMIT_S)
-        except LostError as lost:
-            self._doing = str(lost)

@@ -23,7 +23,7 @@ class Circumstances:
         disowned: why this supervisor does not own the cell any more; empty if it does.
         lost_lease: why this cell does not hold the task under way any more; empty if it does.
         is_taken_over: whether another cell has taken over that task.
-        is_overdue: whether the run's time has passed.
+        is_overdue: whether the run's time limit has passed.
         unrested: servers that were lost during an operation, and may still complete it.
     """
 
@@ -46,7 +46,7 @@ def decide_halt(state: RunState, now: Circumstances) -> str:
         or now.lost_lease
         or (task.halt if task else "")
         or (f"{skipped_by} skipped the task" if skipped_by else "")
-        or ("its time has passed" if now.is_overdue else "")
+        or ("the run's time limit has passed" if now.is_overdue else "")
     )
 
 

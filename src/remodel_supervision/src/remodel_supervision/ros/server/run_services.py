@@ -101,7 +101,7 @@ class RunServices:
             if supervisor is not None:
                 return supervisor.tasks.keep_record(record.behavior, operation_of(record))
             closed = self.commands.closed
-            return not closed, closed or "of no run; it is not kept"
+            return not closed, closed or "no run is under way; the record is not kept"
 
         return KeepRecordResponse(*self._loop.call(keep, (False, "this node is shutting down")))
 
@@ -152,7 +152,7 @@ class RunServices:
         def do(reply: Reply) -> None:
             supervisor = self.commands.active
             if choice not in known:
-                reply(False, f"{choice!r} is no answer; there are {', '.join(sorted(known))}")
+                reply(False, f"unknown answer {choice!r}; possible are {', '.join(sorted(known))}")
             elif supervisor is None:
                 reply(False, "no run is under way")
             else:
