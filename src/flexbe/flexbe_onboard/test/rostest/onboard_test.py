@@ -48,6 +48,10 @@ class Recorder:
         self._arrived = threading.Condition()
         self._subscriber = rospy.Subscriber(topic, message_type, self._on_message, tcp_nodelay=True)
 
+    @property
+    def is_connected(self):
+        return self._subscriber.get_num_connections() > 0
+
     def _on_message(self, message):
         with self._arrived:
             self.messages.append((time.monotonic(), message))
@@ -88,6 +92,7 @@ class Engine:
         self._namespace = namespace
         self._publishers = {}
         self.publisher("start_behavior", BehaviorSelection)
+        assert wait_until(lambda: all(each.is_connected for each in self._recorders()))
 
     def publisher(self, name, message_type):
         topic = f"{self._namespace}flexbe/{name}"
@@ -115,9 +120,11 @@ class Engine:
         )
 
     def clear(self):
-        for recorder in vars(self).values():
-            if isinstance(recorder, Recorder):
-                recorder.clear()
+        for recorder in self._recorders():
+            recorder.clear()
+
+    def _recorders(self):
+        return [each for each in vars(self).values() if isinstance(each, Recorder)]
 
     def start(self, *args, **kwargs):
         self.clear()
