@@ -26,6 +26,7 @@ class Node:
         self.life = 1
         self.stalled_s: float | None = None
         self._wakes_s = 0.0
+        self._silence_s = (0.0, 0.0)
         self._deaths: list[Callable[[], None]] = []
 
     @property
@@ -37,6 +38,11 @@ class Node:
     def heard_s(self) -> float:
         """[s] until when it has reported regularly."""
         return self.simulation.now_s if self.stalled_s is None else self.stalled_s
+
+    def reported_s(self, due_s: float) -> float:
+        """Return when [s] it published a report that was due then, or the last before it was stalled."""
+        begun_s, ended_s = self._silence_s
+        return begun_s if begun_s < due_s < ended_s else due_s
 
     def deliver(self, delay_s: float, call: Callable[..., None], *args: Any) -> None:
         """Have it do something after a time [s]; it does not if it dies before."""
@@ -66,6 +72,8 @@ class Node:
     def _wake(self, life: int) -> None:
         if life == self.life and self.is_up:
             self.simulation.note(self.name, "wakes up")
+            if self.stalled_s is not None:
+                self._silence_s = (self.stalled_s, self.simulation.now_s)
             self.stalled_s = None
 
     def kill(self, for_s: float) -> None:

@@ -100,7 +100,7 @@ class Server(Node):
     def rests(self, since_s: float, owner: int | None = None) -> bool:
         """Return whether it has reported since then [s] that it rests, or serves another owner."""
         heard_s = self.heard_s - 0.003
-        tick_s = heard_s - math.fmod(heard_s + self._phase_s, _REPORT_S)
+        tick_s = self.reported_s(heard_s - math.fmod(heard_s + self._phase_s, _REPORT_S))
         is_foreign = self._job is not None and owner not in (None, self._job.motion.owner)
         if self._changed_s <= heard_s:
             return (self._job is None or is_foreign) and max(tick_s, self._changed_s) >= since_s

@@ -29,7 +29,10 @@ def runs_behaviors(bench: Bench) -> None:
 @scenario("An engine that has run nothing publishes READY with behavior_id 0 and no args", "3.2")
 def ready(bench: Bench) -> None:
     """The first status received is the latched one."""
-    first = bench.wire.tape.statuses[0]
+    tape = bench.wire.tape
+    if not tape.wait(lambda: bool(tape.statuses), bench.limit_s):
+        raise ViolationError(f"no status within {bench.limit_s:g} s; it must be latched")
+    first = tape.statuses[0]
     if first.code != BEStatus.READY:
         raise NotJudgedError("the engine has run behaviors before; restart it to judge this")
     if first.behavior_id != 0 or first.args:
